@@ -19,9 +19,10 @@ import numpy as np
 from acoustics import UPRIGHT, config_of, engine, opened
 from house_truth import judged
 
-from home_mjx.audio_jax import BakeOptions, Listener, Source, early_paths, edt, t30, with_late_sound
+from home_mjx.audio_jax import BakeOptions, LateReverbBake, Listener, Source, early_paths, edt, t30
 from home_mjx.bank.bank import HouseBank
-from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.houses import add_bakes
+from home_mjx.houses.house_set import HouseSet
 
 STEP = 0.05  # [m]
 EDGES = 8  # around which direct sound bends
@@ -227,7 +228,7 @@ def main():
     if any(map(is_baked, args.presets)):
         start = time.perf_counter()
         banks = [
-            with_late_sound(bank, [house], BakeOptions(rays=args.rays, seed=seed))
+            add_bakes(bank, [house], LateReverbBake(BakeOptions(rays=args.rays, seed=seed)))
             for seed in range(1 + ("walks" in args.parts))
         ]
         cells = banks[0].late.level.shape[1]

@@ -21,13 +21,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpe
 
 import acoustic_rooms as rooms
 
-from home_mjx.audio_jax import Listener, Source, audio_preset, with_late_sound
+from home_mjx.audio_jax import Listener, Source, audio_preset
 from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import reception
+from home_mjx.audio_jax.moving_sources.frame import moving_frame
+from home_mjx.audio_jax.moving_sources.reception import reception
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bench.timing import calls_per_second, compiled, device_name
+from home_mjx.core.profiling import calls_per_second, compiled, device_name
 from home_mjx.core.workers import usable_cores
+from home_mjx.houses import add_bakes
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
 
@@ -40,7 +41,7 @@ RAYS, ORDER, EVERT = 10_000, 3, 117
 def here(envs, seconds, preset):
     """Frames a second of so many environments."""
     case, config = rooms.uneven(), audio_preset(preset)
-    bank = with_late_sound(HouseBank.from_compiled([case.house]), [case.house])
+    bank = add_bakes(HouseBank.from_compiled([case.house]), [case.house], "late_reverb")
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     physics, upright = bank.physics, jnp.float32([0.5, 0.5, -0.5, -0.5])
     clip = jnp.asarray(clip_samples("radio", config))[: config.memory_length - 1 + config.frame + config.ahead]

@@ -23,6 +23,7 @@ from decay_oracle import fly
 from home_mjx.audio_jax import (
     AudioConfig,
     BakeOptions,
+    LateReverbBake,
     Listener,
     Source,
     audio_preset,
@@ -30,10 +31,10 @@ from home_mjx.audio_jax import (
     early_paths,
     edt,
     t30,
-    with_late_sound,
 )
 from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.bank.bank import HouseBank
+from home_mjx.houses import add_bakes
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
 
@@ -150,8 +151,10 @@ def measure(case, args):
     truth = fly(case.blocks, case.source, case.listeners, args.seconds, dt, args.particles).energy
     for preset in args.presets:
         config = config_of(preset, args.seconds)
-        if config.late == "baked" and bank.late is None:
-            bank = with_late_sound(bank, [case.house], BakeOptions(args.bake_size, args.bake_rays, seed=args.bake_seed))
+        if config.late == "baked" and not bank.bakes:
+            bank = add_bakes(
+                bank, [case.house], LateReverbBake(BakeOptions(args.bake_size, args.bake_rays, seed=args.bake_seed))
+            )
         ours = heard(case, bank, config, SEEDS.get(preset, 1))
         for name, group in places(case).items():
             for record in compare(name, truth[group], ours[:, group], dt):

@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 
 import home_mjx
-from home_mjx.bench.timing import device_name
+from home_mjx.core.profiling import device_name
 from home_mjx.tasks import BoundEnv, PointNav
 
 LENGTH = 500  # steps of an episode

@@ -35,15 +35,16 @@ import numpy as np
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bench.timing import device_name
 from home_mjx.core.compile_cache import use_compile_cache
-from home_mjx.datasets import generate_dataset
+from home_mjx.core.profiling import device_name
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.splits import split_of
+from home_mjx.houses import load_bank
 from home_mjx.tasks import with_expert
-from home_mjx.tasks.environment.moves import spoken_tokens
+from home_mjx.tasks.env.moves import spoken_tokens
 from home_mjx.training import Policy, evaluate, expert_policy, random_policy, summary
 from home_mjx.training.evaluation import with_episodes
+from home_procgen import generate_dataset
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "baselines.md"
@@ -115,7 +116,7 @@ def main() -> None:
 def unseen(root: Path, split: str, num: int) -> HouseBank:
     """Generated houses of a part, of seeds that nobody tuned on."""
     seeds = islice((seed for seed in count(FIRST_SEED) if split_of(house_id(seed)) == split), num)
-    return HouseBank.from_dataset(root, ids=generate_dataset(root, list(seeds)))
+    return load_bank(root, ids=generate_dataset(root, list(seeds)))
 
 
 def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[str, Any]]:

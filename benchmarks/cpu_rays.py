@@ -18,8 +18,6 @@ from gpu_rays import Bench, against_peer, images, primary, read_peers
 from views import every_object_movable, load_bank
 from warp_renderer import matrices, triangles_of
 
-from home_mjx.bench import timing
-
 SIZE = 64  # pixels, each way
 
 

@@ -18,12 +18,13 @@ import numpy as np
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bench.timing import device_name
 from home_mjx.core.compile_cache import use_compile_cache
-from home_mjx.datasets import generate_dataset
+from home_mjx.core.profiling import device_name
+from home_mjx.houses import load_bank
 from home_mjx.tasks import detokenize, with_expert
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.training import evaluate, expert_policy
+from home_procgen import generate_dataset
 
 
 def main() -> None:
@@ -32,7 +33,7 @@ def main() -> None:
     use_compile_cache()
     seeds = range(args.first, args.first + args.houses)
     with tempfile.TemporaryDirectory() as root:
-        bank = HouseBank.from_dataset(root, ids=generate_dataset(root, seeds), progress=True)
+        bank = load_bank(root, ids=generate_dataset(root, seeds), progress=True)
     for name in args.ids:
         line = judge(bank, name, seeds, args)
         print(json.dumps(line), flush=True)

@@ -24,19 +24,19 @@ import jax.numpy as jnp
 import numpy as np
 from views import cameras, every_object_movable, load_bank, on_device
 
-from home_mjx.bench.record import make_record
+from benchmarks.cases.record import make_record
 from home_mjx.core.native import nvrtc
 from home_mjx.core.native.platforms import devices_of
+from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
 from home_mjx.raycast_render.casting.cast import cast, occluded
-from home_mjx.raycast_render.executors import cuda
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import unit_normals
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shading import shading
-from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.raycast_render.shaders import shading
+from home_mjx.raycast_render.shaders.preset import Lit
 
 ROUNDS = 5
 ROUND_SECONDS = 0.06

@@ -20,9 +20,9 @@ from standing_things import floating, overlaps, things
 from walked_homes import LINKS, Home, Walker, reachable, room_map
 
 from home_mjx.datasets import validate_house
+from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.seeds import house_id
-from home_mjx.datasets.shapes.polygon_slab import signed_area
-from home_mjx.datasets.suncg.dataset import Dataset
+from home_mjx.geometry.slabs import signed_area
 from home_mjx.scene_compile import compile_house
 from home_mjx.scene_compile.architecture.rooms import extract_rooms
 from home_mjx.scene_compile.mjcf.export import to_mjcf

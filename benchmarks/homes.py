@@ -25,12 +25,13 @@ from home_checks import Record, check_home, digest, unpacked
 from tqdm import tqdm
 
 from home_mjx.core.workers import usable_cores, worker_pool
-from home_mjx.datasets import generate_dataset, open_dataset
-from home_mjx.datasets.homes.dataset import write_home
-from home_mjx.datasets.procedural import dataset as machinery
+from home_mjx.datasets import open_dataset
+from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.seeds import house_id
-from home_mjx.datasets.suncg.dataset import Dataset
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
+from home_procgen import generate_dataset
+from home_procgen.dataset import write_home
+from home_procgen.v1 import dataset as machinery
 
 # Of SUNCG's 329,195 rooms with a label other than `Room`, in per cent.
 SUNCG = {

@@ -22,8 +22,8 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.bench.timing import device_name
 from home_mjx.cli.learning.named import assignments
+from home_mjx.core.profiling import device_name
 from home_mjx.registry import find_spec
 from home_mjx.tasks import chance, prior_accuracy
 from home_mjx.tasks.base.options import override

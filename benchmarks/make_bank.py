@@ -11,10 +11,10 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 
 from views import save_bank
 
-from home_mjx.bank.bank import HouseBank
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.houses import load_bank
+from home_mjx.houses.house_cache import HouseCache
+from home_procgen.v1.dataset import generate_dataset
 
 
 def compile_some(root, ids):
@@ -37,7 +37,7 @@ def main():
     compile_some(root, ids[:1])  # compiles the compiler once
     with ProcessPoolExecutor(args.jobs) as pool:
         list(pool.map(partial(compile_some, root), [ids[i :: args.jobs] for i in range(args.jobs)]))
-    save_bank(HouseBank.from_dataset(root, ids=ids), args.out)
+    save_bank(load_bank(root, ids=ids), args.out)
 
 
 if __name__ == "__main__":

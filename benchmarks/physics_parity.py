@@ -31,7 +31,7 @@ from tqdm import tqdm
 
 import home_mjx
 from home_mjx import HouseBank, physics
-from home_mjx.bench.timing import device_name
+from home_mjx.core.profiling import device_name
 from home_mjx.physics import PhysicsConfig, PhysicsState, Template
 from home_mjx.physics.base.layout import Layout
 from home_mjx.schema.timing import Timing

@@ -18,7 +18,7 @@ import jax.numpy as jnp
 
 import home_mjx
 from home_mjx import HouseBank, physics
-from home_mjx.bench.timing import device_name
+from home_mjx.core.profiling import device_name
 from home_mjx.physics import PhysicsConfig, Template
 
 STEPS, CALLS = 20, 5

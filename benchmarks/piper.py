@@ -19,17 +19,17 @@ import numpy as np
 from jaxtyping import Array
 
 import home_mjx
-from home_mjx.datasets import generate_dataset
 from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.env.bound import BoundEnv
 from home_mjx.tasks.experts.explore import ways_to
 from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
 from home_mjx.tasks.experts.walk import to_actions
-from home_mjx.tasks.guided.pied_piper import APART, FOLLOWER
+from home_mjx.tasks.scripted_agents.pied_piper import APART, FOLLOWER
 from home_mjx.training import evaluate, expert_policy
 from home_mjx.training.rollout import Policy
+from home_procgen import generate_dataset
 
 Act = Callable[[Snapshot, State], Array]
 

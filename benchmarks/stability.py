@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from home_procgen.default_houses import generated_houses
 from tqdm import tqdm
 
-from home_mjx.datasets.procedural.default_houses import generated_houses
-from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.houses.house_cache import HouseCache
 from home_mjx.scene_compile.mjcf.export import OVERLAPS, to_mjcf
 from home_mjx.scene_compile.mjcf.stability import rest_drift
 from home_mjx.schema.choices import COLLISIONS

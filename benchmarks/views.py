@@ -24,7 +24,7 @@ def load_bank(path):
 
 
 def on_device(bank):
-    """A host bank as `HouseBank.from_dataset` would have made it here."""
+    """A host bank as `home_mjx.load_bank` would have made it here."""
     from home_mjx.bank.records.gpu_geometry import gpu_geometry
 
     bank = jax.tree.map(jnp.asarray, bank)

@@ -18,7 +18,7 @@ from home_mjx.datasets import (
 )
 from home_mjx.schema import Box
 from home_mjx.tasks import with_expert
-from home_mjx.viz import TopView, write_png
+from home_mjx.viewer.pictures import TopView, write_png
 
 rooms = [  # (x, z) of the middle lines of walls [m]
     RoomOutline("Living_Room", [(0, 0), (5, 0), (5, 4), (0, 4)]),

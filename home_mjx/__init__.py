@@ -6,7 +6,6 @@ Names are imported on first use, so that `import home_mjx` is quick and starts n
 import importlib
 from typing import Any
 
-from home_mjx import moved
 from home_mjx import registry as _registry  # noqa: F401, which makes the ids known to Gymnasium
 
 __version__ = "0.1.0"
@@ -18,16 +17,17 @@ _PUBLIC = {
     "EnvParams": "home_mjx.tasks",
     "EnvSpec": "home_mjx.registry",
     "HouseBank": "home_mjx.bank",
-    "HouseFilter": "home_mjx.scene_compile",
-    "HouseSet": "home_mjx.scene_compile",
-    "HouseStream": "home_mjx.bank",
+    "HouseFilter": "home_mjx.houses",
+    "HouseSet": "home_mjx.houses",
+    "HouseStream": "home_mjx.houses",
     "HouseholdEnv": "home_mjx.tasks",
     "Sensor": "home_mjx.tasks",
     "State": "home_mjx.tasks",
     "Task": "home_mjx.tasks",
-    "compile_dataset": "home_mjx.scene_compile",
+    "compile_dataset": "home_mjx.houses",
     "list_envs": "home_mjx.registry",
-    "make": "home_mjx.registry",
+    "load_bank": "home_mjx.houses",
+    "make": "home_mjx.env_factory",
     "register": "home_mjx.registry",
     "register_sensor": "home_mjx.tasks",
     "use_compile_cache": "home_mjx.core.compile_cache",
@@ -44,6 +44,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
-
-
-moved.install()

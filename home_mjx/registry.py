@@ -3,33 +3,23 @@
 import dataclasses
 import importlib
 import re
-import sys
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 import gymnasium
 
 from home_mjx.core.checks import check_flag, check_number, check_type
-from home_mjx.core.files import as_path
 from home_mjx.core.jsonable import from_json, to_json
-from home_mjx.errors import ConfigError, DatasetError, UnknownNameError, did_you_mean
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
-    from home_mjx.bank.bank import HouseBank
-    from home_mjx.datasets.suncg.dataset import Dataset
-    from home_mjx.scene_compile.cache.house_set import HouseSet
-    from home_mjx.scene_compile.cache.selection import HouseFilter
-    from home_mjx.scene_compile.pipeline.compile import CompileOptions
-    from home_mjx.schema.compiled import CompiledHouse
-    from home_mjx.tasks.environment.bound import BoundEnv
-    from home_mjx.tasks.environment.household import HouseholdEnv
-    from home_mjx.tasks.environment.memory import MemoryEstimate
+    from home_mjx.houses.selection import HouseFilter
+    from home_mjx.tasks.env.bound import BoundEnv
+    from home_mjx.tasks.env.household import HouseholdEnv
+    from home_mjx.tasks.env.memory import MemoryEstimate
 
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
 NUM_HOUSES = 8
-NUM_ARRANGEMENTS = 8  # of each house, where they are asked for
-OF_MAKE = ("houses", "num_houses", "split", "where", "progress", "variation", "episodes")
 OF_EPISODES = ("variation", "episodes")  # options that are parameters of the environment, not parts of its program
 
 
@@ -77,7 +67,7 @@ class EnvSpec:
             if getattr(self, name) is not None:
                 check_type(name, getattr(self, name), str)
         if self.where is not None:
-            from home_mjx.scene_compile.cache.selection import HouseFilter
+            from home_mjx.houses.selection import HouseFilter
 
             check_type("where", self.where, HouseFilter)
 
@@ -119,7 +109,7 @@ class EnvSpec:
         """What `num_envs` of this environment take of a device; its houses are packed on the host to tell."""
         import jax
 
-        from home_mjx.tasks.environment.memory import estimate_memory
+        from home_mjx.tasks.env.memory import estimate_memory
 
         with jax.default_device(jax.devices("cpu")[0]):
             return estimate_memory(self.make(progress), num_envs)
@@ -130,13 +120,17 @@ class EnvSpec:
         Raises:
             ConfigError: An option is unknown or cannot be used.
         """
-        entry_point = _load(self.entry_point)
+        entry_point = load_entry_point(self.entry_point)
         options = {name: value for name, value in self.options.items() if name not in OF_EPISODES}
-        return _core_of(entry_point, options)[0] if _is_task(entry_point) else None
+        from home_mjx.env_factory import core_of
+
+        return core_of(entry_point, options)[0] if is_task(entry_point) else None
 
     def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
         """The environment."""
-        return _made(self, self.houses, progress)
+        from home_mjx.env_factory import build_env
+
+        return build_env(self, self.houses, progress)
 
 
 _REGISTRY: dict[str, EnvSpec] = {}
@@ -166,7 +160,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         raise ConfigError(f"environment id `{env_id}` is taken", hint="Raise its version number")
     if not isinstance(entry_point, str):
         if isinstance(entry_point, type):
-            _is_task(entry_point)
+            is_task(entry_point)
         _LOCAL[named] = entry_point
     _REGISTRY[env_id] = spec
     name = f"home_mjx/{env_id}"
@@ -192,6 +186,11 @@ def list_envs() -> tuple[str, ...]:
     return tuple(sorted(_REGISTRY))
 
 
+def task_names() -> frozenset[str]:
+    """Return the names of all tasks that are registered, as files of episodes have them."""
+    return frozenset(spec.entry_point.rpartition(":")[2].rpartition(".")[2] for spec in _REGISTRY.values())
+
+
 def find_spec(env_id: str) -> EnvSpec:
     """What is registered under an id.
 
@@ -203,158 +202,7 @@ def find_spec(env_id: str) -> EnvSpec:
     return _REGISTRY[env_id]
 
 
-def make(
-    env_id: str,
-    houses: "HouseBank | HouseSet | Dataset | str | Path | None" = None,
-    *,
-    num_houses: int | None = None,
-    split: str | None = None,
-    where: "HouseFilter | None" = None,
-    progress: bool | None = None,
-    variation: Any = None,
-    episodes: str | Path | None = None,
-    **options: Any,
-) -> "BoundEnv[HouseholdEnv]":
-    """An environment by id.
-
-    Args:
-        env_id: Such as `PointNav-v0`, see `list_envs`.
-        houses: A `HouseBank`, a `HouseSet`, a dataset or its root folder, or None: then the dataset that the
-            environment variable `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept
-            in the cache folder. `procedural:16?seed=0&version=2` names generated houses.
-        num_houses: How many houses of a dataset or generator to use; 8, or as many as a name says, by default. Not more
-            than that.
-        split: Only houses of `train`, `val` or `test`.
-        where: A `HouseFilter`: only houses of a dataset that have all this.
-        progress: Show a progress bar while houses are made and compiled; None: in a terminal.
-        variation: What differs from episode to episode: a `tasks.Variation`, or its ranges by name such as
-            `{"lamps": 0.5, "colors": (0, 0.3)}`; None: nothing.
-        episodes: A file that `save_episodes` or `save_tasks` has written: resets take their rows from it, the first
-            first, and the houses are those that it names, unless `houses` is a bank; None: episodes are drawn.
-        **options: Fields of `EnvConfig` and of the records in it, of the task (`task.*`) and of `CompileOptions`
-            (`compile.*`): flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted
-            (`**{"physics.friction": 0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
-
-    Returns:
-        An environment with `reset(key)` and `step(state, action)`; `.core` has the functions that take `.params`.
-
-    Raises:
-        ConfigError: For an unknown id or option, with the closest known one.
-        DatasetError: If the dataset cannot be read.
-
-    Example:
-        >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
-    """
-    known = find_spec(env_id)
-    in_memory = houses is not None and not isinstance(houses, str | Path)
-    if in_memory and _is_chosen(houses):
-        for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
-            if value is not None:
-                raise ConfigError(f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
-    if episodes is not None:
-        for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
-            if value is not None:
-                hint = f"Leave `{name}` out: the houses are those that the file names."
-                raise ConfigError(f"`{name}` is given beside a file of episodes", hint=hint)
-        options["episodes"] = str(as_path(episodes, "episodes"))
-    spec = dataclasses.replace(
-        known,
-        options={**known.options, **options, **_ranges(variation)},
-        houses=str(houses) if isinstance(houses, str | Path) else None,
-        num_houses=_num_houses(houses, num_houses),
-        split=split,
-        where=where,
-        in_memory=in_memory,
-    )
-    return _made(spec, houses, progress)
-
-
-def _num_houses(houses: Any, given: int | None) -> int:
-    """How many houses to use: what was asked for, which a name may not have, or as many as it says."""
-    from home_mjx.datasets.generators.names import ProceduralHouses
-
-    named = ProceduralHouses.named(houses)
-    if given is None:
-        return named.count if named else NUM_HOUSES
-    check_number("num_houses", given, 1, whole=True)
-    if named and given > named.count:
-        message = f"`num_houses` is {given}, but `{houses}` names {named.count} houses"
-        raise ConfigError(message, hint=f"Leave it out, or write `procedural:{given}`.")
-    return given
-
-
-def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[HouseholdEnv]":
-    entry_point, options = _load(spec.entry_point), dict(spec.options)
-    variation = _ranges(options.pop("variation", None))
-    shown = sys.stderr.isatty() if progress is None else progress
-    file = _episode_file(options.pop("episodes", None))
-    split, where = (spec.split, spec.where) if file is None else (None, None)
-
-    def get_bank(
-        compile_options: "CompileOptions | None" = None, num_arrangements: int = 0, late_sound: bool = False
-    ) -> "HouseBank":
-        chosen = houses if file is None else _houses_of(file, houses, shown)
-        bank = as_bank(chosen, spec.num_houses, shown, split, where, compile_options, late_sound)
-        return _arranged(bank, num_arrangements, shown) if num_arrangements and bank is not houses else bank
-
-    if _is_task(entry_point):
-        env = _with_task(entry_point, get_bank, options, file)
-    else:
-        env = entry_point(get_bank, **options)
-        env = env if file is None else env.with_tasks(_rows(file, env.bank, env.task))
-    env = env.with_variation(variation["variation"]) if variation else env
-    env.spec = spec
-    return env
-
-
-def _episode_file(path: Any) -> Path | None:
-    return None if path is None else as_path(path, "episodes")
-
-
-def _houses_of(file: Path, houses: Any, progress: bool) -> "HouseBank | HouseSet":
-    """The houses that a file of episodes names, of those there are."""
-    from home_mjx.core.paths import dataset_root
-    from home_mjx.datasets.procedural.default_houses import houses_by_id
-    from home_mjx.scene_compile.cache.house_set import HouseSet
-    from home_mjx.tasks.environment.episodes import houses_named
-
-    if _is_chosen(houses):
-        return houses
-    ids = houses_named(file)
-    if houses is None and dataset_root() is None:
-        return HouseSet(houses_by_id(ids, progress), ids)
-    return HouseSet(houses, ids)
-
-
-def _rows(file: Path, bank: "HouseBank", task: Any) -> Any:
-    from home_mjx.tasks.environment.episodes import load_rows
-    from home_mjx.tasks.rows.task_bank import TaskBank
-
-    rows = load_rows(file, bank, task)
-    if isinstance(rows, TaskBank):
-        _check_names(file, rows.names, [generator.name for generator in task.generators])
-    return rows
-
-
-def _check_names(file: Path, found: tuple[str, ...], own: list[str]) -> None:
-    """Refuses a file of other tasks alone; names of one's own, and mixes that have this one, are taken."""
-    known = {spec.entry_point.rpartition(":")[2].rpartition(".")[2] for spec in _REGISTRY.values()}
-    others = [name for name in found if name in known]
-    if others and not set(found) & set(own):
-        message = f"file holds tasks of {', '.join(others)}, none of {', '.join(own)}"
-        raise DatasetError(message, file=file, element="task", hint=f"Make the environment of {others[0]}.")
-
-
-def _ranges(variation: Any) -> dict[str, Any]:
-    """The option as plain numbers by name, checked before any house is made; nothing if nothing varies."""
-    if variation is None:
-        return {}
-    from home_mjx.tasks.variation.ranges import named
-
-    return {"variation": named(variation)}
-
-
-def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
+def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
     """Whether it is a `Task` subclass, then one that can be used."""
     from home_mjx.tasks.base.task import Task, check_task_class
 
@@ -364,41 +212,8 @@ def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
     return True
 
 
-def _with_task(
-    task: type, get_bank: Callable[..., "HouseBank"], options: Mapping[str, Any], file: Path | None
-) -> "BoundEnv[HouseholdEnv]":
-    from home_mjx.tasks.base.state import EnvParams
-
-    core, compiling = _core_of(task, options)  # refuses a wrong option before any house is compiled
-    num_arrangements = NUM_ARRANGEMENTS if core.own_config.arrangement == "random" else 0
-    bank = get_bank(compiling, num_arrangements, core.config.audio.late == "baked")
-    return core.bind(bank if file is None else EnvParams(bank, _rows(file, bank, core.task)))
-
-
-def _core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
-    """Functions of an environment, and how its houses are to be compiled."""
-    from home_mjx.scene_compile.pipeline.compile import CompileOptions
-    from home_mjx.tasks.base.config import EnvConfig
-    from home_mjx.tasks.base.options import override
-    from home_mjx.tasks.environment.household import HouseholdEnv
-
-    records = {"": EnvConfig(), "task": task(), "compile": CompileOptions()}
-    chosen = override(records, options, OF_MAKE)
-    core = HouseholdEnv(chosen[""], chosen["task"])
-    body, compiling = chosen[""].body, chosen["compile"]
-    walkable = dataclasses.replace(compiling.navigation, agent_radius=body.radius, agent_height=body.height)
-    return core, dataclasses.replace(compiling, navigation=walkable)
-
-
-def _arranged(bank: "HouseBank", num_arrangements: int, progress: bool) -> "HouseBank":
-    import jax
-
-    from home_mjx.arrangements import settled_poses
-
-    return settled_poses(bank, num_arrangements, jax.random.key(0), progress)[0]
-
-
-def _load(entry_point: str) -> Callable[..., Any]:
+def load_entry_point(entry_point: str) -> Callable[..., Any]:
+    """Import what an entry point names; errors as of `find_spec`."""
     if entry_point in _LOCAL:
         return _LOCAL[entry_point]
     module, _, name = entry_point.partition(":")
@@ -411,55 +226,6 @@ def _load(entry_point: str) -> Callable[..., Any]:
     except (ImportError, AttributeError, ValueError) as error:
         raise ConfigError(f"entry point `{entry_point}` cannot be imported: {error}") from error
     return found
-
-
-def _is_chosen(houses: Any) -> bool:
-    from home_mjx.bank.bank import HouseBank
-    from home_mjx.scene_compile.cache.house_set import HouseSet
-
-    return isinstance(houses, HouseBank | HouseSet)
-
-
-def as_bank(
-    houses: Any,
-    num_houses: int = NUM_HOUSES,
-    progress: bool = False,
-    split: str | None = None,
-    where: "HouseFilter | None" = None,
-    compile_options: "CompileOptions | None" = None,
-    late_sound: bool = False,
-) -> "HouseBank":
-    """A `HouseBank` from what `make` takes as `houses`; `late_sound` is baked unless it is a bank already.
-
-    Raises:
-        ConfigError: `houses` is something else, or a filter was given for generated houses.
-    """
-    from home_mjx.bank.bank import HouseBank
-    from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
-    from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
-
-    if isinstance(houses, HouseBank):
-        return houses
-    options = compile_options or DEFAULT_OPTIONS
-    check_number("num_houses", num_houses, 1, whole=True)
-    if houses is None:
-        chosen = default_houses(num_houses, split=split, where=where, options=options, progress=progress)
-    elif isinstance(houses, HouseSet):
-        chosen = HouseSet.of(houses, split=split, where=where)
-        chosen = dataclasses.replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
-    else:
-        chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
-    if late_sound:
-        return _with_sound(chosen.load(progress))
-    return HouseBank.from_dataset(chosen, progress=progress)
-
-
-def _with_sound(houses: "list[CompiledHouse]") -> "HouseBank":
-    from home_mjx.audio_jax import with_late_sound
-    from home_mjx.bank.bank import HouseBank
-
-    # Minutes, the first time: also who wants no bars should see that something happens.
-    return with_late_sound(HouseBank.from_compiled(houses), houses, progress=True)
 
 
 register("PointNav-v0", "home_mjx.tasks:PointNav")

@@ -74,11 +74,11 @@ def known_checkers() -> Any:
 
 def small_bank() -> Any:
     """Two generated houses."""
-    from home_mjx.bank.bank import HouseBank
-    from home_mjx.datasets import generate_dataset
+    from home_mjx.houses import load_bank
+    from home_procgen import generate_dataset
 
     with tempfile.TemporaryDirectory() as root:
-        return HouseBank.from_dataset(root, ids=generate_dataset(Path(root), range(2)))
+        return load_bank(root, ids=generate_dataset(Path(root), range(2)))
 
 
 def judged(check: Any, env_id: str, bank: Any) -> dict[str, Any]:

@@ -14,18 +14,18 @@ import jax.numpy as jnp
 import numpy as np
 from PIL import Image
 
-from home_mjx.arrangements import settled_poses
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import camera_quat, quat_matrix
-from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.houses import load_bank
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.cameras.noise import kinect_depth
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.tasks.arrangements import settled_poses
 from home_mjx.tasks.variation.draw import Mount, draw
 from home_mjx.tasks.variation.ranges import Variation
-from home_mjx.viz import pictures
+from home_mjx.viewer.pictures import pictures
+from home_procgen.v1.dataset import generate_dataset
 
 SEEDS = (3, 11, 20, 42)
 EYE = 1.5  # [m]
@@ -245,7 +245,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         root = args.dataset or folder
         ids = None if args.dataset else generate_dataset(Path(folder), SEEDS)
-        bank = HouseBank.from_dataset(root, ids=ids, num_houses=len(SEEDS))
+        bank = load_bank(root, ids=ids, num_houses=len(SEEDS))
     studios = [Studio(bank, house) for house in range(bank.num_houses)]
     drawn = {
         "presets": lambda: presets(studios, args.samples),

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from home_mjx.datasets.homes.design import HomeDesign, draw_design
-from home_mjx.datasets.homes.textures.recipes import texture
-from home_mjx.datasets.homes.things import library
-from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.schema.house import Material
+from home_procgen.design import HomeDesign, draw_design
+from home_procgen.primitives.family import Furniture
+from home_procgen.textures.recipes import texture
+from home_procgen.things import library
 
 CELL, COLUMNS = 52, 30  # [pixels] of a thing, and things in a row
 PLAN, PLANS, ACROSS = 180, 48, 8  # [pixels] of a plan, how many, and how many in a row

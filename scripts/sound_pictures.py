@@ -27,6 +27,7 @@ from decay_oracle import fly
 from home_mjx.audio_jax import (
     AudioConfig,
     BakeOptions,
+    LateReverbBake,
     Listener,
     Source,
     audio_preset,
@@ -36,14 +37,14 @@ from home_mjx.audio_jax import (
     moving_frame,
     reception,
     stft_magnitude,
-    with_late_sound,
 )
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli.floors import storey_pictures
 from home_mjx.core.transforms import camera_quat
+from home_mjx.houses import add_bakes
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.viz.media import write_png, write_wav
+from home_mjx.viewer.pictures.media import write_png, write_wav
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -82,7 +83,7 @@ def saved(figure, folder, name):
 def decays(args):
     """Decays in two coupled rooms at 1 kHz: the oracle, presets as they are traced, and baked sound."""
     case, seconds = rooms.coupled(), 1.5
-    bank = with_late_sound(HouseBank.from_compiled([case.house]), [case.house], BakeOptions())
+    bank = add_bakes(HouseBank.from_compiled([case.house]), [case.house], LateReverbBake(BakeOptions()))
     dt = AudioConfig().bin_seconds
     truth = fly(case.blocks, case.source, case.listeners, seconds, dt, 40_000, radius=0.5).energy
     curves = {"Monte Carlo": truth[:, KHZ]}
@@ -133,7 +134,7 @@ def doors(args):
 def doorway(args):
     """Walking past a doorway: what comes straight or bent, and all of it."""
     case = rooms.coupled()
-    bank = with_late_sound(HouseBank.from_compiled([case.house]), [case.house], BakeOptions())
+    bank = add_bakes(HouseBank.from_compiled([case.house]), [case.house], LateReverbBake(BakeOptions()))
     scene, source = scene_of(bank), jnp.float32([4.6, 0.9, 1.4])
     along = np.arange(-1.8, 1.81, 0.05)
     places = jnp.asarray(np.stack([np.full_like(along, 7.2), along, np.full_like(along, 1.5)], axis=1), jnp.float32)
@@ -294,7 +295,7 @@ def main():
     chosen = args.pictures or list(PICTURES)
     if {"doors", "map", "walk"} & set(chosen):
         args.house = HouseSet(args.dataset, num_houses=1).load()[0]
-        args.baked = with_late_sound(HouseBank.from_compiled([args.house]), [args.house], BakeOptions())
+        args.baked = add_bakes(HouseBank.from_compiled([args.house]), [args.house], LateReverbBake(BakeOptions()))
     for name in chosen:
         PICTURES[name](args)
 

@@ -18,14 +18,14 @@ from PIL import Image
 
 import home_mjx
 from home_mjx.core.compile_cache import use_compile_cache
-from home_mjx.play.camera import FilmCamera, Sight, without_agents
-from home_mjx.play.episode import Game, Step
-from home_mjx.play.film import frame
-from home_mjx.play.meant import asked_of, goals_of, words_of
-from home_mjx.play.plan import Plan
-from home_mjx.play.players import PolicyPlayer, policy_of
 from home_mjx.tasks import with_expert
 from home_mjx.training.evaluation import with_episodes
+from home_mjx.viewer.episodes.camera import FilmCamera, Sight, without_agents
+from home_mjx.viewer.episodes.episode import Game, Step
+from home_mjx.viewer.episodes.film import frame
+from home_mjx.viewer.episodes.goal_markers import asked_of, goals_of, words_of
+from home_mjx.viewer.episodes.overlay import Plan
+from home_mjx.viewer.episodes.policies import PolicyPlayer, policy_of
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "docs" / "images" / "tasks"

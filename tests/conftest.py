@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 import quick_checks
 
+from home_mjx.houses import load_bank
+
 ROOT = Path(__file__).resolve().parent.parent
 
 # In the environment, which JAX reads when it is first imported, so that processes started by tests have the same.
@@ -83,8 +85,7 @@ def other_bank(tmp_path_factory: pytest.TempPathFactory):
 
 
 def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):
-    from home_mjx.bank.bank import HouseBank
-    from home_mjx.datasets.procedural.dataset import generate_dataset
+    from home_procgen.v1.dataset import generate_dataset
 
     root = tmp_path_factory.mktemp("generated")
-    return HouseBank.from_dataset(root, ids=generate_dataset(root, seeds))
+    return load_bank(root, ids=generate_dataset(root, seeds))

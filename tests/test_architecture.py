@@ -197,7 +197,7 @@ def test_no_public_name_is_that_of_a_module_beside_it(name: str):
 
 def test_compiled_houses_are_made_anew_when_their_compiler_changes():
     """The cache's version covers every module that making an entry runs, and nothing of the rest."""
-    from home_mjx.scene_compile.cache.version import compiler_files
+    from home_mjx.houses.version import compiler_files
 
     plain = {("errors",), ("core", "checks"), ("core", "paths")}  # messages and places: they make no array
     wanted, left = set(), [("scene_compile", "pipeline", "compile"), ("datasets", "suncg", "dataset")]

@@ -28,7 +28,7 @@ def test_docstring_examples(name: str):
         pytest.importorskip(OPTIONAL[name])
     if name.startswith("home_mjx.training.") and not name.endswith(".shim"):
         pytest.importorskip("flax")
-    if name.startswith("home_mjx.trajectories."):
+    if name.startswith("home_mjx.training.trajectories."):
         pytest.importorskip("pyarrow")
     failed, _ = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
     assert failed == 0

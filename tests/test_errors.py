@@ -15,8 +15,8 @@ from home_mjx import errors
 from home_mjx.core.files import MAX_BYTES, read_bytes
 from home_mjx.core.jsonable import MOST_TEXT, from_json, to_json
 from home_mjx.datasets import open_dataset
+from home_mjx.houses import HouseCache
 from home_mjx.registry import EnvSpec
-from home_mjx.scene_compile import HouseCache
 
 BUILT_IN = {
     errors.HomeMjxError: set(),

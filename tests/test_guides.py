@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from home_mjx.datasets import generate_dataset
+from home_procgen import generate_dataset
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))

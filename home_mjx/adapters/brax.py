@@ -16,12 +16,13 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from home_mjx.adapters.gymnasium_tools import Picture
+from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.registry import list_envs, make
+from home_mjx.registry import list_envs
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.environment.autoreset import AutoReset
-from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.autoreset import AutoReset
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
 
 try:
     from brax.envs import register_environment

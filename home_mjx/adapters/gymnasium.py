@@ -13,11 +13,11 @@ from gymnasium.vector import AutoresetMode
 from home_mjx.adapters import gymnasium_tools as tools
 from home_mjx.adapters.spaces import action_space, observation_space
 from home_mjx.core.checks import check_number
-from home_mjx.core.native.forked import in_this_process
+from home_mjx.core.native.fork_guard import in_this_process
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
-from home_mjx.tasks.environment.autoreset import AutoReset, where_envs
-from home_mjx.tasks.environment.begin import in_order
+from home_mjx.tasks.env.autoreset import AutoReset, where_envs
+from home_mjx.tasks.env.begin import in_order
 
 
 class GymEnv(gymnasium.Env, EzPickle):

@@ -10,17 +10,17 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from home_mjx.core.checks import check_known, check_number
+from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
-from home_mjx.registry import make
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.base.state import Episodes, State, World
 from home_mjx.tasks.base.status import status_report
-from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.episodes import load_rows
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.episodes import load_rows
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
 RENDER_MODES = (None, "rgb_array")

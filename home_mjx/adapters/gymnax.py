@@ -20,9 +20,9 @@ from home_mjx.core.checks import check_type
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.keys import to_raw
 from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.environment.autoreset import AutoReset
-from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.autoreset import AutoReset
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
 
 Obs = Array | dict[str, Array]
 

@@ -16,8 +16,9 @@ from jaxtyping import Array
 
 from home_mjx.adapters.brax import BraxEnv, TrainingWrapper
 from home_mjx.adapters.brax import wrap_for_training as brax_wrapped
+from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.registry import NUM_HOUSES, find_spec, list_envs, make
+from home_mjx.registry import NUM_HOUSES, find_spec, list_envs
 from home_mjx.tasks.base.config import EnvConfig
 
 try:
@@ -163,7 +164,9 @@ class PlaygroundEnv(MjxEnv):
         """
         for name, value in (("camera", camera), ("scene_option", scene_option), ("modify_scene_fns", modify_scene_fns)):
             if value is not None:
-                raise ConfigError(f"`{name}` is an option of MuJoCo's renderer", hint="home_mjx.viz has other views")
+                raise ConfigError(
+                    f"`{name}` is an option of MuJoCo's renderer", hint="home_mjx.viewer.pictures has other views"
+                )
         states = trajectory.data if isinstance(trajectory, State) else [state.data for state in trajectory]
         return self.brax.render(states, height, width)
 

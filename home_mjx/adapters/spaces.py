@@ -4,7 +4,7 @@ import gymnasium
 import numpy as np
 
 from home_mjx.tasks.base.specs import ArraySpec
-from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.env.bound import BoundEnv
 
 
 def observation_space(env: BoundEnv) -> gymnasium.spaces.Dict:

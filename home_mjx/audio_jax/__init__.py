@@ -6,23 +6,23 @@ from home_mjx.audio_jax.auralization.response import early_response, impulse_res
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import gcc_leads, gcc_phat, log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, loudness, sound_frame
-from home_mjx.audio_jax.baked.reading import baked_sound
-from home_mjx.audio_jax.baking.bake import BakeOptions
-from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.directivity import Directivity, directivities, first_order, measured_directivity, talker
 from home_mjx.audio_jax.base.endpoints import Head, Listener, Sounds, Source, is_indoors
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
-from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
-from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
-from home_mjx.audio_jax.measures.floor import FloorSound, floor_sound
-from home_mjx.audio_jax.measures.octaves import octave_responses
-from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
-from home_mjx.audio_jax.measures.survey import Survey, survey_room
-from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
-from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
-from home_mjx.audio_jax.motion.reception import Reception, received, reception
-from home_mjx.audio_jax.noises.options import NoiseConfig
+from home_mjx.audio_jax.contact_sounds.options import NoiseConfig
+from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions
+from home_mjx.audio_jax.late_reverb.bake.store import LateReverbBake
+from home_mjx.audio_jax.late_reverb.lookup.reading import baked_sound
+from home_mjx.audio_jax.moving_sources.frame import moving_frame, moving_frames
+from home_mjx.audio_jax.moving_sources.reception import Reception, received, reception
+from home_mjx.audio_jax.parameters.clarity import c50, c80, centre_time, d50, drr, strength
+from home_mjx.audio_jax.parameters.decay import decay_curve, decay_time, edt, t20, t30
+from home_mjx.audio_jax.parameters.floor import FloorSound, floor_sound
+from home_mjx.audio_jax.parameters.octaves import octave_responses
+from home_mjx.audio_jax.parameters.spatial import iacc, lateral_fraction
+from home_mjx.audio_jax.parameters.survey import Survey, survey_room
+from home_mjx.audio_jax.parameters.table import RoomMeasures, measure_energy, measure_response
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
@@ -43,6 +43,7 @@ __all__ = [
     "Envelope",
     "FloorSound",
     "Head",
+    "LateReverbBake",
     "Listener",
     "NoiseConfig",
     "PathProducer",
@@ -110,5 +111,4 @@ __all__ = [
     "t30",
     "talker",
     "trace",
-    "with_late_sound",
 ]

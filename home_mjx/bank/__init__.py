@@ -2,7 +2,6 @@
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Acoustics, BankSpec, Finish, Geometry, Lights, Materials, Navigation, Physics, schema
-from home_mjx.bank.stream import HouseStream
 from home_mjx.bank.usage import Usage, bank_bytes, bank_usage, planned_bytes
 
 __all__ = [
@@ -11,7 +10,6 @@ __all__ = [
     "Finish",
     "Geometry",
     "HouseBank",
-    "HouseStream",
     "Lights",
     "Materials",
     "Navigation",

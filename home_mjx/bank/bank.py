@@ -4,7 +4,6 @@ An environment holds only an int32 house index.
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -15,10 +14,6 @@ from home_mjx.bank.packing.pack import Packed, pack
 from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, by_record
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
-from home_mjx.datasets.suncg.dataset import Dataset
-from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.cache.selection import HouseFilter
-from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.schema.compiled import CompiledHouse
 
 
@@ -26,7 +21,7 @@ class HouseBank(BankArrays):
     """Many houses in one pytree.
 
     Example:
-        >>> bank = HouseBank.from_dataset("datasets/demo")  # doctest: +SKIP
+        >>> bank = home_mjx.load_bank("datasets/demo")  # doctest: +SKIP
         >>> bank.num_houses  # doctest: +SKIP
         8
     """
@@ -44,37 +39,6 @@ class HouseBank(BankArrays):
             DatasetError: A texture cannot be read.
         """
         return to_bank(pack(houses))
-
-    @classmethod
-    def from_dataset(
-        cls,
-        root: HouseSet | Dataset | str | Path | None,
-        ids: Sequence[str] | None = None,
-        num_houses: int | None = None,
-        progress: bool = False,
-        options: CompileOptions = DEFAULT_OPTIONS,
-        split: str | None = None,
-        where: HouseFilter | None = None,
-        limit: object = None,
-    ) -> "HouseBank":
-        """A bank of houses of a dataset in SUNCG's format; compiled houses are cached on disk.
-
-        Args:
-            root: Folder of the dataset, an open one, or a `HouseSet`; None: the dataset that `SUNCG_DATA_DIR` names.
-            ids: Which houses, in this order; by default all, sorted.
-            num_houses: Take the first so many.
-            progress: Show a progress bar.
-            options: How to compile.
-            split: Only houses of this split, see `splits.split_of`.
-            where: Only houses that have all this.
-            limit: The old name of `num_houses`, refused.
-
-        Raises:
-            DatasetError: The dataset or one of the houses is missing or broken.
-            ConfigError: No house is left, or the houses cannot share a bank.
-        """
-        choice = {"ids": ids, "split": split, "where": where, "num_houses": num_houses, "options": options}
-        return cls.from_compiled(HouseSet.of(root, **choice, limit=limit).load(progress))
 
     @property
     def num_houses(self) -> int:

@@ -21,7 +21,6 @@ __all__ = ["main"]
 
 COMMANDS = {
     "demo": "walk agents through houses; write pictures, a video with sound and a report",
-    "story": "film an agent that opens a door, climbs stairs and carries a lamp",
     "generate": "write seeded houses in SUNCG's format",
     "inspect": "count what a house holds, or validate it",
     "compile": "compile a house or a dataset; write MJCF",

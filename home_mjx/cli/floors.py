@@ -29,8 +29,8 @@ def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -
     import jax.numpy as jnp
 
     from home_mjx.audio_jax.base.endpoints import Source
-    from home_mjx.audio_jax.measures.floor import floor_sound
-    from home_mjx.viz.sound_map import sound_map
+    from home_mjx.audio_jax.parameters.floor import floor_sound
+    from home_mjx.viewer.pictures.sound_map import sound_map
 
     room, free, place = _lattice(scene.bank, source)
     few = fewer_rays(config)

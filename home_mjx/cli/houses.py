@@ -8,10 +8,12 @@ from home_mjx.cli.parsing import file_path, natural
 from home_mjx.core.paths import dataset_root
 from home_mjx.errors import ConfigError
 
+DEFAULT_DATASET = "procedural:1"  # where no dataset is named
+
 if TYPE_CHECKING:
+    from home_mjx.datasets.base import Dataset
     from home_mjx.datasets.options import ReadOptions
-    from home_mjx.datasets.suncg.dataset import Dataset
-    from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.houses.house_set import HouseSet
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.schema.compiled import CompiledHouse
     from home_mjx.schema.house import House, Metadata
@@ -68,11 +70,11 @@ def compile_options(args: argparse.Namespace) -> "CompileOptions":
     return CompileOptions(read=read_options(args), movables=movables)
 
 
-def named_root(args: argparse.Namespace) -> Path:
-    """Root of the dataset that the arguments name, by default one of generated houses."""
+def named_root(args: argparse.Namespace) -> str | Path:
+    """Return the folder or name of the dataset that the arguments name, by default of one generated house."""
     if names_root(args):
-        return Path(args.house)
-    return args.dataset or _generated_root()
+        return args.house
+    return args.dataset or DEFAULT_DATASET
 
 
 def names_root(args: argparse.Namespace) -> bool:
@@ -86,14 +88,14 @@ def names_root(args: argparse.Namespace) -> bool:
 
 def open_named_dataset(args: argparse.Namespace) -> "Dataset":
     """The dataset that the arguments name, by default one of generated houses."""
-    from home_mjx.datasets.suncg.dataset import open_dataset
+    from home_mjx.datasets.registry import open_dataset
 
     return open_dataset(named_root(args))
 
 
 def named_houses(args: argparse.Namespace) -> "HouseSet":
     """All houses of the dataset that the arguments name, or the one house."""
-    from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.houses.house_set import HouseSet
 
     ids = None if args.house is None or names_root(args) else (str(args.house),)
     return HouseSet(open_named_dataset(args), ids, options=compile_options(args))
@@ -110,7 +112,10 @@ def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
         hint = f"Name one of its houses: HOUSE --dataset {args.house}"
         raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
     dataset = open_named_dataset(args)
-    return dataset, args.house or dataset.house_ids[0]
+    house_id = args.house or dataset.house_ids[0]
+    if args.house is None:
+        dataset.prepare((house_id,))
+    return dataset, house_id
 
 
 def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
@@ -122,13 +127,6 @@ def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
 
 def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
     """The house that the arguments name, compiled, from the cache if it is there; errors as of `named_house`."""
-    from home_mjx.scene_compile.cache.house_cache import load_compiled
+    from home_mjx.houses.house_cache import load_compiled
 
     return load_compiled(*named_house(args), options=compile_options(args))
-
-
-def _generated_root() -> Path:
-    from home_mjx.datasets.procedural.default_houses import generated_houses
-
-    root, _ = generated_houses(1)
-    return root

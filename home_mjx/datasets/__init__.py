@@ -1,33 +1,40 @@
-"""Houses on disk: readers, writer and validator of SUNCG's format, and procedural houses.
+"""Houses on disk: the `Dataset` protocol and its registry; readers, writer and validator of SUNCG's format.
 
 Host only: nothing here loads JAX.
 """
 
-from home_mjx.datasets.generators.generate import generate_dataset
+from home_mjx.datasets.base import Dataset, FileDigests, InputDigests
 from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
-from home_mjx.datasets.procedural import build_house
+from home_mjx.datasets.registry import dataset_schemes, open_dataset, register_dataset
 from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.splits import SPLITS, select_ids, split_of
 from home_mjx.datasets.storeys import stack_levels
-from home_mjx.datasets.suncg import Dataset, LibraryModel, open_dataset, write_house, write_library
+from home_mjx.datasets.suncg import LibraryModel, SuncgDataset, write_house, write_library
 from home_mjx.datasets.suncg.validate.finding import RULES, Finding
 from home_mjx.datasets.suncg.validate.validate import validate_house
 
 __all__ = [
     "RULES",
+    "SPLITS",
     "Dataset",
+    "FileDigests",
     "Finding",
+    "InputDigests",
     "Joint",
     "LibraryModel",
     "Opening",
     "ReadOptions",
     "RoomOutline",
-    "build_house",
-    "generate_dataset",
+    "SuncgDataset",
+    "dataset_schemes",
     "house_id",
     "open_dataset",
     "outline_house",
+    "register_dataset",
+    "select_ids",
+    "split_of",
     "stack_levels",
     "validate_house",
     "write_house",

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.shapes.pieces import CUT, Piece, join_pieces, wall_pieces
-from home_mjx.datasets.shapes.polygon_slab import simplify, slab
-from home_mjx.datasets.shapes.wall_prism import DEPTH, Hole, Wall
 from home_mjx.errors import ConfigError
+from home_mjx.geometry.pieces import CUT, Piece, join_pieces, wall_pieces
+from home_mjx.geometry.slabs import simplify, slab
+from home_mjx.geometry.wall_prisms import DEPTH, Hole, Wall
 from home_mjx.schema.house import Box, House, Level, Material, Mesh, Room
 
 THICKNESS = 0.05  # [m], of floors and ceilings; the upper side of a floor is so high

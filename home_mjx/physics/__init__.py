@@ -23,12 +23,12 @@ from home_mjx.physics.dynamics import (
     with_agent_speed,
 )
 from home_mjx.physics.hands import Commands, obey, settle
-from home_mjx.physics.mujoco_c.exported import ExportedTemplate
-from home_mjx.physics.mujoco_c.model import ModelInC
-from home_mjx.physics.mujoco_c.robot import robot_in_house
+from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.mjx.template import Template
+from home_mjx.physics.mujoco.exported import ExportedTemplate
+from home_mjx.physics.mujoco.model import ModelInC
+from home_mjx.physics.mujoco.robot import robot_in_house
 from home_mjx.physics.outside import is_outside
-from home_mjx.physics.reference.lost import Lost
-from home_mjx.physics.reference.template import Template
 
 __all__ = [
     "Commands",

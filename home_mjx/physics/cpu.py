@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import jax
 from jaxtyping import Array
 
-from home_mjx.core.native.forked import note_start
+from home_mjx.core.native.fork_guard import note_start
 from home_mjx.core.native.platforms import problem_of, works
 
 TARGET = "home_mjx_step"
@@ -27,7 +27,7 @@ def cpu_available() -> bool:
 
 def _start() -> None:
     note_start()
-    from home_mjx.physics.native.handler import build_handler
+    from home_mjx.physics.numba.handler import build_handler
 
     compiled = build_handler()
     _kept.extend(compiled)

@@ -13,11 +13,11 @@ from home_mjx.physics.base.state import AWAKE, PhysicsState, Scale
 from home_mjx.physics.base.touch import NOTHING
 from home_mjx.physics.fused import step_fused
 from home_mjx.physics.kinematic.step import step_kinematic
-from home_mjx.physics.mujoco_c.step import step_c
-from home_mjx.physics.reference.house_model import movable_bodies
-from home_mjx.physics.reference.lost import Lost
-from home_mjx.physics.reference.step import step_mjx
-from home_mjx.physics.reference.template import Template
+from home_mjx.physics.mjx.house_model import movable_bodies
+from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.mjx.step import step_mjx
+from home_mjx.physics.mjx.template import Template
+from home_mjx.physics.mujoco.step import step_c
 
 STEPS = {"fused": step_fused, "jax": step_mjx, "c": step_c, "kinematic": step_kinematic}
 ABSURD = 1e6  # [m], [rad] and per second

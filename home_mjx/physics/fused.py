@@ -12,22 +12,22 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
-from home_mjx.core.native.batched import Step, batched, without_gradient
-from home_mjx.core.native.forked import refuse_forked
+from home_mjx.core.native.fork_guard import refuse_forked
 from home_mjx.core.native.platforms import choose
-from home_mjx.core.native.varying import varying_as
+from home_mjx.core.native.sharding import varying_as
+from home_mjx.core.native.vmap_call import Step, batched, without_gradient
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.doors import Leaf, door_table
 from home_mjx.physics.base.state import PhysicsState, Scale
 from home_mjx.physics.base.surfaces import body_surfaces
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
-from home_mjx.physics.native.data.numbers import numbers_of, reference_surfaces
-from home_mjx.physics.native.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
-from home_mjx.physics.reference.lost import Lost
-from home_mjx.physics.reference.slots import half_above_floor
-from home_mjx.physics.reference.step import step_mjx
-from home_mjx.physics.reference.template import Template
+from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.mjx.slots import half_above_floor
+from home_mjx.physics.mjx.step import step_mjx
+from home_mjx.physics.mjx.template import Template
+from home_mjx.physics.numba.data.numbers import numbers_of, reference_surfaces
+from home_mjx.physics.numba.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
 
 STEPS = {"cpu": step_cpu, "cuda": step_cuda}
 PLATFORMS = {"cpu": cpu_available, "cuda": cuda_available}

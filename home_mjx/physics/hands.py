@@ -19,8 +19,8 @@ from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
 from home_mjx.physics.base.servo import FREE
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.dynamics import agent_pose, body_pose, door_angle
-from home_mjx.physics.reference.house_model import MovableBodies, house_doors, movable_bodies
-from home_mjx.physics.reference.template import Template
+from home_mjx.physics.mjx.house_model import MovableBodies, house_doors, movable_bodies
+from home_mjx.physics.mjx.template import Template
 from home_mjx.schema.agent import Body
 
 CARRY = 0.1  # [m], between an agent and what it carries

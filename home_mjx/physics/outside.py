@@ -8,7 +8,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.dynamics import agent_pose, body_pose
-from home_mjx.physics.reference.template import Template
+from home_mjx.physics.mjx.template import Template
 
 UNDER = 0.05  # [m], below the ground floor; what is pressed into it is not so deep
 

@@ -1,8 +1,5 @@
 """Rays in houses: `cast` and `occluded`, scenes of placed objects and agents, cameras and images."""
 
-from typing import TYPE_CHECKING
-
-from home_mjx import moved
 from home_mjx.raycast_render.cameras.camera import (
     Camera,
     Lens,
@@ -17,7 +14,7 @@ from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.images.render import KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Hit, Moving, Rays, Scene
-from home_mjx.raycast_render.shading.preset import Lit, Preset
+from home_mjx.raycast_render.shaders.preset import Lit, Preset
 
 __all__ = [
     "KINDS",
@@ -42,6 +39,3 @@ __all__ = [
     "sensor_rgb",
     "world_from_camera",
 ]
-
-if not TYPE_CHECKING:  # type checkers report missing names by themselves
-    __getattr__ = moved.attributes_of(__name__)

@@ -1,17 +1,8 @@
-"""Houses to arrays: `compile_house`, the cache of compiled houses, semantics, MJCF.
+"""Compiler from houses to arrays: `compile_house`, semantics, MJCF.
 
 Host only: nothing here loads JAX.
 """
 
-from typing import TYPE_CHECKING
-
-from home_mjx import moved
-from home_mjx.datasets.splits import SPLITS, select_ids, split_of
-from home_mjx.scene_compile.cache.house_cache import HouseCache, load_compiled
-from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.cache.job import compile_dataset
-from home_mjx.scene_compile.cache.report import Outcome, Summary
-from home_mjx.scene_compile.cache.selection import HouseFilter
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions
@@ -36,37 +27,24 @@ from home_mjx.scene_compile.semantics import (
 
 __all__ = [
     "HOME",
-    "SPLITS",
     "ColliderOptions",
     "CompileOptions",
-    "HouseCache",
-    "HouseFilter",
     "HouseSemantics",
-    "HouseSet",
     "LightOptions",
     "MovableOptions",
     "NavigationOptions",
     "ObjectSemantics",
-    "Outcome",
     "PartSemantics",
     "Relation",
     "RoomSemantics",
     "SemanticOptions",
-    "Summary",
     "Viewpoint",
-    "compile_dataset",
     "compile_house",
     "describe_object",
     "export_mjcf",
     "house_semantics",
-    "load_compiled",
     "names_of",
     "number_of",
-    "select_ids",
-    "split_of",
     "to_mjcf",
     "vocabularies",
 ]
-
-if not TYPE_CHECKING:  # type checkers report missing names by themselves
-    __getattr__ = moved.attributes_of(__name__)

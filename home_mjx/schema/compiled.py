@@ -283,6 +283,9 @@ class CompiledHouse:
     rooms: Rooms
     navigation: Navigation
     models: Mapping[str, Model]
+    ground_floor: float  # [m], top of the lowest level that has rooms
+    lot: Float[np.ndarray, "2 2"]  # [m], minimum and maximum x and y of the area that the fence encloses
+    agent_materials: MaterialTable  # one row per material slot of the agent's model
     report: Mapping[str, int]  # counts: levels, rooms, objects, parts, triangles, ...
     doors: Doors = field(default_factory=Doors.none)
     ramps: Ramps = field(default_factory=Ramps.none)

@@ -1,8 +1,5 @@
 """Environments: tasks on houses, with observations, rewards and resets; and the seams for further tasks and sensors."""
 
-from typing import TYPE_CHECKING
-
-from home_mjx import moved
 from home_mjx.tasks.base.config import DEFAULT_SENSORS, SENSORS, AgentCamera, EnvConfig
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
@@ -12,30 +9,30 @@ from home_mjx.tasks.base.specs import ArraySpec, DiscreteActions
 from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
 from home_mjx.tasks.base.status import Status, StatusError, check_status
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.environment.autoreset import AutoReset
-from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, save_episodes
-from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
-from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
+from home_mjx.tasks.env.autoreset import AutoReset
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.episodes import load_episodes, sample_episodes, save_episodes
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.memory import MemoryEstimate, estimate_memory
+from home_mjx.tasks.env.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.teacher import WithExpert, with_expert
 from home_mjx.tasks.experts.walk import expert_action
-from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
-from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
-from home_mjx.tasks.measures.top_down import Ground, MapMemory, TopDownMap, remember_map, top_down_map
+from home_mjx.tasks.metrics.top_down import Ground, MapMemory, TopDownMap, remember_map, top_down_map
 from home_mjx.tasks.questions.balance import chance, prior_accuracy
 from home_mjx.tasks.questions.communication import Communication
 from home_mjx.tasks.questions.dialogue import Dialogue
 from home_mjx.tasks.questions.house_qa import HouseQA
 from home_mjx.tasks.questions.vqa import VQA
-from home_mjx.tasks.rows.build import Row, build_task_bank
-from home_mjx.tasks.rows.house_view import HouseView, Thing
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When
-from home_mjx.tasks.rows.row_task import RowState, RowTask
-from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.rules.build import Row, build_task_bank
+from home_mjx.tasks.rules.house_view import HouseView, Thing
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.row_task import RowState, RowTask
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.scripted_agents.exploration import Exploration, ExplorationState
+from home_mjx.tasks.scripted_agents.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.sounds.row import Sound
 from home_mjx.tasks.suite.audio_nav import AudioNav
 from home_mjx.tasks.suite.handling import Fetch, Rearrange
@@ -134,6 +131,3 @@ __all__ = [
     "touch_meaning",
     "with_expert",
 ]
-
-if not TYPE_CHECKING:  # type checkers report missing names by themselves
-    __getattr__ = moved.attributes_of(__name__)

@@ -11,7 +11,7 @@ import numpy as np
 from home_mjx.core.files import as_path, read_arrays, write_durably
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.config import RunConfig
 from home_mjx.training.ppo import PPO
 from home_mjx.training.rollout import Policy

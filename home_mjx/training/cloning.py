@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.distributions import Distribution

@@ -15,10 +15,10 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.base.task import path_scores
-from home_mjx.tasks.environment.autoreset import where_envs
-from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.episodes import sample_episodes
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.autoreset import where_envs
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.episodes import sample_episodes
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 

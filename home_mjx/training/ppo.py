@@ -23,9 +23,9 @@ from jaxtyping import Array, Float, Int, UInt32
 from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.keys import to_raw
 from home_mjx.tasks.base.state import EnvParams
-from home_mjx.tasks.environment.autoreset import AutoReset
-from home_mjx.tasks.environment.begin import in_order
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.autoreset import AutoReset
+from home_mjx.tasks.env.begin import in_order
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
 from home_mjx.training.rollout import Actor, Policy, Steps, advantages, rollout, to_rows

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, UInt32
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.env.autoreset import AutoReset
 
 # R rows are the agents of all environments, one environment after the other; N environments.
 

@@ -13,8 +13,8 @@ from tqdm import tqdm
 
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import EnvSpec
-from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.checkpoint import (
     AGENT,
     CHECKPOINT,

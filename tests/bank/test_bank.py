@@ -10,8 +10,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS, agent_model
 from home_mjx.bank.packing.size_classes import ragged_class, size_class
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.scene_compile.geometry.boxes import box_inertia
-from home_mjx.scene_compile.geometry.mesh import FACE_NORMALS, box_triangles
+from home_mjx.geometry.boxes import box_inertia
+from home_mjx.geometry.meshes import FACE_NORMALS, box_triangles
 from home_mjx.schema.categories import COARSE, FINE, NYU40
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.schema.semantic import Semantic

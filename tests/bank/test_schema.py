@@ -19,10 +19,11 @@ from home_mjx.bank.packing.pack import check_house
 from home_mjx.bank.records import Finish, Physics, schema
 from home_mjx.bank.records.bank_arrays import RECORDS, array_of
 from home_mjx.bank.records.declaration import ROW_KINDS
-from home_mjx.bank.stream import HouseStream
 from home_mjx.bank.usage import bank_usage, planned_bytes
 from home_mjx.core.pytree import array
 from home_mjx.errors import CapacityError
+from home_mjx.houses import load_bank
+from home_mjx.houses.stream import HouseStream
 
 STOOL = Furniture((1.0, 0.5), size=(0.4, 0.6, 0.5), mass=4.0)
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -81,7 +82,7 @@ def test_a_declared_array_is_exchanged_in_a_stream(more, root):  # noqa: F811
         check(stream.bank)
         run_until(stream, 5)
         check(stream.bank)
-        plain = HouseBank.from_dataset(root, ids_of(stream.bank))
+        plain = load_bank(root, ids=ids_of(stream.bank))
         np.testing.assert_array_equal(stream.bank.physics.body_volume, plain.physics.body_volume)
 
 

@@ -109,8 +109,8 @@ def test_unusable_output_folder_is_one_message(tmp_path, capsys: pytest.CaptureF
 @pytest.mark.parametrize("command", ["demo", "story", "render", "listen"])
 def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("home_mjx.cli.viewpoint.load_compiled_house", None)  # nothing is compiled,
-    monkeypatch.setattr("home_mjx.demo.run.run_demo", None)  # nobody walks,
-    monkeypatch.setattr("home_mjx.demo.story.run.run_story", None)  # or plays
+    monkeypatch.setattr("home_mjx.viewer.demo.run.run_demo", None)  # nobody walks,
+    monkeypatch.setattr("examples.story.run.run_story", None)  # or plays
     (tmp_path / "file").write_text("not a folder")
     for out in (tmp_path / "file", tmp_path / "file" / "below"):
         assert_refused(capsys, [command, "--out", str(out)], str(out), "--out")
@@ -120,7 +120,7 @@ def test_who_is_refused_after_the_folder_was_made_leaves_none(tmp_path, monkeypa
     def refuse(*_: object) -> None:
         raise ConfigError("nobody is at home")
 
-    monkeypatch.setattr("home_mjx.demo.story.run.run_story", refuse)
+    monkeypatch.setattr("examples.story.run.run_story", refuse)
     assert_refused(capsys, ["story", "--out", str(tmp_path / "new" / "below")], "nobody is at home")
     assert list(tmp_path.iterdir()) == []
 

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from home_mjx.audio_jax.measures.survey import SURVEY
+from home_mjx.audio_jax.parameters.survey import SURVEY
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.commands.render import CUT_WALL, MARGIN
 from home_mjx.cli.floors import fewer_rays
 from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_view
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.scene_compile.cache import house_cache
-from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.houses import house_cache, load_bank
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.schema.compiled import Rooms
-from home_mjx.viz.pictures import id_colours
+from home_mjx.viewer.pictures.pictures import id_colours
+from home_procgen.v1.dataset import generate_dataset
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
 
@@ -66,11 +66,10 @@ def test_inspect_prints_a_table(houses: Path, capsys: pytest.CaptureFixture):
 
 
 def test_inspect_tells_bytes_per_house_and_per_model(houses: Path, capsys: pytest.CaptureFixture):
-    from home_mjx.bank.bank import HouseBank
 
     assert main(["inspect", str(houses), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    bank = HouseBank.from_dataset(houses)
+    bank = load_bank(houses)
     assert found["counts"]["houses"] == bank.num_houses == 2
     geometry = bank.geometry
     stored = sum(getattr(geometry, name).nbytes for name in ("triangle", "triangle_uv", "node_box"))
@@ -211,7 +210,7 @@ def test_a_terrace_does_not_lower_the_camera_of_a_plan():
 
 
 def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    bank = HouseBank.from_dataset(houses, num_houses=1)
+    bank = load_bank(houses, num_houses=1)
     feet = np.asarray(bank.navigation.start[0, 0])
     yaw = longest_view(bank, feet)  # so that nothing stands between head and source
     source = np.add(feet, [np.cos(yaw), np.sin(yaw), EYE_HEIGHT])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from home_mjx.cli import main
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.scene_compile.geometry.mesh import box_triangles
+from home_mjx.geometry.meshes import box_triangles
+from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx.cli import main
-from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.scene_compile.materials.unknown import unknown_share
+from home_procgen.v1.dataset import generate_dataset
 
 
 def test_the_share_is_that_of_the_area():

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from home_mjx.cli import main
-from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")

@@ -20,11 +20,11 @@ from home_mjx.cli import main
 from home_mjx.cli.learning import play
 from home_mjx.cli.learning.named import assignments, newest
 from home_mjx.cli.learning.train import add_arguments, run_config
-from home_mjx.datasets import generate_dataset
 from home_mjx.datasets.splits import split_of
 from home_mjx.registry import find_spec
 from home_mjx.training import CPU_CONFIG, RunConfig, judged, save_net
 from home_mjx.training.checkpoint import read_config
+from home_procgen import generate_dataset
 
 NETWORK = ["--ppo", "network.features=16", "--ppo", "network.memory=16"]
 

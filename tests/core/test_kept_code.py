@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from home_mjx.core.native import kept
+from home_mjx.core.native import numba_cache as kept
 
 SOURCE = """
 from numba import cfunc, types
-from home_mjx.core.native.kept import with_checked_cache
+from home_mjx.core.native.numba_cache import with_checked_cache
 
 @with_checked_cache
 def build():
@@ -64,7 +64,7 @@ def test_a_folder_that_cannot_be_written_to_only_costs_time(build, monkeypatch):
     def nowhere(*_: object):
         raise RuntimeError("cannot cache: no locator available")
 
-    monkeypatch.setattr("home_mjx.core.native.kept.FunctionCache", nowhere)
+    monkeypatch.setattr("home_mjx.core.native.numba_cache.FunctionCache", nowhere)
     assert build().ctypes(4) == 8
 
 

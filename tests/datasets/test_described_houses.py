@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from home_mjx.datasets.procedural.categories import CATEGORIES
-from home_mjx.datasets.procedural.design import draw_design
-from home_mjx.datasets.procedural.floor_plan.plan import WANTS
-from home_mjx.datasets.procedural.furnish import RECIPES
+from home_procgen.v1.categories import CATEGORIES
+from home_procgen.v1.design import draw_design
+from home_procgen.v1.furnish import RECIPES
+from home_procgen.v1.plan import WANTS
 
 TEXT = (Path(__file__).parents[2] / "docs" / "dataset.md").read_text()
 ROWS = re.findall(r"^\| `(\w+)` \| ([\d.]+)–([\d.]+) \| (.*) \|$", TEXT, re.MULTILINE)

@@ -7,8 +7,8 @@ import pytest
 import trimesh
 
 from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.storeys import stack_levels
-from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.datasets.suncg.write.house import write_house, write_library
 from home_mjx.errors import ConfigError

@@ -8,17 +8,17 @@ import numpy as np
 from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to
+from home_mjx.mjcf.boxes import DOOR_DRAG
 from home_mjx.physics import PhysicsConfig
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.control import YAW_INERTIA, agent_table
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.surfaces import usual_surface
-from home_mjx.physics.native.data.numbers import numbers_of, reference_surfaces
-from home_mjx.physics.native.data.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
-from home_mjx.physics.native.handler import sources_digest
-from home_mjx.physics.native.step import load_agents, load_house, step_env
-from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, template_mjcf
-from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
+from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, template_mjcf
+from home_mjx.physics.numba.data.numbers import numbers_of, reference_surfaces
+from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
+from home_mjx.physics.numba.handler import sources_digest
+from home_mjx.physics.numba.step import load_agents, load_house, step_env
 
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from home_mjx.scene_compile.geometry.mesh import box_triangles
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.meshes import box_triangles
+from home_mjx.geometry.rotations import yaw_matrix
 
 
 def cuboid(low, high) -> np.ndarray:

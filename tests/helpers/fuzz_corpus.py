@@ -19,7 +19,7 @@ from tiny_dataset import DOOR, HOUSE_ID, TABLE, house_document, write_json, writ
 
 from home_mjx.core.images import open_texture
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.errors import HomeMjxError
 from home_mjx.scene_compile.pipeline.compile import compile_house

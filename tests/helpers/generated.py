@@ -2,10 +2,10 @@
 
 from functools import cache
 
-from home_mjx.datasets.procedural.build import to_house
-from home_mjx.datasets.procedural.design import draw_design
 from home_mjx.datasets.seeds import house_id
 from home_mjx.schema.house import House
+from home_procgen.v1.build import to_house
+from home_procgen.v1.design import draw_design
 
 designed = cache(draw_design)
 

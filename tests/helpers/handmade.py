@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join
-from home_mjx.scene_compile.geometry.instance_tree import top_tree
-from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
-from home_mjx.scene_compile.geometry.polygons import smallest_room
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix, yaw_quat
+from home_mjx.geometry.boxes import BoxSet, box_set, join
+from home_mjx.geometry.instance_tree import top_tree
+from home_mjx.geometry.meshes import box_triangles, make_model
+from home_mjx.geometry.polygons import smallest_room
+from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import free_space

@@ -3,9 +3,9 @@
 import numpy as np
 from c_oracle import Boxes, Leaves, Oracle
 
+from home_mjx.mjcf.contact import contact_numbers
 from home_mjx.physics import PhysicsConfig
-from home_mjx.scene_compile.materials.contact import damping_ratio
-from home_mjx.scene_compile.mjcf.contact import contact_numbers
+from home_mjx.schema.contact_materials import damping_ratio
 
 BODIES, STATIC, AGENTS, DOORS = 6, 10, 2, 4
 RAMPS = np.array([[0.3, 0.2, 0.6, 0.8, 1.0, 0.5, 0.0, 0.6], [0, 0, 1, 0, -1, 1, 0, 1]])  # the second is none

@@ -9,8 +9,8 @@ from handmade import shoebox
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shading import lights
-from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.raycast_render.shaders import lights
+from home_mjx.raycast_render.shaders.preset import Lit
 from home_mjx.schema.lighting import LightTable
 
 DOWN = (0.0, 0.0, -1.0)

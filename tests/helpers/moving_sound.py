@@ -5,11 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.audio_jax import AudioConfig, Paths
-from home_mjx.audio_jax.frames import tail
-from home_mjx.audio_jax.frames.first import longest_step
-from home_mjx.audio_jax.frames.reads import Reads
-from home_mjx.audio_jax.motion import early
-from home_mjx.audio_jax.motion.pairs import paired
+from home_mjx.audio_jax.kernels import tail
+from home_mjx.audio_jax.kernels.first import longest_step
+from home_mjx.audio_jax.kernels.reads import Reads
+from home_mjx.audio_jax.moving_sources import early
+from home_mjx.audio_jax.moving_sources.pairs import paired
 from home_mjx.audio_jax.receivers.diffuse import num_noises
 from home_mjx.audio_jax.receivers.shares import Shares
 

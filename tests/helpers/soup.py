@@ -13,8 +13,8 @@ from handmade import shoebox
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
+from home_mjx.geometry.bvh import build_tree, build_triangle_tree
 from home_mjx.raycast_render.scene.types import Moving, Scene
-from home_mjx.scene_compile.geometry.bvh import build_tree, build_triangle_tree
 
 # `JAX_PLATFORMS=cuda,cpu python -m pytest tests/raycast_render` includes the GPU.
 needs_gpu = pytest.mark.skipif(

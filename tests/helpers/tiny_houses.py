@@ -9,7 +9,7 @@ from handmade import shoebox
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Physics
-from home_mjx.scene_compile.materials.contact import damping_ratio
+from home_mjx.schema.contact_materials import damping_ratio
 
 NUM_COLLIDERS = 16
 NUM_BODIES = 4

@@ -8,11 +8,12 @@ from handmade import Furniture, shoebox, two_rooms
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
+from home_mjx.geometry.boxes import BoxSet, footprint_distance
+from home_mjx.houses import load_bank
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.navigation import geodesic_distance, near_home
-from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.schema.compiled import CompiledHouse
-from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.env.bound import BoundEnv
 
 NUM_HOUSES, NUM_STEPS, NUM_ENVS = 4, 500, 32
 MOVED = 0.05  # [m], between the points of a pair
@@ -20,7 +21,7 @@ MOVED = 0.05  # [m], between the points of a pair
 
 @pytest.fixture(scope="module")
 def houses(tmp_path_factory) -> list[CompiledHouse]:
-    from home_mjx.datasets.procedural.dataset import generate_dataset
+    from home_procgen.v1.dataset import generate_dataset
 
     root = tmp_path_factory.mktemp("generated")
     return list(HouseSet.of(root, ids=generate_dataset(root, range(NUM_HOUSES))).load(False))
@@ -181,4 +182,4 @@ def test_agents_that_walk_at_random_always_know_how_far_it_is(bank):
 
 @pytest.mark.real
 def test_agents_in_the_real_house_always_know_how_far_it_is(suncg_root):
-    check_walk(HouseBank.from_dataset(suncg_root))
+    check_walk(load_bank(suncg_root))

@@ -7,8 +7,8 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.geometry import geodesic as host
 from home_mjx.navigation.fields import distance_field, goal_fields
-from home_mjx.scene_compile.navigation import geodesic as host
 
 
 def on_device(free: np.ndarray, sources: np.ndarray, cell: float = 0.1) -> np.ndarray:

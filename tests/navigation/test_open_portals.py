@@ -11,13 +11,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy import ndimage
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.geometry.boxes import BoxSet
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.navigation import door_angles, joined_rooms, open_portals
-from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.geometry.boxes import BoxSet
 from home_mjx.scene_compile.navigation.free_space import clearance
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.schema.compiled import CompiledHouse, Doors, PortalKind, Portals
+from home_procgen.v1.dataset import generate_dataset
 
 KEY, HOUSE = jax.random.key(0), jnp.int32(0)
 WIDTH, CLOSED, LOW, HIGH = 0.8, 0.3, -1.2, 0.3

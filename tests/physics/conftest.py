@@ -6,7 +6,7 @@ import pytest
 
 
 def pytest_runtest_setup(item):
-    """C MuJoCo is called on CPUs only, and refuses elsewhere: see tests/physics/mujoco_c."""
+    """C MuJoCo is called on CPUs only, and refuses elsewhere: see tests/physics/mujoco."""
     params = getattr(item, "callspec", None)
     if params and "c" in params.params.values() and jax.default_backend() != "cpu":
         pytest.skip("C MuJoCo runs on CPUs only: JAX_PLATFORMS=cpu")

@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from tiny_houses import Box, Door, TinyHouse, make_bank
 
 from home_mjx import physics
+from home_mjx.geometry.boxes import box_set, overlap
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.base.servo import FREE
 from home_mjx.physics.hands import THROW_SPEED, TORN, TRIES, Commands, obey, settle
-from home_mjx.scene_compile.geometry.boxes import box_set, overlap
 from home_mjx.schema import Body
 from home_mjx.schema.timing import Timing
 

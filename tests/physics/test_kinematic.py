@@ -18,7 +18,7 @@ from home_mjx import HouseBank, physics
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.kinematic.footprints import SLOP, Footprints
-from home_mjx.physics.reference.slots import Boxes
+from home_mjx.physics.mjx.slots import Boxes
 from home_mjx.schema import Body
 
 CONFIG = PhysicsConfig(impl="kinematic")

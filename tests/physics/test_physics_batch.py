@@ -11,7 +11,7 @@ from tiny_houses import Box, TinyHouse, make_bank
 from home_mjx import physics
 from home_mjx.physics import Template
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.reference.template_mjcf import PARKED_HEIGHT
+from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT
 
 
 def _take(tree, index):

@@ -12,9 +12,11 @@ from mujoco import mjx
 from numpy.testing import assert_allclose
 from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
+from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.mjcf.contact import contact_numbers
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.dynamics import reset
-from home_mjx.physics.reference.house_model import (
+from home_mjx.physics.mjx.house_model import (
     house_doors,
     house_model,
     house_surfaces,
@@ -23,13 +25,11 @@ from home_mjx.physics.reference.house_model import (
     with_slots,
     with_surfaces,
 )
-from home_mjx.physics.reference.step import nearest_boxes, static_boxes
-from home_mjx.physics.reference.template import Template
-from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
-from home_mjx.scene_compile.materials.contact import damping_ratio
-from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
-from home_mjx.scene_compile.mjcf.contact import contact_numbers
+from home_mjx.physics.mjx.step import nearest_boxes, static_boxes
+from home_mjx.physics.mjx.template import Template
+from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
 from home_mjx.schema import Body, Timing
+from home_mjx.schema.contact_materials import damping_ratio
 
 HOUSE = TinyHouse(
     floor=0.4,

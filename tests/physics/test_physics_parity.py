@@ -9,7 +9,7 @@ from rollouts import ACTIONS, LENGTH, SCENES
 from test_physics_model import host_spec
 from tiny_houses import TinyHouse
 
-from home_mjx.physics.reference.slots import FLAT, Boxes
+from home_mjx.physics.mjx.slots import FLAT, Boxes
 
 
 def _control(config, yaw_inertia, action, data):

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from home_mjx.physics.reference.slots import REACH, Boxes, fill, separation
+from home_mjx.physics.mjx.slots import REACH, Boxes, fill, separation
 
 
 def _random_boxes(rng, count, spread, upright=False):

@@ -76,8 +76,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def houses(folder: Path, seeds: range) -> tuple[Any, list[np.ndarray]]:
     """A bank of generated houses, and the plans of their floors."""
     from home_mjx import HouseBank
-    from home_mjx.datasets import generate_dataset
-    from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.houses.house_set import HouseSet
+    from home_procgen import generate_dataset
 
     chosen = HouseSet(folder, ids=generate_dataset(folder, seeds))
     compiled = chosen.load()

@@ -53,8 +53,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def soak(folder: Path, args: argparse.Namespace) -> dict[str, object]:
     """Steps for as long as is wanted; what memory did."""
     from home_mjx import AutoReset, EnvParams, HouseholdEnv, HouseStream
-    from home_mjx.datasets import generate_dataset
     from home_mjx.tasks import make_config
+    from home_procgen import generate_dataset
 
     ids = generate_dataset(folder, range(args.seed * 1000, args.seed * 1000 + args.houses))
     config = make_config(sensors=tuple(args.sensors), impl=args.impl, episode_length=100, width=32, height=32)

@@ -13,6 +13,7 @@ import numpy as np
 from mutations import Mutation, of_archive, of_bytes, of_json, of_json_lines, of_png, of_text
 
 from home_mjx.errors import HomeMjxError
+from home_mjx.houses import load_bank
 
 Read = Callable[[bytes], object]
 
@@ -57,7 +58,7 @@ def dataset_file(name: str, house: str = "v1") -> Callable[[Path], tuple[list[by
     def prepare(folder: Path) -> tuple[list[bytes], Read]:
         from fuzz_corpus import DOOR, HOUSE_ID, TABLE, V2_ID, load_and_decode, write_fuzz_dataset
 
-        from home_mjx.datasets.suncg.dataset import open_dataset
+        from home_mjx.datasets.registry import open_dataset
 
         root = write_fuzz_dataset(folder)
         path = root / name.format(house=HOUSE_ID, v2=V2_ID, table=TABLE, door=DOOR)
@@ -138,8 +139,8 @@ def compiled(kind: str) -> Callable[[Path], tuple[list[bytes], Read]]:
         from fuzz_corpus import HOUSE_ID
         from tiny_dataset import write_tiny_dataset
 
-        from home_mjx.datasets.suncg.dataset import open_dataset
-        from home_mjx.scene_compile.cache.house_cache import HouseCache
+        from home_mjx.datasets.registry import open_dataset
+        from home_mjx.houses.house_cache import HouseCache
 
         os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
         dataset = open_dataset(write_tiny_dataset(folder / "data"))
@@ -207,7 +208,7 @@ def kernel(folder: Path) -> tuple[list[bytes], Read]:
 
 
 def sums(path: Path) -> object:
-    from home_mjx.core.native import kept
+    from home_mjx.core.native import numba_cache as kept
 
     return kept._noted(path)
 
@@ -232,7 +233,7 @@ def whole_house(folder: Path) -> tuple[list[bytes], Read]:
     from fuzz_corpus import HOUSE_ID
     from tiny_dataset import write_tiny_dataset
 
-    from home_mjx.datasets.suncg.dataset import open_dataset
+    from home_mjx.datasets.registry import open_dataset
     from home_mjx.datasets.suncg.write.house import DIGESTS, is_whole_house, write_house
 
     house = open_dataset(write_tiny_dataset(folder / "tiny")).load_house(HOUSE_ID)
@@ -242,7 +243,7 @@ def whole_house(folder: Path) -> tuple[list[bytes], Read]:
 
 
 def marker(path: Path) -> object:
-    from home_mjx.datasets.procedural.dataset import _claim
+    from home_procgen.v1.dataset import _claim
 
     return _claim(path.parent)
 
@@ -287,7 +288,7 @@ def metrics(path: Path) -> object:
 
 
 def report(path: Path) -> object:
-    from home_mjx.scene_compile.cache.report import done_houses, earlier_lines
+    from home_mjx.houses.report import done_houses, earlier_lines
 
     return done_houses(earlier_lines(path))
 
@@ -303,7 +304,7 @@ REPORT = b"".join(
 
 
 def states(folder: Path) -> tuple[list[bytes], Read]:
-    from home_mjx.tasks.environment import saved
+    from home_mjx.tasks.env import saved
 
     path = folder / "states.npz"
     arrays = {".qpos": np.zeros((3, 5), np.float32), ".step": np.arange(3, dtype=np.int32)}
@@ -318,7 +319,7 @@ def recording(name: str) -> Callable[[Path], tuple[list[bytes], Read]]:
     def prepare(folder: Path) -> tuple[list[bytes], Read]:
         from writers import record
 
-        from home_mjx.trajectories import Trajectories
+        from home_mjx.training.trajectories import Trajectories
 
         record(folder)
         path = folder / "data" / name
@@ -362,15 +363,14 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
 
     def prepare(folder: Path) -> tuple[list[bytes], Read]:
         from home_mjx import tasks
-        from home_mjx.bank.bank import HouseBank
-        from home_mjx.datasets.procedural.dataset import generate_dataset
         from home_mjx.physics import PhysicsConfig
-        from home_mjx.tasks.rows.house_view import house_views
+        from home_mjx.tasks.rules.house_view import house_views
         from home_mjx.tasks.suite import task_lines
+        from home_procgen.v1.dataset import generate_dataset
 
         os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
         bank, path = (
-            HouseBank.from_dataset(folder / "houses", ids=generate_dataset(folder / "houses", range(2))),
+            load_bank(folder / "houses", ids=generate_dataset(folder / "houses", range(2))),
             folder / "a.jsonl",
         )
         if which == "episodes":

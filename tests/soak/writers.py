@@ -64,7 +64,7 @@ def loaded(*modules: str) -> Callable[[], None]:
 @functools.cache
 def generator() -> Any:
     """The module, with a small library and houses that are built once."""
-    from home_mjx.datasets.procedural import dataset
+    from home_procgen.v1 import dataset
 
     library, house = dataset.library(), dataset.build_house(0)
     used = {node.model_id for level in house.levels for node in level.objects}
@@ -140,7 +140,7 @@ def tiny_houses() -> Path:
 
 
 def compile_houses(folder: Path) -> None:
-    from home_mjx.scene_compile.cache import job
+    from home_mjx.houses import job
 
     os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
     summary = job.compile_dataset(tiny_houses(), resume=True, report=folder / "report.jsonl")
@@ -159,7 +159,7 @@ def compiled_entries() -> dict[str, str]:
 
 def look_at_compiled(folder: Path) -> None:
     """An entry that can be read is right."""
-    from home_mjx.scene_compile.cache.entry import BROKEN, read_entry
+    from home_mjx.core.array_store.entry import BROKEN, read_entry
 
     found = digests(folder / "cache")
     for path in (folder / "cache").glob("*/*/*.zip"):
@@ -173,10 +173,10 @@ def look_at_compiled(folder: Path) -> None:
 
 
 def compiled_result(folder: Path) -> str:
-    from home_mjx.datasets.suncg.dataset import open_dataset
-    from home_mjx.scene_compile.cache.flatten import flatten
-    from home_mjx.scene_compile.cache.house_cache import HouseCache
-    from home_mjx.scene_compile.cache.report import done_houses, read_report
+    from home_mjx.core.array_store.flatten import flatten
+    from home_mjx.datasets.registry import open_dataset
+    from home_mjx.houses.house_cache import HouseCache
+    from home_mjx.houses.report import done_houses, read_report
 
     dataset = open_dataset(tiny_houses())
     os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
@@ -196,7 +196,7 @@ def compiled_result(folder: Path) -> str:
 
 CODE = """
 from numba import cfunc, types
-from home_mjx.core.native.kept import with_checked_cache
+from home_mjx.core.native.numba_cache import with_checked_cache
 
 @with_checked_cache
 def build():
@@ -344,13 +344,13 @@ def training_result(folder: Path) -> str:
 
 
 def write_states(folder: Path, seed: int = 1) -> None:
-    from home_mjx.tasks.environment import saved
+    from home_mjx.tasks.env import saved
 
     saved._write(folder / "states.npz", {".qpos": np.random.default_rng(seed).normal(size=(30, 40))})
 
 
 def read_states(folder: Path) -> np.ndarray:
-    from home_mjx.tasks.environment import saved
+    from home_mjx.tasks.env import saved
 
     return saved._read(folder / "states.npz", [".qpos"])[0]
 
@@ -384,7 +384,7 @@ def recorded(number: int) -> dict[str, Any]:
 
 
 def record(folder: Path) -> None:
-    from home_mjx.trajectories import writer
+    from home_mjx.training.trajectories import writer
 
     box = {"type": "Box", "dtype": "float32", "shape": [4], "low": [0] * 4, "high": [1] * 4}
     spaces = {"type": "Dict", "subspaces": {"state": box}}, {"type": "Discrete", "dtype": "int64", "start": 0, "n": 6}
@@ -405,7 +405,7 @@ def begun_recording(folder: Path) -> None:
 
 def look_at_recording(folder: Path) -> None:
     """The episodes that the metadata count are there, and are right."""
-    from home_mjx.trajectories import Trajectories
+    from home_mjx.training.trajectories import Trajectories
 
     data = Trajectories(folder)
     assert len(data) >= 2
@@ -416,7 +416,7 @@ def look_at_recording(folder: Path) -> None:
 
 
 def recording_result(folder: Path) -> str:
-    from home_mjx.trajectories import Trajectories
+    from home_mjx.training.trajectories import Trajectories
 
     look_at_recording(folder)
     data = Trajectories(folder)
@@ -429,7 +429,7 @@ def recording_result(folder: Path) -> str:
 
 def film(folder: Path, shade: int = 200) -> None:
     from home_mjx.core.files import write_json_lines, write_together
-    from home_mjx.viz import media
+    from home_mjx.viewer.pictures import media
 
     frames = np.full((3, 16, 16, 3), shade, np.uint8)
     with write_together(folder / "play", "film") as beside:
@@ -479,14 +479,14 @@ TRAINING = (
     *(f"home_mjx.{name}" for name in ("training.checkpoint", "training.records", "tasks.suite.point_nav")),
     *("matplotlib.figure", "matplotlib.ticker", "matplotlib.backends.backend_agg", "tensorboardX.record_writer"),
 )
-STATES = loaded("home_mjx.tasks.environment.saved")
+STATES = loaded("home_mjx.tasks.env.saved")
 WRITERS = {
     "compiled": Writer(compile_houses, compiled_result, look_at_compiled, warm=compiled_entries),
     "training": Writer(train, training_result, look_at_training, begun_training, loaded(*TRAINING)),
     "generated": Writer(generate, generated_result, look_at_generated, warm=whole_dataset),
     "mended": Writer(generate_again, generated_result, look_at_generated, damaged, warm=whole_dataset),
     "recording": Writer(
-        record, recording_result, look_at_recording, begun_recording, loaded("home_mjx.trajectories.writer")
+        record, recording_result, look_at_recording, begun_recording, loaded("home_mjx.training.trajectories.writer")
     ),
     "lines": Writer(
         lambda folder: write_lines(folder, ROWS),
@@ -495,8 +495,10 @@ WRITERS = {
         lambda folder: write_lines(folder, ROWS[:50]),
     ),
     "states": Writer(write_states, states_result, look_at_states, lambda folder: write_states(folder, 0), STATES),
-    "film": Writer(film, film_result, look_at_film, lambda folder: film(folder, 9), loaded("home_mjx.viz.media")),
+    "film": Writer(
+        film, film_result, look_at_film, lambda folder: film(folder, 9), loaded("home_mjx.viewer.pictures.media")
+    ),
     "export": Writer(export, export_result, look_at_export, lambda folder: export(folder, 1)),
     "kernel": Writer(keep_kernel, kernel_result, before=write_kernel),
-    "code": Writer(build_code, code_result, before=write_code, warm=loaded("home_mjx.core.native.kept")),
+    "code": Writer(build_code, code_result, before=write_code, warm=loaded("home_mjx.core.native.numba_cache")),
 }

@@ -14,7 +14,7 @@ from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
-from home_mjx.tasks.rows.words import Word
+from home_mjx.tasks.rules.words import Word
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
 from home_mjx.training.networks.encoders import Encoder, id_codes, kind_of
 from home_mjx.training.networks.glimpse import NULL, SHARP, Glimpse

@@ -7,13 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from home_mjx.audio_jax.baked.reading import Arrivals, baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
 from home_mjx.audio_jax.base.directivity import mean_energy
 from home_mjx.audio_jax.base.endpoints import Head, Listener, Source, given_toward
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
 from home_mjx.audio_jax.base.shapes import num_taps, octave_shapes, octave_spectra, shapes
+from home_mjx.audio_jax.late_reverb.lookup.reading import Arrivals, baked_sound
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths

@@ -58,7 +58,7 @@ class AudioConfig:
         humidity: Relative humidity [%].
         pressure: [kPa].
         late: Where late sound comes from. "traced": rays, in every step. "baked": what the bank has of it, see
-            `with_late_sound`; `num_rays`, `num_bounces` and the detector then play no part, and the bins, the order of
+            `add_bakes`; `num_rays`, `num_bounces` and the detector then play no part, and the bins, the order of
             reflections and the air must be the default's, with which it was baked. "none": there is none.
         early: Which rules early paths follow. "physical": those of this engine. "home": those of HoME (2017), to
             compare with it, see `audio_preset("home")`: specular paths up to `reflection_order`, objects as

@@ -3,7 +3,7 @@
 Errors are those of `benchmarks/acoustics.py`, in six rooms against a Monte Carlo that shares nothing with the engine,
 the largest over octaves of 125 to 8000 Hz. Rooms that absorb evenly or are bare are named first; then those with a soft
 floor, with a carpet and a curtain, two coupled rooms, and scattering that rises with frequency. They are those of one
-microphone; moving tones, of `tests/audio_jax/motion`. Furnished houses: see docs/benchmarks.md.
+microphone; moving tones, of `tests/audio_jax/moving_sources`. Furnished houses: see docs/benchmarks.md.
 """
 
 from typing import Any
@@ -78,7 +78,7 @@ HOME: dict[str, Any] = {
 def audio_preset(name: str, **changes: Any) -> AudioConfig:
     """The options of a preset, "fast", "balanced" or "reference"; what each gets wrong stands beside it in `PRESETS`.
 
-    The first two look late sound up in what has been baked, see `with_late_sound`; `make` bakes by itself, unless it is
+    The first two look late sound up in what has been baked, see `add_bakes`; `make` bakes by itself, unless it is
     given a bank. With `late="traced"` they have rays in every step instead.
 
     Args:

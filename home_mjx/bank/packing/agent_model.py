@@ -3,10 +3,9 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
-from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
+from home_mjx.geometry.meshes import box_triangles, make_model
 from home_mjx.schema.agent import Body
-from home_mjx.schema.compiled import MaterialTable, Model
+from home_mjx.schema.compiled import Model
 from home_mjx.schema.semantic import semantic_row
 
 RADIUS, HEIGHT = Body().radius, Body().height  # [m]; scenes scale it to other bodies
@@ -22,13 +21,6 @@ def agent_model() -> Model:
     visor = box_triangles(np.array(VISOR_CENTER), np.array(VISOR_SIZE) / 2)
     slot = np.repeat([0, 1], [len(body), len(visor)])
     return make_model("agent", np.concatenate([body, visor]), slot=slot)
-
-
-def agent_materials() -> MaterialTable:
-    """Rows of the agent's two material slots."""
-    return material_table(
-        [SurfaceMaterial((0.15, 0.35, 0.75), kind="textile"), SurfaceMaterial((0.95, 0.75, 0.1), kind="plastic")]
-    )
 
 
 def agent_semantics() -> Int[np.ndarray, "1 columns"]:

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from home_mjx.bank.packing.agent_model import agent_materials, agent_model, agent_semantics
+from home_mjx.bank.packing.agent_model import agent_model, agent_semantics
 from home_mjx.bank.packing.capacity import running_starts, shared_rows
 from home_mjx.bank.packing.texture_layers import load_textures
 from home_mjx.bank.records.declaration import HOUSE, SHARED, Sizes
 from home_mjx.bank.records.owners import AgentRows, Counts, HouseAt, ModelAt, Shared, SharedRows, TreeAt
-from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, Model
+from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, MaterialTable, Model
 from home_mjx.schema.lighting import Gloss
 
 Owners = dict[str, list]  # in the order of their rows, by kind of array
@@ -21,6 +21,7 @@ class Library:
 
     models: Mapping[str, Model]
     textures: tuple[str, ...]
+    agent_materials: MaterialTable
 
     @classmethod
     def of(cls, houses: Sequence[CompiledHouse]) -> "Library":
@@ -30,7 +31,8 @@ class Library:
         for house in houses:
             for key in house.instances.model[ARCHITECTURE + 1 :]:
                 models.setdefault(key, house.models[key])
-        return cls(models, tuple(sorted({path for h in houses for path in h.materials.texture if path})))
+        textures = {path for house in houses for path in house.materials.texture if path}
+        return cls(models, tuple(sorted(textures)), houses[0].agent_materials)
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -45,7 +47,7 @@ class Library:
     @cached_property
     def rows(self) -> dict[str, int]:
         """Rows of the concatenated tables that come before those of the houses."""
-        return shared_rows(self.models.values(), agent_materials(), agent_semantics())
+        return shared_rows(self.models.values(), self.agent_materials, agent_semantics())
 
     def owners(self, sizes: Sizes) -> Owners:
         """Owners of those rows."""
@@ -56,7 +58,7 @@ class Library:
         for model, at in zip(models, starts, strict=True):
             for kind, owners in model_owners(model, at).items():
                 found.setdefault(kind, []).extend(owners)
-        materials = agent_materials()
+        materials = self.agent_materials
         agent = AgentRows(materials, agent_semantics(), Gloss.matt(len(materials.mask)))
         row = HouseAt(agent, dict.fromkeys(self.rows, 0), self.index, self.layer, sizes)
         return found | {"material": [row], "semantic": [row]}

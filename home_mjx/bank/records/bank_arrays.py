@@ -1,5 +1,6 @@
 """All arrays of a bank: the records, and what the bank holds itself."""
 
+import dataclasses
 import functools
 from collections.abc import Mapping
 from typing import Any, TypeVar
@@ -13,7 +14,7 @@ from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.light import Lights
 from home_mjx.bank.records.owners import HouseAt
 from home_mjx.bank.records.places import Navigation
-from home_mjx.bank.records.sound import Acoustics, LateSound
+from home_mjx.bank.records.sound import Acoustics
 from home_mjx.bank.records.surfaces import Finish, Materials
 from home_mjx.core.pytree import Pytree, array, declared, static
 from home_mjx.errors import ConfigError
@@ -59,7 +60,8 @@ class BankArrays(Pytree):
     draw: Int[Array, " h"]  # what resets draw from: house indices, each as often as any other that may be drawn
     house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
     spec: BankSpec = static()
-    late: LateSound | None = None  # that `audio_jax.with_late_sound` has added; None: nothing is baked
+    # Baked records by name, see `home_mjx.houses.add_bakes`; empty: nothing is baked.
+    bakes: dict[str, Any] = dataclasses.field(default_factory=dict)
 
 
 Bank = TypeVar("Bank", bound=BankArrays)

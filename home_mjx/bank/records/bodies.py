@@ -8,24 +8,12 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records.owners import HouseAt
 from home_mjx.core.pytree import Pytree, array
-from home_mjx.scene_compile.architecture.rooms import ground_floor
-from home_mjx.scene_compile.collision.barriers import lot
-from home_mjx.scene_compile.geometry.boxes import box_inertia
-from home_mjx.scene_compile.materials.contact import USUAL, damping_ratio
+from home_mjx.geometry.boxes import box_inertia
+from home_mjx.schema.contact_materials import USUAL, damping_ratio
 
 PARKED = np.array([0.0, 0.0, -100.0])  # [m], where padded boxes lie: far below any house
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 SMALL = np.full(3, 0.1, np.float32)  # [m], half extents of padded boxes
-
-
-def ground_height(at: HouseAt) -> float:
-    """Top of the ground floor."""
-    return ground_floor(at.house.rooms)
-
-
-def lot_of(at: HouseAt) -> Float[np.ndarray, "2 2"]:
-    """What the fence encloses."""
-    return lot(at.house.rooms)
 
 
 def is_body(at: HouseAt) -> Bool[np.ndarray, " k"]:
@@ -90,8 +78,8 @@ def of_door(field: str, fill: Any = 0) -> Callable[[HouseAt], np.ndarray]:
 class Physics(Pytree):
     """Static boxes, movable bodies, leaves of doors, and ramps over stairs, of every house."""
 
-    floor: Float[Array, " h"] = array("[m], top of the ground floor", source=ground_height)
-    lot: Float[Array, "h 2 2"] = array("[m], least and greatest x and y of what the fence encloses", source=lot_of)
+    floor: Float[Array, " h"] = array("[m], top of the ground floor", source="ground_floor")
+    lot: Float[Array, "h 2 2"] = array("[m], least and greatest x and y of what the fence encloses", source="lot")
     collider_pos: Float[Array, "h colliders 3"] = array(
         "[m]; padding is parked far below", source="colliders.pos", fill=PARKED
     )

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.records.gpu_geometry import GpuGeometry
 from home_mjx.bank.records.owners import HouseAt, ModelAt, TreeAt
 from home_mjx.core.pytree import Pytree, array
-from home_mjx.scene_compile.geometry.mesh import invert
+from home_mjx.geometry.meshes import invert
 from home_mjx.schema.compiled import ARCHITECTURE
 
 LEAF_BITS = 4  # a leaf code holds `first << LEAF_BITS | count`

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from home_mjx.bank.records.bodies import PARKED
 from home_mjx.bank.records.owners import HouseAt
 from home_mjx.core.pytree import Pytree, array
-from home_mjx.scene_compile.geometry.box_edges import exposed_edges
+from home_mjx.geometry.box_edges import exposed_edges
 from home_mjx.schema.edges import EDGES
 
 
@@ -46,6 +46,9 @@ class Acoustics(Pytree):
     collider_edges: Int[Array, "h colliders"] = array(
         "bits: which edges of static boxes have air around them, see `schema.edges`", source=edge_bits
     )
+
+
+LATE_REVERB = "late_reverb"  # name of the bake whose record is a `LateSound`
 
 
 class LateSound(Pytree):

@@ -5,8 +5,8 @@ import json
 import sys
 from dataclasses import asdict
 
-from home_mjx.bench import CASE_NAMES, measure
-from home_mjx.bench.record import Record, Settings
+from benchmarks.cases import CASE_NAMES, measure
+from benchmarks.cases.record import Record, Settings
 from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.parsing import house_count, positive_int
 

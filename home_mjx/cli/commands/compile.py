@@ -19,7 +19,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import COLLISIONS
 
 if TYPE_CHECKING:
-    from home_mjx.scene_compile.cache.report import Summary
+    from home_mjx.houses.report import CompileSummary
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     check_known("collision", [args.collision], COLLISIONS)
     if args.mjcf is not None:
         return _write_mjcf(args)
-    from home_mjx.scene_compile.cache.job import compile_dataset
+    from home_mjx.houses.job import compile_dataset
 
     summary = compile_dataset(
         named_houses(args),
@@ -73,8 +73,8 @@ def _write_mjcf(args: argparse.Namespace) -> int:
     return 0
 
 
-def _tell(summary: "Summary") -> None:
-    from home_mjx.scene_compile.cache.report import FAILED, read_report
+def _tell(summary: "CompileSummary") -> None:
+    from home_mjx.houses.report import FAILED, read_report
 
     done = summary.compiled + summary.cached
     rate = done / max(summary.seconds, 1e-9)

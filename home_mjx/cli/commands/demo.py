@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Runs the demo and says where to look."""
-    from home_mjx.demo.run import DemoOptions, run_demo
+    from home_mjx.viewer.demo.run import DemoOptions, run_demo
 
     options = DemoOptions(
         out=make_folder(args.out),

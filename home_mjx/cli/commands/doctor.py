@@ -98,7 +98,7 @@ def _devices() -> Iterator[Finding]:
 
 def _executors() -> Iterator[Finding]:
     """Which ways of casting rays run here."""
-    from home_mjx.raycast_render.executors.cpu import cpu_problem
+    from home_mjx.raycast_render.backends.cpu import cpu_problem
 
     yield Finding("executor xla", OK, "the reference, runs everywhere")
     problem = cpu_problem()
@@ -110,7 +110,7 @@ def _executors() -> Iterator[Finding]:
 def _cuda_executor() -> Finding:
     from home_mjx.core.native import nvrtc
     from home_mjx.core.native.platforms import devices_of
-    from home_mjx.raycast_render.executors.cuda import cuda_problem
+    from home_mjx.raycast_render.backends.cuda import cuda_problem
 
     if not devices_of("cuda"):
         return Finding("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
@@ -144,7 +144,7 @@ def _caches() -> Iterator[Finding]:
 
 
 def _dataset() -> Iterator[Finding]:
-    from home_mjx.datasets.suncg.dataset import open_dataset
+    from home_mjx.datasets.registry import open_dataset
 
     root = dataset_root()
     if root is None:

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Writes the houses and says where they are."""
-    from home_mjx.datasets.generators.generate import generate_dataset
+    from home_procgen.generate import generate_dataset
 
     ids = generate_dataset(args.out, args.seeds, progress=True, version=args.generator)
     sys.stdout.write(f"{len(ids)} houses in {args.out}: {ids[0]} .. {ids[-1]}\n")

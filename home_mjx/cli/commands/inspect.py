@@ -17,9 +17,10 @@ from home_mjx.cli.houses import (
     names_root,
     open_named_dataset,
 )
+from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
-    from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.datasets.base import Dataset
     from home_mjx.schema.compiled import CompiledHouse
     from home_mjx.schema.house import House
 
@@ -111,7 +112,7 @@ def _dataset(args: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from home_mjx.bank.usage import bank_usage
-    from home_mjx.scene_compile.cache.house_cache import HouseCache
+    from home_mjx.houses.house_cache import HouseCache
 
     dataset = open_named_dataset(args)
     cache = HouseCache(dataset, compile_options(args))
@@ -167,13 +168,17 @@ def _validate(args: argparse.Namespace) -> int:
     """Prints the findings of the house, or of all houses of a root; 1 if there are errors, else 0."""
     dataset = open_named_dataset(args)
     ids = dataset.house_ids if names_root(args) else [args.house or dataset.house_ids[0]]
+    dataset.prepare(ids, progress=True)
     return int(sum(_validate_one(dataset, house_id, args.json) for house_id in ids) > 0)
 
 
 def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
     """Prints the findings, or one JSON object of them; the number of errors."""
+    from home_mjx.datasets.suncg.dataset import SuncgDataset
     from home_mjx.datasets.suncg.validate.validate import validate_house
 
+    if not isinstance(dataset, SuncgDataset):
+        raise ConfigError(f"`{dataset.name}` is not in SUNCG's format, so there is no validator for it")
     findings = validate_house(dataset, house_id)
     errors = sum(finding.severity == "error" for finding in findings)
     if as_json:

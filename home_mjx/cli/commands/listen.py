@@ -15,7 +15,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 
 if TYPE_CHECKING:
-    from home_mjx.audio_jax.measures.survey import Survey
+    from home_mjx.audio_jax.parameters.survey import Survey
     from home_mjx.raycast_render.scene.types import Scene
 
 MEASURES = (  # field of `RoomMeasures`, title, format
@@ -57,8 +57,8 @@ def run(args: argparse.Namespace) -> int:
 
     from home_mjx.audio_jax.auralization.sources import clip_samples
     from home_mjx.audio_jax.base.endpoints import Listener, Source, is_indoors
-    from home_mjx.audio_jax.measures.survey import SURVEY, survey_room
-    from home_mjx.viz.media import write_png, write_wav
+    from home_mjx.audio_jax.parameters.survey import SURVEY, survey_room
+    from home_mjx.viewer.pictures.media import write_png, write_wav
 
     config = replace(SURVEY, late=args.late)
     clip = clip_samples(args.clip, config)
@@ -92,9 +92,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _baked(args: argparse.Namespace, view: Viewpoint) -> "Scene":
     """The scene with baked late sound, from the cache or baked now."""
-    from home_mjx.audio_jax.baking.store import with_late_sound
+    from home_mjx.houses.bakes import add_bakes
 
-    return view.scene.replace(bank=with_late_sound(view.bank, [load_compiled_house(args)], progress=True))
+    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], "late_reverb", progress=True))
 
 
 def measures_table(survey: "Survey") -> str:

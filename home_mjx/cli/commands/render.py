@@ -12,7 +12,7 @@ from home_mjx.cli.parsing import file_path, number, positive_int
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, look_down, stand
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS, PRESETS
-from home_mjx.viz import pictures
+from home_mjx.viewer.pictures import pictures
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
 DEPTH_MAX = 10.0  # [m]
@@ -55,8 +55,8 @@ def run(args: argparse.Namespace) -> int:
 
     from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
     from home_mjx.raycast_render.images.render import render
-    from home_mjx.viz.media import write_png
-    from home_mjx.viz.top_view import in_wall
+    from home_mjx.viewer.pictures.media import write_png
+    from home_mjx.viewer.pictures.top_view import in_wall
 
     make_folder(args.out)
     view, fovy, model = _view(args)

@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     out = make_folder((args.out or beside) / "films") if args.films else None
     report = evaluate_checkpoint(path, args.split, args.houses, args.episodes, args.seed, args.greedy, **where)
     if out is not None:
-        from home_mjx.play import film_checkpoint
+        from home_mjx.viewer.episodes import film_checkpoint
 
         film_checkpoint(path, out, args.films, args.split, args.houses, args.seed, args.greedy, **where)
     sys.stdout.write(json.dumps(report) + "\n" if args.json else as_table(report))

@@ -98,7 +98,7 @@ def checkpoint_path(text: str) -> Path:
     """
     if text != DEMO:
         return file_path(text)
-    from home_mjx.demo.search import AGENT
+    from home_mjx.viewer.demo.search import AGENT
 
     return AGENT
 

@@ -62,8 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plays, and says where to look."""
-    from home_mjx.play.players import check_agent
-    from home_mjx.play.run import AGENTS, PlayOptions, run_play
+    from home_mjx.viewer.episodes.policies import check_agent
+    from home_mjx.viewer.episodes.run import AGENTS, PlayOptions, run_play
 
     import_modules(args.modules)
     path = args.checkpoint and checkpoint_of(args.checkpoint)

@@ -47,9 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Records, and says where to look."""
-    from home_mjx.play.players import check_agent, policy_of
     from home_mjx.tasks import with_expert
-    from home_mjx.trajectories import Trajectories, record
+    from home_mjx.training.trajectories import Trajectories, record
+    from home_mjx.viewer.episodes.policies import check_agent, policy_of
 
     import_modules(args.modules)
     path = args.checkpoint and checkpoint_of(args.checkpoint)

@@ -84,7 +84,7 @@ def run(args: argparse.Namespace) -> int:
 
 def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
     """Raises ConfigError if the dataset has no house for the evaluation, which would else be found after training."""
-    from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.houses.house_set import HouseSet
     from home_mjx.training.evaluation import judged
 
     others = judged(spec, num_houses=num_houses)

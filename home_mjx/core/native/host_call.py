@@ -13,7 +13,7 @@ import jax
 import numpy as np
 
 from home_mjx.core.native import ffi
-from home_mjx.core.native.forked import note_start
+from home_mjx.core.native.fork_guard import note_start
 
 HostFunction = Callable[[Sequence[np.ndarray], Sequence[np.ndarray]], None]
 

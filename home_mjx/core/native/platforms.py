@@ -14,7 +14,7 @@ from jax.extend.backend import backends
 from jaxtyping import Array
 
 from home_mjx.core.native.nvrtc import NO_DEFINES, compile_ptx
-from home_mjx.core.native.varying import varying_as
+from home_mjx.core.native.sharding import varying_as
 
 PTX_TARGET = "__gpu$xla.gpu.ptx"  # XLA's own call of a kernel given as PTX
 TITLES = {"cpu": "CPU backend", "cuda": "NVIDIA GPU"}

@@ -1,8 +1,8 @@
 """SUNCG's on-disk format: the reader and the writer."""
 
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
+from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.datasets.suncg.write.house import write_house, write_library
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 
-__all__ = ["Dataset", "LibraryModel", "ReadOptions", "open_dataset", "write_house", "write_library"]
+__all__ = ["LibraryModel", "ReadOptions", "SuncgDataset", "write_house", "write_library"]

@@ -8,28 +8,30 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 from home_mjx.core.files import is_file
-from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
+from home_mjx.core.paths import ROOT_VARIABLE
+from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset
 from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.seeds import MARKER, in_order
+from home_mjx.datasets.suncg.digests import Inputs
+from home_mjx.datasets.suncg.fallbacks.known_models import with_known_models
+from home_mjx.datasets.suncg.fallbacks.listing import in_words
+from home_mjx.datasets.suncg.fallbacks.models import fallback_version
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value
-from home_mjx.datasets.suncg.lacking.known_models import with_known_models
-from home_mjx.datasets.suncg.lacking.listing import in_words
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
-from home_mjx.errors import DatasetError, MissingFileError, UnknownIdError, did_you_mean
+from home_mjx.errors import MissingFileError, UnknownIdError, did_you_mean
 from home_mjx.schema.house import House, Mesh, Metadata, StandIn
 
 log = logging.getLogger(__name__)
 
-DEFAULT_OPTIONS = ReadOptions()
 LAYOUT = "A dataset root holds house/, room/, object/, texture/ and metadata/."
 
 
-class Dataset:
-    """A dataset root; `open_dataset` makes one. Library models are parsed once and shared by its houses.
+class SuncgDataset(Dataset):
+    """A dataset in SUNCG's on-disk format, v1 or v2; library models are parsed once and shared by its houses.
 
     Args:
         root: Absolute dataset root.
@@ -42,7 +44,7 @@ class Dataset:
     """
 
     def __init__(self, root: Path) -> None:
-        self.root = root
+        super().__init__(root)
         self.assets = AssetLibrary(root)
         self._tolerant = AssetLibrary(root, tolerant=True)
 
@@ -91,7 +93,7 @@ class Dataset:
         if options.strict:
             return read_house(house_id, self.assets, options, self._left_out(options), Metadata({}))
         house = read_house(house_id, self._tolerant, options, self._left_out(options), self._tables)
-        warn_of(self.root, house_id, house.stand_ins)
+        self.warn_fallbacks(house_id, house.stand_ins)
         return house
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
@@ -125,6 +127,23 @@ class Dataset:
         place = Value(self.root / "object", "", key)
         return self.assets.model(place.name(), key, place)
 
+    def inputs(self) -> Inputs:
+        """Return digests of the files behind the houses."""
+        return Inputs(self.root)
+
+    @property
+    def fallbacks(self) -> str:
+        """Version of the models that replace missing ones; "" for generated datasets, which lack nothing."""
+        return "" if is_file(self.root / MARKER) else fallback_version()
+
+    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[StandIn]) -> None:
+        """Log one warning that counts what a house lacks; nothing if it is complete, and nothing twice."""
+        if stand_ins:
+            _warn(self.root, house_id, in_words(stand_ins))
+
+    def __reduce__(self) -> tuple[Callable[[Path], "SuncgDataset"], tuple[Path]]:
+        return open_suncg, (self.root,)
+
     def check_known(self, house_id: str) -> None:
         """Raises `UnknownIdError`, a `DatasetError`, if there is no such house."""
         if house_id not in self._known:
@@ -136,22 +155,6 @@ class Dataset:
         unwanted = options.categories_left_out
         return lambda model_id: bool(unwanted) and self.metadata_for(options).info(model_id).coarse in unwanted
 
-    @cached_property
-    def _known(self) -> frozenset[str]:
-        return frozenset(self.house_ids)
-
-
-def warn_of(root: Path, house_id: str, stand_ins: Sequence[StandIn]) -> None:
-    """Says in one line what stands in for what a house lacks; nothing if it is whole, and nothing twice.
-
-    Args:
-        root: Of the dataset.
-        house_id: Which house.
-        stand_ins: What was taken.
-    """
-    if stand_ins:
-        _warn(root, house_id, in_words(stand_ins))
-
 
 @lru_cache(maxsize=100_000)
 def _warn(root: Path, house_id: str, lacking: str) -> None:
@@ -159,25 +162,17 @@ def _warn(root: Path, house_id: str, lacking: str) -> None:
     log.warning("house %s lacks %s: stand-ins are taken, `%s` lists them", house_id, lacking, listing)
 
 
-def open_dataset(root: str | Path | None = None) -> Dataset:
-    """Opens a dataset in SUNCG's on-disk format, real or generated.
+def open_suncg(root: str | Path) -> SuncgDataset:
+    """Open a dataset in SUNCG's on-disk format, real or generated.
 
     Args:
-        root: Its folder; by default the one that the environment variable `SUNCG_DATA_DIR` names.
+        root: Folder of the dataset.
 
     Raises:
-        MissingFileError: The folder does not exist or holds no house.
-        DatasetError: No folder was given, or it is a file.
+        MissingFileError: The folder holds no house.
     """
-    named = dataset_root() if root is None else root
-    if named is None or not str(named):
-        raise DatasetError("no dataset root was given", hint=f"Pass a folder or set {ROOT_VARIABLE}. {LAYOUT}")
-    path = Path(os.path.abspath(Path(named).expanduser()))
-    if not path.is_dir():
-        hint = f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
-        kind = DatasetError if os.path.exists(path) else MissingFileError
-        raise kind("dataset root is not a folder", file=path, hint=hint)
-    dataset = Dataset(path)
+    path = Path(os.path.abspath(Path(root).expanduser()))
+    dataset = SuncgDataset(path)
     if not dataset.house_ids:
         raise MissingFileError("folder holds no house/<id>/house.json", file=path, hint=_root_hint(path))
     return dataset

@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.bank.records import Physics
+from home_mjx.mjcf.contact import contact_numbers
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.scene_compile.materials.contact import USUAL, damping_ratio
-from home_mjx.scene_compile.mjcf.contact import contact_numbers
+from home_mjx.schema.contact_materials import USUAL, damping_ratio
 
 # Columns: sliding friction; [1/s^2], [1/s], 1 and [m], see `contact_numbers`.
 FRICTION, STIFFNESS, DAMPING, LOW, WIDTH = range(5)

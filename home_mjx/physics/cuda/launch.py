@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Array
 
 from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
-from home_mjx.physics.native.data.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
-from home_mjx.physics.native.data.operands import ACTION, BODY_VALID, COLLIDER_POS, DOOR, RAMP
+from home_mjx.physics.numba.data.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
+from home_mjx.physics.numba.data.operands import ACTION, BODY_VALID, COLLIDER_POS, DOOR, RAMP
 
 FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "sleep.cuh", "step.cu")
 SOURCES = tuple(Path(__file__).with_name(name) for name in FILES)

@@ -8,7 +8,7 @@ from home_mjx.core.transforms import quat_matrix
 from home_mjx.physics.base.servo import ON_RAMP, over_ramps
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.footprints import Footprints
-from home_mjx.physics.reference.template import Template
+from home_mjx.physics.mjx.template import Template
 
 SUNK = 0.05  # [m], by which what carries something may reach into it: what agents step on
 

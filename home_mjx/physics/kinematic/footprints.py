@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.reference.slots import Boxes
+from home_mjx.physics.mjx.slots import Boxes
 
 ROUNDS = 3  # obstacles that an agent is moved out of, one after the other: a wall, a second one in a corner, a box
 SLOP = 1e-3  # [m], that an agent may be in something after all rounds

@@ -5,7 +5,7 @@ from jaxtyping import Array, Float
 
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.physics.base.servo import DOOR_SPEED, FREE
-from home_mjx.physics.reference.slots import Boxes
+from home_mjx.physics.mjx.slots import Boxes
 
 NEAREST = 0.1  # [m], to the hinge, at which a leaf can be pushed
 

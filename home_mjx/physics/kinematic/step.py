@@ -15,10 +15,10 @@ from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.falling import drop_loose, ground_below
 from home_mjx.physics.kinematic.footprints import Agents, Footprints, slide
 from home_mjx.physics.kinematic.leaves import give_way, leaf_boxes, turn_to_goals
-from home_mjx.physics.reference.house_model import house_doors
-from home_mjx.physics.reference.lost import Lost
-from home_mjx.physics.reference.slots import Boxes
-from home_mjx.physics.reference.template import Template
+from home_mjx.physics.mjx.house_model import house_doors
+from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.mjx.slots import Boxes
+from home_mjx.physics.mjx.template import Template
 
 MOST_STEPS = 100  # parts of a control step; each makes the program longer
 STEP_HEIGHT = 0.05  # [m], what agents step over

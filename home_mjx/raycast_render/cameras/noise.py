@@ -4,8 +4,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, UInt8
 
-from home_mjx.raycast_render.shading.shading import encode
-from home_mjx.raycast_render.shading.texture import DECODE
+from home_mjx.raycast_render.shaders.shading import encode
+from home_mjx.raycast_render.shaders.texture import DECODE
 
 BASELINE = 351.3  # [m], by which the published model divides to get disparities (it has 35130 and centimetres)
 SHIFT = 0.5  # [px], standard deviation of the shift of a reading

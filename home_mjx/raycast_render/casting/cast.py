@@ -8,7 +8,7 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
-from home_mjx.core.native.forked import refuse_forked
+from home_mjx.core.native.fork_guard import refuse_forked
 from home_mjx.raycast_render.casting.flat import flat_cast
 from home_mjx.raycast_render.casting.hit_gradient import differentiable
 from home_mjx.raycast_render.scene.types import CLOSEST, Hit, Moving, Query, Rays, Scene

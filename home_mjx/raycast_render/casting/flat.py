@@ -10,8 +10,8 @@ from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
 from home_mjx.bank.records import Geometry
+from home_mjx.raycast_render.backends.choose import Executor, find_executor
 from home_mjx.raycast_render.casting.partition import partitioned
-from home_mjx.raycast_render.executors.choose import Executor, find_executor
 from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
 
 Flat = Callable[[Geometry, Array, Moving, Rays], RawHit]

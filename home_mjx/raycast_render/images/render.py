@@ -8,8 +8,8 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens, check_camera
 from home_mjx.raycast_render.images.view import View
 from home_mjx.raycast_render.scene import surface
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.raycast_render.shading import shading
-from home_mjx.raycast_render.shading.preset import Preset, resolve
+from home_mjx.raycast_render.shaders import shading
+from home_mjx.raycast_render.shaders.preset import Preset, resolve
 from home_mjx.schema.semantic import Semantic
 
 SEMANTIC_KINDS = {

@@ -15,9 +15,9 @@ from home_mjx.raycast_render.scene import surface
 from home_mjx.raycast_render.scene.look import exposed
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shading import lit, optics, shading
-from home_mjx.raycast_render.shading.lights import Spread
-from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.raycast_render.shaders import lit, optics, shading
+from home_mjx.raycast_render.shaders.lights import Spread
+from home_mjx.raycast_render.shaders.preset import Lit
 from home_mjx.schema.compiled import Ray
 
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.geometry.polygons import smallest_room
+from home_mjx.geometry.rectangles import cell_centers, cluster, cover
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import Shell, ShellPart, Wall, has_room_behind, inner_normal
-from home_mjx.scene_compile.geometry.polygons import smallest_room
-from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.schema.compiled import Planes, Rooms
 
 SNAP = 0.06  # [m]: corners of neighbouring rooms that differ by less are one

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.datasets.shapes.polygon_slab import grow, simplify, triangulate
-from home_mjx.scene_compile.geometry.polygons import polygon_area
+from home_mjx.geometry.polygons import polygon_area
+from home_mjx.geometry.slabs import grow, simplify, triangulate
 from home_mjx.schema.compiled import Rooms
 
 STRIP = 0.05  # [m]: floors reach 2 cm beyond the middle of their walls; strips of two such margins stay

@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.shapes.outline import bounding_outline, outline
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.geometry.mesh import to_z_up
+from home_mjx.geometry.meshes import to_z_up
+from home_mjx.geometry.outline import bounding_outline, outline
 from home_mjx.schema.categories import room_type_index
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import House, Mesh, Room

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from home_mjx.datasets.shapes.wall_groups import wall_faces
+from home_mjx.geometry.meshes import bounds, make_model
+from home_mjx.geometry.polygons import inside_polygon
+from home_mjx.geometry.wall_groups import wall_faces
 from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.architecture.ownership import Pieces, cut_surface, owners_before
 from home_mjx.scene_compile.architecture.rooms import house_rooms, triangles_of
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, same_wall
-from home_mjx.scene_compile.geometry.mesh import bounds, make_model
-from home_mjx.scene_compile.geometry.polygons import inside_polygon
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
 from home_mjx.schema.compiled import Model, Rooms
 from home_mjx.schema.house import House, Mesh

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.shapes.wall_groups import direction_across
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
-from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.boxes import BoxSet, box_set, join, no_boxes
+from home_mjx.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
+from home_mjx.geometry.rotations import yaw_matrix
+from home_mjx.geometry.wall_groups import direction_across
 
 SNAP = 0.03  # [m]: copies of one opening in neighbouring walls differ by less
 

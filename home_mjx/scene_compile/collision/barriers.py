@@ -6,10 +6,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from home_mjx.scene_compile.geometry.box_fit import narrowest_box
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, smallest_room
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.box_fit import narrowest_box
+from home_mjx.geometry.boxes import BoxSet, box_set, join, no_boxes
+from home_mjx.geometry.polygons import inside_polygon, smallest_room
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.navigation.free_space import clearance
 from home_mjx.schema.compiled import Rooms
 

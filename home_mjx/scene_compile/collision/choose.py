@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
+from home_mjx.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, may_move
 from home_mjx.scene_compile.collision.settle import carriers_first, find_support, loads_of, settle
-from home_mjx.scene_compile.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.objects.masses import object_mass
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms

@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.core.checks import check_number
+from home_mjx.geometry.box_fit import components, fit_boxes, narrowest_box
+from home_mjx.geometry.boxes import BoxSet, footprint, join, no_boxes
+from home_mjx.geometry.meshes import bounds
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
-from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narrowest_box
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint, join, no_boxes
-from home_mjx.scene_compile.geometry.mesh import bounds
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.doorways import PORTALS
 from home_mjx.scene_compile.objects.place import PlacedObject
 

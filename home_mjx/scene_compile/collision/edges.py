@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from home_mjx.geometry.boxes import BoxSet, box_set, footprint_distance, join
 from home_mjx.scene_compile.collision.floors import SLAB, FloorPlan, top_under
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint_distance, join
 from home_mjx.scene_compile.objects.stairs import Stairs
 
 STEP_DOWN = 0.3  # [m]: from a floor that ends lower above the next one nobody falls

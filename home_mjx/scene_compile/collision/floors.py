@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_distance, smallest_room
-from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover
-from home_mjx.scene_compile.geometry.rotations import plane_matrix, yaw_matrix
+from home_mjx.geometry.boxes import BoxSet, box_set, join
+from home_mjx.geometry.polygons import inside_polygon, polygon_distance, smallest_room
+from home_mjx.geometry.rectangles import cell_centers, cluster, cover
+from home_mjx.geometry.rotations import plane_matrix, yaw_matrix
 from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Rooms
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from home_mjx.geometry.boxes import BoxSet, distinct, join, no_boxes
 from home_mjx.scene_compile.collision.colliders import (
     ColliderOptions,
     keep_reachable,
@@ -13,7 +14,6 @@ from home_mjx.scene_compile.collision.colliders import (
     passable_leaves,
 )
 from home_mjx.scene_compile.collision.movables import Candidate
-from home_mjx.scene_compile.geometry.boxes import BoxSet, distinct, join, no_boxes
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Colliders
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from home_mjx.core.checks import check_number
-from home_mjx.scene_compile.geometry.boxes import BoxSet, join
-from home_mjx.scene_compile.geometry.mesh import bounds, compose, invert
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix, yaw_quat
+from home_mjx.geometry.boxes import BoxSet, join
+from home_mjx.geometry.meshes import bounds, compose, invert
+from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.objects.masses import object_contact
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.geometry.boxes import BoxSet, box_set, join
 from home_mjx.scene_compile.collision.edges import RAIL, THICKNESS
 from home_mjx.scene_compile.collision.floors import SLAB
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join
 from home_mjx.scene_compile.objects.slopes import Slope
 from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Colliders, Ramps

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
+from home_mjx.geometry.boxes import BoxSet, box_set, footprint, join, overlap
+from home_mjx.geometry.meshes import bounds
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join, overlap
-from home_mjx.scene_compile.geometry.mesh import bounds
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.place import PlacedObject
 
 GAP = 0.03  # [m]: what ends lower above the underside of another object stands beside it, not on it

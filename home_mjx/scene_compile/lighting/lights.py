@@ -8,8 +8,8 @@ from jaxtyping import Float
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.color import decode_srgb
-from home_mjx.scene_compile.geometry.mesh import bounds, to_z_up, transform
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
+from home_mjx.geometry.meshes import bounds, to_z_up, transform
+from home_mjx.geometry.polygons import inside_polygon, polygon_area, smallest_room
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import ARCHITECTURE, Rooms
 from home_mjx.schema.house import Box, Light, Metadata, base_model

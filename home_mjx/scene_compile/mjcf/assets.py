@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.core.images import open_texture
+from home_mjx.mjcf.boxes import numbers
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.schema.compiled import CompiledHouse, Model
 
@@ -129,8 +130,3 @@ def png_bytes(path: Path) -> bytes:
 def safe_name(text: str) -> str:
     """The text with all characters replaced that a file name cannot have."""
     return re.sub(r"[^A-Za-z0-9_-]", "_", text)
-
-
-def numbers(values: Float[np.ndarray, "..."]) -> str:
-    """Numbers as an MJCF attribute."""
-    return " ".join(f"{x:.9g}" for x in np.ravel(values))

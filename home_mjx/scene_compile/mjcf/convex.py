@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
+from home_mjx.core.array_store.entry import BROKEN, read_entry, write_entry
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.scene_compile.cache.entry import BROKEN, read_entry, write_entry
-from home_mjx.scene_compile.geometry.mesh import bounds
+from home_mjx.geometry.meshes import bounds
 from home_mjx.schema.compiled import Model
 
 Piece = Float[np.ndarray, "f 3 3"]

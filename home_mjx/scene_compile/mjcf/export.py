@@ -12,26 +12,19 @@ from scipy.spatial.transform import Rotation
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
+from home_mjx.geometry.boxes import box_inertia
+from home_mjx.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, add_motors, solimp
+from home_mjx.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece, body_surface, numbers
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.collision.barriers import lot
-from home_mjx.scene_compile.geometry.boxes import box_inertia
-from home_mjx.scene_compile.materials.contact import USUAL, damping_ratio
-from home_mjx.scene_compile.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, add_motors, solimp
-from home_mjx.scene_compile.mjcf.assets import MjcfAssets, numbers, safe_name
-from home_mjx.scene_compile.mjcf.boxes import (
-    COLLIDER,
-    MEETS_LEAVES,
-    add_box,
-    add_leaf,
-    add_piece,
-    body_surface,
-)
+from home_mjx.scene_compile.mjcf.assets import MjcfAssets, safe_name
 from home_mjx.scene_compile.mjcf.lights import add_lamps
 from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
 from home_mjx.schema.agent import Body
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
+from home_mjx.schema.contact_materials import USUAL, damping_ratio
 from home_mjx.schema.semantic import Semantic
 
 USUAL_FRICTION = f"{USUAL.friction} 0.005 0.0001"  # of what has no friction of its own

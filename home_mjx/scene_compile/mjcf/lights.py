@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ET
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.scene_compile.geometry.mesh import transform
-from home_mjx.scene_compile.mjcf.assets import numbers
+from home_mjx.geometry.meshes import transform
+from home_mjx.mjcf.boxes import numbers
 from home_mjx.schema.compiled import CompiledHouse
 
 MOST = 64  # MuJoCo draws at most 100 lights; the strongest are kept

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.scene_compile.mjcf.assets import numbers
+from home_mjx.mjcf.boxes import numbers
 
 FARTHEST = 0.05  # [m], that an object is moved
 DEPTH = 1e-3  # [m]: deeper contacts are overlaps

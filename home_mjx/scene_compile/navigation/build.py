@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet
+from home_mjx.geometry.boxes import BoxSet
+from home_mjx.geometry.extrapolation import continued_fields, nearest_numbers
+from home_mjx.geometry.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, clearance
-from home_mjx.scene_compile.navigation.fringe import continued_fields, nearest_numbers
-from home_mjx.scene_compile.navigation.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import stair_links

@@ -9,8 +9,8 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from home_mjx.core.checks import check_flag, check_number
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, smallest_room
+from home_mjx.geometry.boxes import BoxSet, footprint_distance
+from home_mjx.geometry.polygons import inside_polygon, smallest_room
 from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Rooms
 

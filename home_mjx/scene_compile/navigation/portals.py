@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, shortest_path
 from scipy.spatial import KDTree
 
-from home_mjx.scene_compile.geometry.polygons import inside_polygon
+from home_mjx.geometry.polygons import inside_polygon
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import PortalKind, Portals, Rooms

@@ -8,7 +8,7 @@ from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from home_mjx.scene_compile.navigation.geodesic import Link
+from home_mjx.geometry.geodesic import Link
 
 IN_LEVEL = np.array([np.zeros((3, 3)), [[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.zeros((3, 3))])  # four neighbours
 

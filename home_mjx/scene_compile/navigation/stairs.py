@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.navigation.geodesic import Link
+from home_mjx.geometry.geodesic import Link
 from home_mjx.scene_compile.objects.stairs import Stairs
 
 NOTHING = 1e-4  # [m], length of a link from a cell to itself, as far as a graph can have it

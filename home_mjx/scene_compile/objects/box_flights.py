@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.sparse.csgraph import connected_components
 
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.house import Box
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.geometry.box_fit import components, narrowest_box
-from home_mjx.scene_compile.geometry.boxes import BoxSet, turned
-from home_mjx.scene_compile.geometry.mesh import compose, make_model, transform
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.box_fit import components, narrowest_box
+from home_mjx.geometry.boxes import BoxSet, turned
+from home_mjx.geometry.meshes import compose, make_model, transform
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.compiled import Model
 

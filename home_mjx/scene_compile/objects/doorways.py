@@ -7,7 +7,7 @@ from itertools import count
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.scene_compile.geometry.polygons import smallest_room
+from home_mjx.geometry.polygons import smallest_room
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 

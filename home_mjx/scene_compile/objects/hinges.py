@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 
-from home_mjx.scene_compile.geometry.box_fit import components, narrowest_box, sample_surface
-from home_mjx.scene_compile.geometry.rotations import plane_matrix
+from home_mjx.geometry.box_fit import components, narrowest_box, sample_surface
+from home_mjx.geometry.rotations import plane_matrix
 
 SAME = 2e-3  # [m]: surfaces nearer than this are one
 JOINED = 0.03  # [m]: parts of a leaf, such as its handles, are nearer to one another than this

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint, footprint_distance, join, overlap
-from home_mjx.scene_compile.geometry.rotations import yaw_quat
+from home_mjx.geometry.boxes import BoxSet, footprint, footprint_distance, join, overlap
+from home_mjx.geometry.rotations import yaw_quat
 from home_mjx.scene_compile.objects.doors import Leaf
 from home_mjx.schema.compiled import Doors
 

@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.scene_compile.geometry.mesh import surface_areas
-from home_mjx.scene_compile.materials.contact import Contact, contact_of
+from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.schema.contact_materials import Contact, contact_of
 
 # Mass per area of visible surface [kg/m^2] = density times thickness; boards have two sides, so half their thickness.
 # Densities are handbook values (particle board 700, steel 7850, glass 2500, stoneware 2400, granite 2700,

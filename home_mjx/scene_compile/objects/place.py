@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.geometry.boxes import BoxSet, box_of, join
+from home_mjx.geometry.meshes import Z_UP, box_triangles, make_model, to_z_up, transform
+from home_mjx.geometry.polygons import polygon_area, polygon_distance, smallest_room
 from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, join
-from home_mjx.scene_compile.geometry.mesh import Z_UP, box_triangles, make_model, to_z_up, transform
-from home_mjx.scene_compile.geometry.polygons import polygon_area, polygon_distance, smallest_room
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, override, surface_material
 from home_mjx.scene_compile.objects.doors import DoorModel, HingedPart, Leaf, keeps_hinges, place_leaf, take_apart
 from home_mjx.schema.compiled import ARCHITECTURE, Model, Rooms

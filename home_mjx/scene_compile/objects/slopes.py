@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.rotations import yaw_matrix
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.geometry.polygons import smallest_room
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.polygons import smallest_room
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.box_flights import box_flights
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.objects.slopes import Slope

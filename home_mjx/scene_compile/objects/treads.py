@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.scene_compile.geometry.box_fit import sample_surface
-from home_mjx.scene_compile.geometry.rotations import plane_matrix
+from home_mjx.geometry.box_fit import sample_surface
+from home_mjx.geometry.rotations import plane_matrix
 from home_mjx.scene_compile.objects.slopes import Slope
 
 FLAT = 0.95  # least vertical part of the normal of a tread

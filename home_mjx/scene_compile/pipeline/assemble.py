@@ -5,14 +5,22 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.geometry.instance_tree import instance_box, top_tree
 from home_mjx.scene_compile.architecture.frame import Frame
+from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.architecture.shell import Shell
-from home_mjx.scene_compile.geometry.instance_tree import instance_box, top_tree
+from home_mjx.scene_compile.collision.barriers import lot
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.pipeline.levels import Levels
 from home_mjx.scene_compile.pipeline.surfaces import Surfaces
 from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, Model, Navigation
 from home_mjx.schema.lighting import LightTable
+
+AGENT_SURFACES = (  # body and visor of the agent's model, in the order of its material slots
+    SurfaceMaterial((0.15, 0.35, 0.75), kind="textile"),
+    SurfaceMaterial((0.95, 0.75, 0.1), kind="plastic"),
+)
 
 
 def assemble(
@@ -53,6 +61,9 @@ def assemble(
         rooms=frame.rooms,
         navigation=navigation,
         models=models,
+        ground_floor=ground_floor(frame.rooms),
+        lot=lot(frame.rooms),
+        agent_materials=material_table(AGENT_SURFACES),
         report=_report(frame, shell, objects, levels),
         doors=levels.doors,
         ramps=levels.ramps,

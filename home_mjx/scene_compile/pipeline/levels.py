@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
+from home_mjx.geometry.boxes import BoxSet, distinct, join
+from home_mjx.geometry.meshes import bounds
 from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.architecture.shell import Shell
 from home_mjx.scene_compile.collision.barriers import fence, find_barriers, within_reach
@@ -23,8 +25,6 @@ from home_mjx.scene_compile.collision.level import (
 )
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, make_bodies
 from home_mjx.scene_compile.collision.ramps import guards, make_ramps, sills, with_ramps
-from home_mjx.scene_compile.geometry.boxes import BoxSet, distinct, join
-from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, free_space
 from home_mjx.scene_compile.navigation.nowhere import nowhere_to_stand
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways

@@ -1,8 +1,5 @@
 """Semantics of a house: categories, colours, materials, sizes, supports, relations, texts."""
 
-from typing import TYPE_CHECKING
-
-from home_mjx import moved
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
@@ -25,6 +22,3 @@ __all__ = [
     "number_of",
     "vocabularies",
 ]
-
-if not TYPE_CHECKING:  # type checkers report missing names by themselves
-    __getattr__ = moved.attributes_of(__name__)

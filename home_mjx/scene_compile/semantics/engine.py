@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
+from home_mjx.geometry.meshes import surface_areas
+from home_mjx.geometry.polygons import polygon_area
 from home_mjx.scene_compile.architecture.frame import Frame, find_frame
 from home_mjx.scene_compile.architecture.rooms import house_rooms
 from home_mjx.scene_compile.architecture.shell import Shell, build_shell, inner_normal
-from home_mjx.scene_compile.geometry.mesh import surface_areas
-from home_mjx.scene_compile.geometry.polygons import polygon_area
 from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.describe import short_text

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint, footprint_distance
+from home_mjx.geometry.boxes import BoxSet, footprint, footprint_distance
 from home_mjx.scene_compile.semantics.supports import Support
 
 NEXT_TO = 0.5  # [m] between the footprints of neighbours

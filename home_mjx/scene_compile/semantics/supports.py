@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance, join
-from home_mjx.scene_compile.geometry.mesh import bounds
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.geometry.boxes import BoxSet, footprint_distance, join
+from home_mjx.geometry.meshes import bounds
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, join
+from home_mjx.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance
 from home_mjx.scene_compile.semantics.relations import Relation, Viewpoint, relations_at_rest, relations_seen
 from home_mjx.scene_compile.semantics.supports import Support

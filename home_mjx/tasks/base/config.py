@@ -8,13 +8,13 @@ from typing import Any
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.noises.options import NoiseConfig
+from home_mjx.audio_jax.contact_sounds.options import NoiseConfig
 from home_mjx.core.checks import as_names, check_flag, check_known, check_names, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.raycast_render.backends.choose import find_executor
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
-from home_mjx.raycast_render.executors.choose import find_executor
-from home_mjx.raycast_render.shading.preset import Preset, resolve
+from home_mjx.raycast_render.shaders.preset import Preset, resolve
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
 from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, MOVE_NAMES, DiscreteActions
@@ -106,7 +106,7 @@ class EnvConfig:
         doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
             closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
         arrangement: Where movable bodies are at reset: "placed" (as in the file) or "random" (one of the bank's settled
-            arrangements, by key, in which agents have room; see `home_mjx.arrangements`).
+            arrangements, by key, in which agents have room; see `home_mjx.tasks.arrangements`).
         source_height: Sound source above the floor [m].
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
         num_sources: How many things may sound at once, at most 256; each is traced for itself. At least as many as the

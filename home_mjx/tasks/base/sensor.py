@@ -5,6 +5,7 @@ from typing import Any
 from jaxtyping import Array, Int
 
 from home_mjx.errors import ConfigError
+from home_mjx.houses.bakes import Bake
 from home_mjx.tasks.base.config import VIEW_KINDS, EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
@@ -42,6 +43,10 @@ class Sensor:
     def spec(self, config: EnvConfig) -> Specs:
         """Observations by name, each as one agent has it."""
         raise NotImplementedError
+
+    def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
+        """Return the bakes of houses that the sensor reads; `make` computes those that are missing."""
+        return ()
 
     def init(self, config: EnvConfig) -> Any:
         """What the sensor remembers, before the first `update`; the same structure as `update` returns."""

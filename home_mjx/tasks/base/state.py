@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.audio_jax.base.endpoints import Head, Sounds
-from home_mjx.audio_jax.noises.slots import Noises
+from home_mjx.audio_jax.contact_sounds.slots import Noises
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError, OutOfRangeError

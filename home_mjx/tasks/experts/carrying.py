@@ -8,8 +8,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.physics.hands import CARRY
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.environment.handling import carried_ids
-from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.env.handling import carried_ids
+from home_mjx.tasks.env.moves import action_names
 from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.sensors.reaching import STEEPEST, footprints, plan_gaps, plan_radius
 

@@ -10,11 +10,11 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.environment.handling import carried_ids, in_reach, look_past_hand
-from home_mjx.tasks.environment.moves import ROUNDING, action_names
-from home_mjx.tasks.rows.machine import advance, conditions
-from home_mjx.tasks.rows.row_task import RowState
-from home_mjx.tasks.rows.words import FAILURE, Feature
+from home_mjx.tasks.env.handling import carried_ids, in_reach, look_past_hand
+from home_mjx.tasks.env.moves import ROUNDING, action_names
+from home_mjx.tasks.rules.machine import advance, conditions
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.rules.words import FAILURE, Feature
 from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.sensors.reaching import SEEN, SLACK, free_spots, plan_radius, take_points
 

@@ -8,7 +8,7 @@ from home_mjx.core.transforms import wrap_angle
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.carrying import carried_discs, has_hands, meets
-from home_mjx.tasks.rows.fields import BRUSHES, MARGIN, PUSHES, STOREY
+from home_mjx.tasks.rules.fields import BRUSHES, MARGIN, PUSHES, STOREY
 
 MEETS = 1.5  # where what is carried meets something: little, as fields of rows do not know of it
 AHEAD = 0.4  # [m]: who meets a leaf that is shut so far ahead opens it, if it has hands

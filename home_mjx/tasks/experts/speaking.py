@@ -4,11 +4,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.environment.moves import spoken_tokens
-from home_mjx.tasks.rows.machine import advance, conditions
-from home_mjx.tasks.rows.row_task import RowState
-from home_mjx.tasks.rows.words import FAILURE, Feature
-from home_mjx.tasks.speech.talk import NONE, is_told
+from home_mjx.tasks.communication.talk import NONE, is_told
+from home_mjx.tasks.env.moves import spoken_tokens
+from home_mjx.tasks.rules.machine import advance, conditions
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.rules.words import FAILURE, Feature
 
 REPEAT = 4  # [steps] between words of who tells others; it walks in between, out of their way
 

@@ -12,11 +12,11 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.walk import expert_action, to_actions, turn_towards
-from home_mjx.tasks.rows.row_task import RowState, RowTask
+from home_mjx.tasks.rules.row_task import RowState, RowTask
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
 EXPERT = "expert"  # name of the observation

@@ -11,16 +11,16 @@ from home_mjx.core.transforms import wrap_angle
 from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.env.moves import action_names
 from home_mjx.tasks.experts.carrying import DROPPED, MOVED, at_hand, clear_turns, has_hands, moved_by
 from home_mjx.tasks.experts.descent import descend, straight_distance
 from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
 from home_mjx.tasks.experts.leaves import faces_shut_leaf, opening
 from home_mjx.tasks.experts.speaking import or_words
-from home_mjx.tasks.rows.features import Looked, inside, look
-from home_mjx.tasks.rows.machine import advance, conditions
-from home_mjx.tasks.rows.row_task import RowState
-from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
+from home_mjx.tasks.rules.features import Looked, inside, look
+from home_mjx.tasks.rules.machine import advance, conditions
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.rules.words import FAILURE, Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.sight import SHIFTS, clear
 

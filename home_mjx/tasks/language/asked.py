@@ -5,7 +5,7 @@ from jaxtyping import Int
 
 from home_mjx.tasks.language.phrases import COLUMN, name, phrase
 from home_mjx.tasks.language.vocabulary import detokenize
-from home_mjx.tasks.rows.words import ANY, Kind, Word
+from home_mjx.tasks.rules.words import ANY, Kind, Word
 
 
 def asked(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.vocabulary import spoken
-from home_mjx.tasks.rows.house_view import Thing
-from home_mjx.tasks.rows.words import Word
+from home_mjx.tasks.rules.house_view import Thing
+from home_mjx.tasks.rules.words import Word
 
 # Words that tell things apart, in the order in which people prefer them: Dale and Reiter, "Computational
 # Interpretations of the Gricean Maxims in the Generation of Referring Expressions", Cognitive Science 19, 1995.

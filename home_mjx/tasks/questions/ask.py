@@ -22,9 +22,9 @@ from home_mjx.tasks.questions.question import (
     noun,
     one_of,
 )
-from home_mjx.tasks.rows.house_view import HouseView, Thing
-from home_mjx.tasks.rows.program import Meant
-from home_mjx.tasks.rows.words import Word
+from home_mjx.tasks.rules.house_view import HouseView, Thing
+from home_mjx.tasks.rules.program import Meant
+from home_mjx.tasks.rules.words import Word
 
 MARGIN = 2.0  # a thing is larger if its bounds hold as many times more
 NEXT_TO, AWAY = 0.3, 1.5  # [m]: gaps between bounds that are next to each other, and those that are not

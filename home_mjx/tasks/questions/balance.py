@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rows.build import Drawn
-from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.rules.build import Drawn
+from home_mjx.tasks.rules.task_bank import TaskBank
 
 Block = list[Drawn]  # one question with each of its answers, once
 

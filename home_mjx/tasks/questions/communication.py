@@ -12,10 +12,10 @@ import numpy as np
 from home_mjx.core.checks import check_known
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
-from home_mjx.tasks.rows.build import Row
-from home_mjx.tasks.rows.house_view import HouseView
-from home_mjx.tasks.rows.program import Meant, When
-from home_mjx.tasks.rows.words import Feature
+from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.rules.house_view import HouseView
+from home_mjx.tasks.rules.program import Meant, When
+from home_mjx.tasks.rules.words import Feature
 from home_mjx.tasks.sounds.row import VOICE, Sound
 from home_mjx.tasks.suite.navigation import Navigation, arrive
 

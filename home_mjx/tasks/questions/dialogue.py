@@ -13,10 +13,10 @@ from home_mjx.tasks.language.phrases import COLUMN, name
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
 from home_mjx.tasks.questions.ask import gap_between
 from home_mjx.tasks.questions.question import askable, described, noun
-from home_mjx.tasks.rows.build import Row
-from home_mjx.tasks.rows.house_view import HouseView, Thing
-from home_mjx.tasks.rows.program import Meant, When
-from home_mjx.tasks.rows.words import Feature, Word
+from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.rules.house_view import HouseView, Thing
+from home_mjx.tasks.rules.program import Meant, When
+from home_mjx.tasks.rules.words import Feature, Word
 from home_mjx.tasks.suite.navigation import Navigation, arrive
 
 QUESTIONS = {Word.COLOR: "colour", Word.SIZE: "size", Word.MATERIAL: "material", Word.ROOM_TYPE: "room"}

@@ -15,11 +15,11 @@ from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.questions.ask import ASK
 from home_mjx.tasks.questions.balance import balanced
 from home_mjx.tasks.questions.question import Question, answers_to
-from home_mjx.tasks.rows.build import Drawn, Generator, Row
-from home_mjx.tasks.rows.house_view import HouseView
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When
-from home_mjx.tasks.rows.row_task import RowTask
-from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature, Kind
+from home_mjx.tasks.rules.build import Drawn, Generator, Row
+from home_mjx.tasks.rules.house_view import HouseView
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.row_task import RowTask
+from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature, Kind
 
 KINDS = tuple(ASK)
 OFFERED = 256  # questions of each kind per house, from which balanced ones are chosen

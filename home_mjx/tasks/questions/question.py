@@ -8,9 +8,9 @@ from home_mjx.schema.categories import COARSE, ROOM_TYPES
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import COLUMN, TELLING, fewest
 from home_mjx.tasks.language.vocabulary import spoken
-from home_mjx.tasks.rows.house_view import Thing
-from home_mjx.tasks.rows.program import Meant
-from home_mjx.tasks.rows.words import Word
+from home_mjx.tasks.rules.house_view import Thing
+from home_mjx.tasks.rules.program import Meant
+from home_mjx.tasks.rules.words import Word
 from home_mjx.tasks.suite.navigation import NO_GOALS
 
 YES_NO = ("yes", "no")

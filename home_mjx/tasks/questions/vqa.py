@@ -14,10 +14,10 @@ from home_mjx.tasks.language.vocabulary import spoken, tokenize
 from home_mjx.tasks.questions.ask import attributes
 from home_mjx.tasks.questions.house_qa import Asking, answered
 from home_mjx.tasks.questions.question import MOST, YES_NO, Question, askable, noun, one_of
-from home_mjx.tasks.rows.build import Row
-from home_mjx.tasks.rows.house_view import HouseView, Thing
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When
-from home_mjx.tasks.rows.words import FAILURE, Feature
+from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.rules.house_view import HouseView, Thing
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.words import FAILURE, Feature
 
 KINDS = ("existence", "count", "colour", "material", "size")
 OF_THINGS = ("colour", "material", "size")

@@ -9,7 +9,7 @@ from home_mjx.audio_jax.auralization.envelope import band_level, clip_power, ene
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST
 from home_mjx.audio_jax.auralization.stream import loudness
 from home_mjx.audio_jax.base.config import EARS, AudioConfig
-from home_mjx.audio_jax.noises.slots import noises_power
+from home_mjx.audio_jax.contact_sounds.slots import noises_power
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS

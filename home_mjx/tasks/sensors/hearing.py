@@ -14,11 +14,13 @@ from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_m
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
-from home_mjx.audio_jax.motion.frame import moving_frames
-from home_mjx.audio_jax.motion.reception import FALL, Reception, band_shares, ends_early, reception, silence
-from home_mjx.audio_jax.noises.slots import Noises, are_heard, noise_places, noises_given_off
+from home_mjx.audio_jax.contact_sounds.slots import Noises, are_heard, noise_places, noises_given_off
+from home_mjx.audio_jax.late_reverb.bake.store import LateReverbBake
+from home_mjx.audio_jax.moving_sources.frame import moving_frames
+from home_mjx.audio_jax.moving_sources.reception import FALL, Reception, band_shares, ends_early, reception, silence
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
+from home_mjx.houses.bakes import Bake
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.keys import SOUND, fold
 from home_mjx.tasks.base.pose import over_agents
@@ -55,6 +57,10 @@ class Hearing(Sensor):
         """One frame of sound."""
         text = f"{heard_by(config)}, pressure relative to the source's at 1 m"
         return {"audio": ArraySpec((config.audio.num_channels, config.audio.frame), "float32", -LOUDEST, LOUDEST, text)}
+
+    def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
+        """Return the late reverberation, if the options look it up."""
+        return (LateReverbBake(),) if config.audio.late == "baked" else ()
 
     def init(self, config: EnvConfig) -> Heard:
         """Silence."""

@@ -9,7 +9,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.physics.hands import LOW
 from home_mjx.physics.kinematic.footprints import Footprints
-from home_mjx.physics.reference.slots import Boxes
+from home_mjx.physics.mjx.slots import Boxes
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.surface import normals
 from home_mjx.raycast_render.scene.types import Scene

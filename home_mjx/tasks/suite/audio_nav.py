@@ -16,11 +16,11 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.rows.build import Row
-from home_mjx.tasks.rows.house_view import HouseView
-from home_mjx.tasks.rows.program import Meant, When
-from home_mjx.tasks.rows.row_task import RowState
-from home_mjx.tasks.rows.words import Feature
+from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.rules.house_view import HouseView
+from home_mjx.tasks.rules.program import Meant, When
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.rules.words import Feature
 from home_mjx.tasks.sounds.row import Sound
 from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.rows.house_view import HouseView, Thing
+from home_mjx.tasks.rules.house_view import HouseView, Thing
 
 TOPS = (0.25, 1.3)  # [m], above the floor beneath: on what is lower or higher hands put nothing
 REST = 0.03  # [m], as of `Feature.ON`

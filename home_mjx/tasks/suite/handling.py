@@ -15,10 +15,10 @@ from home_mjx.schema.agent import Body
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import name, phrase, telling
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.rows.build import Row
-from home_mjx.tasks.rows.house_view import HouseView, Thing
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When
-from home_mjx.tasks.rows.words import FAILURE, NUM_TOKENS, SUCCESS, Feature, Word
+from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.rules.house_view import HouseView, Thing
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.words import FAILURE, NUM_TOKENS, SUCCESS, Feature, Word
 from home_mjx.tasks.suite.carried import Portable, gap, has_room, lies_on, portable_things
 from home_mjx.tasks.suite.navigation import NO_GOALS, STOPPED, Navigation
 

@@ -12,10 +12,10 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import phrase, telling
 from home_mjx.tasks.language.splits import has_new_combination
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.rows.build import Row
-from home_mjx.tasks.rows.house_view import HouseView
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When
-from home_mjx.tasks.rows.words import Feature, Word
+from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.rules.house_view import HouseView
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.words import Feature, Word
 from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
 
 VERBS = ("go to", "walk to", "find")

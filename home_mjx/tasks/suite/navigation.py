@@ -14,11 +14,11 @@ from home_mjx.core.checks import check_flag, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.rows.build import Generator, Row
-from home_mjx.tasks.rows.house_view import HouseView
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When
-from home_mjx.tasks.rows.row_task import RowTask
-from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.rules.build import Generator, Row
+from home_mjx.tasks.rules.house_view import HouseView
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.row_task import RowTask
+from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature
 
 STOPPED = When(Feature.STOPPED, least=1)
 # What is part of the house, hangs where nobody looks for it, or is not known.

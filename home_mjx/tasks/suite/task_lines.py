@@ -15,19 +15,19 @@ from home_mjx.core.files import as_path, read_json_lines, write_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.scene_compile.semantics.vocabulary import number_of, vocabularies
 from home_mjx.tasks.base.state import check_rows
+from home_mjx.tasks.communication.talk import EVERYBODY, NONE, written_talk
 from home_mjx.tasks.language.phrases import COLUMN
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
-from home_mjx.tasks.limits.faults import first_fault
-from home_mjx.tasks.limits.lines import check_line, part
-from home_mjx.tasks.limits.places import first_impossible
-from home_mjx.tasks.limits.table import feature_limits, limits
-from home_mjx.tasks.rows.build import add_fields, packed, padded
-from home_mjx.tasks.rows.house_view import HouseView, house_views
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
-from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.rows.words import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Feature, Kind, Word
+from home_mjx.tasks.rules.build import add_fields, packed, padded
+from home_mjx.tasks.rules.house_view import HouseView, house_views
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When, written
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.rules.words import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Feature, Kind, Word
 from home_mjx.tasks.sounds.row import Sound, read_sounds, written_sounds
-from home_mjx.tasks.speech.talk import EVERYBODY, NONE, written_talk
+from home_mjx.tasks.validation.faults import first_fault
+from home_mjx.tasks.validation.lines import check_line, part
+from home_mjx.tasks.validation.places import first_impossible
+from home_mjx.tasks.validation.table import feature_limits, limits
 
 MAX_BYTES = 1 << 30  # of a file: about a million tasks
 ENDS = {SUCCESS: "success", FAILURE: "failure"}

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
-from home_mjx.audio_jax.noises.options import LENGTHS
+from home_mjx.audio_jax.contact_sounds.options import LENGTHS
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError

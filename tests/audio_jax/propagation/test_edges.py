@@ -9,7 +9,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.geometry.barriers import Boxes, nearest_boxes, strings
 from home_mjx.audio_jax.propagation.diffraction import assembled_paths
 from home_mjx.audio_jax.propagation.paths import Straight, air_energy
-from home_mjx.scene_compile.geometry.box_edges import exposed_edges
+from home_mjx.geometry.box_edges import exposed_edges
 from home_mjx.schema.compiled import BANDS
 
 CONFIG = AudioConfig(receiver="omni")

@@ -13,8 +13,8 @@ from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import air_energy, direct_path
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 
 BENDING = AudioConfig(receiver="omni", num_edges=8)

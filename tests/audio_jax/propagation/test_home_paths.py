@@ -17,7 +17,7 @@ from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.home_paths import home_paths
 from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.houses.house_set import HouseSet
 
 AIR_AT_10_M = [-0.0087, -0.0261, -0.0523, -0.0873, -0.1489, -0.3636, -1.2597]  # [dB], of HoME, 20 degrees, 65 %
 CUBE = 10.0

@@ -10,7 +10,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Straight, cross
 from home_mjx.audio_jax.propagation.surfaces import surface_at
-from home_mjx.bank.bank import HouseBank
+from home_mjx.houses import load_bank
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS, Ray
@@ -49,7 +49,7 @@ def cast_by_cast(scene, source, listener, config):
 
 @pytest.fixture(scope="module")
 def bank():
-    return HouseBank.from_dataset("procedural:3?seed=7", num_houses=3)
+    return load_bank("procedural:3?seed=7", num_houses=3)
 
 
 def some_ends(rng, bank, house):

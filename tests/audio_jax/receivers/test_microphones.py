@@ -25,8 +25,8 @@ from home_mjx.audio_jax import (
     reception,
     survey_room,
 )
-from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import ends_early, late_sound, silence
+from home_mjx.audio_jax.moving_sources.frame import moving_frame
+from home_mjx.audio_jax.moving_sources.reception import ends_early, late_sound, silence
 from home_mjx.audio_jax.receivers.channels import late_gains
 from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.errors import ConfigError

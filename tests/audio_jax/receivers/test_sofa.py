@@ -24,8 +24,8 @@ from home_mjx.audio_jax import (
     measured_head,
     read_head,
 )
-from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import silence
+from home_mjx.audio_jax.moving_sources.frame import moving_frame
+from home_mjx.audio_jax.moving_sources.reception import silence
 from home_mjx.audio_jax.receivers.grid import grid_directions
 from home_mjx.audio_jax.receivers.heads import between_directions
 from home_mjx.audio_jax.receivers.hrtf import ear_table, sphere_spectrum

@@ -20,7 +20,7 @@ opened = []
 root = sys.argv[1]
 sys.addaudithook(lambda event, args: event == "open" and opened.append(args[0]))
 from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.houses.house_cache import HouseCache
 dataset = open_dataset(root)
 houses = HouseCache(dataset)
 houses.load(dataset.house_ids[0])

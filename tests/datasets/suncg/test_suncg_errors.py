@@ -6,7 +6,7 @@ import pickle
 import pytest
 from tiny_dataset import DOOR, HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError, UnknownIdError
 from home_mjx.schema.house import House
 

@@ -20,7 +20,7 @@ from tiny_dataset import (
 )
 
 from home_mjx.cli import main
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.validate.finding import RULES
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.errors import DatasetError

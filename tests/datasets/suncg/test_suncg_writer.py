@@ -10,7 +10,7 @@ import pytest
 from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
 from home_mjx.datasets.joints import Joint
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.datasets.suncg.write import house as writer_module

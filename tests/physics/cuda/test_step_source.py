@@ -14,9 +14,9 @@ from sanitized import Program
 
 from home_mjx.physics.cuda import launch
 from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_MOBILE, SMALL_ISLAND, SOURCES
-from home_mjx.physics.native.data import limits
-from home_mjx.physics.native.data.numbers import Numbers, reference_surfaces
-from home_mjx.physics.native.data.operands import HELD
+from home_mjx.physics.numba.data import limits
+from home_mjx.physics.numba.data.numbers import Numbers, reference_surfaces
+from home_mjx.physics.numba.data.operands import HELD
 
 WHOLE = 3, 13, 18, 22  # operands of whole numbers
 CHECKED = 11, 12  # agents and options

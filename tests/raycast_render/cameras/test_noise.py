@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
-from home_mjx.raycast_render.shading.texture import DECODE
+from home_mjx.raycast_render.shaders.texture import DECODE
 
 SIZE = 200
 

@@ -139,7 +139,7 @@ def test_embree_sees_the_same_in_a_house_by_hand(executor):
 
 @pytest.mark.real
 def test_embree_sees_the_same_in_the_real_house(suncg_root):
-    from home_mjx.datasets.suncg.dataset import open_dataset
+    from home_mjx.datasets.registry import open_dataset
     from home_mjx.scene_compile.pipeline.compile import compile_house
 
     dataset = open_dataset(suncg_root)

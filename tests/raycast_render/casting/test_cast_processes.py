@@ -127,8 +127,8 @@ def test_a_handler_that_does_not_work_is_replaced_with_one_warning():
     out = run("""
 import warnings
 from home_mjx.errors import ExecutorError
-from home_mjx.raycast_render.executors import cpu
-from home_mjx.raycast_render.executors.native import ffi_handler
+from home_mjx.raycast_render.backends import cpu
+from home_mjx.raycast_render.backends.numba import ffi_handler
 def broken():
     raise OSError("no compiler today")
 ffi_handler.build_handler = broken
@@ -147,7 +147,7 @@ except ExecutorError as error:
 
 def test_compiled_code_is_kept_on_disk():
     program = """
-from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
+from home_mjx.raycast_render.backends.numba.ffi_handler import build_handler
 print(*(compiled.cache_hits for compiled in build_handler()))
 """
     run(program)

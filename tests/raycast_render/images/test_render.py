@@ -14,7 +14,7 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_usable
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import KINDS, SEMANTIC_KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shading import shading, texture
+from home_mjx.raycast_render.shaders import shading, texture
 from home_mjx.schema.semantic import Semantic
 
 SIZE = 32

@@ -15,8 +15,8 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.look import LAYER, RED, SWAPPED, Look, drawn, swapped
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shading import lights
-from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.raycast_render.shaders import lights
+from home_mjx.raycast_render.shaders.preset import Lit
 
 SEED = jnp.uint32(12345)
 LIT = Lit(bounces=0)

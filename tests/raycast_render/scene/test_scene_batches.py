@@ -9,7 +9,7 @@ from handmade import Furniture, shoebox, two_rooms
 from home_mjx.audio_jax import AudioConfig, Listener, Source, impulse_response
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render import Camera, Lens, Scene, cast, make_scene, occluded, render
-from home_mjx.raycast_render.executors.cpu import TARGET
+from home_mjx.raycast_render.backends.cpu import TARGET
 
 E = 3
 LEVEL = jnp.array([0.5**0.5, 0.5**0.5, 0, 0], jnp.float32)

@@ -9,18 +9,18 @@ from hypothesis import strategies as st
 from scenes import scene_of
 
 from home_mjx.datasets.outlines import RoomOutline, outline_house
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.polygons import inside_polygon, polygon_area, smallest_room
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene import surface
 from home_mjx.scene_compile.architecture import shell as shell_module
 from home_mjx.scene_compile.architecture.frame import find_frame
 from home_mjx.scene_compile.architecture.ownership import Pieces, cut_surface
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.scene_compile.semantics.vocabulary import number_of
 from home_mjx.schema.house import Material, Metadata
 from home_mjx.schema.semantic import Semantic
+from home_procgen.v1.dataset import generate_dataset
 
 HALL = RoomOutline("Hall", [(0, 0), (8, 0), (8, 6), (0, 6)])
 NICHE = RoomOutline("Bedroom", [(5, 3), (8, 3), (8, 6), (5, 6)], floor=Material("red", (0.9, 0.1, 0.1)))

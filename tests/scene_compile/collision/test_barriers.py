@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from flood import farthest_from_rooms, outside_rooms, reached, rows
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.boxes import BoxSet, box_set, join, no_boxes
+from home_mjx.geometry.rotations import plane_matrix
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.collision.barriers import THIN, fence, find_barriers
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
-from home_mjx.scene_compile.geometry.rotations import plane_matrix
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse, Rooms
 from home_mjx.schema.house import House
+from home_procgen.v1.dataset import generate_dataset
 
 WALL = 0.3  # [m]: an agent that stands in an outer doorway is no farther from its room
 SQUARE = np.array([[-2, -2], [2, -2], [2, 2], [-2, 2]], float)

@@ -7,19 +7,19 @@ import pytest
 from block_houses import FLOOR, ROOM, block, place
 from boxes_by_hand import Solids
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.geometry.boxes import box_set, no_boxes
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.collision.choose import choose_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, object_colliders
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions
-from home_mjx.scene_compile.geometry.boxes import box_set, no_boxes
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.mjcf.stability import rest_drift
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import Object
+from home_procgen.v1.dataset import generate_dataset
 
 TABLE = block((0, 0, FLOOR), (1, 1, FLOOR + 0.7), "table")
 ALL = MovableOptions()

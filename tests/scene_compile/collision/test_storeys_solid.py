@@ -10,8 +10,8 @@ from matplotlib.path import Path
 from storeys import FLOOR, UP, Stairs, Storey, metadata_of, stacked
 
 from home_mjx.datasets.outlines import Opening, RoomOutline
+from home_mjx.geometry.boxes import BoxSet
 from home_mjx.scene_compile.collision.floors import SLAB, plan_floors
-from home_mjx.scene_compile.geometry.boxes import BoxSet
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_FAR, FIELD_UNIT, CompiledHouse, PortalKind, Rooms

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from handmade import shoebox
 
-from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
-from home_mjx.scene_compile.geometry.polygons import inside_polygon
+from home_mjx.geometry.meshes import box_triangles, make_model
+from home_mjx.geometry.polygons import inside_polygon
 from home_mjx.scene_compile.lighting.lights import (
     LightOptions,
     Source,

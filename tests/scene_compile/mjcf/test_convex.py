@@ -11,8 +11,8 @@ from handmade import Furniture, shoebox
 from scipy.spatial import ConvexHull, KDTree
 
 from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.geometry.box_fit import sample_surface
-from home_mjx.scene_compile.geometry.mesh import bounds, box_triangles, make_model
+from home_mjx.geometry.box_fit import sample_surface
+from home_mjx.geometry.meshes import bounds, box_triangles, make_model
 from home_mjx.scene_compile.mjcf import convex
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.scene_compile.mjcf.export import to_mjcf

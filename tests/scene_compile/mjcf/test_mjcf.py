@@ -16,9 +16,9 @@ from scipy.spatial.transform import Rotation
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.scene_compile.geometry.mesh import transform
+from home_mjx.geometry.meshes import transform
 from home_mjx.scene_compile.mjcf.assets import LEAST_AREA, obj_bytes
 from home_mjx.scene_compile.mjcf.export import export_mjcf, split_linear, to_mjcf
 from home_mjx.scene_compile.pipeline.compile import compile_house

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import CompiledHouse
+from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from home_mjx.scene_compile.navigation.fringe import continued_fields, nearest_numbers
+from home_mjx.geometry.extrapolation import continued_fields, nearest_numbers
 
 CELL = 0.1
 

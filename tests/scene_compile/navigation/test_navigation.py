@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from home_mjx.scene_compile.geometry.boxes import box_set, no_boxes
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
+from home_mjx.geometry.boxes import box_set, no_boxes
+from home_mjx.geometry.geodesic import distance_fields
+from home_mjx.geometry.polygons import inside_polygon, polygon_area, smallest_room
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions, free_space
-from home_mjx.scene_compile.navigation.geodesic import distance_fields
 from home_mjx.scene_compile.navigation.nowhere import HINTS, nowhere_to_stand
 from home_mjx.schema.compiled import FIELD_UNIT, Rooms
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from tiny_dataset import HOUSE_ID, ROOM_PARTS, edit_house, object_node, write_mesh, write_tiny_dataset
 
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.boxes import box_set, join
+from home_mjx.geometry.geodesic import Link, distance_fields
+from home_mjx.geometry.meshes import box_triangles, make_model
 from home_mjx.scene_compile.collision.ramps import guards
-from home_mjx.scene_compile.geometry.boxes import box_set, join
-from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions, free_space
-from home_mjx.scene_compile.navigation.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.objects.doorways import Doorway

@@ -8,15 +8,15 @@ import pytest
 from cuboids import cuboid, turned
 from scipy.spatial import cKDTree
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.geometry.box_fit import sample_surface
-from home_mjx.scene_compile.geometry.mesh import transform
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.box_fit import sample_surface
+from home_mjx.geometry.meshes import transform
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import Body
+from home_procgen.v1.dataset import generate_dataset
 
 FRAME = (
     cuboid((-0.45, -0.05, 0), (-0.4, 0.05, 2.1)),

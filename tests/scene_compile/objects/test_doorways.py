@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.box_fit import sample_surface
+from home_mjx.geometry.meshes import transform
 from home_mjx.scene_compile.architecture.frame import find_frame
-from home_mjx.scene_compile.geometry.box_fit import sample_surface
-from home_mjx.scene_compile.geometry.mesh import transform
 from home_mjx.scene_compile.objects.doorways import find_doorways, shut_outer_doors
 from home_mjx.scene_compile.objects.place import place_objects, triangles_z_up
+from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")

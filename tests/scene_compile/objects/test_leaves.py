@@ -6,15 +6,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes, overlap
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.boxes import BoxSet, box_set, join, no_boxes, overlap
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.objects.doors import Leaf
 from home_mjx.scene_compile.objects.leaves import CLEARANCE, ajar_leaves, make_doors, swing
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse, PortalKind
 from home_mjx.schema.house import Box
+from home_procgen.v1.dataset import generate_dataset
 
 LENGTH, THICK = 0.8, 0.04  # [m]
 

@@ -9,8 +9,8 @@ from block_houses import block
 from hypothesis import given
 from hypothesis import strategies as st
 
+from home_mjx.geometry.polygons import inside_polygon, polygon_distance
 from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_distance
 from home_mjx.scene_compile.objects.place import STRAY, place_objects
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import House, Level, Metadata, Room

@@ -11,8 +11,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from home_mjx import HouseBank, physics
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.navigation import door_angles, open_portals
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.hands import Commands, obey, settle
@@ -22,6 +21,7 @@ from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import Body
+from home_procgen.v1.dataset import generate_dataset
 
 WAY = 0.7  # [m]
 HOUSE = jnp.int32(0)

@@ -9,21 +9,14 @@ from cuboids import cuboid, turned
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from home_mjx.geometry.box_fit import components, cover_cells, fit_boxes, merge_boxes, narrowest_box, sample_surface
+from home_mjx.geometry.boxes import BoxSet, box_of, box_set, footprint, footprint_distance, join
+from home_mjx.geometry.polygons import polygon_area
+from home_mjx.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
+from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.rooms import outline
 from home_mjx.scene_compile.architecture.slabs import fit_slab, same_wall, wall_boxes
 from home_mjx.scene_compile.collision.colliders import door_boxes, not_hidden, passable_leaves
-from home_mjx.scene_compile.geometry.box_fit import (
-    components,
-    cover_cells,
-    fit_boxes,
-    merge_boxes,
-    narrowest_box,
-    sample_surface,
-)
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, box_set, footprint, footprint_distance, join
-from home_mjx.scene_compile.geometry.polygons import polygon_area
-from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
-from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 
 TABLE = np.concatenate(
     [cuboid((-0.7, -0.4, 0.7), (0.7, 0.4, 0.75))]

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from house_checks import cell_points, crossed_partitions, mujoco_contacts, nearest, obstacle_points
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.geometry.rotations import plane_matrix
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.rotations import plane_matrix
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.semantic import Semantic
+from home_procgen.v1.dataset import generate_dataset
 
 TOUCH = 2e-4  # [m]: what lies on something touches it
 

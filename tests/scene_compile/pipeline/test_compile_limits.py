@@ -11,9 +11,9 @@ from tiny_arch import arch_path, write_tiny_v2
 from tiny_dataset import DEPTH, HOUSE_ID, WIDTH, edit_house, write_tiny_dataset
 
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.houses.house_cache import HouseCache
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.pipeline import limits
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house

@@ -17,9 +17,10 @@ from house_checks import (
     world_triangles,
 )
 
-from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance
-from home_mjx.scene_compile.geometry.mesh import bounds, transform
+from home_mjx.datasets.base import Dataset
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.boxes import BoxSet, footprint_distance
+from home_mjx.geometry.meshes import bounds, transform
 from home_mjx.scene_compile.objects.masses import mass_range
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.categories import COARSE, FINE, NYU40

@@ -6,7 +6,7 @@ from block_houses import FLOOR, ROOM, block, place
 from hypothesis import given
 from hypothesis import strategies as st
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint
+from home_mjx.geometry.boxes import BoxSet, box_set, footprint
 from home_mjx.scene_compile.semantics.relations import (
     APART,
     NEXT_TO,

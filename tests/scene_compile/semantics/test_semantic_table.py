@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
@@ -21,6 +20,7 @@ from home_mjx.scene_compile.semantics.relations import Viewpoint
 from home_mjx.scene_compile.semantics.vocabulary import names_of, number_of, vocabularies
 from home_mjx.schema.categories import NYU40
 from home_mjx.schema.semantic import Semantic
+from home_procgen.v1.dataset import generate_dataset
 
 FIRST = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
 

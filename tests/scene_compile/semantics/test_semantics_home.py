@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.metadata import read_metadata
-from home_mjx.scene_compile.geometry.mesh import surface_areas
+from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import library_model
 from home_mjx.scene_compile.semantics.engine import house_semantics

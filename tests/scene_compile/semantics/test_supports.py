@@ -5,12 +5,12 @@ import pytest
 import trimesh
 from block_houses import CEILING, FLOOR, ROOM, block, place
 
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.geometry.meshes import bounds
 from home_mjx.scene_compile.architecture.frame import find_frame
-from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.supports import OPENINGS, TOUCH, WALL_HUNG, Support, find_supports
+from home_procgen.v1.dataset import generate_dataset
 
 TABLE = block((0, 0, FLOOR), (1, 1, 0.8), "table")
 ON_FLOOR = Support("floor")

@@ -12,7 +12,7 @@ import home_mjx
 from home_mjx.core.checks import check_names
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render.cameras.camera import Lens
-from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.raycast_render.shaders.preset import Lit
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions
@@ -21,7 +21,7 @@ from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.status import Status
-from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.questions.communication import Communication
 from home_mjx.tasks.questions.house_qa import HouseQA
 

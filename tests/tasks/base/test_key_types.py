@@ -7,7 +7,7 @@ import pytest
 
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.keys import to_raw
-from home_mjx.tasks.environment.usable import usable_action, usable_choice
+from home_mjx.tasks.env.usable import usable_action, usable_choice
 
 KEYS = [
     *(jnp.zeros(2), jnp.zeros(2, bool), jnp.zeros(2, complex), jnp.zeros((), jnp.uint32)),

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.materials.contact import CONTACTS, HEAVY, RUBBER, USUAL
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.schema.categories import coarse_index
+from home_mjx.schema.contact_materials import CONTACTS, HEAVY, RUBBER, USUAL
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import Touch, touch_meaning
+from home_procgen.v1.dataset import generate_dataset
 
 
 class World:

@@ -11,7 +11,7 @@ import home_mjx
 from home_mjx.navigation.grid import cell_of, cell_position, stored_distance
 from home_mjx.tasks.experts.descent import THERE, descend, within_steps
 from home_mjx.tasks.experts.leaves import at_leaves, leaf_gaps, slow_cells
-from home_mjx.tasks.rows.fields import BRUSHES, MARGIN, CellGraph
+from home_mjx.tasks.rules.fields import BRUSHES, MARGIN, CellGraph
 
 STEP = 0.25
 

@@ -3,10 +3,10 @@
 import pytest
 
 import home_mjx
-from home_mjx.bank.bank import HouseBank
-from home_mjx.datasets import generate_dataset
+from home_mjx.houses import load_bank
 from home_mjx.tasks import with_expert
 from home_mjx.training.evaluation import evaluate, expert_policy
+from home_procgen import generate_dataset
 
 LEAST = 0.99  # share of episodes that succeed
 EPISODES = 24
@@ -37,7 +37,7 @@ CASES = {
 @pytest.fixture(scope="module")
 def bank(tmp_path_factory):
     root = tmp_path_factory.mktemp("unseen")
-    return HouseBank.from_dataset(root, ids=generate_dataset(root, HOUSES))
+    return load_bank(root, ids=generate_dataset(root, HOUSES))
 
 
 @pytest.mark.slow

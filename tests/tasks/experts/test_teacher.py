@@ -11,8 +11,8 @@ import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import AutoReset, Task, WithExpert, expert_action, with_expert
 from home_mjx.tasks.experts.walk import should_wait
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
-from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, SUCCESS, Feature
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When, written
+from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.training.evaluation import evaluate, expert_policy, random_policy
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from home_mjx.tasks import tokenize
 from home_mjx.tasks.language.asked import asked
-from home_mjx.tasks.rows.words import Kind, Word
+from home_mjx.tasks.rules.words import Kind, Word
 
 NO_TOKENS = np.zeros(32, int)
 

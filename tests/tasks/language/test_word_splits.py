@@ -8,8 +8,8 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks import TaskBank, mentions, new_combinations, tokenize
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.language.splits import SAID
-from home_mjx.tasks.rows.build import padded
-from home_mjx.tasks.rows.words import ANY, NUM_DESCRIPTORS, Word
+from home_mjx.tasks.rules.build import padded
+from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Word
 
 
 def tasks_of(descriptors, texts):

@@ -10,16 +10,16 @@ from spoken_words import number
 
 import home_mjx
 from home_mjx.errors import ConfigError
-from home_mjx.registry import as_bank
+from home_mjx.houses import load_bank
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import VQA, HouseQA, chance, detokenize, prior_accuracy
 from home_mjx.tasks.language.phrases import COLUMN
 from home_mjx.tasks.language.vocabulary import spoken
 from home_mjx.tasks.questions.ask import NEXT_TO
-from home_mjx.tasks.rows.house_view import house_views
-from home_mjx.tasks.rows.meaning import means_on_host
-from home_mjx.tasks.rows.words import ANY, NUM_DESCRIPTORS, Kind, Word
+from home_mjx.tasks.rules.house_view import house_views
+from home_mjx.tasks.rules.meaning import means_on_host
+from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Kind, Word
 
 THE = r"the (?:\w+ )*?\w+(?: in the \w+)?"
 ASKED = {"colour": Semantic.BASIC, "material": Semantic.MATERIAL, "size": Semantic.SIZE, "room": Semantic.ROOM_TYPE}
@@ -27,7 +27,7 @@ ASKED = {"colour": Semantic.BASIC, "material": Semantic.MATERIAL, "size": Semant
 
 @pytest.fixture(scope="module")
 def bank():
-    return as_bank(None, 4)
+    return load_bank(None, num_houses=4)
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_the_best_that_only_reads_is_at_chance(tasks):
 
 @pytest.mark.slow
 def test_the_best_that_only_reads_is_at_chance_in_houses_that_it_has_not_met():
-    learned, held_out = (HouseQA().task_bank(as_bank(None, 8, split=split)) for split in ("train", "test"))
+    learned, held_out = (HouseQA().task_bank(load_bank(None, num_houses=8, split=split)) for split in ("train", "test"))
     for tasks in (learned, held_out):
         assert prior_accuracy(tasks, tasks) == pytest.approx(chance(tasks), abs=1e-12)
     assert len(held_out) > 100
@@ -219,4 +219,4 @@ def test_kinds_say_which_words_answer():
 
 def test_one_house_asks_nothing(bank):
     with pytest.raises(ConfigError, match="two answers in 1 houses"):
-        HouseQA().task_bank(as_bank(None, 1))
+        HouseQA().task_bank(load_bank(None, num_houses=1))

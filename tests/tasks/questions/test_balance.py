@@ -10,7 +10,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks import TaskBank, chance, prior_accuracy
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.questions.balance import balanced
-from home_mjx.tasks.rows.build import Drawn, Row, padded
+from home_mjx.tasks.rules.build import Drawn, Row, padded
 
 HOUSES = 12
 

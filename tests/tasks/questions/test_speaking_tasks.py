@@ -10,8 +10,8 @@ from spoken_words import number
 from whole_episodes import begun, played
 
 from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
-from home_mjx.registry import as_bank
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import (
     VQA,
@@ -28,11 +28,11 @@ from home_mjx.tasks import (
     save_tasks,
     tokenize,
 )
+from home_mjx.tasks.communication.talk import NUM_REPLIES, of_others, written_talk
 from home_mjx.tasks.questions.dialogue import QUESTIONS, UNKNOWN
-from home_mjx.tasks.rows.house_view import house_views
-from home_mjx.tasks.rows.meaning import means_on_host
-from home_mjx.tasks.rows.words import ANY, NUM_DESCRIPTORS, Kind, Word
-from home_mjx.tasks.speech.talk import NUM_REPLIES, of_others, written_talk
+from home_mjx.tasks.rules.house_view import house_views
+from home_mjx.tasks.rules.meaning import means_on_host
+from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Kind, Word
 
 STOPS = {"stop": True}
 MIX = HouseTasks(
@@ -51,7 +51,7 @@ def config_of(num_agents, sensors=("state",)):
 
 @pytest.fixture(scope="module")
 def bank():
-    return as_bank(None, 4)
+    return load_bank(None, num_houses=4)
 
 
 @pytest.fixture(scope="module")

@@ -9,16 +9,17 @@ import pytest
 from handmade import Slab, _architecture_rows, _room_planes, _rooms, _shell, build_house, shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
-from home_mjx.audio_jax import AudioConfig, BakeOptions, Listener, Source, baked_sound, energy_response, with_late_sound
-from home_mjx.audio_jax.baked.balance import leaf_openings
-from home_mjx.audio_jax.baking.bake import bake_house
-from home_mjx.audio_jax.baking.store import entry_of
-from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.audio_jax import AudioConfig, BakeOptions, LateReverbBake, Listener, Source, baked_sound, energy_response
+from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
+from home_mjx.audio_jax.late_reverb.bake.store import entry_of
+from home_mjx.audio_jax.late_reverb.lookup.balance import leaf_openings
 from home_mjx.errors import ConfigError
+from home_mjx.houses import add_bakes
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.tasks import make_config
-from home_mjx.tasks.environment.usable import check_bank
+from home_mjx.tasks.env.usable import check_bank
+from home_procgen.v1.dataset import generate_dataset
 
 FEW = BakeOptions(size=2.0, rays=40, bounces=40)
 BAKED = AudioConfig(late="baked")
@@ -39,7 +40,7 @@ def room():
 
 @pytest.fixture(scope="module")
 def bank(room):
-    return with_late_sound(HouseBank.from_compiled([room]), [room], FEW)
+    return add_bakes(HouseBank.from_compiled([room]), [room], LateReverbBake(FEW))
 
 
 def test_a_step_hears_baked_sound(bank):
@@ -60,23 +61,23 @@ def test_a_step_hears_baked_sound(bank):
 
 def test_it_is_baked_once(bank, room, monkeypatch):
     assert entry_of(room, FEW).is_file()
-    monkeypatch.setattr("home_mjx.audio_jax.baking.store.bake_house", lambda *_: pytest.fail("baked again"))
-    again = with_late_sound(HouseBank.from_compiled([room]), [room], FEW)
+    monkeypatch.setattr("home_mjx.audio_jax.late_reverb.bake.store.bake_house", lambda *_: pytest.fail("baked again"))
+    again = add_bakes(HouseBank.from_compiled([room]), [room], LateReverbBake(FEW))
     assert all(map(np.array_equal, jax.tree.leaves(again.late), jax.tree.leaves(bank.late)))
     other = replace(room, materials=replace(room.materials, absorption=room.materials.absorption * 0.5))
     assert entry_of(other, FEW) != entry_of(room, FEW)
 
 
 def test_wrong_banks_are_refused(bank, room):
-    with pytest.raises(ConfigError, match="with_late_sound"):
+    with pytest.raises(ConfigError, match="add_bakes"):
         HouseholdEnv(make_config(audio=BAKED, **OPTIONS)).bind(HouseBank.from_compiled([room]))
     with pytest.raises(ConfigError, match="the bank holds houses"):
-        with_late_sound(bank, [replace(room, id="another")], FEW)
+        add_bakes(bank, [replace(room, id="another")], LateReverbBake(FEW))
 
 
 def test_furniture_that_is_moved_before_every_episode_is_told(bank, monkeypatch, caplog):
     """What has been baked does not know of it; whatever else an environment does to a house is no such matter."""
-    monkeypatch.setattr("home_mjx.tasks.environment.usable.check_arrangements", lambda _: None)
+    monkeypatch.setattr("home_mjx.tasks.env.usable.check_arrangements", lambda _: None)
     check_bank(make_config(audio=BAKED, arrangement="random", **OPTIONS), bank)
     assert "furniture as the files have it" in caplog.text
     caplog.clear()
@@ -127,7 +128,7 @@ def house(tmp_path_factory):
 @pytest.mark.slow
 def test_shutting_a_door_makes_the_next_room_quiet(house):
     """By 8 dB or more (a hollow leaf has 14 dB at 125 Hz); half open it is in between; the own room gets no quieter."""
-    bank = with_late_sound(HouseBank.from_compiled([house]), [house], BakeOptions(rays=60, bounces=60))
+    bank = add_bakes(HouseBank.from_compiled([house]), [house], LateReverbBake(BakeOptions(rays=60, bounces=60)))
     physics, portals = bank.physics, house.navigation.portals
     inner = np.flatnonzero((portals.room >= 0).all(axis=1) & (portals.leaf[:, 0] >= 0))
     portal = int(inner[np.argmax(portals.width[inner])])

@@ -11,9 +11,9 @@ import pytest
 
 from home_mjx.audio_jax import CLIPS
 from home_mjx.errors import ConfigError
+from home_mjx.houses import load_bank
 from home_mjx.navigation import geodesic_distance
 from home_mjx.physics import PhysicsConfig
-from home_mjx.registry import as_bank
 from home_mjx.tasks import (
     AudioNav,
     EnvConfig,
@@ -26,7 +26,7 @@ from home_mjx.tasks import (
     load_tasks,
     save_tasks,
 )
-from home_mjx.tasks.rows.words import Kind, Word
+from home_mjx.tasks.rules.words import Kind, Word
 from home_mjx.tasks.sounds.row import NUM_SOUNDS, emission_of, read_sounds, written_sounds
 from home_mjx.tasks.suite.audio_nav import DISTRACTING, SPLITS
 
@@ -43,7 +43,7 @@ CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig
 
 @pytest.fixture(scope="module")
 def bank():
-    return as_bank(None, 2)
+    return load_bank(None, num_houses=2)
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ import pytest
 from home_mjx import physics
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
-from home_mjx.registry import as_bank
+from home_mjx.houses import load_bank
 from home_mjx.schema.timing import Timing
 from home_mjx.tasks import Communication, HouseholdEnv, HouseTasks, Sound, load_tasks, make_config, save_tasks, tokenize
 from home_mjx.tasks.language.vocabulary import words
@@ -48,7 +48,7 @@ def decoded(audio):
 
 @pytest.fixture(scope="module")
 def env():
-    return CORE.bind(as_bank(None, 2))
+    return CORE.bind(load_bank(None, num_houses=2))
 
 
 @pytest.fixture(scope="module")

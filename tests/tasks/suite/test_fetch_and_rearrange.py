@@ -14,8 +14,8 @@ from whole_episodes import begun, played
 
 import home_mjx
 from home_mjx.errors import ConfigError
+from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
-from home_mjx.registry import as_bank
 from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import (
@@ -31,11 +31,11 @@ from home_mjx.tasks import (
     load_tasks,
     save_tasks,
 )
-from home_mjx.tasks.rows.house_view import house_views
-from home_mjx.tasks.rows.machine import advance
-from home_mjx.tasks.rows.program import Meant, written
-from home_mjx.tasks.rows.task_bank import program_of
-from home_mjx.tasks.rows.words import NUM_CONDITIONS, Kind, Word
+from home_mjx.tasks.rules.house_view import house_views
+from home_mjx.tasks.rules.machine import advance
+from home_mjx.tasks.rules.program import Meant, written
+from home_mjx.tasks.rules.task_bank import program_of
+from home_mjx.tasks.rules.words import NUM_CONDITIONS, Kind, Word
 from home_mjx.tasks.suite.carried import portable_things
 
 HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}
@@ -45,7 +45,7 @@ MOST_STEPS = 400
 
 @pytest.fixture(scope="module")
 def bank():
-    return as_bank(None, 4)
+    return load_bank(None, num_houses=4)
 
 
 @pytest.fixture(scope="module")
@@ -245,7 +245,7 @@ def test_who_takes_a_thing_can_turn_round_with_it(tasks, views, name):
 
 def test_a_bin_is_taken_from_where_one_can_turn_round_with_it():
     """Beside a toilet hands reach it from twelve cells that were tried; in some the turn sweeps it into the wall."""
-    (view,) = house_views(as_bank("procedural:1?seed=130043", 1))
+    (view,) = house_views(load_bank("procedural:1?seed=130043", num_houses=1))
     (thing,) = [x.thing for x in portable_things(view, 10.0, 0.5) if x.instance == 55]
     cells, _ = view.taken(55)
     assert 0 < len(cells) < 12
@@ -254,7 +254,7 @@ def test_a_bin_is_taken_from_where_one_can_turn_round_with_it():
 
 def test_what_lies_in_a_pocket_is_not_to_be_carried():
     """A chair and a wardrobe leave 37 cm there: an agent fits through, the thing that it holds does not."""
-    (view,) = house_views(as_bank("procedural:1?seed=110022", 1))
+    (view,) = house_views(load_bank("procedural:1?seed=110022", num_houses=1))
     bodies = [portable.thing.body for portable in portable_things(view, 10.0, 0.5)]
     assert 0 not in bodies
     assert bodies

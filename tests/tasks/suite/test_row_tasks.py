@@ -12,8 +12,8 @@ from whole_episodes import begun, played
 
 import home_mjx
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, UnknownIdError
+from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
-from home_mjx.registry import as_bank
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.tasks import (
@@ -45,7 +45,7 @@ MOST_STEPS = 400
 
 @pytest.fixture(scope="module")
 def bank():
-    return as_bank(None, 4)
+    return load_bank(None, num_houses=4)
 
 
 @pytest.fixture(scope="module")

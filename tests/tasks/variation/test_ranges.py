@@ -9,7 +9,7 @@ from scipy import stats
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.errors import ConfigError, UnknownNameError
 from home_mjx.tasks import EnvConfig, Variation
-from home_mjx.tasks.environment.usable import check_variation
+from home_mjx.tasks.env.usable import check_variation
 from home_mjx.tasks.variation.draw import draw
 from home_mjx.tasks.variation.noise import MEAN, VARIANCE, noisy_depth, noisy_moves, noisy_rgb
 from home_mjx.tasks.variation.ranges import as_variation

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.shapes.pieces import CUT, Piece, join_pieces, wall_pieces
-from home_mjx.datasets.shapes.polygon_slab import slab
-from home_mjx.datasets.shapes.wall_prism import DEPTH, RISE, Hole, Wall
 from home_mjx.datasets.suncg.formats.element import Place, Value, read_json
 from home_mjx.datasets.suncg.formats.materials import read_material
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.geometry.pieces import CUT, Piece, join_pieces, wall_pieces
+from home_mjx.geometry.slabs import slab
+from home_mjx.geometry.wall_prisms import DEPTH, RISE, Hole, Wall
 from home_mjx.schema.house import Material, Mesh
 
 WHITE = (1.0, 1.0, 1.0)

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.core.files import is_file
+from home_mjx.datasets.suncg.fallbacks.extent import model_box
+from home_mjx.datasets.suncg.fallbacks.known_models import has_row, with_known_models
+from home_mjx.datasets.suncg.fallbacks.listing import lacking_materials_of
+from home_mjx.datasets.suncg.fallbacks.models import fallback_model
+from home_mjx.datasets.suncg.fallbacks.rooms import Gap, room_shape, slab_mesh, stand_in_part
 from home_mjx.datasets.suncg.formats.element import Place
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
-from home_mjx.datasets.suncg.lacking.extent import model_box
-from home_mjx.datasets.suncg.lacking.known_models import has_row, with_known_models
-from home_mjx.datasets.suncg.lacking.listing import lacking_materials_of
-from home_mjx.datasets.suncg.lacking.models import stand_in_model
-from home_mjx.datasets.suncg.lacking.rooms import Gap, room_shape, slab_mesh, stand_in_part
 from home_mjx.datasets.suncg.read.reading import Reading
 from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.schema.house import Ground, House, Material, Metadata, ModelInfo, Node, Object, Room, StandIn
@@ -35,11 +35,11 @@ def stand_in_for_model(item: Object, error: DatasetError, reading: Reading) -> N
     info = _info(reading.tables, item.model_id)
     box, closed = model_box(info, item.transform, item.bbox), item.model_key != item.model_id
     path = reading.assets.model_path(item.model_id, item.model_key)
-    reading.models[item.model_key], words = stand_in_model(path, info.fine, box, closed)
+    reading.models[item.model_key], words = fallback_model(path, info.fine, box, closed)
     reading.stood_in.add(item.model_key)
     if info.fine == "door":
         other = path.with_name(f"{item.other_key}.obj")
-        reading.others[item.other_key] = stand_in_model(other, info.fine, box, not closed)[0]
+        reading.others[item.other_key] = fallback_model(other, info.fine, box, not closed)[0]
     reading.stand_ins.append(StandIn("model", item.model_key, item.path, words, _reason(error)))
 
 

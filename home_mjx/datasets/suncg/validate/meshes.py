@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.shapes.wall_groups import direction_across, wall_faces
 from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.geometry.wall_groups import direction_across, wall_faces
 from home_mjx.schema.house import Mesh
 
 THICKEST = 1.0  # [m]; walls of SUNCG have 0.1 m

@@ -1,7 +1,7 @@
 """Reports all faults of a house, like a linter, not only those that prevent reading it."""
 
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.dataset import Dataset
+from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.datasets.suncg.formats.element import read_json
 from home_mjx.datasets.suncg.read.house_json import build_house, house_path
 from home_mjx.datasets.suncg.read.reading import Reading
@@ -19,13 +19,13 @@ from home_mjx.schema.house import Mesh, Metadata, Room
 __all__ = ["RULES", "Finding", "validate_house"]
 
 
-def validate_house(dataset: Dataset, house_id: str) -> tuple[Finding, ...]:
+def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[Finding, ...]:
     """All faults of a house and the files that it uses, errors first; empty if there are none.
 
     Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
 
     Args:
-        dataset: Dataset of the house.
+        dataset: SuncgDataset of the house.
         house_id: One of `dataset.house_ids`.
 
     Raises:
@@ -59,7 +59,7 @@ def _meshes(room: Room) -> tuple[Mesh | None, ...]:
     return room.floor, room.ceiling, room.walls
 
 
-def _metadata(dataset: Dataset, reading: Reading) -> Metadata | None:
+def _metadata(dataset: SuncgDataset, reading: Reading) -> Metadata | None:
     return reading.attempt(lambda: dataset.metadata)
 
 

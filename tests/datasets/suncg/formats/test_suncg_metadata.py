@@ -6,7 +6,7 @@ import json
 import pytest
 from tiny_dataset import DOOR, TABLE, write_tiny_dataset
 
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.metadata import CATEGORIES, LIGHTS, SIZES, read_metadata
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.semantics.vocabulary import names_of

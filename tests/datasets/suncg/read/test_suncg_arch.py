@@ -8,10 +8,10 @@ import trimesh
 from tiny_arch import arch_path, edit_arch, write_tiny_v2
 from tiny_dataset import DEPTH, DOOR, GROUND, HEIGHT, HOUSE_ID, WIDTH, box_of, edit_house, write_mesh
 
-from home_mjx.datasets.shapes.polygon_slab import slab
-from home_mjx.datasets.shapes.wall_prism import Wall, merge_holes, wall_prisms
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError
+from home_mjx.geometry.slabs import slab
+from home_mjx.geometry.wall_prisms import Wall, merge_holes, wall_prisms
 from home_mjx.schema.house import Material
 
 

@@ -11,7 +11,7 @@ from tiny_arch import edit_arch, write_tiny_v2
 from tiny_dataset import HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
 from home_mjx.core import files
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.formats import element as place
 from home_mjx.datasets.suncg.formats import polygons
 from home_mjx.datasets.suncg.read import arch_json, house_json

@@ -16,7 +16,7 @@ from tiny_dataset import (
     write_tiny_dataset,
 )
 
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.schema.house import Material, Problem
 
 

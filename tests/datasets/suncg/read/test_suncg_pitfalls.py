@@ -28,7 +28,7 @@ from tiny_dataset import (
 )
 
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.validate.rooms import footprint
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.errors import DatasetError

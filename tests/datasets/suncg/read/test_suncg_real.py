@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.material_kinds import HOME_TEXTURE_KINDS
 

@@ -1,0 +1,45 @@
+"""What `home-mjx bench` can measure: one module per case, imported when asked for.
+
+A module's `CASES` maps each of its figures (the part after the slash in `rays/primary-depth`) to a function from
+`Settings` to `Record`.
+"""
+
+import importlib
+import importlib.util
+import logging
+from collections.abc import Iterator
+
+from benchmarks.cases.record import Record, Settings
+from home_mjx.errors import UnknownNameError, did_you_mean, install_hint
+
+__all__ = ["CASE_NAMES", "Record", "Settings", "measure"]
+
+CASE_NAMES = ("load", "compile", "rays", "physics", "audio", "env", "train")
+
+
+log = logging.getLogger(__name__)
+
+
+def measure(name: str, settings: Settings) -> Iterator[Record]:
+    """Records of `all`, of a case such as `rays`, or of one figure such as `rays/primary-depth`.
+
+    Raises:
+        UnknownNameError: If there is no such case or figure.
+    """
+    case, _, figure = name.partition("/")
+    if case != "all" and case not in CASE_NAMES:
+        raise UnknownNameError(f"unknown benchmark case `{name}`", hint=did_you_mean(case, [*CASE_NAMES, "all"]))
+    for chosen in _all() if case == "all" else (case,):
+        figures = importlib.import_module(f"benchmarks.cases.{chosen}").CASES
+        if figure and figure not in figures:
+            raise UnknownNameError(f"unknown benchmark figure `{name}`", hint=did_you_mean(figure, figures))
+        for function in [figures[figure]] if figure else figures.values():
+            yield function(settings)
+
+
+def _all() -> tuple[str, ...]:
+    """The cases that this installation has."""
+    if importlib.util.find_spec("flax") is not None:
+        return CASE_NAMES
+    log.warning("`train` is left out, as flax is not installed; %s", install_hint("train"))
+    return tuple(name for name in CASE_NAMES if name != "train")

@@ -1,0 +1,60 @@
+"""The whole environment step."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+
+from benchmarks.cases.record import Record, Settings, make_record
+from home_mjx.core import profiling
+from home_mjx.env_factory import make
+
+
+def all_sensors(settings: Settings) -> Record:
+    """Steps of all environments with the default sensors."""
+    return _steps(settings, "env/all-sensors")
+
+
+def depth(settings: Settings) -> Record:
+    """Steps with the depth image only."""
+    return _steps(settings, "env/depth", sensors=("depth",))
+
+
+def mix(settings: Settings) -> Record:
+    """Steps of a mix of tasks with the default sensors; the peer is PointNav alone, its moves and sensors the same."""
+    from home_mjx.tasks import HouseholdEnv, HouseTasks, InstructionFollowing, ObjectNav, PointGoals, RoomNav
+
+    options: dict[str, Any] = {"actions": "discrete", "stop": True}
+    alone = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
+    tasks = [task(stop=True) for task in (PointGoals, RoomNav, ObjectNav, InstructionFollowing)]
+    mixed = HouseholdEnv(alone.config, HouseTasks(tasks=tuple(tasks), num_tasks=8)).bind(settings.bank)
+    peer = ("PointNav-v0 alone", _rate(settings, alone)[0])
+    rate, seconds = _rate(settings, mixed)
+    note = f"{', '.join(mixed.params.tasks.names)} with {', '.join(alone.config.sensors or ())}; {settings.houses}"
+    return make_record(
+        "env/mix", rate, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
+    )  # fmt: skip
+
+
+def _steps(settings: Settings, case: str, **options: Any) -> Record:
+    env = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
+    rate, seconds = _rate(settings, env)
+    note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {settings.houses}"
+    return make_record(case, rate, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
+
+
+def _rate(settings: Settings, env: Any) -> tuple[float, float]:
+    """Environment steps per second with actions drawn at random, none of them `stop`; and seconds of compiling."""
+    keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
+    states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, keys)
+    if env.config.discrete is None:
+        actions = profiling.drawn_actions((settings.num_envs, env.action_size))
+    else:
+        actions = profiling.drawn_moves((settings.num_envs,), env.action_size)
+    step, seconds = profiling.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, actions[0])
+    rate = profiling.steps_per_second(functools.partial(step, env.params), states, actions, settings.seconds)
+    return rate * settings.num_envs, seconds
+
+
+CASES: dict[str, Callable[[Settings], Record]] = {"all-sensors": all_sensors, "depth": depth, "mix": mix}

@@ -1,0 +1,74 @@
+"""Bodies and agents alone: no images, no sound."""
+
+import functools
+import time
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import jax
+import jax.numpy as jnp
+import mujoco
+
+from benchmarks.cases.batch import houses_and_starts
+from benchmarks.cases.record import Record, Settings, make_record
+from home_mjx import physics
+from home_mjx.core import profiling
+
+
+def step(settings: Settings) -> Record:
+    """Control steps of all environments; the peer is MuJoCo in C on the first house's full MJCF."""
+    peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, physics.PhysicsConfig()))
+    return _record(settings, "step", "jax", peer)
+
+
+def fused(settings: Settings) -> Record:
+    """The same by the fused step; the peer is MJX."""
+    return _record(settings, "fused", "fused", ("MJX", _record(settings, "step", "jax", None).value))
+
+
+def c(settings: Settings) -> Record:
+    """The same by C MuJoCo inside `jit`; the peer is the fused step."""
+    return _record(settings, "c", "c", ("fused", _record(settings, "fused", "fused", None).value))
+
+
+def kinematic(settings: Settings) -> Record:
+    """The same by agents without dynamics; the peer is the fused step."""
+    return _record(settings, "kinematic", "kinematic", ("fused", _record(settings, "fused", "fused", None).value))
+
+
+def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | None) -> Record:
+    bank, config = settings.bank, physics.PhysicsConfig(impl=impl)
+    template = physics.Template(config, bank.spec)
+    houses, starts = houses_and_starts(settings)
+    yaw = jnp.zeros((settings.num_envs, 1), jnp.float32)
+    reset = jax.jit(jax.vmap(lambda *args: physics.reset(template, bank, *args)))
+    data = reset(houses, starts[:, None], yaw)
+    actions = profiling.drawn_actions((settings.num_envs, 1, 3))
+    function = jax.vmap(lambda bank, *args: physics.step(template, bank, *args), (None, 0, 0, 0))
+    program, seconds = profiling.compiled(function, bank, houses, data, actions[0])
+    rate = profiling.steps_per_second(functools.partial(program, bank, houses), data, actions, settings.seconds)
+    value = rate * settings.num_envs
+    note = f"{config.timing.substeps} x {config.timing.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
+    return make_record(
+        f"physics/{case}", value, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
+    )
+
+
+def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
+    """Control steps per second."""
+    from home_mjx.scene_compile.mjcf.export import export_mjcf
+
+    with TemporaryDirectory() as folder:
+        path = str(export_mjcf(settings.first_house, Path(folder)))
+        model = mujoco.MjModel.from_xml_path(path)  # pyright: ignore[reportAttributeAccessIssue]
+    model.opt.timestep = config.timing.sim_dt
+    data = mujoco.MjData(model)  # pyright: ignore[reportAttributeAccessIssue]
+    start, count = time.perf_counter(), 0
+    while time.perf_counter() - start < settings.seconds:
+        mujoco.mj_step(model, data, config.timing.substeps)  # pyright: ignore[reportAttributeAccessIssue]
+        count += 1
+    return count / (time.perf_counter() - start)
+
+
+CASES: dict[str, Callable[[Settings], Record]] = {"step": step, "fused": fused, "c": c, "kinematic": kinematic}

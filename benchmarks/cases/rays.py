@@ -1,0 +1,98 @@
+"""The ray caster alone: camera rays of the whole batch, bodies and agents at their starts."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks.cases.batch import eye_at, own_body, rate_per_environment, scene_at
+from benchmarks.cases.record import Record, Settings, make_record
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core import profiling
+from home_mjx.raycast_render.cameras.camera import Camera, Lens
+from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.images.render import render
+from home_mjx.schema.agent import Body
+from home_mjx.schema.compiled import CompiledHouse
+
+SIZE = 64  # pixels, each way
+RAYS = SIZE * SIZE
+KINDS = ("rgb", "depth", "instance", "fine")
+
+
+def primary_depth(settings: Settings) -> Record:
+    """Closest hits of camera rays by the platform's own executor; the peer is Embree on the first house."""
+    return _primary(settings, "rays/primary-depth", None, _embree(settings))
+
+
+def primary_depth_xla(settings: Settings) -> Record:
+    """The same by the reference executor."""
+    return _primary(settings, "rays/primary-depth-xla", "xla", None)
+
+
+def images(settings: Settings) -> Record:
+    """RGB, depth and two id images of every environment."""
+
+    def look(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
+        camera = Camera(*eye_at(start), jnp.float32(np.pi / 2))
+        return render(scene_at(bank, house, start), camera, Lens(SIZE, SIZE), kinds=KINDS, exclude=own_body(bank))
+
+    value, seconds = rate_per_environment(settings, look)
+    note = f"{SIZE}x{SIZE} {', '.join(KINDS)}; {settings.houses}"
+    return make_record("rays/images", value, "images/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
+
+
+def _primary(settings: Settings, case: str, executor: str | None, peer: tuple[str, float] | None) -> Record:
+    directions = _directions()
+
+    def distances(bank: HouseBank, house: jax.Array, start: jax.Array) -> jax.Array:
+        origin, _ = eye_at(start)
+        return cast(scene_at(bank, house, start), origin, directions, exclude=own_body(bank), executor=executor).t
+
+    value, seconds = rate_per_environment(settings, distances)
+    note = f"closest hit of {RAYS} rays per environment; {settings.houses}"
+    rays = value * RAYS
+    return make_record(case, rays, "rays/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer)
+
+
+def _directions() -> jax.Array:
+    """Unit rays of a 90 degree pinhole looking along +y (SIZE, SIZE, 3)."""
+    at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
+    x, z = np.meshgrid(at, -at)
+    rays = np.stack([x, np.ones_like(x), z], -1)
+    return jnp.asarray(rays / np.linalg.norm(rays, axis=-1, keepdims=True), jnp.float32)
+
+
+def _embree(settings: Settings) -> tuple[str, float] | None:
+    """Rays per second of Embree, one thread, over all triangles of the first house where they stand."""
+    try:
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
+    except ModuleNotFoundError:
+        return None
+    scene = EmbreeScene()
+    TriangleMesh(scene, _world_triangles(settings.first_house))
+    starts = np.asarray(settings.bank.navigation.start[0])
+    origins = np.repeat(starts + np.array([0, 0, Body().eye_height]), RAYS, axis=0).astype(np.float32)
+    directions = np.tile(np.asarray(_directions()).reshape(RAYS, 3), (len(starts), 1)).astype(np.float32)
+    rate = profiling.calls_per_second(lambda: scene.run(origins, directions), seconds=settings.seconds)
+    return "Embree (1 thread, 1 house)", rate * len(origins)
+
+
+def _world_triangles(house: CompiledHouse) -> np.ndarray:
+    """Every instance's triangles where they stand (n, 3, 3)."""
+    instances = house.instances
+    placed = [
+        house.models[key].triangle @ pose[:, :3].T + pose[:, 3]
+        for key, pose in zip(instances.model, instances.pose, strict=True)
+    ]
+    return np.concatenate(placed).astype(np.float32)
+
+
+CASES: dict[str, Callable[[Settings], Record]] = {
+    "primary-depth": primary_depth,
+    "primary-depth-xla": primary_depth_xla,
+    "images": images,
+}

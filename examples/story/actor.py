@@ -1,0 +1,81 @@
+"""An agent that acts as a script tells it: it gives actions of the environment, nothing else."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from examples.story.moment import Moment
+from home_mjx.navigation.path_follower import steer, turn_towards
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_NAMES
+
+NAMES = (*ACTION_NAMES, *HAND_NAMES)
+AIMED = 0.04  # [rad], from the middle of the view
+CALM = 0.6  # of the turn that is left per step: motors lag behind, so all of it would overshoot
+
+Action = Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True)
+class Actor:
+    """One agent of an environment with hands.
+
+    Args:
+        config: Options of the environment.
+        agent: Which one.
+    """
+
+    config: EnvConfig
+    agent: int
+
+    def stand(self) -> Action:
+        """It does nothing."""
+        return np.zeros(len(NAMES), np.float32)
+
+    def walk(self, moment: Moment, aim: Float[np.ndarray, " 2"], pitch: float = 0.0) -> Action:
+        """Straight towards a point [m], looking up by `pitch` [rad]."""
+        body, dt = self.config.physics.agents[self.agent], self.config.timing.ctrl_dt
+        action = self.stand()
+        action[:4] = steer(moment.pos[self.agent], float(moment.yaw[self.agent]), aim, body.turn_rate * dt)
+        action[NAMES.index("look_up")] = self._tilt(pitch - float(moment.pitch[self.agent]))
+        return action
+
+    def look(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> Action:
+        """Towards a point [m], on the spot."""
+        body, dt = self.config.physics.agents[self.agent], self.config.timing.ctrl_dt
+        turn, tilt = self._off(moment, point)
+        action = self.stand()
+        action[NAMES.index("turn_left")] = np.clip(CALM * turn / (body.turn_rate * dt), -1, 1)
+        action[NAMES.index("look_up")] = self._tilt(tilt)
+        return action
+
+    def use(self, moment: Moment, point: Float[np.ndarray, " 3"], command: str) -> Action:
+        """Looks at a point [m], and gives a command of its hand once it does."""
+        action = self.look(moment, point)
+        if self.sees(moment, point):
+            action[NAMES.index(command)] = 1.0
+        return action
+
+    def sees(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> bool:
+        """Whether a point [m] is in the middle of its view; what may stand before it does not count."""
+        return max(map(abs, self._off(moment, point))) < AIMED
+
+    def distance(self, moment: Moment, point: Float[np.ndarray, " *p"]) -> float:
+        """From its axis, in the plan [m]."""
+        return float(np.linalg.norm(moment.pos[self.agent, :2] - point[:2]))
+
+    def eyes(self, moment: Moment) -> Float[np.ndarray, "3"]:
+        """[m]."""
+        body = self.config.physics.agents[self.agent]
+        return moment.pos[self.agent] + np.array([0.0, 0.0, body.eye_height - body.height / 2])
+
+    def _off(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> tuple[float, float]:
+        """How far it must turn to the left and look up to see a point in the middle [rad]."""
+        rise = point[2] - self.eyes(moment)[2]
+        tilt = np.arctan2(rise, self.distance(moment, point)) - moment.pitch[self.agent]
+        return turn_towards(moment.pos[self.agent], float(moment.yaw[self.agent]), point), float(tilt)
+
+    def _tilt(self, angle: float) -> float:
+        """The part of an action that looks up by an angle [rad], or as far as one step allows."""
+        return float(np.clip(angle / (self.config.look_rate * self.config.timing.ctrl_dt), -1, 1))

@@ -1,0 +1,104 @@
+"""The film of the story: what both agents see, both storeys from above, and what the carrier hears."""
+
+from dataclasses import dataclass, field
+from itertools import groupby
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import UInt8
+
+from examples.story.play import Step
+from examples.story.script import CARRIER, WATCHER
+from home_mjx import physics
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.viewer.pictures import media, pictures
+from home_mjx.viewer.pictures.top_view import Mark, TopView
+
+Image = UInt8[np.ndarray, "_ _ 3"]
+COLOURS = {CARRIER: (20, 200, 90), WATCHER: (255, 150, 40)}  # of the dots that stand for agents
+LAMP = (255, 235, 90)
+ACROSS = 5  # stages in a row of the sheet
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One step: what was seen and heard in it."""
+
+    caption: str
+    eyes: tuple[Image, Image]  # of the carrier, of the watcher
+    plans: tuple[Image, ...]  # of the storeys, from below
+    sound: np.ndarray  # (2, n), at the ears of the carrier
+
+
+@dataclass
+class Film:
+    """Collects the shots of a story: `told` is to be called after every step.
+
+    Args:
+        env: The environment, with sensors `rgb` and `audio`.
+        lamp: Which body is carried.
+    """
+
+    env: BoundEnv[HouseholdEnv]
+    lamp: int
+    shots: list[Shot] = field(default_factory=list)
+
+    def told(self, step: Step) -> None:
+        """Adds a step."""
+        rgb, sound = (np.asarray(step.state.obs[name]) for name in ("pixels/head_rgb", "audio"))
+        self.shots.append(Shot(step.caption, (rgb[CARRIER], rgb[WATCHER]), self._plans(step), sound[CARRIER]))
+
+    def write(self, folder: Path) -> None:
+        """Writes `story.mp4`, `story.wav` and `story.png`, a sheet with the end of every stage."""
+        sound = np.concatenate([shot.sound for shot in self.shots], axis=-1)
+        media.write_wav(folder / "story.wav", sound, self.env.config.audio.sample_rate)
+        peak = float(np.abs(sound).max())
+        frames = np.stack([_frame(shot, peak) for shot in self.shots])
+        media.write_mp4(folder / "story.mp4", frames, 1 / self.env.dt, folder / "story.wav")
+        media.write_png(folder / "story.png", self._sheet())
+
+    def _sheet(self) -> Image:
+        ends = [list(shots)[-1] for _, shots in groupby(self.shots, key=lambda shot: shot.caption)]
+        panels = [
+            np.concatenate([pictures.captioned(end.eyes[CARRIER], end.caption), end.eyes[WATCHER]]) for end in ends
+        ]
+        return pictures.sheet([panels[i : i + ACROSS] for i in range(0, len(panels), ACROSS)])
+
+    def _plans(self, step: Step) -> tuple[Image, ...]:
+        scene, floors = _without_agents(self.env, step.state), np.asarray(self.env.bank.navigation.floor[0])
+        marks = [Mark(step.moment.pos[agent], colour, 9) for agent, colour in COLOURS.items()]
+        marks.append(Mark(step.moment.body_pos[self.lamp], LAMP, 5))
+        storey = [int((mark.pos[2] > floors).sum()) - 1 for mark in marks]
+        width = step.state.obs["pixels/head_rgb"].shape[-2]
+        tops = [TopView(self.env.bank, scene, width, level) for level in range(len(floors))]
+        return tuple(
+            top.cropped(top.marked([mark for mark, at in zip(marks, storey, strict=True) if at == level]))
+            for level, top in enumerate(tops)
+        )
+
+
+def _without_agents(env: BoundEnv[HouseholdEnv], state: State) -> Scene:
+    """The house as things stand, with nobody in it: dots stand for agents."""
+    template = env.core.template(env.bank)
+    pos, quat = physics.body_pose(template, state.physics)
+    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+    angle = physics.door_angle(template, state.physics)
+    return make_scene(env.bank, state.world.house, pos, quat, *nobody, env.config.executor, angle)
+
+
+def _frame(shot: Shot, peak: float) -> Image:
+    eyes = [
+        pictures.captioned(shot.eyes[CARRIER], f"carrier: {shot.caption}"),
+        pictures.captioned(shot.eyes[WATCHER], "watcher"),
+    ]
+    plans = [pictures.captioned(image, f"storey {number}") for number, image in enumerate(shot.plans, 1)]
+    width = sum(panel.shape[1] for panel in eyes) + 6
+    wave = pictures.waveform(shot.sound, width, 60, peak)
+    return pictures.sheet(
+        [eyes, plans, [pictures.captioned(wave, "the carrier's left ear (above), right ear (below)")]]
+    )

@@ -1,0 +1,213 @@
+"""Noises of an environment: a few slots for short ones and for lasting ones, and what leaves them in a frame.
+
+A noise that is over rings on from where it was until its slot is taken; the one that began first goes first.
+"""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.contact_sounds.options import NoiseConfig
+from home_mjx.audio_jax.contact_sounds.synthesis import bank_power, rub_bank, strike_bank
+from home_mjx.core.pytree import Pytree
+
+LONG_AGO = -(2**29)  # [samples]
+FREE, NOBODY = -1, -1
+
+
+class Strikes(Pytree):
+    """Short noises, one per slot."""
+
+    pos: Float[Array, "k 3"]  # [m], world
+    body: Int[Array, " k"]  # object id of what sounds, which does not muffle itself; -1 none
+    row: Int[Array, " k"]  # of `strike_bank`
+    gain: Float[Array, " k"]  # 0: none
+    start: Int[Array, " k"]  # [samples] since the episode's start
+
+
+class Rubs(Pytree):
+    """Lasting noises, one per slot."""
+
+    pos: Float[Array, "j 3"]  # [m], world
+    body: Int[Array, " j"]  # object id of what sounds
+    row: Int[Array, " j"]  # of `rub_bank`
+    owner: Int[Array, " j"]  # who makes it; FREE: nobody
+    gain: Float[Array, "j h"]  # at the end of this frame, and of those before it
+
+
+class Noises(Pytree):
+    """All that is heard of bodies, and what has to be remembered to tell when they are."""
+
+    strikes: Strikes
+    rubs: Rubs
+    walked: Float[Array, " a"]  # [m], of each agent since the episode's start
+
+
+def silent_noises(config: NoiseConfig, audio: AudioConfig, num_agents: int) -> Noises:
+    """Nothing yet.
+
+    Example:
+        >>> silent_noises(NoiseConfig(), AudioConfig(), 1).rubs.gain.shape
+        (2, 7)
+    """
+    k, j = config.num_strikes, config.num_rubs
+    return Noises(
+        strikes=Strikes(
+            pos=jnp.zeros((k, 3), jnp.float32),
+            body=jnp.full(k, NOBODY, jnp.int32),
+            row=jnp.zeros(k, jnp.int32),
+            gain=jnp.zeros(k, jnp.float32),
+            start=jnp.full(k, LONG_AGO, jnp.int32),
+        ),
+        rubs=Rubs(
+            pos=jnp.zeros((j, 3), jnp.float32),
+            body=jnp.full(j, NOBODY, jnp.int32),
+            row=jnp.zeros(j, jnp.int32),
+            owner=jnp.full(j, FREE, jnp.int32),
+            gain=jnp.zeros((j, num_kept(audio)), jnp.float32),
+        ),
+        walked=jnp.zeros(num_agents, jnp.float32),
+    )
+
+
+def num_kept(audio: AudioConfig) -> int:
+    """Frames whose ends are remembered, this one's first: as far back as sound is heard, and one more."""
+    return 2 + math.ceil((audio.memory_length - 1) / audio.frame)
+
+
+def with_strikes(
+    old: Strikes, new: Strikes, audio: AudioConfig, now: Int[Array, ""]
+) -> tuple[Strikes, Bool[Array, ""]]:
+    """New noises in the slots of the oldest.
+
+    Args:
+        old: As they were, k slots.
+        new: Any number of them; those without gain are none.
+        audio: For the lengths.
+        now: [samples] since the episode's start.
+
+    Returns:
+        The loudest k of the new and what is left of the old; and whether any was lost: more than k are new, or one is
+        cut off that sounds on.
+    """
+    k, n = old.gain.size, new.gain.size
+    loudest = jnp.argsort(-new.gain, stable=True)[: min(k, n)]
+    slot = jnp.argsort(old.start, stable=True)[: min(k, n)]
+    taken = new.gain[loudest] > 0
+    length = strike_bank(audio.sample_rate).shape[1]
+    sounds = (old.gain[slot] > 0) & (old.start[slot] + length > now)
+    lost = jnp.any(taken & sounds) | (jnp.sum(new.gain > 0) > k)
+
+    def put(before: Array, after: Array) -> Array:
+        there = taken.reshape(-1, *[1] * (before.ndim - 1))
+        return before.at[slot].set(jnp.where(there, after[loudest], before[slot]))
+
+    return jax.tree.map(put, old, new), lost
+
+
+def with_rubs(
+    old: Rubs, pos: Float[Array, "n 3"], body: Int[Array, " n"], row: Int[Array, " n"], gain: Float[Array, " n"]
+) -> tuple[Rubs, Bool[Array, ""]]:
+    """The next frame's: who has a slot keeps it until it is silent, others take what is free.
+
+    Args:
+        old: As they were.
+        pos: Of all who may make such noises [m].
+        body: Their object ids.
+        row: What each makes.
+        gain: How loud now; 0: not.
+
+    Returns:
+        The noises, and whether anyone found no slot.
+    """
+    own = jnp.maximum(old.owner, 0)
+    now = jnp.where(old.owner >= 0, gain[own], 0.0)
+    kept = (old.owner >= 0) & ((now > 0) | jnp.any(old.gain[:, :-1] > 0, axis=1))
+    number = jnp.arange(gain.size, dtype=jnp.int32)
+    has_slot = jnp.any(kept[:, None] & (old.owner[:, None] == number[None]), axis=0)
+    waiting = jnp.where(has_slot, 0.0, gain)
+    count = min(old.owner.size, gain.size)
+    loudest = jnp.argsort(-waiting, stable=True)[:count]
+    slot = jnp.argsort(kept, stable=True)[:count]
+    taken = (waiting[loudest] > 0) & ~kept[slot]
+    owner = jnp.where(kept, old.owner, FREE)
+    owner = owner.at[slot].set(jnp.where(taken, loudest.astype(jnp.int32), owner[slot]))
+    who, active = jnp.maximum(owner, 0), owner >= 0
+    level = jnp.where(active, gain[who], 0.0)
+    before = jnp.where(kept[:, None], old.gain[:, :-1], 0.0)
+    moves = (active & (level > 0))[:, None]
+    new = Rubs(
+        pos=jnp.where(moves, pos[who], old.pos),
+        body=jnp.where(moves[:, 0], body[who], old.body),
+        row=jnp.where(moves[:, 0], row[who], old.row),
+        owner=owner,
+        gain=jnp.concatenate([level[:, None], before], axis=1),
+    )
+    return new, jnp.sum(waiting > 0) > jnp.sum(taken)
+
+
+def noise_places(noises: Noises) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
+    """Where they come from [m], and from which body: strikes, then rubs."""
+    both = noises.strikes, noises.rubs
+    return jnp.concatenate([x.pos for x in both]), jnp.concatenate([x.body for x in both])
+
+
+def are_heard(noises: Noises) -> Bool[Array, " e"]:
+    """Which of them have sounded at all, as far back as is remembered."""
+    return jnp.concatenate([noises.strikes.gain > 0, jnp.any(noises.rubs.gain > 0, axis=1)])
+
+
+def noises_given_off(noises: Noises, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w"]:
+    """What leaves them in a frame, and before it for as long as a response lasts; as `given_off`.
+
+    Args:
+        noises: After the step whose frame it is.
+        time: Samples from the episode's start to the frame.
+        audio: For the lengths.
+    """
+    span = jnp.arange(1 - audio.memory_length, audio.frame + audio.ahead, dtype=jnp.int32)
+    blows, loops = jnp.asarray(strike_bank(audio.sample_rate)), jnp.asarray(rub_bank(audio.sample_rate))
+
+    def strike(row: Array, gain: Array, start: Array) -> Array:
+        at = time + span - start
+        played = blows[row, jnp.clip(at, 0, blows.shape[1] - 1)]
+        return jnp.where((at >= 0) & (at < blows.shape[1]), gain * played, 0.0)
+
+    def rub(row: Array, gain: Array) -> Array:
+        place = (span + 1).astype(jnp.float32) / audio.frame  # 0 at the frame's start, 1 at its end
+        return _between(gain, place) * loops[row, (time + span) % loops.shape[1]]
+
+    s, r = noises.strikes, noises.rubs
+    return jnp.concatenate([jax.vmap(strike)(s.row, s.gain, s.start), jax.vmap(rub)(r.row, r.gain)])
+
+
+def noises_power(noises: Noises, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w bands"]:
+    """Power of what `noises_given_off` gives, per time bin and octave, as `band_level` takes it."""
+    size, rate = audio.bin_samples, audio.sample_rate
+    frame = max(round(audio.frame / size), 1)
+    bins = jnp.arange(1 - audio.num_bins, frame, dtype=jnp.int32)
+    blows = jnp.asarray(bank_power(strike_bank(rate), rate, size))
+    loops = jnp.asarray(bank_power(rub_bank(rate), rate, size).mean(axis=1))
+
+    def strike(row: Array, gain: Array, start: Array) -> Array:
+        at = bins + (time - start) // size
+        on = (at >= 0) & (at < blows.shape[1])
+        return jnp.where(on[:, None], gain**2 * blows[row, jnp.clip(at, 0, blows.shape[1] - 1)], 0.0)
+
+    def rub(row: Array, gain: Array) -> Array:
+        place = (bins.astype(jnp.float32) + 0.5) * (size / audio.frame)
+        return _between(gain, place)[:, None] ** 2 * loops[row][None]
+
+    s, r = noises.strikes, noises.rubs
+    return jnp.concatenate([jax.vmap(strike)(s.row, s.gain, s.start), jax.vmap(rub)(r.row, r.gain)])
+
+
+def _between(gain: Float[Array, " h"], place: Float[Array, " w"]) -> Float[Array, " w"]:
+    """Gains at times in frames from the start of this one: straight from one end of a frame to the next."""
+    back = jnp.clip(1 - place, 0.0, gain.size - 1.0)  # frames before this one's end
+    whole = jnp.minimum(back.astype(jnp.int32), gain.size - 2)
+    rest = back - whole.astype(jnp.float32)
+    return gain[whole] * (1 - rest) + gain[whole + 1] * rest

@@ -1,0 +1,208 @@
+"""Early sound of a chunk of environments: paths added up and filtered, as in `motion.synthesis.early_by_xla`."""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from typing import Any, NamedTuple, no_type_check
+
+from numba import njit
+
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, READ
+from home_mjx.audio_jax.kernels.cpu.fft import transform
+from home_mjx.audio_jax.kernels.cpu.operands import (
+    complex_pair,
+    complex_table,
+    constant,
+    dim,
+    float_pointer,
+    int_pointer,
+    int_row,
+    result_row,
+    row,
+    table,
+)
+from home_mjx.audio_jax.kernels.cpu.paths import BLOCK, WAY, ZERO, Sizes, add_block, double, hear_block
+from home_mjx.audio_jax.kernels.reads import FILTERED
+from home_mjx.core.native import ffi
+from home_mjx.core.native.ffi import NUMBER
+from home_mjx.core.native.memory import address_of, shifted
+from home_mjx.core.native.simd import LANES, load, multiply_add, spread, total
+
+_, SPECTRA, TURNS, RATE, SOURCE, FILTERS, START, WAYS, SHARE = range(9)  # operands
+_, FRAME_BEGIN, BEFORE, COUNT = range(4)  # constants
+compiled = njit(error_model="numpy")
+
+
+class Room(NamedTuple):
+    """Memory of a thread."""
+
+    on: Any  # (sources, samples of all signals)
+    between: Any
+    padded: Any  # (samples of a signal)
+    rest: Any  # (BLOCK)
+    heard: Any  # (ways, BLOCK)
+    values: Any  # real and imaginary parts (points, shapes)
+    spare: Any
+    spectra: Any  # of one pair of channels of each environment (points, LANES)
+    unused: Any
+    base: Any  # (BLOCK)
+    which: Any  # (1 + ways)
+
+
+@compiled
+@no_type_check
+def make_early(frame, first, end):
+    """Frames of environments from `first` on and before `end`, no more than a vector has lanes."""
+    size, points = _sizes(frame), dim(frame, TURNS, 1)
+    room = _make_room(size, points)
+    turns = complex_table(frame, TURNS, points)
+    for left in range(0, size.channels, 2):
+        for i in range(points * LANES):
+            room.spectra[0][i], room.spectra[1][i] = ZERO, ZERO
+        for env in range(first, end):
+            _double_all(frame, env, size, room)
+            for side in range(2):
+                _add_all(frame, env, left + side, size, points, room, room.values[side])
+            _filter(frame, points, size, turns, env - first, room)
+        made = transform(points, LANES, turns, room.spectra, room.unused)
+        for env in range(first, end):
+            _write(frame, env, left, env - first, size, made)
+    ffi.release(address_of(room.on))
+
+
+@compiled
+@no_type_check
+def _double_all(frame, env, size, room):
+    """Signals of all sources of an environment, at twice their rate."""
+    sources, filtered = row(frame, SOURCE, env), row(frame, FILTERS, env)
+    each = FILTERED * size.filtered + size.length
+    for source in range(size.sources):
+        for part in range(FILTERED + 1):
+            at = source * each + part * size.filtered
+            if part < FILTERED:
+                signal, count = shifted(filtered, (source * FILTERED + part) * size.filtered), size.filtered
+            else:
+                signal, count = shifted(sources, source * size.length), size.length
+            double(signal, count, room.padded, shifted(room.on, at), shifted(room.between, at))
+
+
+@compiled
+@no_type_check
+def _add_all(frame, env, channel, size, points, room, sums):
+    """Sums of a channel, silence to the end; nothing where there is no such channel."""
+    begun = 0
+    if channel < size.channels:
+        share, far = row(frame, SHARE, env), 2 * size.channels * size.shapes
+        share = shifted(share, 2 * channel * size.shapes)
+        _find_sounding(share, far, size, room.which)
+        for begin in range(0, size.count, BLOCK):
+            count = min(BLOCK, size.count - begin)
+            _hear_all(frame, env, min(channel, size.ears - 1), begin, count, size, room)
+            add_block(room.heard, share, room.which, far, begin, count, size, sums)
+        begun = size.count * size.shapes
+    for i in range(begun, points * size.shapes):
+        sums[i] = ZERO
+
+
+@compiled
+@no_type_check
+def _find_sounding(share, far, size, which):
+    """Numbers of ways that any sum hears, after how many they are."""
+    which[0] = 0
+    for way in range(size.sources * size.rows):
+        for i in range(way * far, way * far + 2 * size.shapes):
+            if share[i] != ZERO:
+                which[0] += 1
+                which[which[0]] = way
+                break
+
+
+@compiled
+@no_type_check
+def _hear_all(frame, env, ear, begin, count, size, room):
+    ways, starts, rate = row(frame, WAYS, env), int_row(frame, START, env), table(frame, RATE)[0]
+    each = FILTERED * size.filtered + size.length
+    for i in range(room.which[0]):
+        number = room.which[1 + i]
+        source, part = number // size.rows, min(number % size.rows, FILTERED)
+        lowest = 2 * part * size.filtered
+        highest = lowest + 2 * (size.filtered if part < FILTERED else size.length) - READ
+        signal = shifted(room.on, source * each), shifted(room.between, source * each)
+        way, start = shifted(ways, number * (WAY + 3 * size.ears)), starts[source * (FILTERED + 1) + part]
+        places = start, lowest, highest
+        heard = shifted(room.heard, number * BLOCK)
+        hear_block(way, ear, rate, places, signal, begin, count, size, room.base, room.rest, heard)
+
+
+@compiled
+@no_type_check
+def _filter(frame, points, size, turns, lane, room):
+    """All sums through their filters, added up: the spectrum of a pair of channels, conjugated."""
+    filters = complex_table(frame, SPECTRA, points * size.shapes)
+    re, im = transform(points, size.shapes, turns, room.values, room.spare)
+    whole = size.shapes // LANES * LANES
+    for k in range(points):
+        first, real, imaginary = k * size.shapes, spread(ZERO), spread(ZERO)
+        for at in range(first, first + whole, LANES):
+            a, b, c, d = load(re, at), load(im, at), load(filters[0], at), load(filters[1], at)
+            real = multiply_add(a, c, real) - b * d
+            imaginary = multiply_add(a, d, multiply_add(b, c, imaginary))
+        sum_re, sum_im = total(real), total(imaginary)
+        for at in range(first + whole, first + size.shapes):
+            sum_re += re[at] * filters[0][at] - im[at] * filters[1][at]
+            sum_im += re[at] * filters[1][at] + im[at] * filters[0][at]
+        room.spectra[0][k * LANES + lane], room.spectra[1][k * LANES + lane] = sum_re, -sum_im
+
+
+@compiled
+@no_type_check
+def _write(frame, env, left, lane, size, made):
+    out, begin = result_row(frame, env), constant(frame, FRAME_BEGIN)
+    for k in range(size.frame):
+        out[left * size.frame + k] = made[0][(begin + k) * LANES + lane]
+    if left + 1 < size.channels:
+        for k in range(size.frame):
+            out[(left + 1) * size.frame + k] = -made[1][(begin + k) * LANES + lane]
+
+
+@compiled
+@no_type_check
+def _sizes(frame):
+    return Sizes(
+        dim(frame, SOURCE, 1),
+        dim(frame, SOURCE, 2),
+        dim(frame, FILTERS, 3),
+        dim(frame, WAYS, 2),
+        (dim(frame, WAYS, 3) - WAY) // 3,
+        dim(frame, SHARE, 3),
+        dim(frame, SHARE, 5),
+        constant(frame, COUNT),
+        ffi.dim(frame, ffi.RESULTS, 0, 2),
+        constant(frame, BEFORE),
+    )
+
+
+@compiled
+@no_type_check
+def _make_room(size, points):
+    """One piece of memory, of which `on` is the beginning."""
+    signals, ways = size.sources * (FILTERED * size.filtered + size.length), size.sources * size.rows
+    longest, whole, lanes = max(size.filtered, size.length), points * size.shapes, points * LANES
+    counts = (signals, signals, longest + 2 * HALF_WIDTH + LANES, BLOCK, ways * BLOCK)
+    at = ffi.allocate(NUMBER * (sum(counts) + 4 * whole + 4 * lanes + BLOCK + 1 + ways))
+    ends = at + NUMBER * sum(counts)
+    between = at + NUMBER * signals
+    padded = between + NUMBER * signals
+    rest = padded + NUMBER * counts[2]
+    ints = ends + NUMBER * 4 * (whole + lanes)
+    return Room(
+        float_pointer(at),
+        float_pointer(between),
+        float_pointer(padded),
+        float_pointer(rest),
+        float_pointer(rest + NUMBER * BLOCK),
+        complex_pair(ends, whole),
+        complex_pair(ends + 2 * NUMBER * whole, whole),
+        complex_pair(ends + 4 * NUMBER * whole, lanes),
+        complex_pair(ends + 4 * NUMBER * whole + 2 * NUMBER * lanes, lanes),
+        int_pointer(ints),
+        int_pointer(ints + NUMBER * BLOCK),
+    )

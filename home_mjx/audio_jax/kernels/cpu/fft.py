@@ -1,0 +1,234 @@
+"""Many complex transforms of the same size side by side, in vectors: Stockham's, which need no reordering.
+
+Values of all transforms for one number lie together, real and imaginary parts in arrays of their own; each pass reads
+one pair of arrays and writes another. See Van Loan, Computational Frameworks for the Fast Fourier Transform, 1.7.
+"""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+import functools
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from home_mjx.audio_jax.kernels.passes import num_passes
+from home_mjx.core.native.simd import LANES, load, multiply_add, store
+
+HALF = np.float32(np.sqrt(0.5))
+THIRD = np.float32(np.sqrt(0.75))  # sine of a third of a turn
+COS_1, SIN_1, COS_2, SIN_2 = (np.float32(f(2 * np.pi * k / 5)) for k in (1, 2) for f in (np.cos, np.sin))
+compiled = njit(error_model="numpy")
+inlined = njit(error_model="numpy", forceinline=True)
+
+
+@functools.cache
+def fast_size(count: int) -> int:
+    """The size of the cheapest transform of at least so many values.
+
+    Example:
+        >>> fast_size(2143), fast_size(6143)
+        (2560, 6144)
+    """
+    sizes = [size for size in range(count, 2 * count + 2) if num_passes(size)]
+    return min(sizes, key=lambda size: size * (num_passes(size) + 1))
+
+
+@compiled
+@no_type_check
+def transform(size, lanes, turns, values, spare):
+    """Transforms of `values`, two arrays (size, lanes); returns these or `spare`, as large, whichever has the results.
+
+    `turns` are exp(-2 pi i j / size), real and imaginary parts; there are at least `LANES` lanes.
+    """
+    left, stride = size, lanes
+    here, there = values, spare
+    while left > 1:
+        if left % 8 == 0:
+            _pass_8(size, left, stride, turns, here, there)
+            left, stride = left // 8, stride * 8
+        elif left % 5 == 0:
+            _pass_5(size, left, stride, turns, here, there)
+            left, stride = left // 5, stride * 5
+        elif left % 4 == 0:
+            _pass_4(size, left, stride, turns, here, there)
+            left, stride = left // 4, stride * 4
+        elif left % 3 == 0:
+            _pass_3(size, left, stride, turns, here, there)
+            left, stride = left // 3, stride * 3
+        else:
+            _pass_2(size, left, stride, turns, here, there)
+            left, stride = left // 2, stride * 2
+        here, there = there, here
+    return here
+
+
+@inlined
+@no_type_check
+def _get(values, at):
+    return load(values[0], at), load(values[1], at)
+
+
+@inlined
+@no_type_check
+def _put(values, at, value):
+    store(values[0], at, value[0])
+    store(values[1], at, value[1])
+
+
+@inlined
+@no_type_check
+def _turned(value, turns, k):
+    cosine, sine = turns[0][k], turns[1][k]
+    re, im = value
+    return multiply_add(cosine, re, -sine * im), multiply_add(cosine, im, sine * re)
+
+
+@inlined
+@no_type_check
+def _add(a, b):
+    return a[0] + b[0], a[1] + b[1]
+
+
+@inlined
+@no_type_check
+def _sub(a, b):
+    return a[0] - b[0], a[1] - b[1]
+
+
+@inlined
+@no_type_check
+def _sub_turned(a, b):
+    """-i (a - b)."""
+    return a[1] - b[1], b[0] - a[0]
+
+
+@inlined
+@no_type_check
+def _dft_4(a, b, c, d):
+    even, odd = _add(a, c), _sub(a, c)
+    plus, minus = _add(b, d), _sub_turned(b, d)
+    return _add(even, plus), _add(odd, minus), _sub(even, plus), _sub(odd, minus)
+
+
+@compiled
+@no_type_check
+def _pass_8(size, left, stride, turns, here, there):
+    part, step = left // 8, size // left
+    far = part * stride
+    for p in range(part):
+        turn = p * step
+        for first in range(0, stride, LANES):
+            q = min(first, stride - LANES)
+            at, to = p * stride + q, 8 * p * stride + q
+            a0, a4 = _get(here, at), _get(here, at + 4 * far)
+            a1, a5 = _get(here, at + far), _get(here, at + 5 * far)
+            a2, a6 = _get(here, at + 2 * far), _get(here, at + 6 * far)
+            a3, a7 = _get(here, at + 3 * far), _get(here, at + 7 * far)
+            b0, b4 = _add(a0, a4), _sub(a0, a4)
+            b1, b5 = _add(a1, a5), _sub(a1, a5)
+            b2, b6 = _add(a2, a6), _sub_turned(a2, a6)
+            b3, b7 = _add(a3, a7), _sub(a3, a7)
+            b5 = HALF * (b5[0] + b5[1]), HALF * (b5[1] - b5[0])
+            b7 = HALF * (b7[1] - b7[0]), HALF * (b7[0] + b7[1]) * np.float32(-1)
+            y0, y2, y4, y6 = _dft_4(b0, b1, b2, b3)
+            y1, y3, y5, y7 = _dft_4(b4, b5, b6, b7)
+            _put(there, to, y0)
+            _put(there, to + stride, _turned(y1, turns, turn))
+            _put(there, to + 2 * stride, _turned(y2, turns, 2 * turn))
+            _put(there, to + 3 * stride, _turned(y3, turns, 3 * turn))
+            _put(there, to + 4 * stride, _turned(y4, turns, 4 * turn))
+            _put(there, to + 5 * stride, _turned(y5, turns, 5 * turn))
+            _put(there, to + 6 * stride, _turned(y6, turns, 6 * turn))
+            _put(there, to + 7 * stride, _turned(y7, turns, 7 * turn))
+
+
+@compiled
+@no_type_check
+def _pass_4(size, left, stride, turns, here, there):
+    part, step = left // 4, size // left
+    far = part * stride
+    for p in range(part):
+        turn = p * step
+        for first in range(0, stride, LANES):
+            q = min(first, stride - LANES)
+            at, to = p * stride + q, 4 * p * stride + q
+            a0, a1 = _get(here, at), _get(here, at + far)
+            y0, y1, y2, y3 = _dft_4(a0, a1, _get(here, at + 2 * far), _get(here, at + 3 * far))
+            _put(there, to, y0)
+            _put(there, to + stride, _turned(y1, turns, turn))
+            _put(there, to + 2 * stride, _turned(y2, turns, 2 * turn))
+            _put(there, to + 3 * stride, _turned(y3, turns, 3 * turn))
+
+
+@compiled
+@no_type_check
+def _pass_2(size, left, stride, turns, here, there):
+    part, step = left // 2, size // left
+    far = part * stride
+    for p in range(part):
+        for first in range(0, stride, LANES):
+            q = min(first, stride - LANES)
+            at, to = p * stride + q, 2 * p * stride + q
+            a0, a1 = _get(here, at), _get(here, at + far)
+            _put(there, to, _add(a0, a1))
+            _put(there, to + stride, _turned(_sub(a0, a1), turns, p * step))
+
+
+@compiled
+@no_type_check
+def _pass_3(size, left, stride, turns, here, there):
+    part, step = left // 3, size // left
+    far = part * stride
+    for p in range(part):
+        turn = p * step
+        for first in range(0, stride, LANES):
+            q = min(first, stride - LANES)
+            at, to = p * stride + q, 3 * p * stride + q
+            a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
+            plus, minus = _add(a1, a2), _sub_turned(a1, a2)
+            half = multiply_add(np.float32(-0.5), plus[0], a0[0]), multiply_add(np.float32(-0.5), plus[1], a0[1])
+            side = THIRD * minus[0], THIRD * minus[1]
+            _put(there, to, _add(a0, plus))
+            _put(there, to + stride, _turned(_add(half, side), turns, turn))
+            _put(there, to + 2 * stride, _turned(_sub(half, side), turns, 2 * turn))
+
+
+@compiled
+@no_type_check
+def _pass_5(size, left, stride, turns, here, there):
+    part, step = left // 5, size // left
+    far = part * stride
+    for p in range(part):
+        turn = p * step
+        for first in range(0, stride, LANES):
+            q = min(first, stride - LANES)
+            at, to = p * stride + q, 5 * p * stride + q
+            a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
+            a3, a4 = _get(here, at + 3 * far), _get(here, at + 4 * far)
+            outer, inner = _add(a1, a4), _add(a2, a3)
+            outside, inside = _sub_turned(a1, a4), _sub_turned(a2, a3)
+            near, far_ = _mix(a0, COS_1, outer, COS_2, inner), _mix(a0, COS_2, outer, COS_1, inner)
+            near_side = _both(SIN_1, outside, SIN_2, inside)
+            far_side = _both(SIN_2, outside, -SIN_1, inside)
+            _put(there, to, _add(a0, _add(outer, inner)))
+            _put(there, to + stride, _turned(_add(near, near_side), turns, turn))
+            _put(there, to + 2 * stride, _turned(_add(far_, far_side), turns, 2 * turn))
+            _put(there, to + 3 * stride, _turned(_sub(far_, far_side), turns, 3 * turn))
+            _put(there, to + 4 * stride, _turned(_sub(near, near_side), turns, 4 * turn))
+
+
+@inlined
+@no_type_check
+def _mix(a, x, b, y, c):
+    """A + x b + y c."""
+    return (
+        multiply_add(x, b[0], multiply_add(y, c[0], a[0])),
+        multiply_add(x, b[1], multiply_add(y, c[1], a[1])),
+    )
+
+
+@inlined
+@no_type_check
+def _both(x, b, y, c):
+    """X b + y c."""
+    return multiply_add(x, b[0], y * c[0]), multiply_add(x, b[1], y * c[1])

@@ -1,0 +1,82 @@
+"""Moving sound as a handler that XLA calls directly: environments in chunks on XLA's threads."""
+# ruff: noqa: ANN001, ANN202  (Numba infers the types)
+
+from typing import Any, no_type_check
+
+import llvmlite.binding
+from numba import cfunc, njit, types
+
+from home_mjx.audio_jax.base import delays
+from home_mjx.audio_jax.kernels import reads
+from home_mjx.audio_jax.kernels.cpu import early, fft, late, operands, paths
+from home_mjx.audio_jax.kernels.cpu.early import make_early
+from home_mjx.audio_jax.kernels.cpu.late import make_late
+from home_mjx.audio_jax.kernels.cpu.operands import CHUNK, EARLY, WHAT, constant
+from home_mjx.core.native import ffi, memory
+from home_mjx.core.native import simd as lanes
+from home_mjx.core.native.memory import call, symbol_address
+from home_mjx.core.native.numba_cache import with_checked_cache
+
+WORK, TASK = "home_mjx_frames_work", "home_mjx_frames_task"
+
+work_address, task_address = symbol_address(WORK), symbol_address(TASK)
+compiled = njit(error_model="numpy")
+
+
+@with_checked_cache
+def build_handler() -> tuple[Any, Any, Any]:
+    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+
+    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    """
+    # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
+    parts: tuple[Any, ...] = (ffi, lanes, memory, delays, early, fft, late, operands, paths, reads)
+    digest = ffi.digest(*(part.__file__ for part in parts))
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def work(job):
+        _ = digest
+        _work(job)
+        return 0
+
+    llvmlite.binding.add_symbol(WORK, work.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def task(job):
+        _ = digest
+        call(work_address(), job)
+        ffi.leave(job)
+        return 0
+
+    llvmlite.binding.add_symbol(TASK, task.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def handler(frame):
+        _ = digest
+        if ffi.wants_work(frame):
+            job = ffi.open_job(frame, -(-ffi.dim(frame, ffi.RESULTS, 0, 0) // CHUNK), task_address())
+            call(work_address(), job)
+            ffi.close_job(job)
+        return 0
+
+    return work, task, handler
+
+
+@compiled
+@no_type_check
+def _work(job):
+    """Makes frames of chunks of environments until none is left."""
+    while True:
+        chunk = ffi.next_chunk(job)
+        if chunk < 0:
+            return
+        frame = ffi.frame_of(job)
+        first, end = chunk * CHUNK, min((chunk + 1) * CHUNK, ffi.dim(frame, ffi.RESULTS, 0, 0))
+        if constant(frame, WHAT) == EARLY:
+            make_early(frame, first, end)
+        else:
+            make_late(frame, first, end)
+        ffi.chunk_done(job)

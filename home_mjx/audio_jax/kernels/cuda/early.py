@@ -1,0 +1,113 @@
+"""Early sound of moving frames on GPUs: paths read and added up, and the sums filtered."""
+
+import functools
+import math
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
+from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.kernels.cuda import kernels as cuda
+from home_mjx.audio_jax.kernels.reads import Reads, before, frame_begin, times, way_rows
+from home_mjx.core.native.platforms import call_kernel, shared_bytes
+from home_mjx.core.native.vmap_call import batched, numbers
+
+WINDOW = 0.08  # [s]
+SUMS, SUMS_THREADS = 20, 384  # that a thread keeps at once, and threads, as in sums.cu
+
+
+def available(reads: Reads, config: AudioConfig) -> bool:
+    """Whether there is a GPU on which the kernels work, whose blocks have the memory that these arrays need."""
+    if not cuda.cuda_available():
+        return False
+    size, most = cuda.transform_size(times(config).shape[0]), shared_bytes()
+    fits = size is not None and filter_bytes(size) <= most
+    return fits and _sums_bytes(config, *(x[None] for x in read_operands(reads))) <= most
+
+
+def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
+    """`motion.synthesis.early_frame` by two kernels."""
+    kernels, begin = shapes(config.sample_rate).kernel, frame_begin(config)
+    return _filter_sums(_add_reads(reads, config), kernels, begin, config.frame)
+
+
+def _add_reads(reads: Reads, config: AudioConfig) -> Float[Array, "e s k"]:
+    shapes, ears = reads.share.shape[3], reads.ways.ears.shape[-1]
+    return _sums_op(config, shapes, ears)(*(x[None] for x in read_operands(reads)))[0][0]
+
+
+def read_operands(reads: Reads) -> tuple[Array, ...]:
+    """The arrays of one environment that the kernel reads, in its order."""
+    share = jnp.pad(reads.share, [(0, 0)] * 3 + [(0, -reads.share.shape[3] % SUMS), (0, 0)])
+    return reads.source, reads.filtered, reads.start, way_rows(reads.ways), share
+
+
+@functools.cache
+def _sums_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[Array, ...]]:
+    return batched(functools.partial(run_sums, config, shapes, ears), 0, 1)
+
+
+def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tuple[Array, ...]:
+    """The kernel for environments (e ...); see `read_operands`."""
+    source, filtered, _, way, share = given
+    channels, count = share.shape[3], times(config).shape[0]
+    sizes = (*source.shape[1:], filtered.shape[3], way.shape[2], ears, channels, shapes, count)
+    taps = windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5).tolist()
+    rate = config.sample_rate / config.speed_of_sound
+    tables = numbers(taps, jnp.float32), numbers([rate], jnp.float32)
+    operands = (*given, *tables, numbers((*sizes, config.frame, before(config), _window(config))))
+    result = jax.ShapeDtypeStruct((source.shape[0], channels, shapes, count), jnp.float32)
+    ptx, grid = cuda.ptx_of(cuda.SUMS_SOURCES, 0), (source.shape[0], 1)
+    return call_kernel("add_paths", ptx, grid, SUMS_THREADS, _sums_bytes(config, *given), operands, result)
+
+
+def _window(config: AudioConfig) -> int:
+    """Samples of a source that are kept at a time: what a frame hears of paths of which none is longer by 25 m."""
+    return times(config).shape[0] + math.ceil(WINDOW * config.sample_rate)
+
+
+def _sums_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
+    """Memory that a block needs: signals at twice their rate, paths, when each is read, and shares."""
+    signals = 2 * (filtered[0, 0].size + _window(config)) + 3 * 2 * HALF_WIDTH
+    return 4 * (signals + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + 4 * way.shape[2] + 2)
+
+
+def _filter_sums(
+    sums: Float[Array, "e s k"], kernels: Float[np.ndarray, "s t"], begin: int, frame: int
+) -> Float[Array, "e m"]:
+    return _filter_op(begin, frame)(*filter_tables(kernels, sums.shape[-1]), sums[None])[0][0]
+
+
+def filter_tables(
+    kernels: Float[np.ndarray, "s t"], count: int
+) -> tuple[Float[Array, "s size two"], Float[Array, "turns two"]]:
+    """Spectra of filters, and the turns of the transform that is made of so many samples."""
+    size = cuda.transform_size(count)
+    assert size is not None
+    return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.turns_of(size)
+
+
+@functools.cache
+def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
+    return batched(functools.partial(run_filter, begin, frame), 2, 1)
+
+
+def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
+    """The kernel for sums of environments (e ...), the last operand; all share the tables before it."""
+    spectra, turns, sums = given
+    envs, channels, shapes, count = sums.shape
+    size = spectra.shape[1]
+    operands = sums, spectra, turns, numbers((channels, shapes, count, begin, frame))
+    result = jax.ShapeDtypeStruct((envs, channels, frame), jnp.float32)
+    ptx, grid, threads = cuda.ptx_of(cuda.FILTER_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
+    return call_kernel("filter_sums", ptx, grid, threads, filter_bytes(size), operands, result)
+
+
+def filter_bytes(size: int) -> int:
+    """Memory that a block needs for a transform and its table."""
+    return cuda.transform_bytes(size)

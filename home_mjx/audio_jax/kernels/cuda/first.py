@@ -1,0 +1,64 @@
+"""The first path's filters on GPUs."""
+
+import functools
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.filters import causal_octaves
+from home_mjx.audio_jax.base.shapes import octave_levels
+from home_mjx.audio_jax.kernels.cuda import kernels as cuda
+from home_mjx.audio_jax.kernels.first import num_filtered, num_ringing
+from home_mjx.core.native.platforms import call_kernel, shared_bytes
+from home_mjx.core.native.vmap_call import batched, numbers
+
+NUM_TABLES, ENDS = 2, 2
+
+
+def available(config: AudioConfig) -> bool:
+    """Whether there is a GPU on which the kernel works, whose blocks have the memory that it needs."""
+    size = _size(config)
+    return cuda.cuda_available() and size is not None and _bytes(size) <= shared_bytes()
+
+
+def filtered(
+    source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
+) -> Float[Array, "ends m"]:
+    """`frames.first.filtered_by_xla` by a kernel."""
+    given = source, begin, *octave_levels(gain)
+    return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
+
+
+def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "turns two"]]:
+    """Logarithms of the filters of octaves, and the turns of the transform."""
+    size = _size(config)
+    assert size is not None
+    return cuda.as_pairs(causal_octaves(size, config.sample_rate)), cuda.turns_of(size)
+
+
+@functools.cache
+def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    return batched(functools.partial(run_first, config), NUM_TABLES, 1)
+
+
+def run_first(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
+    """The kernel for sources (e ...), which share the first operands, see `first_tables`."""
+    octaves, turns, source, begin, level, sounds = given
+    (count, length), size = source.shape, 2 * (octaves.shape[1] - 1)
+    sizes = numbers((length, num_ringing(config), num_filtered(config)))
+    operands = source, begin, level, sounds, octaves, turns, sizes
+    result = jax.ShapeDtypeStruct((count, ENDS, num_filtered(config)), jnp.float32)
+    ptx, threads = cuda.ptx_of(cuda.FIRST_SOURCES, size), size // cuda.PER_THREAD
+    return call_kernel("filter_first", ptx, (count, 1), threads, _bytes(size), operands, result)
+
+
+def _size(config: AudioConfig) -> int | None:
+    return cuda.transform_size(num_ringing(config) + num_filtered(config))
+
+
+def _bytes(size: int) -> int:
+    """Memory that a block needs: a transform, and the spectra of two real filters."""
+    return cuda.transform_bytes(size) + ENDS * 8 * (size // 2 + 1)

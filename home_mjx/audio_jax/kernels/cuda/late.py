@@ -1,0 +1,88 @@
+"""Late sound of moving frames on GPUs."""
+
+import functools
+import math
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.kernels.cuda import kernels as cuda
+from home_mjx.audio_jax.kernels.tail import Late, frame_begin, octave_table, window_width
+from home_mjx.audio_jax.receivers.diffuse import noise
+from home_mjx.core.native.platforms import call_kernel, shared_bytes
+from home_mjx.core.native.vmap_call import batched, numbers
+from home_mjx.schema.compiled import BANDS
+
+NUM_TABLES = 3
+ROWS, RUN, LOUD, NOISE_THREADS = 64, 5, 32, 64  # of a block, its bins, numbers of a row, and threads, as in noise.cu
+
+
+def available(config: AudioConfig) -> bool:
+    """Whether there is a GPU on which the kernel works, whose blocks have the memory that it needs."""
+    size = cuda.transform_size(window_width(config))
+    return cuda.cuda_available() and size is not None and _bytes(size) <= shared_bytes()
+
+
+def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
+    """`frames.tail.frame_by_xla` by two kernels."""
+    share = late.share
+    given = sources, share.power, share.mix, share.common, share.start, late.onset, late.tail
+    return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
+
+
+def late_tables(
+    config: AudioConfig,
+) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "turns two"]]:
+    """Noise, gains of octaves, and the turns of the transform."""
+    size = cuda.transform_size(window_width(config))
+    assert size is not None
+    gains = octave_table(config, size) if config.num_tail else jnp.zeros((len(BANDS), size // 2 + 1), jnp.float32)
+    whole = jnp.asarray(noise(config))
+    return whole.reshape(-1, *whole.shape[-3:]), jnp.asarray(gains), cuda.turns_of(size)
+
+
+@functools.cache
+def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    return batched(functools.partial(run_late, config), NUM_TABLES, 1)
+
+
+def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
+    """The kernels for environments (e ...), all of which share the first operands, see `late_tables`."""
+    table, octaves, turns, sources, power, mix, common, begun, onset, tail = given
+    responses = carry_noise(config, table, power, mix, common, begun)
+    (envs, count, length), channels, size = sources.shape, config.num_channels, 2 * (octaves.shape[1] - 1)
+    first, half = config.response_length - config.half_length, config.half_length
+    start = config.memory_length - first - config.tail_ringing
+    sizes = (count, length, channels, config.response_length, first, half, config.num_tail, start)
+    sizes = (*sizes, window_width(config), frame_begin(config), config.frame)
+    operands = sources, responses, begun * config.bin_samples, onset, tail, octaves, turns, numbers(sizes)
+    result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
+    ptx, grid, threads = cuda.ptx_of(cuda.LATE_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
+    return call_kernel("late_frames", ptx, grid, threads, _bytes(size), operands, result)
+
+
+def carry_noise(
+    config: AudioConfig,
+    table: Float[Array, "own c bands n"],
+    power: Float[Array, "*n k e bands"],
+    mix: Float[Array, "*n e c bands"],
+    common: Float[Array, "*n k x bands"],
+    start: Int[Array, "*n"],
+) -> Float[Array, "*n e l"]:
+    """Responses of noise that carries what `Shares` say, in the noise's own time."""
+    (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
+    sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
+    result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
+    pieces, weights = -(-config.bin_samples // (2 * NOISE_THREADS)), -(-noises * bands // 4) * 4
+    grid = channels * -(-sizes[0] // ROWS), -(-bins // RUN) * pieces
+    shared = 4 * ROWS * (weights + LOUD * (2 if sizes[4] else 1))
+    ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, power, mix, common, start, numbers(sizes))
+    return call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)[0]
+
+
+def _bytes(size: int) -> int:
+    """Memory that a block needs: a transform, and three spectra of real signals."""
+    return cuda.transform_bytes(size) + 3 * 8 * (size // 2 + 1)

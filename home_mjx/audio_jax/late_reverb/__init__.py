@@ -1,0 +1,1 @@
+"""Late reverberation of houses, baked once from rays and looked up in every step."""

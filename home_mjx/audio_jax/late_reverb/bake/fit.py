@@ -1,0 +1,214 @@
+"""From what cells heard to a late field: spans of time, shapes of decays, and what lies beyond the traced time."""
+
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.audio_jax.late_reverb.lookup.spans import FINE, SILENT, SPANS
+
+BLOCK = 10  # bins
+PRIOR = 0.05  # share of a pair's energy that is spread over the spans as between all cells of its rooms
+
+
+class Tally:
+    """Sums over cells: one call of `add` for each octave.
+
+    Args:
+        room: Of each cell.
+        distance: From cell to cell [m].
+        bands: Octaves.
+        bins: Of time.
+        metres: That sound travels in one bin.
+    """
+
+    def __init__(
+        self, room: Int[np.ndarray, " n"], distance: Float[np.ndarray, "n n"], bands: int, bins: int, metres: float
+    ) -> None:
+        self.room, self.distance, self.metres, self.bins = room, distance, metres, bins
+        self.arrival = np.floor(distance / metres).astype(int)  # bin of the first possible arrival
+        count, rooms = len(room), room.max() + 1
+        self.pair = np.zeros((count, count, len(SPANS), bands))
+        self.shape = np.zeros((rooms, rooms, bands, bins))
+        self.valid: list[int] = []
+
+    def add(self, octave: int, heard: Float[Array | np.ndarray, "m m k"], flown: float) -> None:
+        """Energy from all cells to all, and from and to none beyond them, up to a distance that most rays flew [m]."""
+        self.valid.append(int((flown - self.distance.max()) / self.metres))
+        count, rooms = len(self.room), len(self.shape)
+        member = np.zeros((heard.shape[0], rooms + -rooms % 8), np.float32)
+        member[np.arange(count), self.room] = 1
+        pair, shape = _sums(heard, self._first(heard.shape[0]), member)
+        self.pair[..., octave] = pair[:count, :count]
+        self.shape[:, :, octave] = shape[:rooms, :rooms]
+
+    def spans(self, heard: Float[Array | np.ndarray, "m m k"]) -> Float[np.ndarray, "n n s"]:
+        """Sums over each span of what all cells hear of all."""
+        count = len(self.room)
+        return np.asarray(_sums_of_spans(heard, self._first(heard.shape[0])))[:count, :count]
+
+    def _first(self, size: int) -> Int[np.ndarray, "m m"]:
+        count = len(self.room)
+        out = np.zeros((size, size), np.int32)
+        out[:count, :count] = np.minimum(self.arrival, self.bins)
+        return out
+
+    def finish(
+        self, seen: Bool[np.ndarray, "n n"] | None = None
+    ) -> tuple[Float[np.ndarray, "n n s b"], Float[np.ndarray, "r r b k"]]:
+        """Logarithms of the energy per pair, span and octave, and the shapes of the decays.
+
+        Args:
+            seen: Which cells see which; pairs of rooms of which none does are smoothed, see `apart`. None: all do.
+        """
+        shape = self.shape + np.swapaxes(self.shape, 0, 1)
+        valid = int(np.clip(np.median(self.valid), 3 * FINE, shape.shape[3]))
+        rooms = np.arange(len(shape))
+        slowest = [_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
+        found = np.add.reduceat(shape, SPANS, axis=3)
+        for index in np.ndindex(*shape.shape[:3]):
+            _extend(shape[index], valid, slowest[index[2]])
+        spans = np.add.reduceat(shape, SPANS, axis=3)  # (r, r, bands, spans)
+        longer = np.moveaxis(np.where(found > 0, spans / np.maximum(found, SILENT**2), 1.0), 3, 2)
+        pair = alike((self.pair + np.swapaxes(self.pair, 0, 1)) / 2, self.room)
+        pair = apart(pair, self.room, seen) if seen is not None else pair
+        a, b = self.room[:, None], self.room[None]
+        pair *= longer[a, b]
+        form = np.moveaxis(spans / np.maximum(spans.sum(axis=3, keepdims=True), SILENT), 3, 2)[a, b]
+        pair = (pair + PRIOR * pair.sum(axis=2, keepdims=True) * form) / (1 + PRIOR)
+        width = np.diff([*SPANS, shape.shape[3]])
+        shape /= np.maximum(np.repeat(spans, width, axis=3), SILENT)
+        return np.log(np.maximum(pair, SILENT)), shape
+
+
+@jax.jit
+def _sums(
+    heard: Float[Array, "m m k"], arrival: Int[Array, "m m"], member: Float[Array, "m r"]
+) -> tuple[Float[Array, "m m s"], Float[Array, "r r k"]]:
+    """What all cells hear of all in each span, and rooms of rooms."""
+    after = _after(heard, arrival)
+    return _spans(after), jnp.einsum("ia,ijk,jb->abk", member, after, member, precision="highest")
+
+
+@jax.jit
+def _sums_of_spans(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m s"]:
+    return _spans(_after(heard, arrival))
+
+
+def _after(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m k"]:
+    """What cells hear from the first possible arrival on; what seems to be earlier comes then."""
+    heard, first = heard.astype(jnp.float32), arrival[:, :, None]
+    count, bins = heard.shape[2], jnp.arange(heard.shape[2], dtype=jnp.int32)
+    later = jnp.take_along_axis(heard, jnp.minimum(bins + first, count - 1), axis=2)
+    after = jnp.where(bins + first < count, later, 0.0)
+    return after.at[:, :, 0].add(jnp.sum(jnp.where(bins < first, heard, 0.0), axis=2))
+
+
+def _spans(after: Float[Array, "m m k"]) -> Float[Array, "m m s"]:
+    return jnp.stack([after[:, :, a:b].sum(axis=2) for a, b in pairwise([*SPANS, after.shape[2]])], axis=2)
+
+
+def alike(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
+    """Energies whose pattern over the cells of two rooms is that of the octave and its neighbours.
+
+    By how much a cell hears more than others of its room has to do with where it is, and changes slowly from octave to
+    octave, each of which has rays of its own. What the rooms hear as a whole stays.
+    """
+    member = np.eye(room.max() + 1)[room]
+    count = member.sum(axis=0)
+    mean = np.einsum("ia,ijsb,jc->acsb", member, pair, member, optimize=True)
+    mean /= np.maximum(count[:, None] * count[None], 1)[..., None, None]
+    mean = np.maximum(mean, SILENT**2)[room[:, None], room[None]]
+    bands = pair.shape[-1]
+    near = np.abs(np.subtract.outer(np.arange(bands), np.arange(bands))) <= 1
+    return (pair / mean) @ (near / near.sum(axis=0)) * mean
+
+
+def apart(
+    pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"], seen: Bool[np.ndarray, "n n"]
+) -> Float[np.ndarray, "n n s b"]:
+    """Energies between rooms that do not see each other, as a factor of either cell: sound goes through other rooms.
+
+    Where it comes out of one doorway, it does not matter in which cell of the far room it began but for how loud that
+    doorway is from there; so few rays tell many pairs.
+    """
+    out = pair.copy()
+    for a, b in np.argwhere(np.triu(np.ones((room.max() + 1,) * 2), 1)):
+        rows, columns = np.flatnonzero(room == a), np.flatnonzero(room == b)
+        block = np.ix_(rows, columns)
+        if not len(rows) or not len(columns) or seen[block].any() or seen.T[block].any():
+            continue
+        of, to = pair[block].sum(axis=1, keepdims=True), pair[block].sum(axis=0, keepdims=True)
+        out[block] = of * to / np.maximum(of.sum(axis=0, keepdims=True), SILENT**2)
+        out[np.ix_(columns, rows)] = np.swapaxes(out[block], 0, 1)
+    return out
+
+
+def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:
+    """End of the part up to `valid` in which no block of ten bins is mostly empty, but for the first span's."""
+    blocks = decay[: valid // BLOCK * BLOCK].reshape(-1, BLOCK) > 0
+    empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
+    empty = empty[empty > FINE // BLOCK]
+    return int(empty[0] * BLOCK) if empty.size else valid
+
+
+def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
+    """How fast a decay falls before `end` [per bin]; 0 if it does not.
+
+    The half before is divided in two; the ratio of their energies is what falls in so much time.
+    """
+    half = (end - max(end // 2, FINE)) // 2
+    if half < 1:
+        return 0.0
+    before, after = decay[end - 2 * half : end - half].sum(), decay[end - half : end].sum()
+    return float(np.log(before / after) / half) if before > after > 0 else 0.0
+
+
+def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
+    """Continues a decay in place beyond what rays have found, as it fell before.
+
+    Args:
+        decay: Energy per bin between two rooms.
+        valid: Bin up to which nearly all rays flew.
+        slowest: Rate at which the rooms themselves fall in the end [per bin]: none that they feed falls more slowly.
+    """
+    end = _dense(decay, valid)
+    first, rate = max(end - (end - FINE) // 4, FINE), max(_rate(decay, end), slowest)
+    if decay[FINE:].sum() <= 0 or rate <= 0 or end <= first:
+        return
+    width = (end - first) / 2
+    mean = np.sinh(rate * width) / (rate * width)  # of an exponential over the last quarter, re its middle
+    time = np.arange(end, len(decay)) - (first + end - 1) / 2
+    decay[end:] = decay[first:end].mean() / mean * np.exp(-rate * time)
+
+
+def neighbours(
+    center: Float[np.ndarray, "n 3"],
+    place: Float[np.ndarray, "p 3"],
+    seen: Bool[np.ndarray, "p n"],
+    reach: float,
+    count: int,
+) -> tuple[Int[np.ndarray, "p e"], Float[np.ndarray, "p e"]]:
+    """Cells around each place, those in view, and their weights: (1 − d / reach)², which add up to 1.
+
+    A place that sees no cell within reach takes the nearest one.
+
+    Args:
+        center: Of the cells [m].
+        place: [m].
+        seen: Whether a place sees a cell's middle.
+        reach: At which a cell's weight ends [m].
+        count: Of cells kept.
+    """
+    apart = np.linalg.norm(place[:, None, :2] - center[None, :, :2], axis=2) + 100 * (
+        np.abs(place[:, None, 2] - center[None, :, 2]) > 2
+    )
+    weight = np.where(seen, np.maximum(1 - apart / reach, 0) ** 2, 0)
+    alone = weight.sum(axis=1) <= 0
+    weight[alone, np.argmin(np.where(seen, apart, apart + 1000), axis=1)[alone]] = 1
+    count = min(count, len(center))
+    near = np.argsort(-weight, axis=1, kind="stable")[:, :count]
+    weight = np.take_along_axis(weight, near, 1)
+    return near, weight / weight.sum(axis=1, keepdims=True)

@@ -1,0 +1,135 @@
+"""What cells hear before and after gates together."""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.late_reverb.bake.fit import Tally
+from home_mjx.audio_jax.late_reverb.bake.forgotten import remembered
+from home_mjx.audio_jax.late_reverb.bake.renewal import beyond, flux
+from home_mjx.audio_jax.late_reverb.trace.stage import Heard
+from home_mjx.core.workers import usable_cores
+from home_mjx.schema.compiled import BANDS
+
+EARLY = 128  # bins, after which sound comes from everywhere
+SUMS = ("lived", "lost", "moved", "through")  # of `Gave`, over all rays
+BLOCK = 16  # bins, a multiple of which sources send sound through gates: few programs do for all
+
+
+class Later(NamedTuple):
+    """What cells hear of the first gates, through others too."""
+
+    first: slice  # which gates these are: no cell sends sound through others
+    energy: Float[np.ndarray, "bands g c k"]
+    way: Float[np.ndarray, "three g c k"]  # directions in which it comes, by energy
+
+
+def later_of(gates: Heard, passed: Float[np.ndarray, "g bands g k"], first: slice, count: int) -> Later:
+    """What cells hear of gates; each octave, and each component of directions, in a thread.
+
+    Args:
+        gates: What gates gave before the next one.
+        passed: That went from gate to gate.
+        first: Gates through which cells send sound.
+        count: Of cells.
+    """
+    # Read as numpy does: operations of JAX would forget, in a thread, on which device they are to run.
+    energy = gates.whole(lambda gave: np.asarray(gave.energy)[:, :, :count])
+    way = gates.whole(lambda gave: np.asarray(gave.way)[:, :count])
+    early = passed[..., :EARLY].mean(axis=1)
+    went = [*np.moveaxis(passed, 1, 0), early, early, early]
+    parts = [*np.moveaxis(energy, 1, 0), *np.moveaxis(way[:, :, :EARLY], 3, 0)]
+    with ThreadPoolExecutor(usable_cores()) as pool:
+        found = list(pool.map(lambda a, b: beyond(a, b, first).astype(np.float32), went, parts))
+    ways = np.pad(np.stack(found[len(BANDS) :]), [(0, 0)] * 3 + [(0, passed.shape[3] - EARLY)])
+    return Later(first, np.maximum(np.stack(found[: len(BANDS)]), 0), ways)
+
+
+def join(
+    tally: Tally,
+    cells: Heard,
+    gates: Heard,
+    given: Float[np.ndarray, "c bands g k"],
+    passed: Float[np.ndarray, "g bands g k"],
+    free: Heard,
+    later: Later,
+) -> dict[str, np.ndarray]:
+    """Fills a tally; directions from cell to cell, and sums over all rays.
+
+    Args:
+        tally: To fill.
+        cells: What cells gave before any gate.
+        gates: What gates gave before the next one.
+        given: Energy that cells sent through each gate.
+        passed: That went from gate to gate.
+        free: What the first gates gave, of rays that no other one ended.
+        later: What is heard of these gates.
+    """
+    told = np.moveaxis(free.whole(lambda gave: gave.energy[:, :, : len(tally.room)]), 1, 0)
+    energy = later.energy * remembered(later.energy, told, tally.room)
+    sent = _until_silent(given[:, :, later.first])
+    early = sent[..., :EARLY].mean(axis=1)
+    flown, own = float(tally.bins * tally.metres), _padded(cells.on_device(lambda gave: gave.energy))
+    for octave in range(len(BANDS)):
+        tally.add(octave, _added(own[:, octave], sent[:, octave], energy[octave]), flown)
+    own = _padded(cells.on_device(lambda gave: jnp.moveaxis(gave.way, 3, 1)))
+    spans = np.stack([tally.spans(_added(own[:, axis], early, later.way[axis])) for axis in range(3)], axis=-1)
+    total = np.maximum(tally.pair.sum(axis=3), 1e-30)[..., None]
+    comes_from = np.round(np.clip(-127 * spans / total, -127, 127)).astype(np.int8)
+    return _sums(cells, gates, given, passed) | {"comes_from": comes_from}
+
+
+def _padded(own: Float[Array, "c x m ..."]) -> Float[Array, "m x m ..."]:
+    """As many sources as cells, those beyond the last with nothing."""
+    return jnp.pad(own, [(0, own.shape[2] - own.shape[0])] + [(0, 0)] * (own.ndim - 1))
+
+
+def _added(
+    own: Float[Array, "m m k"], sent: Float[np.ndarray, "c g t"], after: Float[np.ndarray, "g n k"]
+) -> Float[Array, "m m k"]:
+    """What cells hear of all: before gates, and after what has been sent through these."""
+    count, more = len(own), -len(after) % 8
+    sent = np.pad(sent, [(0, count - len(sent)), (0, more), (0, 0)])
+    after = np.pad(after, [(0, more), (0, count - after.shape[1]), (0, 0)])
+    return _convolved(own, sent, after)
+
+
+def _until_silent(sent: Float[np.ndarray, "c bands g k"]) -> Float[np.ndarray, "c bands g t"]:
+    """Without the bins in which nothing is sent any more."""
+    last = np.flatnonzero(sent.any(axis=(0, 1, 2))).max(initial=0)
+    return sent[..., : (last // BLOCK + 1) * BLOCK].astype(np.float32)
+
+
+@jax.jit
+def _convolved(
+    own: Float[Array, "m m k"], sent: Float[Array, "m g t"], after: Float[Array, "g m k"]
+) -> Float[Array, "m m k"]:
+    late, bins = sent.shape[2], own.shape[2]
+    padded = jnp.pad(after, [(0, 0), (0, 0), (late - 1, 0)])
+
+    def add(total: Array, lag: Array) -> tuple[Array, None]:
+        since = jax.lax.dynamic_slice_in_dim(padded, late - 1 - lag, bins, axis=2)
+        share = jax.lax.dynamic_index_in_dim(sent, lag, axis=2, keepdims=False)
+        return total + jnp.einsum("ig,gjk->ijk", share, since, precision="highest"), None
+
+    return jax.lax.scan(add, own, jnp.arange(late, dtype=jnp.int32))[0]
+
+
+def _sums(
+    cells: Heard,
+    gates: Heard,
+    given: Float[np.ndarray, "c bands g k"],
+    passed: Float[np.ndarray, "g bands g k"],
+) -> dict[str, np.ndarray]:
+    """Over all rays, those of gates as much as goes through these."""
+    one, more = given.sum(axis=3), passed.sum(axis=3)
+    total = np.stack([flux(one[:, band], more[:, band]).sum(axis=0) for band in range(len(BANDS))])
+    sums = {}
+    for name in SUMS:
+        own, after = (x.whole(lambda gave, name=name: getattr(gave, name)).astype(float) for x in (cells, gates))
+        sums[name] = own.sum(axis=0) + np.einsum("bg,gb...->b...", total, after)
+    return sums

@@ -1,0 +1,92 @@
+"""What baking gives for one house, and several of them side by side."""
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int, Int8, UInt8
+
+from home_mjx.audio_jax.late_reverb.lookup.spans import SILENT
+from home_mjx.bank.records.sound import LateSound
+
+# Of each field, what the lengths of its first axes are rounded up to a multiple of; the others are alike in all houses.
+AXES: dict[str, tuple[int, ...]] = {
+    **dict.fromkeys(("arrival", "level", "comes_from"), (16, 16)),
+    "room": (16,),
+    **dict.fromkeys(("shape", "opening", "wall"), (4, 4)),
+    **dict.fromkeys(("volume", "loss"), (4,)),
+    **dict.fromkeys(("near", "weight"), (1, 8, 8, 1)),
+    "floor": (1,),
+    **dict.fromkeys(("portal_room", "portal_share", "portal_leaf", "portal_leak"), (4,)),
+}
+HALF = ("level", "shape", "weight", "loss", "opening", "wall", "portal_leak")
+PADDING: dict[str, Any] = {
+    "level": np.log(SILENT),
+    "shape": np.log(SILENT),
+    "floor": np.inf,
+    "volume": 1.0,
+    "loss": 1.0,
+    "portal_leaf": -1,
+}
+
+
+@dataclass(frozen=True)
+class LateField:
+    """Late sound of one house; see `bank.records.sound.LateSound` for its fields."""
+
+    arrival: UInt8[np.ndarray, "n n"]
+    level: Float[np.ndarray, "n n spans bands"]
+    comes_from: Int8[np.ndarray, "n n spans 3"]
+    room: Int[np.ndarray, " n"]
+    shape: Float[np.ndarray, "r r bands knots"]
+    near: UInt8[np.ndarray, "levels rows columns e"]
+    weight: Float[np.ndarray, "levels rows columns e"]
+    floor: Float[np.ndarray, " levels"]
+    origin: Float[np.ndarray, " 2"]
+    step: Float[np.ndarray, ""]
+    volume: Float[np.ndarray, " r"]
+    loss: Float[np.ndarray, "r bands"]
+    opening: Float[np.ndarray, "r r bands"]
+    wall: Float[np.ndarray, "r r bands"]
+    portal_room: Int[np.ndarray, "p 2"]
+    portal_share: Float[np.ndarray, " p"]
+    portal_leaf: Int[np.ndarray, "p 2"]
+    portal_leak: Float[np.ndarray, "p bands"]
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all arrays, as they are kept."""
+        return sum(x.nbytes for x in vars(self).values())
+
+
+def small(values: dict[str, np.ndarray]) -> LateField:
+    """A field of arrays in the least precision that will do."""
+    half = {name: np.clip(values[name], -6e4, 6e4).astype(np.float16) for name in HALF}
+    rest = {n: x.astype(np.float32) if x.dtype == np.float64 else x for n, x in values.items() if n not in half}
+    return LateField(**rest, **half)
+
+
+def stacked(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " k"]]) -> LateSound:
+    """Fields of several houses, padded to the largest.
+
+    Args:
+        fields: One per house.
+        leaf_rows: Of each house, the bank's row of each of its doors' leaves.
+    """
+    rows = [np.append(row, -1)[field.portal_leaf] for field, row in zip(fields, leaf_rows, strict=True)]
+    fields = [dataclasses.replace(field, portal_leaf=leaf) for field, leaf in zip(fields, rows, strict=True)]
+    return LateSound(**{f.name: jnp.asarray(_padded(f.name, fields)) for f in dataclasses.fields(LateField)})
+
+
+def _padded(name: str, fields: Sequence[LateField]) -> np.ndarray:
+    arrays = [np.asarray(getattr(field, name)) for field in fields]
+    size = np.max([x.shape for x in arrays], axis=0).astype(int)
+    for axis, block in enumerate(AXES.get(name, ())):
+        size[axis] = max(-(-size[axis] // block), 1) * block
+    out = np.full((len(arrays), *size), PADDING.get(name, 0), arrays[0].dtype)
+    for row, x in enumerate(arrays):
+        out[(row, *(slice(n) for n in x.shape))] = x
+    return out

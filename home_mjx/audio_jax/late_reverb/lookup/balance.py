@@ -1,0 +1,115 @@
+"""Energy balance of rooms: what doors and walls change of late sound."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.late_reverb.lookup.rooms import fallen
+from home_mjx.bank.records.sound import LateSound
+from home_mjx.core.transforms import compose, invert
+from home_mjx.raycast_render.scene.types import Scene
+
+LEAST = 1e-20  # energy density below which nothing is told apart
+MOST_GAIN = 30.0  # by which shutting doors can make a room louder at any time
+
+
+class Rooms(NamedTuple):
+    """Energy over time in the rooms of one house, see `balance`."""
+
+    kept: Float[Array, "k bands"]  # share of what is heard with doors open that is left as they are
+    added: Float[Array, "k bands"]  # energy through walls and shut leaves, re the free field at 1 m
+
+
+def balance(
+    late: LateSound,
+    scene: Scene,
+    source: Float[Array, " r"],
+    listener: Float[Array, " r"],
+    bins: int,
+    metres: float,
+) -> Rooms:
+    """What doors as they stand, and walls, do to sound from a room to another.
+
+    The energy density w of each room falls by what its surfaces take and what rooms exchange (Kuttruff, Room
+    Acoustics, coupled rooms): V dw_r / dx = -V loss w_r + sum_s K_rs (w_s - w_r), x being the way that sound travels.
+    Loss and exchange are those that rays found with doors open. A leaf scales its portal's part of K. Walls only add:
+    what they let through counts as lost already.
+
+    Args:
+        late: Of the bank.
+        scene: The environment.
+        source: Share of the source in each room.
+        listener: The same of the listener.
+        bins: Of time.
+        metres: That sound travels in one bin.
+    """
+    house = scene.house
+    volume, loss = late.volume[house], late.loss[house].astype(jnp.float32)
+    free = late.opening[house].astype(jnp.float32)
+    open_share, leaky_share = _shares(late, scene, leaf_openings(scene))
+    shut = free * (1 - open_share)
+    leaky = free * (leaky_share - open_share) + late.wall[house].astype(jnp.float32)
+    states = jnp.stack([_matrix(volume, loss, k) for k in (free, free - shut)])
+    through = states[1] - jnp.moveaxis(leaky, -1, 0) / volume[None, :, None]
+    rates = jnp.concatenate([states, through[None]]) * metres  # (3, bands, r, r)
+    found = fallen(rates, source / volume, listener, bins)  # (3, k, bands)
+    kept = jnp.minimum(found[1] / jnp.maximum(found[0], LEAST), MOST_GAIN)
+    return Rooms(kept, 4 * jnp.pi * metres * jnp.maximum(found[2] - found[1], 0.0))
+
+
+def leaf_openings(scene: Scene) -> Float[Array, " doors"]:
+    """How far each leaf is open for sound that comes from everywhere: 0 shut, 1 wide open.
+
+    Sound gets to a doorway through the gap between the leaf's end and the other jamb; what then falls on the leaf
+    goes on to the doorway or back, by the crossed strings of a triangle (Hottel). With g = 2 sin(q / 2), the gap re the
+    leaf, that is g (1 - g / 4).
+    """
+    physics, geometry, house = scene.bank.physics, scene.bank.geometry, scene.house
+    first, count = scene.bank.spec.num_bodies, scene.bank.spec.num_doors
+    placed = geometry.instance_pose[house, jnp.maximum(physics.door_instance[house], 0)]
+    turn = jax.vmap(compose)(scene.moving.pose[first : first + count], jax.vmap(invert)(placed))
+    slide, closed, wide = physics.door_slide[house], physics.door_closed[house], physics.door_wide[house]
+    slides = jnp.any(slide != 0, axis=-1)
+    angle, way = jnp.arctan2(turn[:, 1, 0], turn[:, 0, 0]), jnp.sum(turn[:, :2, 3] * slide, axis=-1)
+    slid = jnp.abs(way - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-3)
+    hinged = _gap(angle - closed) / jnp.maximum(_gap(wide - closed), 1e-3)
+    valid = physics.door_valid[house]
+    return jnp.where(valid, jnp.clip(jnp.where(slides, slid, hinged), 0.0, 1.0), 1.0)
+
+
+def _gap(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
+    """Share of a doorway that is open, re the leaf's width."""
+    turned = jnp.clip(jnp.abs(jnp.arctan2(jnp.sin(angle), jnp.cos(angle))), 0.0, jnp.pi / 2)
+    gap = 2 * jnp.sin(turned / 2)
+    return gap * (1 - gap / 4)
+
+
+def _shares(
+    late: LateSound, scene: Scene, opening: Float[Array, " doors"]
+) -> tuple[Float[Array, "r r 1"], Float[Array, "r r bands"]]:
+    """Share of each pair's exchange that is left with leaves as they stand; the same with what leaves let through."""
+    house, rooms = scene.house, late.volume.shape[1]
+    leaf = late.portal_leaf[house]
+    each = opening[jnp.clip(leaf, 0, max(opening.size - 1, 0))] if opening.size else jnp.ones(leaf.shape, jnp.float32)
+    known = leaf >= 0
+    mean = jnp.sum(jnp.where(known, each, 0.0), axis=1) / jnp.maximum(jnp.sum(known, axis=1, dtype=jnp.float32), 1.0)
+    shut = late.portal_share[house] * (1 - jnp.where(jnp.any(known, axis=1), mean, 1.0))  # (p,)
+    ends = jax.nn.one_hot(late.portal_room[house], rooms, dtype=jnp.float32)  # (p, 2, r)
+    tight = shut[:, None] * (1 - late.portal_leak[house].astype(jnp.float32))
+
+    def by_pair(of_portal: Float[Array, "p b"]) -> Float[Array, "r r b"]:
+        one = jnp.einsum("pr,ps,pb->rsb", ends[:, 0], ends[:, 1], of_portal, precision="highest")
+        return 1 - (one + jnp.swapaxes(one, 0, 1))
+
+    return by_pair(shut[:, None]), by_pair(tight)
+
+
+def _matrix(
+    volume: Float[Array, " r"], loss: Float[Array, "r bands"], exchange: Float[Array, "r r bands"]
+) -> Float[Array, "bands r r"]:
+    """M of dw / dx = -M w."""
+    exchange = jnp.moveaxis(exchange, -1, 0)
+    own = loss.T * volume[None] + jnp.sum(exchange, axis=2)
+    return (own[:, :, None] * jnp.eye(volume.size, dtype=jnp.float32)[None] - exchange) / volume[None, :, None]

@@ -1,0 +1,128 @@
+"""Baked late sound between any two points of an environment."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.late_reverb.lookup.balance import balance
+from home_mjx.audio_jax.late_reverb.lookup.spans import SPANS, between, span_of
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records.sound import LATE_REVERB, LateSound
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.scene.types import Scene
+
+TOP_ROOMS = 2  # between which decays are interpolated
+
+
+class Arrivals(Pytree):
+    """Late sound at a listener, whatever its ears."""
+
+    energy: Float[Array, "k bands"]  # per time bin, re the free field of the source at 1 m
+    comes_from: Float[Array, "spans 3"]  # mean direction to where it comes from, world; 0 everywhere, 1 one side
+    leaves_to: Float[
+        Array, "spans 3"
+    ]  # the same of what a source gives it: as listeners there would hear, turned round
+    span: Float[Array, "k spans"]  # share of each bin that is in each span
+
+
+class _Place(Pytree):
+    cell: Int[Array, " e"]
+    weight: Float[Array, " e"]
+    room: Float[Array, " r"]  # weight of each room
+
+
+def late_of(bank: HouseBank) -> LateSound:
+    """The baked sound of a bank.
+
+    Raises:
+        ConfigError: There is none.
+    """
+    if LATE_REVERB not in bank.bakes:
+        hint = "Add it with `bank = add_bakes(bank, houses, 'late_reverb')` of home_mjx.houses, or use late='traced'."
+        raise ConfigError("AudioConfig(late='baked') needs a bank with baked sound", hint=hint)
+    return bank.bakes[LATE_REVERB]
+
+
+def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], config: AudioConfig) -> Arrivals:
+    """Late sound between two points, without direct sound and first-order reflections in architecture.
+
+    Levels are those between the cells around both points; decays those between their rooms; then come doors as they
+    stand, and walls.
+
+    Args:
+        scene: An environment whose bank has baked sound.
+        source: [m].
+        listener: [m].
+        config: `num_bins` and the speed of sound; the rest of it must be as it was baked, which it checks itself.
+
+    Raises:
+        ConfigError: The bank has no baked sound.
+    """
+    late, house = late_of(scene.bank), scene.house
+    metres, bins = config.bin_seconds * config.speed_of_sound, config.num_bins
+    start, end = _around(late, house, source), _around(late, house, listener)
+    both = start.weight[:, None] * end.weight[None]
+    pair = house, start.cell[:, None], end.cell[None]
+    level = jnp.exp(late.level[pair].astype(jnp.float32))
+    level = jnp.einsum("ij,ijsb->sb", both, level, precision="highest")
+    # Bins count from where they begin, so that on average a straight line takes half a bin more than its arrival.
+    first = jnp.sum(both * late.arrival[pair].astype(jnp.float32))
+    first = jnp.maximum(first, jnp.linalg.norm(source - listener) / metres - 0.5)
+    back = house, end.cell[None], start.cell[:, None]
+    comes_from, leaves_to = (
+        jnp.einsum("ij,ijsx->sx", both, late.comes_from[x].astype(jnp.float32) / 127, precision="highest")
+        for x in (pair, back)
+    )
+    member = jnp.asarray(np.eye(len(SPANS), dtype=np.float32)[span_of(bins)])
+    energy = _shape(late, house, start, end, bins) * jnp.matmul(member, level, precision="highest")
+    rooms = balance(late, scene, start.room, end.room, bins, metres)
+    heard = _delayed(energy, first) * rooms.kept + rooms.added
+    return Arrivals(heard, comes_from, leaves_to, _delayed(member, first))
+
+
+def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, bins: int) -> Float[Array, "k bands"]:
+    """Energy per bin between the rooms of two places, of which each span holds 1."""
+    count = min(TOP_ROOMS, late.volume.shape[1])
+    (from_weight, from_room), (to_weight, to_room) = (jax.lax.top_k(place.room, count) for place in (start, end))
+    share = from_weight[:, None] * to_weight[None]
+    share = share / jnp.maximum(jnp.sum(share), 1e-6)
+    knots = late.shape[house, from_room[:, None], to_room[None]].astype(jnp.float32)
+    decay = jnp.exp(jnp.einsum("rqbn,kn->rqkb", knots, jnp.asarray(between(bins), jnp.float32), precision="highest"))
+    return jnp.einsum("rq,rqkb->kb", share, decay, precision="highest")
+
+
+def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) -> _Place:
+    """Cells around a point and their weights, between the four nearest places of its storey."""
+    floor = late.floor[house]
+    level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
+    at = (point[:2] - late.origin[house]) / late.step[house] - 0.5
+    whole = jnp.floor(at)
+    rest = at - whole
+    near, weight = late.near, late.weight
+    cells, weights = [], []
+    for right in (0, 1):
+        for up in (0, 1):
+            share = jnp.abs(1 - right - rest[0]) * jnp.abs(1 - up - rest[1])
+            column = jnp.clip(whole[0].astype(jnp.int32) + right, 0, near.shape[3] - 1)
+            row = jnp.clip(whole[1].astype(jnp.int32) + up, 0, near.shape[2] - 1)
+            cells.append(near[house, level, row, column].astype(jnp.int32))
+            weights.append(share * weight[house, level, row, column].astype(jnp.float32))
+    cell, weight = jnp.concatenate(cells), jnp.concatenate(weights)
+    weight = weight / jnp.maximum(jnp.sum(weight), 1e-6)
+    member = jax.nn.one_hot(late.room[house, cell], late.volume.shape[1], dtype=jnp.float32)
+    return _Place(cell, weight, jnp.matmul(weight, member, precision="highest"))
+
+
+def _delayed(energy: Float[Array, "k n"], bins: Float[Array, ""]) -> Float[Array, "k n"]:
+    """Energies later by some bins, shared between the two nearest ones."""
+    count = energy.shape[0]
+    below = jnp.floor(bins)
+    whole, rest = below.astype(jnp.int32), bins - below
+    padded = jnp.concatenate([jnp.zeros_like(energy), energy])
+    start = jnp.clip(count - whole, 1, count)
+    first = jax.lax.dynamic_slice_in_dim(padded, start, count)
+    second = jax.lax.dynamic_slice_in_dim(padded, start - 1, count)
+    return (1 - rest) * first + rest * second

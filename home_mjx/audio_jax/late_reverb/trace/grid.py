@@ -1,0 +1,51 @@
+"""Which cell holds a point, on the device."""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.audio_jax.late_reverb.trace.cells import Cells
+from home_mjx.core.pytree import Pytree, static
+
+
+class Grid(Pytree):
+    """`Cells` on the device."""
+
+    lookup: Int[Array, "levels rows columns"]
+    origin: Float[Array, " 2"]
+    low: Float[Array, " n"]
+    high: Float[Array, " n"]
+    volume: Float[Array, " n"]
+    room: Int[Array, " n"]
+    joined: Bool[Array, "r r"]  # which rooms have a portal in common
+    rooms: int = static()
+    step: float = static()  # [m]
+
+
+def grid_of(cells: Cells, free: Float[np.ndarray, " n"], joined: Bool[np.ndarray, "r r"]) -> Grid:
+    """A house's cells, padded so that houses of similar size share a program.
+
+    Args:
+        cells: Of the house.
+        free: Share of each that is air.
+        joined: Which rooms have a portal in common.
+    """
+    more = -len(joined) % 8
+    count, (_, rows, columns) = len(cells.room), cells.lookup.shape
+    beyond = -count % 32
+    lookup = np.pad(cells.lookup, ((0, 0), (0, -rows % 32), (0, -columns % 32)), constant_values=-1)
+
+    def padded(values: np.ndarray, fill: float, kind: type = np.float32) -> Array:
+        return jnp.asarray(np.pad(values, (0, beyond), constant_values=fill).astype(kind))
+
+    return Grid(
+        lookup=jnp.asarray(lookup, jnp.int32),
+        origin=jnp.asarray(cells.origin, jnp.float32),
+        low=padded(cells.low, np.inf),
+        high=padded(cells.high, -np.inf),
+        volume=padded(cells.volume * free, 1.0),
+        room=padded(cells.room, 0, np.int32),
+        joined=jnp.asarray(np.pad(joined, ((0, more), (0, more)))),
+        rooms=len(joined) + more,
+        step=float(cells.step),
+    )

@@ -1,0 +1,84 @@
+"""Rays that went through gates, to start anew from them; host side."""
+
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.audio_jax.late_reverb.trace.flight import Gone
+from home_mjx.audio_jax.late_reverb.trace.stage import Start
+from home_mjx.schema.compiled import BANDS
+
+
+class Pool:
+    """Rays that went through gates, to start anew from them."""
+
+    def __init__(self) -> None:
+        self.rays: list[tuple[np.ndarray, ...]] = []
+
+    def add(self, ended: Gone, source: Int[np.ndarray, " f"]) -> None:
+        """Keeps rays of flights (f, 2, n), those that left a room and those that grew old there.
+
+        Args:
+            ended: Such rays, octave after octave, those without energy among them; on the host.
+            source: Of each flight.
+        """
+        ray, (_, kinds, count) = ended.ray, ended.entered.shape
+        kept = np.flatnonzero(ray.energy > 0)
+        values = (ray.origin, ray.direction, ray.travelled, ray.energy, ray.room, ended.entered)
+        flat = (np.reshape(x, (-1, *np.shape(x)[3:]))[kept] for x in values)
+        octave = kept % count // (count // len(BANDS))
+        self.rays.append((*flat, octave, source[kept // (kinds * count)]))
+
+    def starts(
+        self,
+        rooms: Int[np.ndarray, "g 2"],
+        number: Int[np.ndarray, "*s r r"],
+        first: int,
+        size: tuple[int, int],
+        age: float,
+        rng: np.random.Generator,
+    ) -> list[list[Start]]:
+        """Of each of some gates flights of rays, drawn by energy from those of the same octave.
+
+        Args:
+            rooms: Of these gates.
+            number: Of all gates, alike for all sources or by source.
+            first: Number of the first of these.
+            size: How many flights, and rays per octave in each.
+            age: At which these are old [m].
+            rng: Random numbers.
+        """
+        if not self.rays:
+            return [[] for _ in rooms]
+        origin, direction, travelled, energy, room, entered, octave, source = (
+            np.concatenate(x) for x in zip(*self.rays, strict=True)
+        )
+        gate = number[source, room, entered] if number.ndim == 3 else number[room, entered]
+        flights, count = size
+        bands = len(BANDS)
+        key = np.where(gate < first, -1, (gate - first) * bands + octave)
+        key = np.minimum(key, len(rooms) * bands).astype(np.int16)  # numbers so short are sorted in one pass
+        order = np.argsort(key, kind="stable")
+        ends = np.searchsorted(key[order], np.arange(len(rooms) * bands + 1))
+        out = []
+        for index, here in enumerate(rooms[:, 1]):
+            cuts = ends[index * bands : (index + 1) * bands + 1]
+            mine = order[cuts[0] : cuts[-1]]
+            if not mine.size:  # nothing is left that could start
+                out.append([])
+                continue
+            own = [order[a:b] if b > a else np.sort(mine) for a, b in pairwise(cuts)]
+            drawn = np.stack([_draw(rows, energy, count * flights, rng) for rows in own])
+            every = np.moveaxis(drawn.reshape(bands, flights, count), 1, 0).reshape(flights, -1)
+            out.append([Start(origin[pick], direction[pick], travelled[pick], int(here), age) for pick in every])
+        return out
+
+
+def _draw(
+    rows: Int[np.ndarray, " n"], energy: Float[np.ndarray, " m"], count: int, rng: np.random.Generator
+) -> Int[np.ndarray, " count"]:
+    """Systematic sampling by energy, in random order."""
+    parts = np.cumsum(energy[rows].astype(float))
+    place = (np.arange(count) + rng.random()) / count * parts[-1]
+    return rng.permutation(rows[np.minimum(np.searchsorted(parts, place, side="right"), len(rows) - 1)])

@@ -1,0 +1,116 @@
+"""What reaches a head at one moment, in the parts that change in different ways."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from home_mjx.audio_jax.auralization.response import late_energy, onset_of
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.kernels.tail import Late, tail_levels
+from home_mjx.audio_jax.propagation.early import early_paths
+from home_mjx.audio_jax.propagation.paths import Paths
+from home_mjx.audio_jax.receivers.diffuse import Draw, drawn, num_noises
+from home_mjx.audio_jax.receivers.shares import noise_shares
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS
+
+FALL = 1e-3  # -30 dB
+
+
+class Reception(Pytree):
+    """From one source to one head."""
+
+    paths: Paths
+    quat: Float[Array, "4"]  # of the head, wxyz
+    energy: Float[Array, "k e bands"]  # of each channel without the paths, per time bin; see `late_energy`
+    draw: Draw  # of the noise that carries it
+
+
+def reception(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Reception:
+    """What `impulse_response` gives, in parts, and what comes after it.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        key: Random key; keep it while a listener moves.
+        config: Options.
+
+    Example:
+        >>> heard = reception(scene, Source(radio), Listener(ears, quat), jax.random.key(0), config)  # doctest: +SKIP
+        >>> heard.energy.shape  # doctest: +SKIP
+        (125, 2, 7)
+    """
+    trace_key, noise_key = jax.random.split(key)
+    paths = early_paths(scene, source, listener, config)
+    energy = late_energy(scene, source, listener, trace_key, config)
+    return received(paths, energy, listener.quat, noise_key, config)
+
+
+def received(
+    paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
+) -> Reception:
+    """The same from paths and an energy histogram; `key` chooses the noise."""
+    return Reception(as_many(paths, config.num_paths), head_quat, energy, drawn(key, config))
+
+
+def late_sound(heard: Reception, config: AudioConfig) -> Late:
+    """The response of each channel without the paths, and what rings on after it."""
+    shares = noise_shares(heard.energy, heard.draw, heard.quat, config)
+    return Late(shares, onset_of(heard.paths, config), tail_levels(heard.energy, config))
+
+
+def silence(config: AudioConfig) -> Reception:
+    """Nothing, in the shapes of everything."""
+    count, bands = config.num_paths, len(BANDS)
+    distance, name = jnp.ones(count, jnp.float32), jnp.full(count, -1, jnp.int32)
+    ahead = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0], jnp.float32), (count, 3))
+    return Reception(
+        paths=Paths(distance, jnp.zeros((count, bands), jnp.float32), ahead, name),
+        quat=jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32),
+        energy=jnp.zeros((config.num_bins, config.num_energies, bands), jnp.float32),
+        draw=Draw(jnp.zeros((), jnp.int32), jnp.ones((num_noises(config), bands), jnp.float32)),
+    )
+
+
+def as_many(paths: Paths, count: int) -> Paths:
+    """The first path, which has filters of its own, and the strongest in their order; or all and silent ones."""
+    more = count - paths.distance.size
+    name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
+    paths = paths.replace(name=name)
+    if more <= 0:
+        _, strongest = jax.lax.top_k(jnp.sum(paths.gain**2, axis=1).at[0].set(jnp.inf), count)
+        kept = jnp.sort(strongest)
+        return paths if more == 0 else jax.tree.map(lambda x: x[kept], paths)
+    padding = [(0, more)]
+    return Paths(
+        distance=jnp.pad(paths.distance, padding, constant_values=1.0),
+        gain=jnp.pad(paths.gain, [*padding, (0, 0)]),
+        direction=jnp.pad(paths.direction, [*padding, (0, 0)]),
+        name=jnp.pad(name, padding, constant_values=-1),
+    )
+
+
+def ends_early(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
+    """Whether all ends before it has fallen by 30 dB from its loudest bin."""
+    share = jnp.asarray(band_shares(config))
+    energy = heard.energy[:, : config.num_channels]
+    bins = jnp.sum(energy @ share, axis=1)
+    times = 2 if config.receiver == "ambisonics" else config.num_channels  # that energy of a path is heard in all
+    loudest = jnp.maximum(jnp.max(bins), times * jnp.max(heard.paths.gain**2 @ share))
+    if config.num_tail == 0:
+        return bins[-1] > FALL * loudest
+    last = jnp.sum(energy[-1], axis=0) * tail_levels(heard.energy, config)[-1] ** 2
+    return last @ share > FALL * loudest
+
+
+@functools.cache
+def band_shares(config: AudioConfig) -> Float[np.ndarray, " bands"]:
+    """Which share of white noise each octave has."""
+    return octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1).astype(np.float32)

@@ -1,0 +1,59 @@
+"""Sound all over a floor: what many listeners hear of one source."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.auralization.response import late_energy
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.parameters.decay import t30
+from home_mjx.audio_jax.propagation.early import early_paths
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.scene.types import Scene
+
+AT_ONCE = 16  # listeners
+TEN_METRES = 100.0  # energy at 1 m re that at 10 m
+
+
+class FloorSound(Pytree):
+    """What one microphone after the other hears."""
+
+    strength: Float[Array, "n bands"]  # G [dB], re the same source at 10 m in the free field
+    t30: Float[Array, "n bands"]  # [s]; NaN where the decay is too short to be read
+
+
+def floor_sound(
+    scene: Scene, source: Source, places: Float[Array, "n 3"], key: Array, config: AudioConfig
+) -> FloorSound:
+    """Level and reverberation time at many places, from energies: no waveform is made.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        places: Of microphones that hear alike from everywhere [m].
+        key: Random key, the same everywhere; of no use if late sound is baked.
+        config: Options; whatever its receiver.
+
+    Example:
+        >>> found = floor_sound(scene, Source(radio), places, jax.random.key(0), config)  # doctest: +SKIP
+        >>> found.strength.shape  # doctest: +SKIP
+        (612, 7)
+    """
+    config = replace(config, receiver="omni", microphones=(), pinna=False)
+    metres = config.bin_seconds * config.speed_of_sound
+    level = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)
+
+    def hear(place: Float[Array, "3"]) -> tuple[Float[Array, " bands"], Float[Array, " bands"]]:
+        listener = Listener(place, level)
+        paths = early_paths(scene, source, listener, config)
+        late = late_energy(scene, source, listener, key, config)[:, 0]
+        energy = late.at[(paths.distance / metres).astype(jnp.int32)].add(paths.gain**2, mode="drop")
+        strength = 10 * jnp.log10(TEN_METRES * jnp.maximum(jnp.sum(energy, axis=0), 1e-30))
+        loudest = jnp.maximum(jnp.max(energy), 1e-30)
+        return strength, t30(energy.T / loudest, config.bin_seconds)
+
+    strength, times = jax.lax.map(hear, places, batch_size=AT_ONCE)
+    return FloorSound(strength=strength, t30=times)

@@ -1,0 +1,53 @@
+"""Where sound comes from: correlation of the ears, and the share of sound from the sides."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.parameters.clarity import early_energy
+from home_mjx.audio_jax.parameters.decay import onset, since_onset
+
+LARGEST_DELAY = 0.001  # [s], between the ears
+
+
+def iacc(
+    response: Float[Array, "*c 2 n"], sample_rate: int, start: float = 0.0, stop: float = float("inf")
+) -> Float[Array, "*c"]:
+    """Interaural cross-correlation coefficient, 0 to 1 (ISO 3382-1:2009, annex B).
+
+    The largest absolute value of the normalised correlation of both ears, at delays of up to 1 ms.
+
+    Args:
+        response: Pressure at the left and right ear; leading axes may be octave bands, see `octave_responses`.
+        sample_rate: [Hz].
+        start: Of the part that counts [s] after the direct sound: 0 for IACC_E and IACC_A, 0.08 for IACC_L.
+        stop: Its end [s]: 0.08 for IACC_E, otherwise inf.
+
+    Example:
+        >>> ears = jnp.zeros((2, 400)).at[0, 10].set(1.0).at[1, 14].set(-0.5)  # 0.25 ms apart
+        >>> float(iacc(ears, 16000).round(3))
+        1.0
+    """
+    length = response.shape[-1]
+    since = since_onset(jnp.sum(response**2, axis=-2))[..., None, :]
+    begin, end = round(start * sample_rate), min(round(min(stop, 1e4) * sample_rate), length)
+    part = jnp.where((since >= begin) & (since < end), response, 0.0)
+    spectrum = jnp.fft.rfft(part, 2 * length)
+    cross = jnp.fft.irfft(spectrum[..., 0, :] * jnp.conj(spectrum[..., 1, :]), 2 * length)
+    delays = round(LARGEST_DELAY * sample_rate)
+    cross = jnp.concatenate([cross[..., : delays + 1], cross[..., 2 * length - delays :]], axis=-1)
+    return jnp.max(jnp.abs(cross), axis=-1) / jnp.sqrt(jnp.prod(jnp.sum(part**2, axis=-1), axis=-1))
+
+
+def lateral_fraction(lateral: Float[Array, "*c n"], energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
+    """Early lateral energy fraction LF (ISO 3382-1:2009, A.14).
+
+    Energy that a figure-of-eight microphone, pointing to the sides, hears from 5 to 80 ms after the direct sound, over
+    that of an omnidirectional one from 0 to 80 ms.
+
+    Args:
+        lateral: Energy weighted by the squared cosine between its direction and the axis of the ears.
+        energy: The same without weights.
+        dt: Time of one sample or bin [s].
+    """
+    first = onset(energy)
+    return early_energy(lateral, dt, 0.005, 0.08, first) / early_energy(energy, dt, 0.0, 0.08, first)

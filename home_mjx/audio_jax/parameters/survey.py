@@ -1,0 +1,118 @@
+"""What an acoustician would measure between two points of a house."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.auralization.response import baked_histogram, late_share, traced_histogram, with_late
+from home_mjx.audio_jax.base.config import EARS, AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.late_reverb.lookup.reading import baked_sound
+from home_mjx.audio_jax.parameters.octaves import octave_responses
+from home_mjx.audio_jax.parameters.spatial import iacc, lateral_fraction
+from home_mjx.audio_jax.parameters.table import RoomMeasures, measure_response
+from home_mjx.audio_jax.propagation.early import early_paths
+from home_mjx.audio_jax.propagation.histogram import energy_histogram
+from home_mjx.audio_jax.propagation.paths import Paths
+from home_mjx.audio_jax.propagation.tracing import trace
+from home_mjx.audio_jax.receivers.hrtf import to_head
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS
+
+STEP = 0.001  # [s], of the histogram from which the lateral fraction is taken
+SURVEY = AudioConfig(response_seconds=2.0, num_rays=4200, num_bounces=100, octave_rays=True)
+
+
+class Survey(Pytree):
+    """A response with its measures per octave band."""
+
+    response: Float[Array, "2 l"]  # at the ears
+    measures: RoomMeasures  # of an omnidirectional microphone at the middle of the head
+    iacc: Float[Array, " bands"]  # of the whole response
+    lateral_fraction: Float[Array, " bands"]
+
+
+def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig = SURVEY) -> Survey:
+    """Responses of two ears, of one microphone and of a figure of eight from one trace, and what ISO 3382-1 reads.
+
+    With `config.late` "baked" late sound is looked up instead of traced.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears; the figure of eight's axis is that of its ears.
+        key: Random key.
+        config: Options; the default has the rays and the length that measuring wants.
+
+    Raises:
+        ConfigError: The receiver has no two ears.
+
+    Example:
+        >>> found = survey_room(scene, Source(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP
+        >>> found.measures.t30.shape  # doctest: +SKIP
+        (7,)
+    """
+    if config.receiver not in EARS:
+        raise ConfigError(f"IACC needs two ears, not receiver={config.receiver!r}", hint='Use "binaural" or "omni".')
+    trace_key, noise_key = jax.random.split(key)
+    paths = early_paths(scene, source, listener, config)
+    ears, late = _late(scene, source, listener, trace_key, config)
+    response = with_late(paths, ears, listener.quat, noise_key, config, listener.head)
+    both = jnp.broadcast_to(late[:, :1], late.shape)
+    pressure = with_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni", pinna=False))[0]
+    rate = config.sample_rate
+    energy = _fine(paths, jnp.ones(paths.distance.shape, jnp.float32), late[:, 0], config)
+    lateral = _fine(paths, _from_the_sides(paths.direction, listener.quat), late[:, 1], config)
+    return Survey(
+        response=response,
+        measures=measure_response(pressure, rate),
+        iacc=iacc(jnp.moveaxis(octave_responses(response, rate), 1, 0), rate),
+        lateral_fraction=lateral_fraction(lateral.T, energy.T, config.bin_seconds / _parts(config)),
+    )
+
+
+def _late(
+    scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
+) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
+    """Late energy over time at both ears; of one microphone and a figure of eight."""
+    if config.late == "none":
+        nothing = jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
+        return nothing, nothing
+    if config.late == "baked":
+        ears, _ = baked_histogram(scene, source, listener, config)
+        found = baked_sound(scene, source.pos, listener.pos, config)
+        found = found.replace(energy=found.energy * late_share(source, found))
+        length = jnp.linalg.norm(found.comes_from, axis=1)
+        toward = found.comes_from / jnp.maximum(length, 1e-6)[:, None]
+        sides = (1 - length) / 3 + length * _from_the_sides(toward, listener.quat)  # a third of what is everywhere
+        share = jnp.matmul(found.span, sides, precision="highest")[:, None]
+        return ears, jnp.stack([found.energy, found.energy * share], axis=1)
+    traced = trace(scene, source, listener, key, config)
+    sides = _from_the_sides(traced.direction, listener.quat)
+    gains = jnp.broadcast_to(jnp.stack([jnp.ones_like(sides), sides], axis=1)[..., None], (*sides.shape, 2, 7))
+    ears = traced_histogram(traced, listener.quat, config, listener.head)
+    return ears, energy_histogram(traced, gains, config)
+
+
+def _from_the_sides(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, " n"]:
+    """What a figure of eight along the axis of the ears hears of the energy from each direction."""
+    return to_head(direction, quat)[:, 0] ** 2
+
+
+def _fine(
+    paths: Paths, gain: Float[Array, " p"], late: Float[Array, "k bands"], config: AudioConfig
+) -> Float[Array, "m bands"]:
+    """Energy of paths and of a histogram, in steps of `STEP`."""
+    parts = _parts(config)
+    energy = jnp.repeat(late / parts, parts, axis=0)
+    at = (paths.distance / jnp.float32(config.bin_seconds / parts * config.speed_of_sound)).astype(jnp.int32)
+    return energy.at[at].add(gain[:, None] * paths.gain**2, mode="drop")
+
+
+def _parts(config: AudioConfig) -> int:
+    """Steps per bin."""
+    return max(round(config.bin_seconds / STEP), 1)

@@ -1,0 +1,1 @@
+"""Files of arrays on disk: entries with checksums, and dataclasses as flat arrays."""

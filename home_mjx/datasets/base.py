@@ -1,0 +1,215 @@
+"""The `Dataset` protocol: houses of one source, with the metadata and the digests that compiling and caching need.
+
+Host only: nothing here loads JAX.
+"""
+
+import hashlib
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar, Protocol
+
+from home_mjx.core.files import below
+from home_mjx.datasets.joints import Joints
+from home_mjx.datasets.options import ReadOptions
+from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
+from home_mjx.schema.house import House, Metadata, ModelInfo, StandIn
+
+log = logging.getLogger(__name__)
+
+DEFAULT_OPTIONS = ReadOptions()
+
+
+class InputDigests(Protocol):
+    """Digests of the files from which the houses of a dataset are compiled; part of the key of every cache entry."""
+
+    def house(self, house_id: str) -> bytes:
+        """Return the digest of everything that decides how a house is read, textures excepted."""
+        ...
+
+    def texture(self, path: str) -> str:
+        """Return the digest of an image file; "" if it does not exist."""
+        ...
+
+    def has_texture(self, name: str) -> bool:
+        """Return whether an image exists now for a texture that a house lacked when it was compiled."""
+        ...
+
+    def save(self, interval: float = 0.0) -> None:
+        """Write digests that were computed to disk, at most once in `interval` seconds [s]."""
+        ...
+
+
+class Dataset(ABC):
+    """Houses of one source: a folder, or a name such as `procedural:16`.
+
+    A subclass implements `house_ids`, `metadata`, `load_house` and `inputs`. Two datasets of one class and one name are
+    equal, and a dataset can be pickled if its name opens it again.
+
+    Attributes:
+        root: Folder that paths of textures are relative to.
+        name: Text that opens the dataset again with `open_dataset`.
+        shares_root: Whether `root` may hold houses that are not part of this dataset.
+        categories: Categories of the dataset by name, as (fine, coarse, NYU40) names; see `model_info`.
+
+    Example:
+        >>> class Boxes(Dataset):  # doctest: +SKIP
+        ...     house_ids = ("box",)
+        ...     metadata = Metadata({})
+        ...
+        ...     def load_house(self, house_id, options=DEFAULT_OPTIONS): ...
+        ...     def inputs(self):
+        ...         return FileDigests(self.root, lambda house_id: ())
+        >>> register_dataset("boxes", lambda name: Boxes(Path("."), f"boxes:{name}"))  # doctest: +SKIP
+    """
+
+    categories: ClassVar[Mapping[str, tuple[str, str, str]]] = {}
+    shares_root: ClassVar[bool] = False
+
+    def __init__(self, root: Path, name: str | None = None) -> None:
+        self.root = root
+        self.name = str(root) if name is None else name
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and isinstance(other, Dataset) and self.name == other.name
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.name))
+
+    @property
+    @abstractmethod
+    def house_ids(self) -> Sequence[str]:
+        """Ids of all houses, in a fixed order."""
+
+    @property
+    @abstractmethod
+    def metadata(self) -> Metadata:
+        """Categories, sizes and lights of the models.
+
+        Raises:
+            DatasetError: A table is missing or broken.
+        """
+
+    @abstractmethod
+    def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
+        """Read one house and the models that it uses.
+
+        Args:
+            house_id: One of `house_ids`.
+            options: Parts of the house to read, and whether missing files are errors.
+
+        Raises:
+            UnknownIdError: No house has this id.
+            DatasetError: A file that the house needs is missing or broken.
+        """
+
+    @abstractmethod
+    def inputs(self) -> InputDigests:
+        """Return digests of the files behind the houses, see `InputDigests`."""
+
+    def prepare(self, house_ids: Sequence[str], progress: bool = False) -> None:  # noqa: B027 (most need nothing)
+        """Make houses available on disk before they are read, such as by generating them.
+
+        Args:
+            house_ids: Some of `house_ids`.
+            progress: Show a progress bar.
+
+        Raises:
+            DatasetError: The houses cannot be written.
+        """
+
+    @property
+    def joints(self) -> Joints:
+        """Movable parts of models by model id; empty if the dataset has none."""
+        return {}
+
+    @property
+    def fallbacks(self) -> str:
+        """Version of the models that replace missing ones, part of cache keys; "" if the dataset replaces none."""
+        return ""
+
+    def check_known(self, house_id: str) -> None:
+        """Raise `UnknownIdError`, a `DatasetError`, if no house has this id."""
+        if house_id not in self._known:
+            raise UnknownIdError(
+                f"unknown house `{house_id}`", file=self.root, hint=did_you_mean(house_id, self.house_ids)
+            )
+
+    def resolved(self, options: ReadOptions) -> ReadOptions:
+        """Return the options with `strict` decided; by default a dataset is complete, so missing files are errors."""
+        return options if options.strict is not None else replace(options, strict=True)
+
+    def metadata_for(self, options: ReadOptions) -> Metadata:
+        """Return the metadata that belongs to houses read with these options."""
+        return self.metadata
+
+    def model_info(self, model_id: str, category: str) -> ModelInfo:
+        """Return the metadata row of a model from the dataset's own category.
+
+        Args:
+            model_id: Id of the model.
+            category: A key of `categories`.
+
+        Raises:
+            UnknownNameError: `categories` lacks the category.
+        """
+        if category not in self.categories:
+            message = f"category `{category}` of model `{model_id}` has no entry in {type(self).__name__}.categories"
+            raise UnknownNameError(message, hint=did_you_mean(category, self.categories))
+        fine, coarse, nyu40 = self.categories[category]
+        return ModelInfo(model_id, fine, coarse, nyu40)
+
+    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[StandIn]) -> None:
+        """Log one warning that lists replacements of missing files.
+
+        Args:
+            house_id: Id of the house.
+            stand_ins: The replacements; no warning if empty.
+        """
+        if stand_ins:
+            log.warning("house %s lacks %d files: fallbacks are used", house_id, len(stand_ins))
+
+    @cached_property
+    def _known(self) -> frozenset[str]:
+        return frozenset(self.house_ids)
+
+
+class FileDigests:
+    """Digests of whole files, for datasets that keep each house in files of its own.
+
+    Args:
+        root: Folder of the dataset.
+        files_of: Paths of the files that decide how a house is read.
+
+    Example:
+        >>> digests = FileDigests(Path("houses"), lambda house_id: [Path("houses") / f"{house_id}.json"])
+        >>> len(digests.house("a"))
+        32
+    """
+
+    def __init__(self, root: Path, files_of: Callable[[str], Iterable[Path]]) -> None:
+        self.root = root
+        self.files_of = files_of
+
+    def house(self, house_id: str) -> bytes:
+        """Return a SHA-256 digest of the names and bytes of the house's files; a missing file counts as empty."""
+        digest = hashlib.sha256(house_id.encode())
+        for path in self.files_of(house_id):
+            digest.update(str(path).encode() + b"\0" + (path.read_bytes() if path.is_file() else b""))
+        return digest.digest()
+
+    def texture(self, path: str) -> str:
+        """Return the SHA-256 digest of an image; "" if it does not exist."""
+        file = Path(path)
+        return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
+
+    def has_texture(self, name: str) -> bool:
+        """Return whether the folder of the dataset has an image of this name."""
+        found = below(self.root, self.root, name)
+        return found is not None and found.is_file()
+
+    def save(self, interval: float = 0.0) -> None:
+        """Do nothing: no digest is kept on disk."""

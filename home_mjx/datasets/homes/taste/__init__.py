@@ -1,5 +1,0 @@
-"""The taste of a home: which of the things of a kind it has, and how they are dressed."""
-
-from home_mjx.datasets.homes.taste.style import Style
-
-__all__ = ["Style"]

@@ -1,0 +1,145 @@
+"""Registry of datasets: opens houses by the folder that holds them, or by a name such as `procedural:16?seed=0`.
+
+Host only: nothing here loads JAX. A distribution adds a dataset with an entry point of the group `home_mjx.datasets`,
+whose name is the scheme and whose object is the function that opens it.
+"""
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any
+
+from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
+from home_mjx.datasets.base import Dataset
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError, UnknownNameError, did_you_mean
+
+GROUP = "home_mjx.datasets"  # entry points that open datasets by their scheme
+SCHEME = re.compile(r"([a-z][a-z0-9_+-]+):(?!//|\\)(.*)", re.DOTALL)  # two letters and more: `C:` is a drive
+
+
+@dataclass(frozen=True)
+class DatasetFormat:
+    """A registered kind of dataset.
+
+    Attributes:
+        scheme: Prefix of names, without the colon.
+        open: Open the dataset of a name, without its scheme, or of a folder.
+        recognizes: Return whether a folder holds a dataset of this kind; None: folders never do.
+    """
+
+    scheme: str
+    open: Callable[[str], Dataset]
+    recognizes: Callable[[Path], bool] | None = None
+
+
+_FORMATS: dict[str, DatasetFormat] = {}
+
+
+def register_dataset(
+    scheme: str, open_dataset: Callable[[str], Dataset], recognizes: Callable[[Path], bool] | None = None
+) -> None:
+    """Register a kind of dataset under a scheme; registering the same scheme again replaces it.
+
+    Args:
+        scheme: Lower-case prefix of names, at least two characters, such as `procthor` in `procthor:train`.
+        open_dataset: Function from the text after the colon, or from the path of a folder, to a `Dataset`.
+        recognizes: Function that returns whether a folder holds such a dataset, so that paths open without a scheme.
+
+    Raises:
+        ConfigError: The scheme has another form, or an argument cannot be called.
+
+    Example:
+        >>> register_dataset("boxes", lambda name: BoxDataset(int(name)))  # doctest: +SKIP
+        >>> open_dataset("boxes:12").house_ids  # doctest: +SKIP
+    """
+    if not isinstance(scheme, str) or not SCHEME.fullmatch(f"{scheme}:"):
+        raise ConfigError(f"scheme of a dataset must be a lower-case word, got {scheme!r}", hint="Such as `procthor`.")
+    if not callable(open_dataset) or not (recognizes is None or callable(recognizes)):
+        raise ConfigError(f"dataset `{scheme}` needs functions `open_dataset` and, optionally, `recognizes`")
+    _FORMATS[scheme] = DatasetFormat(scheme, open_dataset, recognizes)
+
+
+def dataset_schemes() -> tuple[str, ...]:
+    """Return all schemes of datasets, registered or installed, sorted."""
+    return tuple(sorted({*_FORMATS, *_installed()}))
+
+
+def has_scheme(name: object) -> bool:
+    """Return whether a value is a name such as `procedural:16` rather than a path.
+
+    Example:
+        >>> has_scheme("procedural:16"), has_scheme("houses/demo"), has_scheme("C:/houses")
+        (True, False, False)
+    """
+    return isinstance(name, str) and SCHEME.fullmatch(name) is not None and not os.path.exists(name)
+
+
+def open_dataset(name: str | Path | None = None) -> Dataset:
+    """Open a dataset by its folder or its name.
+
+    Args:
+        name: Folder of a dataset, or a scheme and what follows it, such as `procedural:16?seed=0`; None: the folder
+            that the environment variable `SUNCG_DATA_DIR` names.
+
+    Raises:
+        UnknownNameError: No dataset has this scheme.
+        ConfigError: The text after the scheme is not valid.
+        MissingFileError: The folder does not exist or holds no house.
+        DatasetError: No folder was given, or the path is a file.
+
+    Example:
+        >>> open_dataset("procedural:2?seed=3").house_ids[0]
+        '686f6d65628f2b2ab3a40b3b3b0d7a8f'
+    """
+    if isinstance(name, str) and has_scheme(name):
+        match = SCHEME.fullmatch(name)
+        assert match is not None
+        return find_format(match[1]).open(match[2])
+    root = dataset_root() if name is None else name
+    if root is None or not str(root):
+        hint = f"Pass a folder, a name such as `procedural:16`, or set {ROOT_VARIABLE}."
+        raise DatasetError("no dataset was given", hint=hint)
+    path = Path(os.path.abspath(Path(root).expanduser()))
+    if not path.is_dir():
+        kind = DatasetError if os.path.exists(path) else MissingFileError
+        raise kind("the dataset is not a folder", file=path, hint=f"Correct the path or {ROOT_VARIABLE}.")
+    for known in [*_FORMATS.values()]:
+        if known.recognizes is not None and known.recognizes(path):
+            return known.open(str(path))
+    from home_mjx.datasets.suncg.dataset import open_suncg
+
+    return open_suncg(path)
+
+
+def find_format(scheme: str) -> DatasetFormat:
+    """Return the kind of dataset of a scheme, loading the package that provides it.
+
+    Raises:
+        UnknownNameError: No dataset has this scheme.
+        ConfigError: The package that provides it cannot be imported.
+    """
+    if scheme not in _FORMATS:
+        found = _installed().get(scheme)
+        if found is None:
+            raise UnknownNameError(
+                f"no dataset has the scheme `{scheme}:`", hint=did_you_mean(scheme, dataset_schemes())
+            )
+        _FORMATS[scheme] = DatasetFormat(scheme, _loaded(found))
+    return _FORMATS[scheme]
+
+
+@cache
+def _installed() -> dict[str, EntryPoint]:
+    """Entry points of datasets by scheme."""
+    return {point.name: point for point in entry_points(group=GROUP)}
+
+
+def _loaded(point: EntryPoint) -> Any:
+    try:
+        return point.load()
+    except (ImportError, AttributeError) as error:
+        raise ConfigError(f"dataset `{point.name}:` of `{point.value}` cannot be loaded: {error}") from error

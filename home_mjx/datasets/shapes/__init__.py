@@ -1,1 +1,0 @@
-"""Solids from outlines: slabs and wall prisms."""

@@ -1,0 +1,83 @@
+"""Meshes that replace missing models: those of an installed provider, else plain boxes.
+
+A provider is an entry point of the group `home_mjx.fallback_models`: a function with the arguments of `fallback_model`,
+and an attribute `version`, which is part of the cache key of houses that may use it.
+"""
+
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.datasets.suncg.fallbacks.rooms import slab_mesh
+from home_mjx.errors import ConfigError
+from home_mjx.schema.house import Material, Mesh
+
+GROUP = "home_mjx.fallback_models"
+Bounds = Float[np.ndarray, "2 3"]
+UNKNOWN_BOX = np.array([[-0.25, 0.0, -0.25], [0.25, 0.5, 0.25]])  # [m], of a model without any metadata
+GREY = Material("material_0", (0.7, 0.7, 0.7), None, 1.0)
+
+
+class FallbackModels(Protocol):
+    """A provider of meshes for missing models."""
+
+    version: str  # changes whenever the same arguments would return another mesh
+
+    def __call__(self, path: Path, fine: str, bounds: Bounds | None, closed: bool) -> tuple[Mesh, str]:
+        """Return a mesh and its description; see `fallback_model`."""
+        ...
+
+
+class BoxModels:
+    """Plain boxes, where no provider is installed."""
+
+    version = "boxes-1"
+
+    def __call__(self, path: Path, fine: str, bounds: Bounds | None, closed: bool) -> tuple[Mesh, str]:
+        """Return a box with the bounds of the missing model."""
+        (x0, y0, z0), (x1, y1, z1) = (UNKNOWN_BOX if bounds is None else bounds).tolist()
+        corners = np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
+        mesh = slab_mesh("box", corners, (y0, y1), path, (), GREY, outset=0.0)
+        return mesh, f"a box of {x1 - x0:.2f} x {y1 - y0:.2f} x {z1 - z0:.2f} m"
+
+
+@cache
+def _provider() -> FallbackModels:
+    """The installed provider.
+
+    Raises:
+        ConfigError: The provider cannot be imported.
+    """
+    for point in entry_points(group=GROUP):
+        try:
+            return point.load()
+        except (ImportError, AttributeError) as error:
+            raise ConfigError(f"fallback models of `{point.value}` cannot be loaded: {error}") from error
+    return BoxModels()
+
+
+def fallback_version() -> str:
+    """Return the version of the provider; part of cache keys."""
+    return _provider().version
+
+
+def fallback_model(path: Path, fine: str, bounds: Bounds | None, closed: bool) -> tuple[Mesh, str]:
+    """Return a mesh that replaces a missing model, and its description.
+
+    Args:
+        path: Path of the missing OBJ file.
+        fine: Fine category of the model.
+        bounds: Its bounding box, of a door that of its open state [m, Y up]; None if unknown.
+        closed: Whether the mesh shows a door closed.
+
+    Example:
+        >>> bounds = np.array([[-0.3, 0, -0.3], [0.3, 1, 0.3]])
+        >>> mesh, words = BoxModels()(Path("9.obj"), "chair", bounds, False)
+        >>> words, np.ptp(mesh.vertices, axis=0).round(6).tolist()
+        ('a box of 0.60 x 1.00 x 0.60 m', [0.6, 1.0, 0.6])
+    """
+    return _provider()(path, fine, bounds, closed)

@@ -1,0 +1,232 @@
+"""`make`: from an id, options and whatever names houses to an environment, read from top to bottom."""
+
+import dataclasses
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from home_mjx.core.checks import check_number
+from home_mjx.core.files import as_path
+from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.registry import NUM_HOUSES, EnvSpec, find_spec, is_task, load_entry_point, task_names
+
+if TYPE_CHECKING:
+    from home_mjx.bank.bank import HouseBank
+    from home_mjx.datasets.base import Dataset
+    from home_mjx.houses.bakes import Bake
+    from home_mjx.houses.house_set import HouseSet
+    from home_mjx.houses.selection import HouseFilter
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
+    from home_mjx.tasks.env.bound import BoundEnv
+    from home_mjx.tasks.env.household import HouseholdEnv
+
+NUM_ARRANGEMENTS = 8  # poses of movable objects per house for `arrangement="random"`
+MAKE_ARGUMENTS = ("houses", "num_houses", "split", "where", "progress", "variation", "episodes")
+
+
+def make(
+    env_id: str,
+    houses: "HouseBank | HouseSet | Dataset | str | Path | None" = None,
+    *,
+    num_houses: int | None = None,
+    split: str | None = None,
+    where: "HouseFilter | None" = None,
+    progress: bool | None = None,
+    variation: Any = None,
+    episodes: str | Path | None = None,
+    **options: Any,
+) -> "BoundEnv[HouseholdEnv]":
+    """Make an environment by its id.
+
+    Args:
+        env_id: Such as `PointNav-v0`, see `list_envs`.
+        houses: A `HouseBank`, a `HouseSet`, a dataset, its folder or its name such as
+            `procedural:16?seed=0&version=2`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
+            or, if it is not set, generated houses, which are written once into the cache folder.
+        num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
+        split: Only houses of `train`, `val` or `test`.
+        where: Only houses of a dataset that pass this `HouseFilter`.
+        progress: Show progress bars while houses are generated and compiled; None: only in a terminal.
+        variation: Domain randomisation per episode: a `tasks.Variation`, or its ranges by name such as
+            `{"lamps": 0.5, "colors": (0, 0.3)}`; None: none.
+        episodes: File written by `save_episodes` or `save_tasks`: resets take its rows in order, in the houses that it
+            names unless `houses` is a bank; None: episodes are sampled.
+        **options: Fields of `EnvConfig` and its records, of the task (`task.*`) and of `CompileOptions` (`compile.*`):
+            flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted (`**{"physics.friction": 0.5}`) or as whole
+            records (`physics=PhysicsConfig(...)`).
+
+    Returns:
+        An environment with `reset(key)` and `step(state, action)`; `.core` has the functions that take `.params`.
+
+    Raises:
+        ConfigError: An id or option is unknown; the message names the closest known one.
+        DatasetError: The dataset cannot be read.
+
+    Example:
+        >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
+    """
+    known, chosen = find_spec(env_id), {"num_houses": num_houses, "split": split, "where": where}
+    in_memory = houses is not None and not isinstance(houses, str | Path)
+    if in_memory and _is_chosen(houses):
+        _refuse(chosen, lambda name: f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
+    if episodes is not None:
+        _refuse(chosen, lambda name: f"`{name}` is given beside a file of episodes", "the houses are those it names")
+        options["episodes"] = str(as_path(episodes, "episodes"))
+    spec = dataclasses.replace(
+        known,
+        options={**known.options, **options, **_ranges(variation)},
+        houses=str(houses) if isinstance(houses, str | Path) else None,
+        num_houses=_num_houses(houses, num_houses),
+        split=split,
+        where=where,
+        in_memory=in_memory,
+    )
+    return build_env(spec, houses, progress)
+
+
+def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
+    """Build the environment of a spec in given houses; errors as of `make`.
+
+    Args:
+        spec: Id, entry point and options.
+        houses: As of `make`; `spec.houses` for a spec from a file.
+        progress: Show progress bars; None: only in a terminal.
+    """
+    entry_point, options = load_entry_point(spec.entry_point), dict(spec.options)
+    variation, file = _ranges(options.pop("variation", None)), options.pop("episodes", None)
+    file = None if file is None else as_path(file, "episodes")
+    shown = sys.stderr.isatty() if progress is None else progress
+
+    def get_bank(compile_options: "CompileOptions | None" = None, bakes: "tuple[Bake, ...]" = ()) -> "HouseBank":
+        """Load the houses; a bank in memory is taken as it is."""
+        return _load(spec, houses, file, compile_options, bakes, shown)
+
+    if is_task(entry_point):
+        env = _task_env(entry_point, get_bank, options, file, houses, shown)
+    else:
+        env = entry_point(get_bank, **options)
+        env = env if file is None else env.with_tasks(_episode_rows(file, env.bank, env.task))
+    env = env.with_variation(variation["variation"]) if variation else env
+    env.spec = spec
+    return env
+
+
+def _load(
+    spec: EnvSpec,
+    houses: Any,
+    file: Path | None,
+    compile_options: "CompileOptions | None",
+    bakes: "tuple[Bake, ...]",
+    progress: bool,
+) -> "HouseBank":
+    """Dataset, cache, bank, bakes; the houses are those of a file of episodes if there is one."""
+    from home_mjx.bank.bank import HouseBank
+    from home_mjx.houses.load import load_bank
+    from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
+    from home_mjx.tasks.env.episodes import houses_named
+
+    if isinstance(houses, HouseBank):
+        return houses
+    options = compile_options or DEFAULT_OPTIONS
+    if file is not None and not _is_chosen(houses):
+        return load_bank(houses, ids=houses_named(file), options=options, progress=progress, bakes=bakes)
+    num_houses = None if _is_chosen(houses) else spec.num_houses
+    split, where = (spec.split, spec.where) if file is None else (None, None)
+    return load_bank(
+        houses, num_houses=num_houses, split=split, where=where, options=options, progress=progress, bakes=bakes
+    )
+
+
+def _task_env(
+    task: type,
+    get_bank: Callable[..., "HouseBank"],
+    options: Mapping[str, Any],
+    file: Path | None,
+    houses: Any,
+    progress: bool,
+) -> "BoundEnv[HouseholdEnv]":
+    """An environment of a `Task` subclass; wrong options are refused before any house is compiled."""
+    from home_mjx.tasks.base.state import EnvParams
+
+    core, compile_options = core_of(task, options)
+    bank = get_bank(compile_options, core.bakes)
+    if core.own_config.arrangement == "random" and bank is not houses:
+        import jax
+
+        from home_mjx.tasks.arrangements import settled_poses
+
+        bank = settled_poses(bank, NUM_ARRANGEMENTS, jax.random.key(0), progress)[0]
+    return core.bind(bank if file is None else EnvParams(bank, _episode_rows(file, bank, core.task)))
+
+
+def core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
+    """Return the functions of an environment, and the options with which its houses are compiled.
+
+    Raises:
+        ConfigError: An option is unknown or cannot be used.
+    """
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
+    from home_mjx.tasks.base.config import EnvConfig
+    from home_mjx.tasks.base.options import override
+    from home_mjx.tasks.env.household import HouseholdEnv
+
+    records = {"": EnvConfig(), "task": task(), "compile": CompileOptions()}
+    chosen = override(records, options, MAKE_ARGUMENTS)
+    core = HouseholdEnv(chosen[""], chosen["task"])
+    body, compiling = chosen[""].body, chosen["compile"]
+    walkable = dataclasses.replace(compiling.navigation, agent_radius=body.radius, agent_height=body.height)
+    return core, dataclasses.replace(compiling, navigation=walkable)
+
+
+def _num_houses(houses: Any, given: int | None) -> int:
+    """The number of houses to use: as asked for, else all of a name, else the default."""
+    from home_mjx.datasets.registry import has_scheme, open_dataset
+
+    known = len(open_dataset(houses).house_ids) if has_scheme(houses) else None
+    if given is None:
+        return known or NUM_HOUSES
+    check_number("num_houses", given, 1, whole=True)
+    if known is not None and given > known:
+        message = f"`num_houses` is {given}, but `{houses}` has {known} houses"
+        raise ConfigError(message, hint="Leave it out, or name more houses.")
+    return given
+
+
+def _is_chosen(houses: Any) -> bool:
+    """Whether the houses are chosen already: `num_houses`, `split` and `where` would choose again."""
+    from home_mjx.bank.bank import HouseBank
+    from home_mjx.houses.house_set import HouseSet
+
+    return isinstance(houses, HouseBank | HouseSet)
+
+
+def _refuse(chosen: Mapping[str, Any], message: Callable[[str], str], reason: str | None = None) -> None:
+    """Raise `ConfigError` for the first choice that was made."""
+    for name, value in chosen.items():
+        if value is not None:
+            raise ConfigError(message(name), hint=reason and f"Leave `{name}` out: {reason}.")
+
+
+def _ranges(variation: Any) -> dict[str, Any]:
+    """The option as plain numbers by name, checked before any house is made; empty if nothing varies."""
+    if variation is None:
+        return {}
+    from home_mjx.tasks.variation.ranges import named
+
+    return {"variation": named(variation)}
+
+
+def _episode_rows(file: Path, bank: "HouseBank", task: Any) -> Any:
+    """Rows of a file of episodes; a file of other tasks alone is refused, mixes that have this one are taken."""
+    from home_mjx.tasks.env.episodes import load_rows
+    from home_mjx.tasks.rules.task_bank import TaskBank
+
+    rows = load_rows(file, bank, task)
+    if isinstance(rows, TaskBank):
+        own = [generator.name for generator in task.generators]
+        others = [name for name in rows.names if name in task_names()]
+        if others and not set(rows.names) & set(own):
+            message = f"file holds tasks of {', '.join(others)}, none of {', '.join(own)}"
+            raise DatasetError(message, file=file, element="task", hint=f"Make the environment of {others[0]}.")
+    return rows

@@ -1,0 +1,177 @@
+"""A few boxes in place of a mesh: the shape of objects in the physics."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, QhullError
+
+from home_mjx.geometry.boxes import BoxSet, box_of, box_set, no_boxes
+from home_mjx.geometry.rotations import yaw_matrix
+
+CELLS = 16  # along the longest side of an object
+SMALLEST_CELL = 0.03  # [m]
+SPACING = 0.7  # of a cell, between samples: a face cannot cross a cell without a sample in it
+WASTE = 0.02  # of the object's bounding box: most empty volume that a merge may add while it is free to choose
+WELD = 1e-4  # [m]
+THINNEST = 1e-4  # [m], half of it: a leaf may end in a single point of a cell, and MuJoCo takes no empty boxes
+
+
+def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> BoxSet:
+    """At most `most` boxes of one yaw that together contain the surface and the inside of a mesh.
+
+    The surface is sampled into cells, what it encloses is filled (the floor closes it from below), the cells become
+    disjoint boxes, and boxes are merged, each time the pair that adds the least empty space.
+
+    Args:
+        triangles: [m].
+        yaw: Of the boxes [rad].
+        most: Number of boxes.
+    """
+    turn = yaw_matrix(yaw)
+    points = triangles @ turn
+    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    cell = max((high - low).max() / CELLS, SMALLEST_CELL)
+    counts = np.maximum(np.round((high - low) / cell), 1).astype(int)
+    size = np.maximum((high - low) / counts, 1e-9)
+    occupied, surface = _voxels(sample_surface(points, SPACING * cell), low, size, counts)
+    boxes = merge_boxes(cover_cells(_fill(occupied)), most, WASTE * occupied.size)
+    edges = low + boxes * size
+    tight = np.array([_tighten(e, b, size, surface, occupied) for e, b in zip(edges, boxes, strict=True)])
+    return box_set(tight.mean(axis=1) @ turn.T, np.maximum(np.diff(tight, axis=1)[:, 0] / 2, THINNEST), yaw)
+
+
+def _voxels(
+    points: Float[np.ndarray, "p 3"], low: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"], counts: np.ndarray
+) -> tuple[Bool[np.ndarray, "x y z"], Float[np.ndarray, "x y z 2 3"]]:
+    """Which cells hold points, and the bounds of those in each (inside out where there are none)."""
+    index = np.clip(((points - low) / size).astype(int), 0, counts - 1)
+    flat = np.asarray(np.ravel_multi_index(tuple(index.T), tuple(counts)))
+    order = np.argsort(flat)
+    cells, first = np.unique(flat[order], return_index=True)
+    occupied = np.zeros(counts.prod(), bool)
+    occupied[cells] = True
+    inner = np.tile(np.array([[[np.inf], [-np.inf]]]), (counts.prod(), 1, 3))
+    inner[cells, 0] = np.minimum.reduceat(points[order], first)
+    inner[cells, 1] = np.maximum.reduceat(points[order], first)
+    return occupied.reshape(counts), inner.reshape(*counts, 2, 3)
+
+
+def _fill(occupied: Bool[np.ndarray, "x y z"]) -> Bool[np.ndarray, "x y z"]:
+    floor = np.ones_like(occupied[:, :, :1])
+    return np.asarray(ndimage.binary_fill_holes(np.concatenate([floor, occupied], axis=2)))[:, :, 1:]
+
+
+def _tighten(
+    edge: Float[np.ndarray, "2 3"],
+    box: Int[np.ndarray, "2 3"],
+    size: Float[np.ndarray, "3"],
+    surface: Float[np.ndarray, "x y z 2 3"],
+    occupied: Bool[np.ndarray, "x y z"],
+) -> Float[np.ndarray, "2 3"]:
+    """Corners of a box of cells, its sides pulled in to the surface that ends in its outermost cells."""
+    inner = surface[_block(box[0], box[1])]
+    tight = np.stack([inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))])
+    for side, axis in np.ndindex(2, 3):
+        # Deeper than one cell there is no surface because the box is full there; and a surface may go on next door.
+        deep = abs(tight[side, axis] - edge[side, axis]) > size[axis]
+        if deep or _goes_on(box, side, axis, occupied):
+            tight[side, axis] = edge[side, axis]
+    return tight
+
+
+def _goes_on(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
+    """Whether a cell beyond a side of a box holds surface."""
+    start, stop = box.copy()
+    start[axis] = box[1, axis] if side else box[0, axis] - 1
+    stop[axis] = start[axis] + 1
+    return bool(0 <= start[axis] < occupied.shape[axis] and occupied[_block(start, stop)].any())
+
+
+def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
+    """Points on triangles, corners among them, no farther apart than about `spacing` [m]."""
+    edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
+    steps = np.maximum(np.ceil(edge / spacing), 1).astype(int)
+    samples = []
+    for n in np.unique(steps):
+        i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1))
+        keep = i + j <= n
+        weights = np.stack([i[keep], j[keep], n - i[keep] - j[keep]], axis=-1) / n
+        samples.append(np.einsum("wc,tcx->twx", weights, triangles[steps == n]).reshape(-1, 3))
+    return np.concatenate(samples)
+
+
+def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]:
+    """Disjoint boxes of whole cells that cover exactly the occupied ones: first and one past the last cell."""
+    left, boxes = occupied.copy(), []
+    for start in np.argwhere(occupied):
+        if left[tuple(start)]:
+            stop = start + 1
+            for axis in (2, 1, 0):
+                stop[axis] = _stretch(left, start, stop, axis)
+            left[_block(start, stop)] = False
+            boxes.append((start, stop))
+    return np.array(boxes).reshape(-1, 2, 3)
+
+
+def _stretch(left: Bool[np.ndarray, "x y z"], start: np.ndarray, stop: np.ndarray, axis: int) -> int:
+    end = stop.copy()
+    while end[axis] < left.shape[axis]:
+        layer = start.copy()
+        layer[axis] = end[axis]
+        end[axis] += 1
+        if not left[_block(layer, end)].all():
+            return int(end[axis] - 1)
+    return int(end[axis])
+
+
+def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
+    return tuple(slice(a, b) for a, b in zip(start, stop, strict=True))
+
+
+def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], most: int, waste: float) -> Int[np.ndarray, "m 2 3"]:
+    """Merges pairs of boxes into their hull, the least empty one first, to `most` and further while that adds little.
+
+    Args:
+        boxes: Minimum and maximum corners.
+        most: Largest number of boxes in the result.
+        waste: Empty volume that one further merge may add.
+    """
+    boxes = boxes.copy()
+    while len(boxes) > 1:
+        low = np.minimum(boxes[:, None, 0], boxes[None, :, 0])
+        high = np.maximum(boxes[:, None, 1], boxes[None, :, 1])
+        volume = (boxes[:, 1] - boxes[:, 0]).prod(axis=-1)
+        added = (high - low).prod(axis=-1) - volume[:, None] - volume[None]
+        added = added.astype(float)
+        np.fill_diagonal(added, np.inf)
+        i, j = np.unravel_index(added.argmin(), added.shape)
+        if len(boxes) <= most and added[i, j] > waste:
+            break
+        hull = np.stack([low[i, j], high[i, j]])
+        inside = ((boxes[:, 0] >= hull[0]) & (boxes[:, 1] <= hull[1])).all(axis=-1)
+        boxes = np.concatenate([boxes[~inside], hull[None]])
+    return boxes
+
+
+def components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
+    """Number of the connected component of each triangle; corners at one place are one."""
+    _, corner = np.unique(np.round(triangles.reshape(-1, 3) / WELD).astype(np.int64), axis=0, return_inverse=True)
+    corner = corner.reshape(-1, 3)
+    count = int(corner.max()) + 1
+    links = coo_matrix(
+        (np.ones(2 * len(corner)), (np.repeat(corner[:, 0], 2), corner[:, 1:].ravel())), shape=(count, count)
+    )
+    return connected_components(links, directed=False)[1][corner[:, 0]]
+
+
+def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
+    """The upright box of least footprint around points; one side lies along a side of their hull in the plan."""
+    try:
+        hull = points[ConvexHull(points[:, :2]).vertices]
+    except (QhullError, ValueError):  # all on one line
+        return box_of(points)
+    side = np.roll(hull, -1, axis=0) - hull
+    boxes = [box_of(points, float(yaw)) for yaw in np.arctan2(side[:, 1], side[:, 0])]
+    return min(boxes, key=lambda b: float(b.half[0, 0] * b.half[0, 1]), default=no_boxes())

@@ -1,0 +1,34 @@
+"""The tree over a house's static instances."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.geometry.bvh import build_tree
+from home_mjx.geometry.meshes import bounds, transform
+from home_mjx.schema.compiled import Instances, Model, Tree
+
+SLACK = 1e-4  # [m], by which boxes grow: rays meet an instance in its own frame, where they round differently
+
+
+def top_tree(instances: Instances, models: Mapping[str, Model], doors: Int[np.ndarray, " h"] | None = None) -> Tree:
+    """A tree with one static instance per leaf; leaves hold instance indices.
+
+    Args:
+        instances: Of a house; movable bodies are left out.
+        models: By key.
+        doors: Instances that turn, left out as well.
+    """
+    static = np.setdiff1d(np.flatnonzero(instances.body < 0), [] if doors is None else doors)
+    boxes = np.array([instance_box(instances.pose[i], models[instances.model[i]].box) for i in static])
+    tree, order = build_tree(boxes + np.array([[-SLACK], [SLACK]]), leaf_size=1)
+    leaf = (tree.child < 0) & (tree.child != -1)
+    first = np.where(leaf, ~tree.child >> 4, 0)
+    return Tree(tree.box, np.where(leaf, ~(static[order[first]] << 4 | 1), tree.child).astype(np.int32))
+
+
+def instance_box(pose: Float[np.ndarray, "3 4"], box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
+    """World bounds of a model's box [m]."""
+    corners = np.stack(np.meshgrid(*box.astype(np.float64).T), axis=-1).reshape(-1, 3)
+    return bounds(transform(pose, corners))

@@ -1,0 +1,83 @@
+"""Outlines in the plan: of slabs, from their triangles."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.geometry.slabs import signed_area
+
+MERGE = 1e-4  # [m]: corners nearer than this are one
+
+
+def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "4 2"]:
+    """The rectangle along the axes around triangles, counter-clockwise.
+
+    Args:
+        triangles: Z up [m].
+    """
+    (x0, y0), (x1, y1) = triangles[..., :2].min(axis=(0, 1)), triangles[..., :2].max(axis=(0, 1))
+    return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+
+
+def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
+    """The outer edge of a slab's upper side, counter-clockwise.
+
+    Args:
+        slab: Its triangles, Z up [m].
+    """
+    normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])
+    upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
+    if not upper.any():
+        return bounding_outline(slab)
+    points = np.round(slab[upper, :, :2] / MERGE).astype(np.int64).reshape(-1, 2)
+    corners, index = np.unique(points, axis=0, return_inverse=True)
+    loops = _boundary_loops(index.reshape(-1, 3))
+    polygons = [_straighten(corners[loop] * MERGE) for loop in loops]
+    largest = max(polygons, key=_area, default=np.zeros((0, 2)))
+    area = np.linalg.norm(normal[upper], axis=1).sum() / 2
+    # Triangles that do not share corners give several loops; none of them is the outline.
+    return largest if _area(largest) > 0.9 * area else bounding_outline(slab)
+
+
+def _boundary_loops(triangles: Int[np.ndarray, "t 3"]) -> list[list[int]]:
+    """Closed walks along the edges that only one triangle has."""
+    edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
+    following: dict[int, list[int]] = {}
+    for a, b in edges:
+        if a != b and (b, a) not in edges:
+            following.setdefault(a, []).append(b)
+    loops = []
+    while following:
+        loop = _walk(following)
+        if len(loop) >= 3:
+            loops.append(loop)
+    return loops
+
+
+def _walk(following: dict[int, list[int]]) -> list[int]:
+    first = corner = next(iter(following))
+    loop = []
+    while corner in following:
+        loop.append(corner)
+        step = following[corner].pop()
+        if not following[corner]:
+            del following[corner]
+        corner = step
+        if corner == first:
+            return loop
+    return []
+
+
+def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = 1e-3) -> Float[np.ndarray, "_ 2"]:
+    """A polygon without the corners that lie on the line between their neighbours, within `bend` metres."""
+    keep = []
+    for i in range(len(polygon)):
+        before, here, after = polygon[i - 1], polygon[i], polygon[(i + 1) % len(polygon)]
+        way = after - before
+        away = abs(way[0] * (here - before)[1] - way[1] * (here - before)[0]) / max(np.hypot(*way), MERGE)
+        if away > bend:
+            keep.append(i)
+    return polygon[keep] if len(keep) >= 3 else polygon
+
+
+def _area(polygon: Float[np.ndarray, "n 2"]) -> float:
+    return abs(signed_area(polygon)) if len(polygon) else 0.0

@@ -1,0 +1,62 @@
+"""Closed pieces with material slots, and the mesh that they make."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.geometry.wall_prisms import Prism, Wall, wall_prisms
+from home_mjx.schema.house import Material, Mesh
+
+CUT = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # the grey of cut faces
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A closed part of a mesh, with its slots counted from its own materials."""
+
+    group: str
+    vertices: Float[np.ndarray, "v 3"]
+    faces: Int[np.ndarray, "f 3"]
+    uv: Float[np.ndarray, "f 3 2"]
+    slot: Int[np.ndarray, " f"]
+
+
+def wall_pieces(wall: Wall, wall_id: str) -> list[Piece]:
+    """The inner and the outer layer of a wall; its slots are inside, cut faces, outside.
+
+    Args:
+        wall: The wall.
+        wall_id: What both groups are named after, such as `0_1_3`.
+    """
+    names = [f"{name}#{wall_id}" for name in ("WallInside", "WallOutside")]
+    return [_wall_piece(*item) for item in zip(names, wall_prisms(wall), (0, 2), strict=True)]
+
+
+def _wall_piece(group: str, prism: Prism, slot: int) -> Piece:
+    return Piece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.large, slot, 1))
+
+
+def join_pieces(path: Path, pieces: Sequence[Piece], materials: Sequence[Material], scale: float = 1.0) -> Mesh:
+    """One mesh of pieces whose slots are counted from the first of all materials.
+
+    Args:
+        path: File of the mesh.
+        pieces: Its parts.
+        materials: One per slot; they are numbered.
+        scale: [m] per unit of the pieces.
+    """
+    starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    names = tuple(dict.fromkeys(piece.group for piece in pieces))
+    return Mesh(
+        path=path,
+        vertices=np.concatenate([piece.vertices for piece in pieces]) * scale,
+        faces=np.concatenate([p.faces + start for p, start in zip(pieces, starts, strict=False)]).astype(np.int32),
+        uv=(np.concatenate([piece.uv for piece in pieces]) * scale).astype(np.float32),
+        slot=np.concatenate([piece.slot for piece in pieces]).astype(np.int32),
+        group=np.concatenate([np.full(len(p.faces), names.index(p.group)) for p in pieces]).astype(np.int32),
+        materials=tuple(replace(material, name=f"material_{i}") for i, material in enumerate(materials)),
+        groups=names,
+    )

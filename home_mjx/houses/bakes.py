@@ -1,0 +1,192 @@
+"""Bakes: products of a house that cost many rays once, are stored on disk, and are read on the device.
+
+A bake is named by what it is made from: its name, version and options, the device's platform, and every array of the
+compiled house. So the store never returns a stale record. A distribution adds bakes with entry points of the group
+`home_mjx.bakes`, whose name is the bake's and whose object makes it with default options.
+"""
+
+import hashlib
+import logging
+from collections.abc import Callable, Sequence
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+import jax
+import numpy as np
+from tqdm import tqdm
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.array_store.entry import BROKEN, read_entry, write_entry
+from home_mjx.core.array_store.flatten import flatten, rebuild
+from home_mjx.core.paths import cache_folder
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
+from home_mjx.schema.compiled import CompiledHouse
+
+GROUP = "home_mjx.bakes"
+PROGRESS_DELAY = 1.0  # [s], before a progress bar appears
+
+log = logging.getLogger(__name__)
+
+
+@runtime_checkable
+class Bake(Protocol):
+    """One kind of baked product; its properties may be plain attributes.
+
+    Example:
+        >>> class FloorArea:  # doctest: +SKIP
+        ...     name, version, options, record, unused = "floor_area", 1, None, Area, frozenset()
+        ...
+        ...     def bake_house(self, bank, index, house):
+        ...         return Area(np.float32(...))
+        ...
+        ...     def stack(self, records, houses, bank):
+        ...         return jnp.stack([r.value for r in records])
+        >>> bank = add_bakes(bank, houses, FloorArea())  # doctest: +SKIP
+        >>> bank.bakes["floor_area"]  # doctest: +SKIP
+    """
+
+    @property
+    def name(self) -> str:
+        """Key of `HouseBank.bakes`, and folder of the store."""
+        ...
+
+    @property
+    def version(self) -> int:
+        """Number that is raised whenever the same house and options would give another record."""
+        ...
+
+    @property
+    def options(self) -> Any:
+        """Frozen dataclass of options, part of the key; None without options."""
+        ...
+
+    @property
+    def record(self) -> type:
+        """Class of the record of one house: a dataclass of NumPy arrays, see `core.array_store`."""
+        ...
+
+    @property
+    def unused(self) -> frozenset[str]:
+        """Fields of `CompiledHouse` that the record does not depend on."""
+        ...
+
+    def bake_house(self, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
+        """Compute the record of one house.
+
+        Args:
+            bank: Bank that holds the house.
+            index: Index of the house in the bank.
+            house: The compiled house.
+        """
+        ...
+
+    def stack(self, records: Sequence[Any], houses: Sequence[CompiledHouse], bank: HouseBank) -> Any:
+        """Return the records of all houses as one pytree on the device, with a leading house axis."""
+        ...
+
+
+_REGISTRY: dict[str, Callable[[], Bake]] = {}
+
+
+def register_bake(name: str, make_bake: Callable[[], Bake]) -> None:
+    """Register a bake under its name; registering the same name again replaces it.
+
+    Args:
+        name: Name of the bake.
+        make_bake: Function without arguments that returns the bake with default options.
+
+    Raises:
+        ConfigError: The name is empty, or `make_bake` cannot be called.
+    """
+    if not name or not callable(make_bake):
+        raise ConfigError(f"a bake needs a name and a function that makes it, got {name!r} and {make_bake!r}")
+    _REGISTRY[name] = make_bake
+
+
+def find_bake(name: str) -> Bake:
+    """Return the bake of a name with default options.
+
+    Raises:
+        UnknownNameError: No bake has this name.
+    """
+    if name in _REGISTRY:
+        return _REGISTRY[name]()
+    if name not in _installed():
+        raise UnknownNameError(f"unknown bake `{name}`", hint=did_you_mean(name, [*_REGISTRY, *_installed()]))
+    register_bake(name, _installed()[name].load())
+    return _REGISTRY[name]()
+
+
+@cache
+def _installed() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=GROUP)}
+
+
+def add_bakes(
+    bank: HouseBank,
+    houses: Sequence[CompiledHouse],
+    bakes: "Bake | str | Sequence[Bake | str]",
+    progress: bool = False,
+) -> HouseBank:
+    """Return the bank with baked records of its houses; records that are not in the store are computed and stored.
+
+    Args:
+        bank: The bank.
+        houses: The compiled houses of the bank, in the same order.
+        bakes: One or several bakes, or their names.
+        progress: Show a progress bar.
+
+    Raises:
+        ConfigError: The houses are not those of the bank, or a value is not a bake.
+        UnknownNameError: No bake has this name.
+
+    Example:
+        >>> houses = HouseSet("datasets/demo", num_houses=8).load()  # doctest: +SKIP
+        >>> bank = add_bakes(HouseBank.from_compiled(houses), houses, "late_reverb")  # doctest: +SKIP
+    """
+    given, held = tuple(house.id for house in houses), bank.house_ids
+    if given != held:
+        raise ConfigError(f"the bank holds houses {held}, but those given are {given}", hint="Give the bank's own.")
+    listed = [bakes] if isinstance(bakes, str | Bake) else bakes
+    for bake in [find_bake(item) if isinstance(item, str) else item for item in listed]:
+        if not isinstance(bake, Bake):
+            raise ConfigError(f"expected a bake or its name, got {bake!r}")
+        shown = tqdm(houses, desc=f"bake {bake.name}", unit="house", disable=not progress, delay=PROGRESS_DELAY)
+        records = [_record(bake, bank, index, house) for index, house in enumerate(shown)]
+        bank = bank.replace(bakes={**bank.bakes, bake.name: bake.stack(records, houses, bank)})
+    return bank
+
+
+def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
+    """The record of one house from the store, or computed now."""
+    entry = bake_entry(bake, house)
+    try:
+        return rebuild(bake.record, *read_entry(entry))
+    except FileNotFoundError:
+        pass
+    except BROKEN as error:
+        log.warning("broken cache entry %s is made again: %s", entry, error)
+    record = bake.bake_house(bank, index, house)
+    try:
+        write_entry(entry, *flatten(record))
+    except OSError as error:
+        log.warning("bake `%s` of house %s is not cached: %s", bake.name, house.id, error)
+    return record
+
+
+def bake_entry(bake: Bake, house: CompiledHouse) -> Path:
+    """Return the path of a record in the store, whether or not it exists.
+
+    Args:
+        bake: The bake.
+        house: The compiled house.
+    """
+    key = hashlib.sha256(repr((bake.name, bake.version, bake.options, jax.default_backend())).encode())
+    arrays, notes = flatten(house, skip=frozenset(("models", *bake.unused)))
+    key.update(repr((sorted(arrays), notes["instances.model"])).encode())
+    meshes = [house.models[name].triangle for name in sorted(house.models)]
+    for array in (*(arrays[name] for name in sorted(arrays)), *meshes):
+        key.update(np.ascontiguousarray(array).tobytes())
+    return cache_folder() / "bakes" / bake.name / f"{key.hexdigest()}.zip"

@@ -1,0 +1,154 @@
+"""Which houses of which dataset, and how they are compiled: said once, taken by bank, stream, job and command line."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from home_mjx.core.checks import check_known, check_number, check_type
+from home_mjx.datasets.base import Dataset
+from home_mjx.datasets.registry import has_scheme, open_dataset
+from home_mjx.datasets.splits import SPLITS, split_of
+from home_mjx.errors import ConfigError
+from home_mjx.houses.house_cache import HouseCache
+from home_mjx.houses.selection import HouseFilter
+from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
+from home_mjx.schema.compiled import CompiledHouse
+
+
+@dataclass(frozen=True)
+class HouseSet:
+    """Houses of a dataset, and how they are compiled.
+
+    Attributes:
+        dataset: Root folder, an open dataset, or a name such as `procedural:16?seed=0&version=2`; None: the dataset
+            that `SUNCG_DATA_DIR` names.
+        ids: Which houses, in this order; None: all, in the order of the dataset.
+        split: Only houses of `train`, `val` or `test`; None: of all.
+        where: Only houses that have all this.
+        num_houses: The first so many of what is left; None: all.
+        options: How they are compiled.
+
+    Raises:
+        ConfigError: An option cannot be used.
+
+    Example:
+        >>> beds = HouseSet("houses", split="train", where=HouseFilter(categories=("bed",)))
+        >>> beds.house_ids  # doctest: +SKIP
+        ('0004d52d1aeeb8ae6de39d6bd993e992',)
+    """
+
+    dataset: Dataset | str | Path | None = None
+    ids: Sequence[str] | None = None
+    split: str | None = None
+    where: HouseFilter | None = None
+    num_houses: int | None = None
+    options: CompileOptions = DEFAULT_OPTIONS
+
+    def __post_init__(self) -> None:
+        if self.dataset is not None and not isinstance(self.dataset, Dataset | str | Path):
+            raise ConfigError(f"`dataset` must be the folder of a dataset or an open one, got {self.dataset!r}")
+        if has_scheme(self.dataset):
+            _ = self.opened  # refuses a wrong name now
+        if isinstance(self.ids, str):
+            raise ConfigError(f"`ids` must be several ids, got `{self.ids}`", hint="One alone is written [id].")
+        if self.ids is not None:
+            object.__setattr__(self, "ids", tuple(self.ids))
+        if self.split is not None:
+            check_known("split", [self.split], SPLITS)
+        if self.where is not None:
+            check_type("where", self.where, HouseFilter)
+        if self.num_houses is not None:
+            check_number("num_houses", self.num_houses, 1, whole=True)
+        check_type("options", self.options, CompileOptions)
+
+    @classmethod
+    def of(cls, houses: "HouseSet | Dataset | str | Path | None", **choice: Any) -> "HouseSet":
+        """A set from what functions that need houses take.
+
+        Args:
+            houses: A `HouseSet`, or a dataset.
+            **choice: The other fields. Beside a `HouseSet` only those that are None or the default are allowed.
+
+        Raises:
+            ConfigError: A choice is made twice.
+        """
+        if not isinstance(houses, HouseSet):
+            return cls(houses, **choice)
+        twice = [name for name, value in choice.items() if value is not None and value != DEFAULT_OPTIONS]
+        if twice:
+            raise ConfigError(f"`{twice[0]}` is chosen beside a HouseSet", hint="Choose it in the HouseSet.")
+        return houses
+
+    @cached_property
+    def opened(self) -> Dataset:
+        """The dataset.
+
+        Raises:
+            DatasetError: There is none.
+        """
+        return self.dataset if isinstance(self.dataset, Dataset) else open_dataset(self.dataset)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is every house of the dataset."""
+        return (
+            self.ids is None
+            and self.split is None
+            and self.where is None
+            and self.num_houses is None
+            and not self.opened.shares_root
+        )
+
+    @cached_property
+    def house_ids(self) -> tuple[str, ...]:
+        """Ids of the houses, in order. With `where` houses that are not in the cache are compiled.
+
+        Raises:
+            ConfigError: No house is left.
+            DatasetError: The dataset, or with `where` a house, is missing or broken.
+        """
+        return self._checked(tuple(self._choose(self.open_cache(), progress=False)))
+
+    def open_cache(self) -> HouseCache:
+        """A new cache of the dataset's compiled houses, compiled as the set says."""
+        return HouseCache(self.opened, self.options)
+
+    def load(self, progress: bool = False) -> list[CompiledHouse]:
+        """The compiled houses, in order; those that are not in the cache are compiled. They share their models.
+
+        Args:
+            progress: Show a progress bar.
+
+        Raises:
+            ConfigError: No house is left.
+            DatasetError: The dataset or one of the houses is missing or broken.
+        """
+        cache = self.open_cache()
+        if self.where is None:
+            self.opened.prepare(self.house_ids, progress)
+        houses = tuple(cache.load(house_id) for house_id in self._choose(cache, progress))
+        return list(self._checked(houses))
+
+    def _choose(self, cache: HouseCache, progress: bool) -> Iterator[str]:
+        """Ids of the houses, and no more of the others looked at than need be."""
+        known = self.opened.house_ids if self.ids is None else self.ids
+        found = (i for i in known if self.split is None or split_of(i) == self.split)
+        candidates = islice(found, self.num_houses) if self.where is None else found
+        total = None if self.num_houses is None else min(self.num_houses, len(known))
+        with tqdm(candidates, desc="houses", unit="house", disable=not progress, total=total) as bar:
+            wanted = (i for i in bar if self.where is None or self.where.fits(cache.contents(i)))
+            yield from islice(wanted, self.num_houses)
+
+    def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
+        if not found:
+            known = self.opened.house_ids
+            limits = (f"are in the split `{self.split}`" if self.split else "", "fit the filter" if self.where else "")
+            which = f": none of its {len(known)} houses {' and '.join(filter(None, limits))}" if any(limits) else ""
+            hint = "Choose another split, a wider filter or more houses." if which else None
+            raise ConfigError(f"no house of the dataset was chosen{which}", hint=hint)
+        return found

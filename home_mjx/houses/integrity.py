@@ -1,0 +1,96 @@
+"""Whether what was read from disk can be used: its indices point to what there is, and its poses are numbers.
+
+Native code follows these indices without looking; a tree that pointed elsewhere, or in a circle, would end the process.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.geometry.bvh import MAX_DEPTH
+from home_mjx.schema.compiled import CompiledHouse, Model, Tree
+
+LEAF_BITS, LEAF_MASK = 4, 15
+
+
+def check_models(models: Mapping[str, Model]) -> None:
+    """Raises `ValueError` unless they are the models of their keys, each with a tree over its triangles."""
+    for key, model in models.items():
+        if model.key != key:
+            raise ValueError(f"model is {model.key!s:.80}")
+    check_trees([model.tree for model in models.values()], [len(model.triangle) for model in models.values()])
+    if models and np.concatenate([model.slot for model in models.values()]).min(initial=0) < 0:
+        raise ValueError("a model has triangles of no material")
+
+
+def check_house(house: CompiledHouse, house_id: str) -> None:
+    """Raises `ValueError` unless it is the house of that id, its models sound and its indices in range.
+
+    Args:
+        house: With its models.
+        house_id: Which it should be.
+    """
+    if house.id != house_id:
+        raise ValueError(f"house is {house.id!s:.80}")
+    instances, count, rows = house.instances, len(house.instances.model), len(house.materials.texture)
+    check_trees([house.top], [count])
+    if not np.isfinite(instances.pose).all():
+        raise ValueError("an instance has a pose that is no number")
+    slots = {key: int(model.slot.max(initial=0)) for key, model in house.models.items()}
+    _check_range("instances.material", instances.material, 0, rows)
+    _check_range("instances.material", instances.material + np.array([slots[key] for key in instances.model]), 0, rows)
+    _check_range("instances.semantic", instances.semantic, 0, len(house.semantics))
+    _check_range("instances.body", instances.body, -1, len(house.bodies.instance))
+    _check_range("instances.object_id", instances.object_id, -1, 1 << 31)
+    _check_range("bodies.instance", house.bodies.instance, 0, count)
+    _check_range("doors.instance", house.doors.instance, 0, count)
+
+
+def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
+    """Raises `ValueError` unless all are trees of at most `MAX_DEPTH` levels, over primitives that there are.
+
+    All at once: houses have many small trees.
+
+    Args:
+        trees: Any arrays of the right shapes.
+        primitives: How many each is over.
+
+    Example:
+        >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[~(0 << 4 | 2), -1]]))], primitives=[2])
+        >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[0, -1]]))], primitives=[2])
+        Traceback (most recent call last):
+        ...
+        ValueError: a tree is too deep, or leads back
+    """
+    if not trees:
+        return
+    counts = np.array([len(tree.child) for tree in trees], np.intp)
+    if not counts.all():
+        raise ValueError("a tree has no root")
+    code, first = np.concatenate([tree.child for tree in trees]).ravel(), np.cumsum(counts) - counts
+    if np.any(np.maximum.reduceat(code, 2 * first) >= counts):
+        raise ValueError("a tree leads to nodes that there are not")
+    leaf, inner = ~code, code >= 0
+    if np.any(np.maximum.reduceat(((leaf >> LEAF_BITS) + (leaf & LEAF_MASK)) * ~inner, 2 * first) > primitives):
+        raise ValueError("a tree leads to primitives that there are not")
+    link = np.flatnonzero(inner)
+    target = code[link] + np.repeat(first, np.add.reduceat(inner, 2 * first, dtype=np.intp))
+    _check_levels(link >> 1, target, int(counts.sum()))
+
+
+def _check_levels(node: Int[np.ndarray, " n"], below: Int[np.ndarray, " n"], count: int) -> None:
+    """Walks up from all nodes at once: from each, `MAX_DEPTH` steps lead out of its tree."""
+    if np.bincount(below).max(initial=0) > 1:
+        raise ValueError("a tree leads to a node twice")
+    above = np.full(count + 1, count)  # roots are below what is no node, and that is below itself
+    above[below] = node
+    for _ in range(MAX_DEPTH.bit_length() - 1):  # it is a power of two
+        above = above.take(above)
+    if np.any(above != count):
+        raise ValueError("a tree is too deep, or leads back")
+
+
+def _check_range(name: str, values: Int[np.ndarray, " n"], least: int, below: int) -> None:
+    if np.any((values < least) | (values >= below)):
+        raise ValueError(f"`{name}` is out of range")

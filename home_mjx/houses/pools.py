@@ -1,0 +1,87 @@
+"""Where the houses of a job are compiled: in this process, in several, or on a Dask cluster."""
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Any
+
+from home_mjx.core.workers import worker_pool
+from home_mjx.errors import ConfigError, install_hint
+from home_mjx.houses.report import FAILED, CompileOutcome, described
+
+CONNECT_SECONDS = 10  # that a scheduler has to answer
+
+Task = Callable[[str], CompileOutcome]
+
+
+@contextmanager
+def outcomes(task: Task, ids: Sequence[str], workers: int, scheduler: str | None) -> Iterator[Iterator[CompileOutcome]]:
+    """What becomes of houses, as they are done.
+
+    Args:
+        task: Compiles a house; it never raises.
+        ids: The houses.
+        workers: Processes on this machine.
+        scheduler: Address of a Dask scheduler whose workers are used instead.
+
+    Raises:
+        ConfigError: The scheduler does not answer, or the extra is not installed.
+    """
+    if scheduler is not None:
+        with _dask(scheduler) as executor:
+            yield _as_they_come(executor, task, ids)
+    elif workers == 1 or len(ids) < 2:
+        yield map(task, ids)
+    else:
+        yield _in_processes(task, ids, workers)
+
+
+def _as_they_come(executor: Any, task: Task, ids: Sequence[str]) -> Iterator[CompileOutcome]:
+    futures = {executor.submit(task, house_id): house_id for house_id in ids}
+    for future in as_completed(futures):
+        try:
+            yield future.result()
+        except Exception as problem:  # its worker died, or the cluster lost it
+            yield CompileOutcome(futures[future], FAILED, 0.0, described(problem))
+
+
+@contextmanager
+def _dask(scheduler: str) -> Iterator[Any]:
+    try:
+        from distributed import Client
+    except ModuleNotFoundError:
+        raise ConfigError("a scheduler needs the package `distributed`", hint=install_hint("distributed")) from None
+    try:
+        client = Client(scheduler, timeout=CONNECT_SECONDS)
+    except (OSError, ValueError) as error:
+        hint = "Start one with `dask scheduler` and workers with `dask worker ADDRESS`."
+        raise ConfigError(f"no Dask scheduler answers at `{scheduler}`: {error}", hint=hint) from error
+    with client, client.get_executor(pure=False) as executor:
+        yield executor
+
+
+def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[CompileOutcome]:
+    """Outcomes from worker processes; a house that kills its worker, as one that needs too much memory, has failed."""
+    left = dict.fromkeys(ids)
+    while left:
+        with worker_pool(min(workers, len(left))) as pool:
+            futures = [pool.submit(task, house_id) for house_id in left]
+            for future in as_completed(futures):
+                if not isinstance(future.exception(), BrokenProcessPool):
+                    outcome = future.result()
+                    del left[outcome.id]
+                    yield outcome
+        # If the pool broke, one of the first that are left did it: pools work in order.
+        for house_id in list(left)[:workers]:
+            del left[house_id]
+            yield _alone(task, house_id)
+
+
+def _alone(task: Task, house_id: str) -> CompileOutcome:
+    with worker_pool(1) as pool:
+        try:
+            return pool.submit(task, house_id).result()
+        except BrokenProcessPool:
+            death = MemoryError("the process that compiled the house died, as for lack of memory")
+            return CompileOutcome(house_id, FAILED, 0.0, described(death))

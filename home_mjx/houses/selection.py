@@ -1,0 +1,96 @@
+"""Houses chosen by what is in them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.core.checks import check_names
+from home_mjx.errors import ConfigError
+from home_mjx.geometry.polygons import polygon_area
+from home_mjx.schema.categories import COARSE, FINE
+from home_mjx.schema.compiled import CompiledHouse, Rooms
+from home_mjx.schema.semantic import Semantic
+
+Range = tuple[float, float]  # least and most, both allowed
+
+
+@dataclass(frozen=True)
+class HouseFilter:
+    """What a house must have; None allows anything.
+
+    Attributes:
+        levels: Number of levels.
+        rooms: Number of rooms, of all levels.
+        area: Floor area of all rooms [m^2]; where rooms nest, it counts twice.
+        categories: Fine or coarse categories, of each of which it must have an object.
+
+    Example:
+        >>> HouseFilter(levels=(1, 1), rooms=(3, 8), categories=("bed", "toilet"))
+        HouseFilter(levels=(1, 1), rooms=(3, 8), area=None, categories=('bed', 'toilet'))
+    """
+
+    levels: Range | None = None
+    rooms: Range | None = None
+    area: Range | None = None
+    categories: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_names("category", self.categories, {*FINE, *COARSE})
+        for name in ("levels", "rooms", "area"):
+            limits = getattr(self, name)
+            if limits is not None and not _is_range(limits):
+                raise ConfigError(f"`{name}` must be (least, most), got {limits}")
+
+    def accepts(self, house: CompiledHouse) -> bool:
+        """Whether a house has all that."""
+        return self.fits(contents_of(house.report, house.rooms, house.semantics))
+
+    def fits(self, contents: "HouseContents") -> bool:
+        """Whether all that is in what a house has."""
+        sizes = ((contents.levels, self.levels), (contents.rooms, self.rooms), (contents.area, self.area))
+        met = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
+        return met and set(self.categories) <= contents.categories
+
+
+@dataclass(frozen=True)
+class HouseContents:
+    """What a `HouseFilter` asks about.
+
+    Attributes:
+        levels: Number of levels.
+        rooms: Number of rooms.
+        area: Floor area of all rooms [m^2].
+        categories: Fine and coarse categories of its objects.
+    """
+
+    levels: int
+    rooms: int
+    area: float
+    categories: frozenset[str]
+
+
+def contents_of(report: Mapping[str, int], rooms: Rooms, semantics: Int[np.ndarray, "q columns"]) -> HouseContents:
+    """What a filter asks about a compiled house; its models are not needed.
+
+    Args:
+        report: Its counts.
+        rooms: Its rooms.
+        semantics: Its semantic rows.
+    """
+    area = sum(polygon_area(polygon) for polygon in rooms.polygon)
+    return HouseContents(report["levels"], len(rooms.type), area, _categories(semantics))
+
+
+def _is_range(limits: object) -> bool:
+    if not isinstance(limits, tuple | list) or len(limits) != 2 or not all(isinstance(x, Real) for x in limits):
+        return False
+    return limits[0] <= limits[1]
+
+
+def _categories(semantics: Int[np.ndarray, "q columns"]) -> frozenset[str]:
+    rows = semantics[semantics[:, Semantic.OBJECT] >= 0]
+    fine, coarse = rows[:, Semantic.FINE].tolist(), rows[:, Semantic.COARSE].tolist()
+    return frozenset({FINE[i] for i in fine if i >= 0} | {COARSE[i] for i in coarse if i >= 0})

@@ -1,0 +1,78 @@
+"""Collision boxes, convex pieces and door leaves as MJCF."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.geometry.boxes import box_inertia
+from home_mjx.mjcf.agent import SOLIMP
+from home_mjx.mjcf.contact import contact_numbers
+from home_mjx.schema.compiled import Doors
+
+COLLIDER = "3"  # group, hidden by the viewer at first
+# Leaves touch agents and movable objects, but neither one another nor what is fixed: their range keeps them from it.
+MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
+ONLY_MOVING = {"contype": "2", "conaffinity": "0"}
+DOOR_DRAG = 1.5  # [1/s], of a hinge or rail: the part of its speed that a leaf loses per second
+BODY_PRIORITY = "1"  # a movable object's numbers decide about its contacts; agents have more, what is fixed has none
+
+
+def numbers(values: Float[np.ndarray, "..."]) -> str:
+    """Return numbers as the value of an MJCF attribute."""
+    return " ".join(f"{x:.9g}" for x in np.ravel(values))
+
+
+def body_surface(friction: float, ratio: float, timestep: float) -> dict[str, str]:
+    """Attributes of a movable object's geoms: its own numbers decide its contacts.
+
+    Args:
+        friction: Sliding.
+        ratio: Damping ratio, see `materials.contact.damping_ratio`.
+        timestep: Length of a physics step [s].
+    """
+    stiffness, damping, low, width = contact_numbers(np.array(ratio), timestep)
+    solref, impedance = numbers(np.array([-stiffness, -damping])), numbers(np.array([low, SOLIMP[1], width]))
+    sliding = f"{friction:.9g} 0.005 0.0001"
+    return {"priority": BODY_PRIORITY, "solref": solref, "solimp": impedance, "friction": sliding}
+
+
+def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:
+    """Adds a collision box of half extents `size` [m]."""
+    look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
+    ET.SubElement(parent, "geom", look | more, name=name, type="box", size=numbers(size))
+
+
+def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
+    """Adds a convex piece as a collision geom."""
+    look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
+    ET.SubElement(parent, "geom", look | more, name=name, type="mesh", mesh=mesh, mass="0")
+
+
+def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
+    """Adds the body of a leaf, on a hinge through the body's origin or on a rail.
+
+    Args:
+        world: The `worldbody` element.
+        doors: All leaves.
+        row: Which of them.
+        name: Of body, joint and geom.
+
+    Returns:
+        The body and its origin [m].
+    """
+    origin = np.array([*doors.pivot[row], doors.pos[row, 2]])
+    element = ET.SubElement(world, "body", name=name, pos=numbers(origin))
+    limits, arm = np.array([doors.low[row], doors.high[row]]), doors.pos[row] - origin
+    inertia, moved = box_inertia(doors.mass, doors.size)[row], doors.mass[row]
+    if doors.slides[row]:
+        joint = {"type": "slide", "axis": numbers(np.array([*doors.slide[row], 0.0])), "range": numbers(limits)}
+    else:
+        joint = {"type": "hinge", "axis": "0 0 1", "range": numbers(np.rad2deg(limits))}
+        moved = inertia[2] + doors.mass[row] * (arm @ arm)  # Steiner's theorem
+    damping = f"{DOOR_DRAG * moved:.9g}"
+    ET.SubElement(element, "joint", joint, name=name, limited="true", damping=damping, armature="0")
+    place = {"pos": numbers(arm), "quat": numbers(doors.quat[row])}
+    ET.SubElement(element, "inertial", place, mass=f"{doors.mass[row]:.9g}", diaginertia=numbers(inertia))
+    add_box(element, name, doors.size[row], **ONLY_MOVING, **place)
+    return element, origin

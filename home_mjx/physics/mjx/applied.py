@@ -1,0 +1,92 @@
+"""Forces that drive what moves: motors, hands, doors, ramps."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.physics.base.control import MASS, motor_forces
+from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics.base.servo import (
+    GRAVITY,
+    Held,
+    door_acceleration,
+    hand_accelerations,
+    hand_time,
+    ramp_acceleration,
+)
+from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.mjx.house_model import MovableBodies
+from home_mjx.physics.mjx.template import Template
+
+
+def applied_forces(
+    template: Template,
+    house: tuple[MovableBodies, Leaf, Float[Array, "r 8"]],
+    state: PhysicsState,
+    action: Float[Array, "a 3"],
+    qpos: Float[Array, " q"],
+    qvel: Float[Array, " v"],
+) -> tuple[Float[Array, "a 3"], Float[Array, " v"]]:
+    """What drives agents, doors and things in hands.
+
+    Args:
+        template: The model.
+        house: Its bodies, doors and ramps.
+        state: At the start of the control step: what is held, and where doors are driven to.
+        action: Of the agents.
+        qpos: Now.
+        qvel: Now.
+
+    Returns:
+        Of the agents' motors: force along world x and y [N], torque about z [N m]. On all others, as MuJoCo's
+        `qfrc_applied`.
+    """
+    bodies, leaves, ramps = house
+    layout, table = template.layout, jnp.asarray(template.agents, jnp.float32)
+    pos, velocity = (x[layout.agent_qpos].reshape(-1, 4) for x in (qpos, qvel))
+    motors = jax.vmap(lambda *x: motor_forces(template.config, *x))(table, action, pos[:, 3], velocity)
+    uphill = jax.vmap(lambda agent, at: ramp_acceleration(ramps, agent, at[:3]))(table, pos)
+    motors = motors.at[:, :2].add(uphill * table[:, MASS, None])
+    applied = jnp.zeros_like(qvel)
+    if layout.num_doors:
+        place, rate = qpos[layout.door_qpos], qvel[layout.door_qvel]
+        drive = door_acceleration(place, rate, state.goal, leaves.inertia, hand_time(template.config))
+        applied = applied.at[layout.door_qvel].add(drive * leaves.inertia)
+    if layout.num_bodies:
+        for a in range(layout.num_agents):
+            applied, back = _hold(template, bodies, state, a, (qpos, qvel), applied)
+            motors = motors.at[a, :2].add(back)
+    return motors, applied
+
+
+def _hold(
+    template: Template,
+    bodies: MovableBodies,
+    state: PhysicsState,
+    a: int,
+    now: tuple[Float[Array, " q"], Float[Array, " v"]],
+    applied: Float[Array, " v"],
+) -> tuple[Float[Array, " v"], Float[Array, "2"]]:
+    """What an agent's hand adds to the applied forces, and what the agent feels."""
+    layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
+    pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]
+    agent, speed = qpos[4 * a : 4 * a + 4], qvel[4 * a : 4 * a + 4]
+    mass, inertia = bodies.mass[body], bodies.inertia[body]
+    held = Held(
+        pos=pos[:3],
+        quat=pos[3:] / jnp.linalg.norm(pos[3:]),
+        velocity=velocity[:3],
+        spin=velocity[3:],
+        mass=mass,
+        agent_pos=agent[:3],
+        agent_yaw=agent[3],
+        agent_velocity=speed,
+    )
+    linear, angular, back = hand_accelerations(template.config, held, state.grip[a])
+    gyroscopic = jnp.cross(velocity[3:], inertia * velocity[3:])  # the hand decides the spin, so that it must not act
+    force = jnp.concatenate(
+        [mass * (linear + jnp.array([0.0, 0.0, GRAVITY], jnp.float32)), inertia * angular + gyroscopic]
+    )
+    holds = state.held[a] >= 0
+    rows = layout.body_qvel.start + 6 * body + jnp.arange(6, dtype=jnp.int32)
+    return applied.at[rows].add(jnp.where(holds, force, 0.0)), jnp.where(holds, back, 0.0)

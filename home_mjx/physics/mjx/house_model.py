@@ -1,0 +1,228 @@
+"""One house's numbers in the template's `mjx.Model`, gathered by house index inside jit."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+from mujoco import mjx
+
+from home_mjx.bank.records import Physics
+from home_mjx.core.pytree import Pytree
+from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.state import Scale
+from home_mjx.physics.base.surfaces import FRICTION, LOW, body_surfaces, usual_surface
+from home_mjx.physics.mjx.slots import Boxes
+from home_mjx.physics.mjx.template_mjcf import (
+    CORNER_RADIUS,
+    CORNERS,
+    PARKED_ARM,
+    PARKED_HEIGHT,
+    PARKED_MASS,
+    PARKED_RANGE,
+    PARKED_SIZE,
+    PARKED_YAW,
+)
+
+
+class MovableBodies(Pytree):
+    """Movable bodies of one house; unused ones are parked."""
+
+    valid: Bool[Array, " k"]
+    pos: Float[Array, "k 3"]  # [m]
+    quat: Float[Array, "k 4"]
+    size: Float[Array, "k 3"]  # [m], half extents
+    mass: Float[Array, " k"]  # [kg]
+    inertia: Float[Array, "k 3"]  # [kg m^2], principal
+
+
+def movable_bodies(physics: Physics, house: Int[Array, ""], scale: Scale | None = None) -> MovableBodies:
+    """The movable bodies of a house at their starting poses, as heavy as they are in an episode."""
+    bodies = _movable_bodies(physics, house)
+    if scale is None or scale.mass is None:
+        return bodies
+    factor = jnp.where(bodies.valid, scale.mass, 1.0)
+    return bodies.replace(mass=bodies.mass * factor, inertia=bodies.inertia * factor[:, None])
+
+
+def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
+    valid = physics.body_valid[house]
+    num = valid.shape[0]
+    row = jnp.arange(num, dtype=jnp.float32)
+    parked_pos = jnp.stack([2 * row, jnp.zeros(num), jnp.full(num, PARKED_HEIGHT)], axis=-1).astype(jnp.float32)
+    upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
+    inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
+
+    def choose(values: Array, parked: Any) -> Array:
+        shape = (num, *[1] * (values.ndim - 2))
+        return jnp.where(valid.reshape(shape), values[house], jnp.asarray(parked, jnp.float32))
+
+    return MovableBodies(
+        valid=valid,
+        pos=choose(physics.body_pos, parked_pos),
+        quat=choose(physics.body_quat, upright),
+        size=choose(physics.body_size, PARKED_SIZE),
+        mass=choose(physics.body_mass, PARKED_MASS),
+        inertia=choose(physics.body_inertia, inertia),
+    )
+
+
+def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: Float[Array, ""]) -> mjx.Model:
+    """The template with a house's floor and bodies, and every field that MuJoCo's compiler derives from them.
+
+    For a free body whose inertial frame is its own, `mj_setConst` gives `body_invweight0` = (1/m, mean of 1/I),
+    `dof_invweight0` = each of these three times, and `dof_M0` = (m, m, m, I).
+    """
+    model = model.replace(geom_pos=model.geom_pos.at[0, 2].set(floor))
+    if not layout.num_bodies:
+        return model
+    at, dof, q = layout.bodies, layout.body_qvel, layout.body_qpos
+    inverse_mass, inverse_inertia = 1 / bodies.mass, jnp.mean(1 / bodies.inertia, axis=-1)
+    inverse = jnp.stack([inverse_mass, inverse_inertia], axis=-1)
+    mass = jnp.repeat(bodies.mass[:, None], 3, axis=1)
+    poses = jnp.concatenate([bodies.pos, bodies.quat], axis=-1).reshape(-1)
+    parked_mass = jnp.float32(layout.num_bodies * PARKED_MASS)
+    total = model.body_subtreemass[0] - parked_mass + bodies.mass.sum()
+    model = _with_body_geoms(model, layout, bodies.size)
+    return model.replace(
+        qpos0=model.qpos0.at[q].set(poses),
+        qpos_spring=model.qpos_spring.at[q].set(poses),
+        body_pos=model.body_pos.at[at].set(bodies.pos),
+        body_quat=model.body_quat.at[at].set(bodies.quat),
+        body_mass=model.body_mass.at[at].set(bodies.mass),
+        body_subtreemass=model.body_subtreemass.at[at].set(bodies.mass).at[0].set(total),
+        body_inertia=model.body_inertia.at[at].set(bodies.inertia),
+        body_invweight0=model.body_invweight0.at[at].set(inverse),
+        dof_invweight0=model.dof_invweight0.at[dof].set(jnp.repeat(inverse, 3, axis=1).reshape(-1)),
+        dof_M0=model.dof_M0.at[dof].set(jnp.concatenate([mass, bodies.inertia], axis=1).reshape(-1)),
+    )
+
+
+def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]) -> mjx.Model:
+    at, num = layout.body_geoms, layout.num_bodies
+
+    def set_boxes(field: Array, boxes: Array) -> Array:
+        rows = field[at].reshape(num, 9, -1).at[:, 0].set(boxes.reshape(num, -1))
+        return field.at[at].set(rows.reshape(field[at].shape))
+
+    corners = jnp.asarray(CORNERS)[None] * (size - jnp.float32(CORNER_RADIUS))[:, None]
+    pos = jnp.concatenate([jnp.zeros_like(corners[:, :1]), corners], axis=1)
+    return model.replace(
+        geom_pos=model.geom_pos.at[at].set(pos.reshape(-1, 3)),
+        geom_size=set_boxes(model.geom_size, size),
+        geom_rbound=set_boxes(model.geom_rbound, jnp.linalg.norm(size, axis=-1)),
+        geom_aabb=set_boxes(model.geom_aabb, jnp.concatenate([jnp.zeros_like(size), size], axis=-1)),
+    )
+
+
+def house_surfaces(
+    config: PhysicsConfig, physics: Physics, house: Int[Array, ""], scale: Scale | None = None
+) -> Float[Array, "k 5"]:
+    """Of the bodies of a house, see `base.surfaces`, in an episode; of unused ones as the template has them."""
+    usual = jnp.asarray(usual_surface(config), jnp.float32)
+    own = body_surfaces(config, physics)[house]
+    if scale is not None and scale.friction is not None:
+        own = own.at[:, FRICTION].multiply(scale.friction)
+    return jnp.where(physics.body_valid[house][:, None], own, usual[None])
+
+
+def with_surfaces(
+    model: mjx.Model, layout: Layout, pairs: Int[np.ndarray, "p 2"], surfaces: Float[Array, "k 5"]
+) -> mjx.Model:
+    """The model with the contacts of its bodies.
+
+    Args:
+        model: The template's.
+        layout: Of it.
+        pairs: The mobiles of each of its pairs of geoms; -1 the world.
+        surfaces: Of the bodies.
+    """
+    rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
+    if not layout.num_bodies:
+        return model
+    none = jnp.zeros((layout.num_mobiles + 1, 5), jnp.float32)  # the last row is the world's
+    own = none.at[layout.num_agents : layout.num_agents + layout.num_bodies].set(surfaces)
+    both = own[pairs[rows]]  # (r, 2, 5)
+    friction, stiffness, damping, _, _ = both.max(axis=1).T
+    count = (both[..., LOW:] > 0).astype(jnp.float32).sum(axis=1)  # doors and the world do not count
+    impedance = both[..., LOW:].sum(axis=1) / count
+    return model.replace(
+        pair_friction=model.pair_friction.at[rows, :2].set(friction[:, None]),
+        pair_solref=model.pair_solref.at[rows].set(-jnp.stack([stiffness, damping], axis=-1)),
+        pair_solimp=model.pair_solimp.at[rows[:, None], np.array([[0, 2]])].set(impedance),
+    )
+
+
+def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
+    """The leaves of a house; unused ones are parked."""
+    leaves = jax.tree.map(lambda x: x[house], Leaf.of(physics))
+    row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
+    one = jnp.ones_like(row)
+    low, high = PARKED_RANGE
+    parked = Leaf(
+        pivot=jnp.stack([2 * row, 4 * one], axis=-1),
+        arm=one[:, None] * jnp.array([PARKED_ARM], jnp.float32),
+        slide=leaves.slide,
+        height=PARKED_HEIGHT * one,
+        yaw=PARKED_YAW * one,
+        size=jnp.full((row.shape[0], 3), PARKED_SIZE, jnp.float32),
+        mass=PARKED_MASS * one,
+        low=low * one,
+        high=high * one,
+    )
+    valid = leaves.valid
+    return jax.tree.map(lambda x, y: jnp.where(valid.reshape(-1, *[1] * (x.ndim - 1)), x, y), leaves, parked)
+
+
+def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
+    """The model with the leaves of a house on their hinges and rails."""
+    if not layout.num_doors:
+        return model
+    at, geom, dof = layout.doors, layout.door_geoms, layout.door_qvel
+    joint = slice(model.njnt - layout.num_doors, model.njnt)
+    flat, zero = jnp.zeros_like(leaves.height), jnp.zeros_like(leaves.arm)
+    arm = jnp.concatenate([leaves.arm, flat[:, None]], axis=-1)
+    turned = jnp.stack([jnp.cos(leaves.yaw / 2), flat, flat, jnp.sin(leaves.yaw / 2)], axis=-1)
+    inertia, weights = leaves.inertia, jnp.stack([leaves.inverse_weight, leaves.inverse_spin_weight], axis=-1)
+    axis = jnp.concatenate([leaves.slide, leaves.turns[:, None]], axis=-1)
+    more = leaves.mass.sum() - jnp.float32(layout.num_doors * PARKED_MASS)
+    limits = jnp.stack([leaves.low, leaves.high], axis=-1)
+    upright = jnp.concatenate([flat[:, None] + 1, zero, flat[:, None]], axis=-1)
+    boxes = jnp.concatenate([jnp.zeros_like(leaves.size), leaves.size], axis=-1)
+    return model.replace(
+        body_pos=model.body_pos.at[at].set(jnp.concatenate([leaves.pivot, leaves.height[:, None]], axis=-1)),
+        body_quat=model.body_quat.at[at].set(upright),
+        body_ipos=model.body_ipos.at[at].set(arm),
+        body_iquat=model.body_iquat.at[at].set(turned),
+        body_mass=model.body_mass.at[at].set(leaves.mass),
+        body_subtreemass=model.body_subtreemass.at[at].set(leaves.mass).at[0].add(more),
+        body_inertia=model.body_inertia.at[at].set(leaves.own_inertia),
+        body_invweight0=model.body_invweight0.at[at].set(weights),
+        dof_invweight0=model.dof_invweight0.at[dof].set(1 / inertia),
+        dof_M0=model.dof_M0.at[dof].set(inertia),
+        dof_damping=model.dof_damping.at[dof].set(jnp.float32(DOOR_DRAG) * inertia),
+        jnt_axis=model.jnt_axis.at[joint].set(axis),
+        jnt_range=model.jnt_range.at[joint].set(limits),
+        geom_pos=model.geom_pos.at[geom].set(arm),
+        geom_quat=model.geom_quat.at[geom].set(turned),
+        geom_size=model.geom_size.at[geom].set(leaves.size),
+        geom_rbound=model.geom_rbound.at[geom].set(jnp.linalg.norm(leaves.size, axis=-1)),
+        geom_aabb=model.geom_aabb.at[geom].set(boxes.reshape(model.geom_aabb[geom].shape)),
+    )
+
+
+def with_slots(model: mjx.Model, layout: Layout, slots: Boxes) -> mjx.Model:
+    """The model with other static boxes in its slots."""
+    at = layout.slots
+    aabb = jnp.concatenate([jnp.zeros_like(slots.half), slots.half], axis=-1)
+    return model.replace(
+        geom_pos=model.geom_pos.at[at].set(slots.pos),
+        geom_quat=model.geom_quat.at[at].set(slots.quat),
+        geom_size=model.geom_size.at[at].set(slots.half),
+        geom_rbound=model.geom_rbound.at[at].set(jnp.linalg.norm(slots.half, axis=-1)),
+        geom_aabb=model.geom_aabb.at[at].set(aabb.reshape(model.geom_aabb[at].shape)),
+    )

@@ -1,0 +1,69 @@
+"""What touched what, and how hard, in a physics step of the reference."""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+from mujoco import mjx
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
+from home_mjx.physics.mjx.template import Template
+
+
+class Pushes(Pytree):
+    """Of each mobile's contacts, see `PhysicsState`."""
+
+    impulse: Float[Array, "*t m"]  # [N s], of all
+    strongest: Float[Array, "*t m"]  # [N s]
+    place: Float[Array, "*t m 3"]  # [m], of the strongest
+    other: Int[Array, "*t m"]
+
+
+def find_pushes(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Pushes:
+    """Of one physics step.
+
+    Args:
+        template: The model.
+        data: After the step.
+        slot_box: Static box in each slot.
+    """
+    contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
+    code = _codes(template, slot_box)
+    first, second = code[contact.geom[:, 0]], code[contact.geom[:, 1]]
+    impulse = _normal_forces(data) * jnp.float32(template.config.timing.sim_dt)
+    mobile = jnp.arange(template.layout.num_mobiles, dtype=jnp.int32)
+    is_first, is_second = first[:, None] == mobile[None], second[:, None] == mobile[None]
+    own = jnp.where(is_first | is_second, impulse[:, None], 0.0)
+    best = jnp.argmax(own, axis=0)
+    strongest = own[best, mobile]
+    other = jnp.where(is_first[best, mobile], second[best], first[best])
+    return Pushes(
+        impulse=own.sum(axis=0),
+        strongest=strongest,
+        place=jnp.where((strongest > 0)[:, None], contact.pos[best], 0.0),
+        other=jnp.where(strongest > 0, other, NOTHING),
+    )
+
+
+def over_time(pushes: Pushes) -> Pushes:
+    """Of all physics steps (t, ...) of a control step."""
+    best = jnp.argmax(pushes.strongest, axis=0)
+    mobile = jnp.arange(best.shape[0], dtype=jnp.int32)
+    return Pushes(
+        pushes.impulse.sum(axis=0), *(x[best, mobile] for x in (pushes.strongest, pushes.place, pushes.other))
+    )
+
+
+def _codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:
+    """What each geom belongs to: a mobile, the floor or a static box."""
+    mobile = jnp.asarray(template.geom_mobile).at[0].set(FLOOR)
+    return mobile.at[template.layout.slots].set(STATIC - slot_box)
+
+
+def _normal_forces(data: mjx.Data) -> Float[Array, " n"]:
+    """Of each contact [N]: the sum over its rows, which are one or, with friction, four edges of a pyramid."""
+    contact, forces = data._impl.contact, data._impl.efc_force  # pyright: ignore[reportAttributeAccessIssue]
+    rows = np.where(np.asarray(contact.dim) == 1, 1, 4)[:, None]
+    address = np.asarray(contact.efc_address)[:, None] + np.arange(4)
+    used = (np.arange(4) < rows) & (address >= 0)
+    return jnp.where(used, forces[np.where(used, address, 0)], 0.0).sum(axis=-1)

@@ -1,0 +1,76 @@
+"""The one model of a capacity."""
+
+import functools
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+import jax
+import mujoco
+import numpy as np
+from mujoco import mjx
+
+from home_mjx.bank.records import BankSpec
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.control import agent_table
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.mjx.overflow import Pairs, limit
+from home_mjx.physics.mjx.template_mjcf import template_mjcf
+
+T = TypeVar("T")
+
+
+class Template:
+    """The one model of a capacity; build it once, outside of any trace, and use it for all houses.
+
+    Args:
+        config: Options.
+        spec: Capacities of the bank.
+
+    Example:
+        >>> from home_mjx.bank.records import BankSpec
+        >>> spec = BankSpec(64, 8, 8, 64, 64, 16, 4, 0.1, 0.1, 1.6)
+        >>> Template(PhysicsConfig(), spec).model.nv
+        60
+    """
+
+    def __init__(self, config: PhysicsConfig, spec: BankSpec) -> None:
+        self.config = config
+        self.layout = Layout(
+            config.num_agents,
+            spec.num_bodies,
+            spec.num_doors,
+            config.agent_slots,
+            config.body_slots,
+            spec.num_slides,
+        )
+        xml = template_mjcf(config, self.layout, _jacobian(config))
+        host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]
+        self.agents = agent_table(config, host.dof_M0[3 : self.layout.agent_qpos.stop : 4])
+        self._host = host
+        self.pairs = Pairs.of(host)
+        self.max_points = limit(host, "max_contact_points")
+        self.geom_mobile = host.geom_bodyid - 1  # mobile of each geom; -1 the world's
+        self.pair_mobiles = self.geom_mobile[np.stack([host.pair_geom1, host.pair_geom2], axis=1)]
+
+    @functools.cached_property
+    def model(self) -> mjx.Model:
+        """MJX's model; made when it is first asked for, as the fused step does without it."""
+        return _outside_of_traces(lambda: mjx.put_model(self._host))
+
+    @functools.cached_property
+    def data(self) -> mjx.Data:
+        """MJX's data at the start."""
+        return _outside_of_traces(lambda: mjx.make_data(self.model))
+
+
+def _outside_of_traces(make: Callable[[], T]) -> T:
+    """In a thread of its own: arrays made within a trace, `pmap` or `shard_map` would belong to it for ever."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(make).result()
+
+
+def _jacobian(config: PhysicsConfig) -> str:
+    if config.jacobian != "auto":
+        return config.jacobian
+    return "sparse" if jax.default_backend() == "cpu" else "dense"

@@ -1,0 +1,154 @@
+"""The one MJCF that all houses of a capacity share, built in code."""
+
+import itertools
+import math
+import xml.etree.ElementTree as ET
+
+import numpy as np
+
+from home_mjx.mjcf.agent import SOLREF, add_agent, add_motors, solimp
+from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.surfaces import usual_surface
+
+PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
+PARKED_SIZE = 0.1  # [m], half extent
+PARKED_MASS = 1.0  # [kg]
+CORNER_RADIUS = 1e-3  # [m]
+PARKED_RANGE = (-1.0, 1.0)  # [rad] or [m]
+PARKED_ARM, PARKED_YAW = (0.4, 0.1), 0.5  # [m], [rad], of leaves: neither at the hinge nor upright, as with slots
+CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
+
+
+def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
+    """MJCF of a house with nothing in it: every body, door and slot is parked.
+
+    Leaves of doors meet agents and bodies only: how far they go is known from the house. What kind of
+    joint a leaf has cannot differ between houses: the last ones slide.
+
+    All contacts are explicit pairs, so that a slot meets only its owner and each kind of contact has its own
+    dimension: those of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
+
+    Bodies touch the floor with tiny spheres at their corners: MJX's own contact of plane and box ignores all corners
+    more than 1 mm above the lowest one, so that a tilted box rocks for ever.
+    """
+    root = ET.Element("mujoco", model="home_mjx")
+    ET.SubElement(root, "compiler", angle="radian")
+    _add_options(root, config, layout, jacobian)
+    world = ET.SubElement(root, "worldbody")
+    # Neither at the origin nor upright, or the compiler would mark them for shortcuts (`geom_sameframe`).
+    plane, pos = _no_mask("floor"), f"0 0 {-PARKED_HEIGHT}"
+    ET.SubElement(world, "geom", plane, type="plane", size="0 0 1", pos=pos, material="default")
+    for name in slot_names(layout):
+        ET.SubElement(world, "geom", _no_mask(name), type="box", size=_parked_size(), pos=pos, quat="0.8 0 0 0.6")
+    for a in range(layout.num_agents):
+        _add_agent(world, config, a)
+    for k in range(layout.num_bodies):
+        _add_body(world, k)
+    for h in range(layout.num_doors):
+        _add_door(world, h, slides=h >= layout.num_doors - layout.num_slides)
+    _add_pairs(ET.SubElement(root, "contact"), config, layout)
+    actuator, sensors = ET.SubElement(root, "actuator"), ET.SubElement(root, "sensor")
+    for a in range(layout.num_agents):
+        add_motors(actuator, f"agent{a}")
+        ET.SubElement(sensors, "contact", name=f"agent{a}_contact", geom1=f"agent{a}", data="found", num="1")
+    return ET.tostring(root, encoding="unicode")
+
+
+def slot_names(layout: Layout) -> list[str]:
+    """Names of the slot geoms, in order."""
+    agents = [f"agent{a}_slot{s}" for a in range(layout.num_agents) for s in range(layout.agent_slots)]
+    return agents + [f"body{k}_slot{s}" for k in range(layout.num_bodies) for s in range(layout.body_slots)]
+
+
+def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
+    """An agent. Only its foot touches the floor, so the contact sensor of its capsule counts everything else."""
+    shape = config.agents[a]
+    body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
+    foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"
+    ET.SubElement(body, "geom", foot, type="sphere", size=str(shape.radius), pos=pos, mass="0")
+
+
+def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
+    friction, stiffness, damping, _, _ = usual_surface(config).tolist()  # of bodies that are not there
+    body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
+    kind = {"condim": "1", "solref": SOLREF} if agent else body
+    ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, solimp=solimp())
+
+
+def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobian: str) -> None:
+    option = ET.SubElement(
+        root,
+        "option",
+        timestep=str(config.timing.sim_dt),
+        iterations=str(config.iterations),
+        ls_iterations=str(config.ls_iterations),
+        jacobian=jacobian,
+    )
+    ET.SubElement(option, "flag", eulerdamp="disable")  # no joint has damping; without the flag MJX factors M twice
+    custom = ET.SubElement(root, "custom")
+    pairs = config.max_geom_pairs or max(2 * layout.num_bodies + layout.num_doors, 4 * layout.num_agents, 8)
+    points = config.max_contact_points or max(6 * layout.num_bodies, 8 * layout.num_agents, 16)
+    ET.SubElement(custom, "numeric", name="max_geom_pairs", data=str(pairs))
+    ET.SubElement(custom, "numeric", name="max_contact_points", data=str(points))
+    # MJX's ray caster fails on models without a material.
+    ET.SubElement(ET.SubElement(root, "asset"), "material", name="default")
+
+
+def _add_body(world: ET.Element, k: int) -> None:
+    # Explicit inertia keeps the inertial frame equal to the body's, whatever the box's proportions.
+    body = ET.SubElement(world, "body", name=f"body{k}", pos=f"{2 * k} 0 {PARKED_HEIGHT}")
+    ET.SubElement(body, "freejoint", name=f"body{k}")
+    inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
+    diagonal = f"{inertia} {inertia} {inertia}"
+    ET.SubElement(body, "inertial", pos="0 0 0", mass=str(PARKED_MASS), diaginertia=diagonal)
+    ET.SubElement(body, "geom", _no_mask(f"body{k}"), type="box", size=_parked_size())
+    for c, corner in enumerate(CORNERS * (PARKED_SIZE - CORNER_RADIUS)):
+        name, pos = f"body{k}_corner{c}", " ".join(str(float(x)) for x in corner)
+        ET.SubElement(body, "geom", _no_mask(name), type="sphere", size=str(CORNER_RADIUS), pos=pos)
+
+
+def _add_door(world: ET.Element, h: int, slides: bool) -> None:
+    """A leaf that is parked."""
+    body = ET.SubElement(world, "body", name=f"door{h}", pos=f"{2 * h} 4 {PARKED_HEIGHT}")
+    low, high = PARKED_RANGE
+    kind, axis = ("slide", "1 0 0") if slides else ("hinge", "0 0 1")
+    joint = {"name": f"door{h}", "type": kind, "axis": axis, "limited": "true", "range": f"{low} {high}"}
+    x, y = PARKED_ARM
+    inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
+    moved = PARKED_MASS if slides else inertia + PARKED_MASS * (x * x + y * y)
+    damping = DOOR_DRAG * moved
+    ET.SubElement(body, "joint", joint, damping=str(damping), solreflimit=SOLREF, solimplimit=solimp())
+    at = {"pos": f"{x} {y} 0", "quat": f"{math.cos(PARKED_YAW / 2)} 0 0 {math.sin(PARKED_YAW / 2)}"}
+    diagonal = f"{inertia} {inertia} {inertia}"
+    ET.SubElement(body, "inertial", at, mass=str(PARKED_MASS), diaginertia=diagonal)
+    ET.SubElement(body, "geom", _no_mask(f"door{h}") | at, type="box", size=_parked_size())
+
+
+def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> None:
+    for a in range(layout.num_agents):
+        others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
+        others += [f"body{k}" for k in range(layout.num_bodies)] + [f"agent{b}" for b in range(a)]
+        _add_pair(contact, config, f"agent{a}_foot", "floor", agent=True)
+        for other in others:
+            _add_pair(contact, config, f"agent{a}", other, agent=True)
+    for k in range(layout.num_bodies):
+        for c in range(len(CORNERS)):
+            _add_pair(contact, config, f"body{k}_corner{c}", "floor", agent=False)
+        others = [f"body{k}_slot{s}" for s in range(layout.body_slots)] + [f"body{j}" for j in range(k)]
+        for other in others:
+            _add_pair(contact, config, f"body{k}", other, agent=False)
+    for h in range(layout.num_doors):
+        for a in range(layout.num_agents):
+            _add_pair(contact, config, f"agent{a}", f"door{h}", agent=True)
+        for k in range(layout.num_bodies):
+            _add_pair(contact, config, f"body{k}", f"door{h}", agent=False)
+
+
+def _no_mask(name: str) -> dict[str, str]:
+    return {"name": name, "contype": "0", "conaffinity": "0"}
+
+
+def _parked_size() -> str:
+    return f"{PARKED_SIZE} {PARKED_SIZE} {PARKED_SIZE}"

@@ -1,0 +1,108 @@
+"""C MuJoCo on houses as they are exported: convex pieces if asked for, and MuJoCo's own contact with the floor."""
+
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from typing import Any
+
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records import Physics
+from home_mjx.errors import ConfigError
+from home_mjx.mjcf.agent import FRICTIONLESS, add_agent
+from home_mjx.mjcf.boxes import MEETS_LEAVES
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.mjx.template import Template
+from home_mjx.physics.mujoco.house import HouseInC
+from home_mjx.physics.mujoco.houses import ListedHouses
+from home_mjx.scene_compile.mjcf.export import instance_name, to_mjcf
+from home_mjx.schema.compiled import CompiledHouse
+
+
+class ExportedTemplate(Template):
+    """A template whose houses are exported MJCF, stepped by C MuJoCo: `to_mjcf` says what is in it.
+
+    Args:
+        config: Options, with `impl="c"`.
+        bank: The houses.
+        compiled: The same houses, in the bank's order.
+        collision: `box` or `exact`, as in `to_mjcf`.
+
+    Attributes:
+        bank: The bank, to be used instead of the given one: movable bodies are where their models start. With convex
+            pieces that is up to 5 cm from where their boxes are.
+
+    Raises:
+        ConfigError: Another `impl`, other houses than the bank's, or what `to_mjcf` raises.
+
+    Example:
+        >>> template = ExportedTemplate(PhysicsConfig(impl="c"), bank, houses, "exact")  # doctest: +SKIP
+        >>> state = step(template, template.bank, house, state, action)  # doctest: +SKIP
+    """
+
+    def __init__(
+        self, config: PhysicsConfig, bank: HouseBank, compiled: Sequence[CompiledHouse], collision: str = "box"
+    ) -> None:
+        if config.impl != "c":
+            hint = 'Write PhysicsConfig(impl="c").'
+            raise ConfigError("only C MuJoCo steps exported houses", element="PhysicsConfig.impl", hint=hint)
+        if tuple(house.id for house in compiled) != bank.house_ids:
+            hint = f"The bank's, in this order: {', '.join(bank.house_ids[:5])}, ..."
+            raise ConfigError("`compiled` are not the bank's houses", element="ExportedTemplate", hint=hint)
+        super().__init__(config, bank.spec)
+        houses = [exported_in_c(config, self.layout, house, collision) for house in compiled]
+        self.houses = ListedHouses(config, self.layout, houses)
+        self.bank = bank.replace(physics=_as_models_start(bank.physics, self.layout, houses))
+
+
+def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, collision: str = "box") -> HouseInC:
+    """C MuJoCo's model of an exported house with agents."""
+    xml, files = to_mjcf(
+        house,
+        timestep=config.timing.sim_dt,
+        friction=config.friction,
+        restitution=config.restitution,
+        collision=collision,
+    )
+    root = ET.fromstring(xml)
+    ET.SubElement(root, "compiler", discardvisual="true")
+    world = root.find("worldbody")
+    assert world is not None
+    for a, shape in enumerate(config.agents):
+        add_agent(world, shape, f"agent{a}", **FRICTIONLESS, **MEETS_LEAVES)
+    model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"), files)  # pyright: ignore[reportAttributeAccessIssue]
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # pyright: ignore[reportAttributeAccessIssue]
+    agents = [f"agent{a}" for a in range(layout.num_agents)]
+    bodies, doors = [""] * layout.num_bodies, [""] * layout.num_doors
+    for k, instance in enumerate(house.bodies.instance.tolist()):
+        bodies[k] = instance_name(house, instance)
+    rows = house.doors.rows(layout.num_doors, layout.num_slides)
+    for h, instance in zip(rows.tolist(), house.doors.instance.tolist(), strict=True):
+        doors[h] = instance_name(house, instance)
+    return HouseInC(model, layout, agents + bodies + doors, _static_geoms(model, house))
+
+
+def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
+    """Static box of each geom that does not move; a convex piece counts as the first box of its object."""
+    found = {}
+    for name in filter(None, (model.geom(geom).name for geom in range(model.ngeom))):
+        kind, number = name.rstrip("0123456789_"), name.lstrip("abcdefghijklmnopqrstuvwxyz").split("_")[0]
+        if kind == "static":
+            found[name] = int(number)
+        elif kind == "piece" and house.instances.body[int(number)] < 0:
+            owner = house.instances.object_id[int(number)]
+            found[name] = int(np.flatnonzero(house.colliders.object_id == owner)[0])
+    return found
+
+
+def _as_models_start(physics: Physics, layout: Layout, houses: Sequence[HouseInC]) -> Physics:
+    """The bank's movable bodies where the models have them."""
+    poses = np.concatenate([physics.body_pos, physics.body_quat], axis=-1)
+    for row, house in zip(poses, houses, strict=True):
+        qpos = np.zeros(layout.door_qpos.stop, np.float32)
+        qpos[layout.body_qpos] = row.reshape(-1)
+        row[:] = house.placed(qpos)[layout.body_qpos].reshape(-1, 7)
+    return physics.replace(body_pos=jnp.asarray(poses[..., :3]), body_quat=jnp.asarray(poses[..., 3:]))

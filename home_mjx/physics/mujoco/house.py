@@ -1,0 +1,118 @@
+"""One house in C MuJoCo: its model, and where the numbers of the state are in it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
+from home_mjx.physics.mujoco.touched import Touched, find_touched
+
+FULL = ("CONTACTFULL", "CNSTRFULL")  # MuJoCo's warnings that contacts were left out
+
+
+class Moved(NamedTuple):
+    """An environment after a physics step."""
+
+    qpos: Float[np.ndarray, " q"]
+    qvel: Float[np.ndarray, " v"]
+    qacc: Float[np.ndarray, " v"]
+    touched: Touched
+    is_full: bool  # contacts were left out
+
+
+class HouseInC:
+    """Steps environments of one house; several threads may do so at once.
+
+    Args:
+        model: A `mujoco.MjModel` whose floor is the geom `floor`.
+        layout: Of the state.
+        names: Body of each mobile, in the state's order; "" where the house has none. Its joints have as many numbers
+            as the state has for it.
+        static: Number of each geom that is a static box, by its name.
+    """
+
+    def __init__(self, model: Any, layout: Layout, names: Sequence[str], static: Mapping[str, int]) -> None:
+        self.model, self._layout = model, layout
+        self._spare: list[Any] = []  # `mujoco.MjData` that no thread uses now
+        self._qpos, self._dofs = np.zeros(model.nq, int), np.zeros(model.nv, int)  # which of the state's numbers
+        owner = np.full(model.nbody, NOTHING)
+        q = v = 0
+        for mobile, name in enumerate(names):
+            nq, nv = _sizes(layout, mobile)
+            if name:
+                body = model.body(name)
+                joint = body.jntadr[0]
+                self._qpos[model.jnt_qposadr[joint] + np.arange(nq)] = q + np.arange(nq)
+                self._dofs[model.jnt_dofadr[joint] + np.arange(nv)] = v + np.arange(nv)
+                owner[body.id] = mobile
+            q, v = q + nq, v + nv
+        named = {"floor": FLOOR} | {geom: STATIC - number for geom, number in static.items()}
+        self._owner = owner[model.geom_bodyid]
+        for name, code in named.items():
+            self._owner[model.geom(name).id] = code
+
+    def step(
+        self,
+        qpos: Float[np.ndarray, " q"],
+        qvel: Float[np.ndarray, " v"],
+        qacc: Float[np.ndarray, " v"],
+        applied: Float[np.ndarray, " v"],
+    ) -> Moved:
+        """One physics step; what the house does not have stays where it is, and so does a state that is broken.
+
+        Args:
+            qpos: As in `PhysicsState`.
+            qvel: As there.
+            qacc: As there; the solver begins here.
+            applied: Forces on all joints [N], [N m].
+        """
+        if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
+            mobiles = self._layout.num_mobiles
+            zeros, nothing = np.zeros(mobiles), np.full(mobiles, NOTHING)
+            none = Touched(np.zeros(self._layout.num_agents, int), zeros, zeros, np.zeros((mobiles, 3)), nothing)
+            return Moved(qpos, qvel, qacc, none, False)
+        data = self._take()
+        try:
+            data.qpos[:], data.qvel[:] = qpos[self._qpos], qvel[self._dofs]
+            data.qacc_warmstart[:], data.qfrc_applied[:] = qacc[self._dofs], applied[self._dofs]
+            mujoco.mj_step(self.model, data)  # pyright: ignore[reportAttributeAccessIssue]
+            after = qpos.copy(), qvel.copy(), np.zeros_like(qacc)
+            after[0][self._qpos] = data.qpos
+            after[1][self._dofs], after[2][self._dofs] = data.qvel, data.qacc
+            touched = find_touched(data, self._owner, self._layout, self.model.opt.timestep)
+            return Moved(*after, touched, _is_full(data))
+        finally:
+            self._spare.append(data)
+
+    def placed(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
+        """The poses with all that the house has where its model begins."""
+        after = qpos.copy()
+        after[self._qpos] = self.model.qpos0
+        return after
+
+    def _take(self) -> Any:
+        """Data that nobody else uses."""
+        try:
+            return self._spare.pop()
+        except IndexError:
+            return mujoco.MjData(self.model)  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _sizes(layout: Layout, mobile: int) -> tuple[int, int]:
+    """Numbers of a mobile in the state's `qpos` and `qvel`."""
+    if mobile < layout.num_agents:
+        return 4, 4
+    return (7, 6) if mobile < layout.num_agents + layout.num_bodies else (1, 1)
+
+
+def _is_full(data: Any) -> bool:
+    """Whether contacts were left out; forgets it."""
+    warnings = [data.warning[getattr(mujoco.mjtWarning, f"mjWARN_{name}")] for name in FULL]  # pyright: ignore[reportAttributeAccessIssue]
+    full = any(warning.number for warning in warnings)
+    for warning in warnings:
+        warning.number = 0
+    return full

@@ -1,0 +1,95 @@
+"""MJCF of one house from its rows of a bank: all that physics meets, nothing that is only seen."""
+
+import xml.etree.ElementTree as ET
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.geometry.boxes import box_inertia
+from home_mjx.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, solimp
+from home_mjx.mjcf.boxes import MEETS_LEAVES, add_leaf, body_surface, numbers
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
+from home_mjx.schema.compiled import Doors
+from home_mjx.schema.contact_materials import damping_ratio
+
+ITERATIONS, LS_ITERATIONS, TOLERANCE = 100, 50, 1e-12  # Newton's method ends by itself, converged
+# The floor touches agents and the corners of bodies, not their boxes, as in the template.
+FLOOR = {"contype": "12", "conaffinity": "0"}
+CORNER = {"contype": "0", "conaffinity": "4"}
+AGENT = {"contype": "3", "conaffinity": "11"}
+
+
+class Rows(NamedTuple):
+    """One house's rows of `bank.records.Physics`, under the same names."""
+
+    floor: Float[np.ndarray, ""]
+    collider_pos: Float[np.ndarray, "c 3"]
+    collider_quat: Float[np.ndarray, "c 4"]
+    collider_size: Float[np.ndarray, "c 3"]  # negative: is left out
+    body_valid: Bool[np.ndarray, " k"]
+    body_size: Float[np.ndarray, "k 3"]
+    body_mass: Float[np.ndarray, " k"]
+    body_friction: Float[np.ndarray, " k"]
+    body_damping_ratio: Float[np.ndarray, " k"]
+    door_valid: Bool[np.ndarray, " h"]
+    door_pivot: Float[np.ndarray, "h 2"]
+    door_pos: Float[np.ndarray, "h 3"]
+    door_quat: Float[np.ndarray, "h 4"]
+    door_size: Float[np.ndarray, "h 3"]
+    door_mass: Float[np.ndarray, " h"]
+    door_low: Float[np.ndarray, " h"]
+    door_high: Float[np.ndarray, " h"]
+    door_slide: Float[np.ndarray, "h 2"]
+
+
+def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
+    """MJCF with bodies `agent<a>`, `body<k>` and `door<h>`, and geoms `floor` and `static<c>`, numbered as in the bank.
+
+    What the house does not use is not there. Shapes, masses, contacts and their parameters are those of the template
+    (`template_mjcf`), but every static box is there for everybody.
+    """
+    root = ET.Element("mujoco", model="house")
+    _add_options(root, config)
+    default = ET.SubElement(root, "default")
+    ET.SubElement(default, "geom", condim="3", solref=SOLREF, solimp=solimp())
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "geom", FLOOR, name="floor", type="plane", size="0 0 1", pos=f"0 0 {rows.floor:.9g}")
+    for c in np.flatnonzero((rows.collider_size > 0).all(axis=-1)).tolist():
+        place = {"pos": numbers(rows.collider_pos[c]), "quat": numbers(rows.collider_quat[c])}
+        ET.SubElement(world, "geom", place, name=f"static{c}", type="box", size=numbers(rows.collider_size[c]))
+    for a, shape in enumerate(config.agents):
+        add_agent(world, shape, f"agent{a}", **FRICTIONLESS, **AGENT)
+    for k in np.flatnonzero(rows.body_valid).tolist():
+        _add_body(config, world, rows, k)
+    for h in np.flatnonzero(rows.door_valid).tolist():
+        add_leaf(world, _doors(rows), h, f"door{h}")
+    return ET.tostring(root, encoding="unicode")
+
+
+def _add_options(root: ET.Element, config: PhysicsConfig) -> None:
+    solver = {"iterations": str(ITERATIONS), "ls_iterations": str(LS_ITERATIONS), "tolerance": str(TOLERANCE)}
+    # With MuJoCo 4.0.0's sparse Jacobian, its choice from 60 numbers on, Newton's method hardly moves in some heaps.
+    option = ET.SubElement(root, "option", solver, timestep=str(config.timing.sim_dt), jacobian="dense")
+    # As in the template; and a state that breaks must not begin anew in silence.
+    ET.SubElement(option, "flag", eulerdamp="disable", autoreset="disable")
+
+
+def _add_body(config: PhysicsConfig, world: ET.Element, rows: Rows, k: int) -> None:
+    body = ET.SubElement(world, "body", name=f"body{k}")
+    ET.SubElement(body, "freejoint")
+    inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))
+    ET.SubElement(body, "inertial", pos="0 0 0", mass=f"{rows.body_mass[k]:.9g}", diaginertia=inertia)
+    friction = rows.body_friction[k] if config.friction is None else config.friction
+    ratio = damping_ratio(config.restitution) if config.restitution is not None else rows.body_damping_ratio[k]
+    touch = body_surface(float(friction), float(ratio), config.timing.sim_dt)
+    ET.SubElement(body, "geom", MEETS_LEAVES | touch, type="box", size=numbers(rows.body_size[k]))
+    for corner in CORNERS * (rows.body_size[k] - CORNER_RADIUS):
+        ET.SubElement(body, "geom", CORNER | touch, type="sphere", size=str(CORNER_RADIUS), pos=numbers(corner))
+
+
+def _doors(rows: Rows) -> Doors:
+    names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
+    place = {name: getattr(rows, f"door_{name}") for name in names}
+    return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, wide=rows.door_high, **place)

@@ -1,0 +1,97 @@
+"""Any MuJoCo model, stepped by C MuJoCo inside `jit`: a house with a robot, for example."""
+
+import itertools
+import threading
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from jaxtyping import Array, Float
+from mujoco import rollout
+
+from home_mjx.core.checks import check_number, check_shape
+from home_mjx.core.native.host_call import register_host_call
+from home_mjx.core.native.vmap_call import batched, without_gradient
+from home_mjx.core.workers import usable_cores
+from home_mjx.physics.mujoco.calls import call_host, refuse_where_impossible
+
+FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS.value  # pyright: ignore[reportAttributeAccessIssue]
+
+_count = itertools.count()
+
+
+class ModelInC:
+    """Environments of one model; make it once, outside of `jit`.
+
+    A state is one vector: MuJoCo's `mjSTATE_FULLPHYSICS` (time, `qpos`, `qvel`, activations), in float32. `step` works
+    under `jit`, `vmap` and `scan`, on CPUs only, and has no gradient. All cores share the environments.
+
+    Args:
+        model: A `mujoco.MjModel`; do not change it afterwards.
+        substeps: Physics steps of a step.
+
+    Attributes:
+        start: The state at `qpos0`, at rest.
+        qpos: Where `qpos` is in a state.
+        qvel: Where `qvel` is in a state.
+
+    Raises:
+        ConfigError: `substeps` is no whole number of at least 1.
+
+    Example:
+        >>> house = ModelInC(robot_in_house(compiled, "robot.xml").compile(), substeps=5)  # doctest: +SKIP
+        >>> states = jnp.tile(house.start, (64, 1))  # doctest: +SKIP
+        >>> states, sensors = jax.jit(jax.vmap(house.step))(states, jnp.zeros((64, house.model.nu)))  # doctest: +SKIP
+    """
+
+    def __init__(self, model: Any, substeps: int = 1) -> None:
+        check_number("substeps", substeps, 1, whole=True)
+        self.model, self._substeps = model, substeps
+        self.qpos, self.qvel = slice(1, 1 + model.nq), slice(1 + model.nq, 1 + model.nq + model.nv)
+        self._data = [mujoco.MjData(model) for _ in range(usable_cores())]  # pyright: ignore[reportAttributeAccessIssue]
+        self._pool, self._lock = rollout.Rollout(nthread=usable_cores()), threading.Lock()
+        start = np.zeros(mujoco.mj_stateSize(model, FULL))  # pyright: ignore[reportAttributeAccessIssue]
+        mujoco.mj_getState(model, self._data[0], start, FULL)  # pyright: ignore[reportAttributeAccessIssue]
+        self.start = jnp.asarray(start, jnp.float32)
+        self._target = f"home_mjx_c_model_{next(_count)}"
+        register_host_call(self._target, self._run)
+        self._step = without_gradient(batched(self._call, 0, 2), "C MuJoCo")
+
+    def step(
+        self, state: Float[Array, " s"], ctrl: Float[Array, " u"]
+    ) -> tuple[Float[Array, " s"], Float[Array, " n"]]:
+        """`substeps` physics steps of one environment.
+
+        Args:
+            state: Like `start`.
+            ctrl: Of the model's actuators.
+
+        Returns:
+            The state after, and MuJoCo's `sensordata` of the last physics step.
+
+        Raises:
+            ConfigError: `state` or `ctrl` has another length than the model's, the program is made for something else
+                than a CPU, or a gradient is asked for.
+            ExecutorError: In a forked child of a process that has stepped before.
+        """
+        check_shape("state", jnp.shape(state), self.start.shape)
+        check_shape("ctrl", jnp.shape(ctrl), (self.model.nu,))
+        refuse_where_impossible()
+        after, sensors = self._step(state[None], ctrl[None])
+        return after[0], sensors[0]
+
+    def _call(self, state: Array, ctrl: Array) -> tuple[Array, ...]:
+        shapes = state.shape, (state.shape[0], self.model.nsensordata)
+        results = [jax.ShapeDtypeStruct(shape, jnp.float32) for shape in shapes]
+        return call_host(self._target, (ctrl.astype(jnp.float32), state.astype(jnp.float32)), results)
+
+    def _run(self, given: Sequence[np.ndarray], results: Sequence[np.ndarray]) -> None:
+        ctrl, state = (x.astype(np.float64) for x in given)
+        with self._lock:
+            states, sensors = self._pool.rollout(
+                self.model, self._data, state, ctrl[:, None], nstep=self._substeps, chunk_size=1
+            )
+        results[0][:], results[1][:] = (np.asarray(x)[:, -1] for x in (states, sensors))

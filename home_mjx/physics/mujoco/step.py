@@ -1,0 +1,105 @@
+"""A control step by C MuJoCo: forces by JAX, motion by C, one call of the host per physics step."""
+
+import functools
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.bank.records import Physics
+from home_mjx.core.native.vmap_call import Step, batched, without_gradient
+from home_mjx.errors import ConfigError
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.mjx.applied import applied_forces
+from home_mjx.physics.mjx.house_model import house_doors, movable_bodies
+from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.mjx.push_limits import Pushes, over_time
+from home_mjx.physics.mjx.slots import half_above_floor
+from home_mjx.physics.mjx.step import within_limits
+from home_mjx.physics.mjx.template import Template
+from home_mjx.physics.mujoco.calls import call_host, refuse_where_impossible
+from home_mjx.physics.mujoco.exported import ExportedTemplate
+from home_mjx.physics.mujoco.houses import HousesInC, houses_in_c
+from home_mjx.physics.mujoco.mjcf import Rows
+
+NUM_RESULTS = 9
+MOTOR_DOFS = (0, 1, 3)  # of an agent's x, y, z and yaw
+
+
+def step_c(
+    template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
+) -> tuple[PhysicsState, Lost]:
+    """One control step; see `dynamics.step_checked`. It has no gradient.
+
+    Raises:
+        ConfigError: The program is made for something else than a CPU.
+        ExecutorError: In a forked child of a process that has stepped before.
+    """
+    refuse_where_impossible()
+    bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
+    parts, layout = (bodies, leaves, physics.ramp[house]), template.layout
+    find, move = _calls(_houses(template, physics))
+    tables = physics.replace(collider_size=half_above_floor(physics))
+    (number,) = find(*(getattr(tables, name) for name in Rows._fields), house[None])
+
+    def substep(carry: tuple[Array, ...], _: None) -> tuple[tuple[Array, ...], tuple[Array, Pushes, Array]]:
+        motors, applied = applied_forces(template, parts, state, action, carry[0], carry[1])
+        applied = applied.at[_motor_dofs(layout)].add(motors.reshape(-1))
+        moved = move(number, *(x[None] for x in (*carry, applied)))
+        qpos, qvel, qacc, count, impulse, strongest, place, other, full = (x[0] for x in moved)
+        qpos, qvel = within_limits(template, bodies, leaves, state, (qpos, qvel))
+        pushes = Pushes(impulse=impulse, strongest=strongest, place=place, other=other)
+        return (qpos, qvel, qacc), (count, pushes, full)
+
+    first = state.qpos, state.qvel, state.qacc
+    length = template.config.timing.substeps
+    (qpos, qvel, qacc), (count, pushes, full) = jax.lax.scan(substep, first, None, length=length)
+    whole, no = over_time(pushes), jnp.zeros((), bool)
+    pushed = {"impulse": whole.impulse, "place": whole.place, "other": whole.other}
+    after = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, touched=count.max(axis=0), **pushed)
+    return after, Lost(static_boxes=no, contact_pairs=no, contact_points=jnp.any(full))
+
+
+def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
+    return np.add.outer(4 * np.arange(layout.num_agents), MOTOR_DOFS).reshape(-1)
+
+
+def _houses(template: Template, physics: Physics) -> HousesInC:
+    """What the template steps: exported houses, or those that are made from the bank."""
+    if not isinstance(template, ExportedTemplate):
+        return houses_in_c(template.config, template.layout)
+    if len(template.houses) != physics.floor.shape[0]:
+        raise ConfigError(
+            f"the template has {len(template.houses)} exported houses, the bank {physics.floor.shape[0]}",
+            element="ExportedTemplate",
+            hint="Use its own bank, `template.bank`.",
+        )
+    return template.houses
+
+
+@functools.cache
+def _calls(houses: HousesInC) -> tuple[Step, Step]:
+    """Finding the houses of environments, and one physics step of environments."""
+
+    def find(*operands: Array) -> tuple[Array, ...]:
+        house = operands[-1].astype(jnp.int32)
+        return call_host(houses.find_target, (*operands[:-1], house), [jax.ShapeDtypeStruct(house.shape, jnp.int32)])
+
+    def move(*operands: Array) -> tuple[Array, ...]:
+        number, *state = operands
+        given = (number, *(x.astype(jnp.float32) for x in state))
+        return call_host(houses.step_target, given, _results(houses.layout, given[1:4]))
+
+    return batched(find, len(Rows._fields), 1), without_gradient(batched(move, 0, NUM_RESULTS), "C MuJoCo")
+
+
+def _results(layout: Layout, state: Sequence[Array]) -> list[jax.ShapeDtypeStruct]:
+    """Of a physics step of environments; see `HousesInC`."""
+    envs, agents, mobiles = state[0].shape[0], layout.num_agents, layout.num_mobiles
+    shapes = [(x.shape, jnp.float32) for x in state]
+    shapes += [((envs, agents), jnp.int32), ((envs, mobiles), jnp.float32), ((envs, mobiles), jnp.float32)]
+    shapes += [((envs, mobiles, 3), jnp.float32), ((envs, mobiles), jnp.int32), ((envs,), jnp.bool_)]
+    return [jax.ShapeDtypeStruct(*shape) for shape in shapes]

@@ -1,0 +1,148 @@
+"""From contacts to rows of MuJoCo's convex problem: Jacobians, regularisation and reference accelerations.
+
+A contact with friction has four rows, the edges `normal ± friction * tangent` of a pyramid; one without has one.
+Source: MuJoCo's documentation, "Computation", sections "Constraint model" and "Solver parameters".
+"""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from typing import no_type_check
+
+from numba import njit
+
+from home_mjx.core.native.memory import shifted
+from home_mjx.physics.numba.data.limits import DOOR_COLUMNS, LIMIT, SLEEPER, SURFACE_COLUMNS
+from home_mjx.physics.numba.data.work import NUM_CONTACTS
+
+TINY = 1e-15  # MuJoCo's mjMINVAL
+
+compiled = njit(error_model="numpy")
+
+
+@compiled
+@no_type_check
+def make_rows(work, numbers):
+    """Fills in `jacobian`, `weight` and `target` of all contacts."""
+    for n in range(work.counts[NUM_CONTACTS]):
+        a, b = work.first[n], work.second[n]
+        _jacobian(work, n, 0, a, -1.0)
+        inverse = work.inverse[a]
+        if b >= 0:
+            _jacobian(work, n, 1, b, 1.0)
+            inverse += work.inverse[b]
+        if b == LIMIT:
+            inverse = 1 / work.mass[6 * a]
+        friction, stiffness, damping, low, width = _surface(work, numbers, a, b)
+        work.friction[n], distance = friction, work.place[4 * n + 3]
+        impedance = _impedance(low, numbers.impedance_high, -distance / width)
+        if friction > 0:
+            inverse *= (1 + friction * friction) * 2 * friction * friction
+        work.weight[n] = 1 / max(inverse * (1 - impedance) / impedance, TINY)
+        normal, first, second = contact_velocity(work, n, work.vel)
+        spring = -stiffness * impedance * distance
+        for row in range(num_rows(friction)):
+            along = edge_value(row, friction, normal, first, second)
+            work.target[4 * n + row] = spring - damping * along
+
+
+@njit(error_model="numpy", inline="always")
+@no_type_check
+def num_rows(friction):
+    """Rows of a contact."""
+    return 4 if friction > 0 else 1
+
+
+@njit(error_model="numpy", inline="always")
+@no_type_check
+def edge_value(row, friction, normal, first, second):
+    """A vector in the contact frame along edge `row` of the pyramid."""
+    tangent = first if row < 2 else second
+    return normal + (friction * tangent if row % 2 == 0 else -friction * tangent)
+
+
+@compiled
+@no_type_check
+def contact_velocity(work, n, values):
+    """Velocity, or acceleration, of the second mobile against the first one in the contact frame (3)."""
+    x = y = z = 0.0
+    a, b = work.first[n], work.second[n]
+    for d in range(6):
+        value = values[6 * a + d]
+        x += work.jacobian[36 * n + d] * value
+        y += work.jacobian[36 * n + 6 + d] * value
+        z += work.jacobian[36 * n + 12 + d] * value
+    if b >= 0:
+        for d in range(6):
+            value = values[6 * b + d]
+            x += work.jacobian[36 * n + 18 + d] * value
+            y += work.jacobian[36 * n + 18 + 6 + d] * value
+            z += work.jacobian[36 * n + 18 + 12 + d] * value
+    return x, y, z
+
+
+@compiled
+@no_type_check
+def _jacobian(work, n, side, m, sign):
+    """Rows of the contact frame against a mobile's six numbers; what turns an agent is left out."""
+    if m >= work.num_free:
+        _door_jacobian(work, n, side, m, sign)
+        return
+    agent = m < work.num_agents
+    x = work.place[4 * n] - work.pos[3 * m]
+    y = work.place[4 * n + 1] - work.pos[3 * m + 1]
+    z = work.place[4 * n + 2] - work.pos[3 * m + 2]
+    for row in range(3):
+        u, v, w = work.frame[9 * n + 3 * row], work.frame[9 * n + 3 * row + 1], work.frame[9 * n + 3 * row + 2]
+        jacobian = shifted(work.jacobian, 36 * n + 18 * side + 6 * row)
+        jacobian[0], jacobian[1], jacobian[2] = sign * u, sign * v, sign * w
+        # Turned about the mobile's own axes: (arm x direction) in its frame.
+        tx, ty, tz = y * w - z * v, z * u - x * w, x * v - y * u
+        for k in range(3):
+            turn = work.rot[9 * m + k] * tx + work.rot[9 * m + 3 + k] * ty + work.rot[9 * m + 6 + k] * tz
+            jacobian[3 + k] = 0.0 if agent else sign * turn
+
+
+@compiled
+@no_type_check
+def _door_jacobian(work, n, side, m, sign):
+    """Of a door only its rate counts: (up x arm), or the way it slides, along the directions.
+
+    At a limit the first row is the rate itself.
+    """
+    door = shifted(work.door, DOOR_COLUMNS * (m - work.num_free))
+    x = door[15] * (work.place[4 * n] - door[0]) + door[14]
+    y = door[15] * (work.place[4 * n + 1] - door[1]) - door[13]
+    jacobian = shifted(work.jacobian, 36 * n + 18 * side)
+    for k in range(18):
+        jacobian[k] = 0.0
+    if work.second[n] == LIMIT:
+        jacobian[0] = work.frame[9 * n]
+        return
+    for row in range(3):
+        jacobian[6 * row] = sign * (x * work.frame[9 * n + 3 * row + 1] - y * work.frame[9 * n + 3 * row])
+
+
+@njit(error_model="numpy", inline="always")
+@no_type_check
+def _surface(work, numbers, a, b):
+    """What decides a contact or a hinge's limit, as a row of `base.surfaces`; agents are always first."""
+    if b == LIMIT or a < work.num_agents:
+        return 0.0, numbers.stiffness, numbers.damping, numbers.impedance_low, numbers.impedance_width
+    other = SLEEPER - b if b <= SLEEPER else b
+    if a >= work.num_free:  # a door that meets a sleeping body
+        a, other = other, a
+    own = shifted(work.surface, SURFACE_COLUMNS * a)
+    if other < 0 or other >= work.num_free:
+        return own[0], own[1], own[2], own[3], own[4]
+    its = shifted(work.surface, SURFACE_COLUMNS * other)
+    low, width = (own[3] + its[3]) / 2, (own[4] + its[4]) / 2
+    return max(own[0], its[0]), max(own[1], its[1]), max(own[2], its[2]), low, width
+
+
+@njit(error_model="numpy", inline="always")
+@no_type_check
+def _impedance(low, high, x):
+    """MuJoCo's default curve (midpoint 0.5, power 2) from 0 to 1."""
+    if x >= 1:
+        return high
+    y = 2 * x * x if x < 0.5 else 1 - 2 * (1 - x) * (1 - x)
+    return low + y * (high - low)

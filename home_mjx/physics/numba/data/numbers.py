@@ -1,0 +1,101 @@
+"""The numbers of a template that every environment and agent shares."""
+
+from typing import NamedTuple, TypeVar
+
+import jax
+import numpy as np
+
+from home_mjx.mjcf import agent
+from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.physics.base import servo
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS
+
+Values = TypeVar("Values", jax.Array, np.ndarray)  # (*batch, 5)
+ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
+BY_FORCE = 1.0  # `control`
+# What is slower than this for a control step, and not pulled, has come to rest.
+REST_SPEED, REST_SPIN, REST_PULL = 2e-3, 1e-2, 0.1  # [m/s], [rad/s], [m/s^2]
+
+
+class Numbers(NamedTuple):
+    """In [m], [kg], [s], [N] and their products; an array holds them in this order."""
+
+    sim_dt: float
+    substeps: float
+    gravity: float
+    control: float  # BY_FORCE, or 0: by velocity
+    response_time: float
+    max_body_speed: float
+    max_body_spin: float
+    stiffness: float  # of contacts with agents, and ends of doors' ways: reference acceleration per depth and impedance
+    damping: float  # and per velocity
+    impedance_low: float
+    impedance_high: float
+    impedance_width: float
+    iterations: float
+    corner_radius: float
+    sleep: float  # 1: what has come to rest is left out
+    rest_speed: float
+    rest_spin: float
+    rest_pull: float
+    on_ramp: float
+    hand_time: float
+    hand_speed: float
+    hand_spin: float
+    hand_twist: float
+    hand_acceleration: float
+    hand_force: float
+    hand_stiffness: float
+    hand_slack: float
+    hand_leash: float
+    door_drag: float
+    door_time: float
+    door_speed: float
+    door_torque: float
+
+
+def numbers_of(config: PhysicsConfig) -> Numbers:
+    """The numbers of a template."""
+    dt = config.timing.sim_dt
+    constant = max(agent.TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
+    return Numbers(
+        sim_dt=dt,
+        substeps=config.timing.substeps,
+        gravity=servo.GRAVITY,
+        control=BY_FORCE if config.control == "force" else 0.0,
+        response_time=config.response_time,
+        max_body_speed=config.max_body_speed,
+        max_body_spin=config.max_body_spin,
+        stiffness=1 / (agent.SOLIMP[1] * constant) ** 2,
+        damping=2 / (agent.SOLIMP[1] * constant),
+        impedance_low=agent.SOLIMP[0],
+        impedance_high=agent.SOLIMP[1],
+        impedance_width=agent.SOLIMP[2],
+        iterations=ITERATIONS,
+        corner_radius=CORNER_RADIUS,
+        sleep=float(config.sleep),
+        rest_speed=REST_SPEED,
+        rest_spin=REST_SPIN,
+        rest_pull=REST_PULL,
+        on_ramp=servo.ON_RAMP,
+        hand_time=servo.hand_time(config),
+        hand_speed=servo.HAND_SPEED,
+        hand_spin=servo.HAND_SPIN,
+        hand_twist=servo.HAND_TWIST,
+        hand_acceleration=servo.HAND_ACCELERATION,
+        hand_force=servo.HAND_FORCE,
+        hand_stiffness=servo.HAND_STIFFNESS,
+        hand_slack=servo.HAND_SLACK,
+        hand_leash=servo.HAND_LEASH,
+        door_drag=DOOR_DRAG,
+        door_time=servo.DOOR_TIME,
+        door_speed=servo.DOOR_SPEED,
+        door_torque=servo.DOOR_TORQUE,
+    )
+
+
+def reference_surfaces(surfaces: Values) -> Values:
+    """`base.surfaces` with reference accelerations: stiffness per depth and impedance, damping per velocity."""
+    factor = np.array([1, agent.SOLIMP[1] ** -2, 1 / agent.SOLIMP[1], 1, 1], surfaces.dtype)
+    return surfaces * factor.reshape((1,) * (surfaces.ndim - 1) + (-1,))

@@ -1,0 +1,228 @@
+"""The fused step as a handler that XLA calls directly: environments in chunks on XLA's threads."""
+# ruff: noqa: ANN001, ANN202  (Numba infers the types)
+
+from typing import Any, no_type_check
+
+import llvmlite.binding
+import numpy as np
+from numba import carray, cfunc, njit, types  # pyright: ignore[reportPrivateImportUsage]
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from home_mjx.core.native import ffi, memory
+from home_mjx.core.native.memory import call, pointer_to, symbol_address
+from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.physics.base import servo, state, touch
+from home_mjx.physics.numba import constraint, contacts, forces, motion, sleep, solver, step
+from home_mjx.physics.numba.data import limits, numbers, operands
+from home_mjx.physics.numba.data import work as native_work
+from home_mjx.physics.numba.data.numbers import Numbers
+from home_mjx.physics.numba.data.operands import (
+    ACTION,
+    AGENT,
+    BODY_INERTIA,
+    BODY_MASS,
+    BODY_SIZE,
+    BODY_SURFACE,
+    BODY_VALID,
+    COLLIDER_HALF,
+    COLLIDER_POS,
+    COLLIDER_QUAT,
+    DOOR,
+    FLOOR,
+    GOAL,
+    GRIP,
+    HELD,
+    HOUSE,
+    LOST,
+    NEW_QACC,
+    NEW_QPOS,
+    NEW_QVEL,
+    NUMBERS,
+    OTHER,
+    PUSH,
+    QACC,
+    QPOS,
+    QVEL,
+    RAMP,
+    SCALE,
+    TOUCHED,
+)
+from home_mjx.physics.numba.data.work import free_work, make_work
+from home_mjx.physics.numba.shapes import box_box, capsule
+from home_mjx.physics.numba.step import load_agents, load_house, scale_bodies, step_env
+
+CHUNK = 16  # environments that a thread takes at once
+WORK, TASK = "home_mjx_step_work", "home_mjx_step_task"
+NUM_NUMBERS = len(Numbers._fields)
+
+float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
+work_address, task_address = symbol_address(WORK), symbol_address(TASK)
+compiled = njit(error_model="numpy")
+
+
+def sources_digest() -> int:
+    """Of the files that the step is compiled from.
+
+    Numba's cache watches the file of the compiled function only. That the function names the digest makes the cache
+    tell versions of the rest apart.
+    """
+    parts: tuple[Any, ...] = (
+        ffi,
+        memory,
+        box_box,
+        capsule,
+        constraint,
+        contacts,
+        forces,
+        limits,
+        motion,
+        numbers,
+        operands,
+        sleep,
+        solver,
+        step,
+        native_work,
+        servo,
+        state,
+        touch,
+    )
+    return ffi.digest(*(part.__file__ for part in parts))
+
+
+@with_checked_cache
+def build_handler() -> tuple[Any, Any, Any]:
+    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+
+    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    """
+    digest = sources_digest()
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def work(job):
+        _ = digest
+        _work(job)
+        return 0
+
+    llvmlite.binding.add_symbol(WORK, work.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def task(job):
+        _ = digest
+        call(work_address(), job)
+        ffi.leave(job)
+        return 0
+
+    llvmlite.binding.add_symbol(TASK, task.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def handler(frame):
+        _ = digest
+        if ffi.wants_work(frame):
+            job = ffi.open_job(frame, -(-ffi.dim(frame, ffi.OPERANDS, HOUSE, 0) // CHUNK), task_address())
+            call(work_address(), job)
+            ffi.close_job(job)
+        return 0
+
+    return work, task, handler
+
+
+@compiled
+@no_type_check
+def _work(job):
+    """Steps chunks until none is left."""
+    while True:
+        chunk = ffi.next_chunk(job)
+        if chunk < 0:
+            return
+        _step_chunk(ffi.frame_of(job), chunk)
+        ffi.chunk_done(job)
+
+
+@compiled
+@no_type_check
+def _step_chunk(frame, chunk):
+    houses, colliders = _operand_dim(frame, COLLIDER_POS, 0), _operand_dim(frame, COLLIDER_POS, 1)
+    bodies, agents = _operand_dim(frame, BODY_VALID, 1), _operand_dim(frame, ACTION, 1)
+    doors, ramps = _operand_dim(frame, DOOR, 1), _operand_dim(frame, RAMP, 1)
+    house = int_pointer(ffi.data(frame, ffi.OPERANDS, HOUSE))
+    given, floor = _numbers(_floats(frame, NUMBERS, 0)), _floats(frame, FLOOR, 0)
+    work = make_work(agents, bodies, doors, colliders)
+    load_agents(work, _floats(frame, AGENT, 0))
+    loaded = -1
+    for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _operand_dim(frame, HOUSE, 0))):
+        own = min(max(house[env], 0), houses - 1)
+        if own != loaded:
+            _load_house(frame, work, own)
+            loaded = own
+        scale_bodies(
+            work, _floats(frame, BODY_MASS, own), _floats(frame, BODY_INERTIA, own), _floats(frame, BODY_SURFACE, own),
+            _floats(frame, SCALE, env),
+        )  # fmt: skip
+        before = _floats(frame, QPOS, env), _floats(frame, QVEL, env), _floats(frame, QACC, env)
+        after = _results(frame, NEW_QPOS, env), _results(frame, NEW_QVEL, env), _results(frame, NEW_QACC, env)
+        report = (
+            _flags(frame, TOUCHED, env),
+            _flags(frame, LOST, env),
+            _results(frame, PUSH, env),
+            _flags(frame, OTHER, env),
+        )
+        held = int_pointer(ffi.row(frame, ffi.OPERANDS, HELD, env))
+        control = _floats(frame, ACTION, env), held, _floats(frame, GRIP, env), _floats(frame, GOAL, env)
+        ground = floor[own], _floats(frame, RAMP, own), ramps
+        step_env(work, given, ground, before, control, after, report)
+    free_work(work)
+
+
+@compiled
+@no_type_check
+def _load_house(frame, work, house):
+    static = (
+        _floats(frame, COLLIDER_POS, house),
+        _floats(frame, COLLIDER_QUAT, house),
+        _floats(frame, COLLIDER_HALF, house),
+    )
+    valid = int_pointer(ffi.row(frame, ffi.OPERANDS, BODY_VALID, house))
+    bodies = (
+        valid,
+        _floats(frame, BODY_SIZE, house),
+        _floats(frame, BODY_MASS, house),
+        _floats(frame, BODY_INERTIA, house),
+        _floats(frame, BODY_SURFACE, house),
+    )
+    load_house(work, static, bodies, _floats(frame, DOOR, house))
+
+
+@compiled
+@no_type_check
+def _operand_dim(frame, index, axis):
+    return ffi.dim(frame, ffi.OPERANDS, index, axis)
+
+
+@compiled
+@no_type_check
+def _floats(frame, index, row):
+    """A row of an operand."""
+    return float_pointer(ffi.row(frame, ffi.OPERANDS, index, row))
+
+
+@compiled
+@no_type_check
+def _results(frame, index, row):
+    return float_pointer(ffi.row(frame, ffi.RESULTS, index, row))
+
+
+@compiled
+@no_type_check
+def _flags(frame, index, row):
+    """A row of a result of whole numbers."""
+    return int_pointer(ffi.row(frame, ffi.RESULTS, index, row))
+
+
+@compiled
+@no_type_check
+def _numbers(given):
+    """The record of an array."""
+    return Numbers(*to_fixed_tuple(carray(given, NUM_NUMBERS).astype(np.float64), NUM_NUMBERS))

@@ -1,0 +1,128 @@
+"""What has come to rest sleeps: it is not stepped until something that is awake touches it.
+
+A mobile sleeps if its speeds and accelerations are exactly zero, so the state needs no flag. It falls asleep after a
+control step in which it hardly moved, together with all that it touches. It wakes when an agent or something fast comes
+near; what touches a sleeper all the same meets it as if it were fixed, for one physics step: then it is awake.
+"""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from typing import no_type_check
+
+from numba import njit
+
+from home_mjx.core.native.memory import shifted
+from home_mjx.physics.base.state import AWAKE
+from home_mjx.physics.numba.contacts import apart, spheres_meet
+from home_mjx.physics.numba.data.limits import FREE
+from home_mjx.physics.numba.data.work import dofs
+
+WAKE_NEAR = 0.01  # [m]
+
+compiled = njit(error_model="numpy")
+
+
+@compiled
+@no_type_check
+def find_sleepers(work, numbers, held, goal):
+    """Tells which mobiles sleep, from their state, and which of the others may come to rest."""
+    for m in range(work.num_mobiles):
+        work.used[m], work.wakes[m] = work.there[m], 0
+        work.calm[m] = 1 if m >= work.num_agents and numbers.sleep > 0 else 0
+    for a in range(work.num_agents):
+        if held[a] >= 0:
+            work.calm[work.num_agents + held[a]] = 0
+    for m in range(work.num_free, work.num_mobiles):
+        if abs(goal[m - work.num_free]) < FREE:
+            work.calm[m] = 0
+    for m in range(work.num_agents, work.num_mobiles):
+        if work.calm[m] and _stands_still(work, m):
+            work.used[m] = 0
+
+
+@compiled
+@no_type_check
+def _stands_still(work, m):
+    moves = False
+    for k in range(dofs(work, m)):
+        moves |= work.vel[6 * m + k] != 0 or work.acc[6 * m + k] != 0
+    return not moves
+
+
+@compiled
+@no_type_check
+def _wake(work, m):
+    work.used[m], work.calm[m], work.wakes[m] = 1, 0, 0
+    work.acc[6 * m + (2 if m < work.num_free else 0)] = -AWAKE
+
+
+@compiled
+@no_type_check
+def wake_touched(work):
+    """Wakes what was touched."""
+    for m in range(work.num_agents, work.num_mobiles):
+        if work.wakes[m]:
+            _wake(work, m)
+
+
+@compiled
+@no_type_check
+def wake_near(work, numbers):
+    """Before a physics step: wakes what agents and fast mobiles may touch in it."""
+    for m in range(work.num_mobiles):
+        if work.used[m] and (m < work.num_agents or not work.calm[m]):
+            speed = shifted(work.vel, 6 * m)
+            if m < work.num_free:
+                fast = _length(speed, 0) + _length(speed, 3) * work.radius[m]
+            else:
+                fast = 2 * abs(speed[0]) * work.radius[m]
+            reach = WAKE_NEAR + 2 * numbers.sim_dt * fast
+            for other in range(work.num_agents, work.num_mobiles):
+                sleeps = work.there[other] and not work.used[other] and (m < work.num_free or other < work.num_free)
+                if sleeps and _comes_near(work, m, other, reach):
+                    work.wakes[other] = 1
+    wake_touched(work)
+
+
+@compiled
+@no_type_check
+def _comes_near(work, m, other, reach):
+    pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
+    return spheres_meet(work, m, other, reach) and not apart(work, m, pos, rot, half, reach)
+
+
+@compiled
+@no_type_check
+def note_moves(work, numbers):
+    """After a physics step: what moves is not calm."""
+    for m in range(work.num_agents, work.num_mobiles):
+        if work.used[m] and work.calm[m]:
+            speed, acceleration = shifted(work.vel, 6 * m), shifted(work.acc, 6 * m)
+            if m < work.num_free:
+                fast = _length(speed, 0) > numbers.rest_speed or _length(speed, 3) > numbers.rest_spin
+                pulled = _length(acceleration, 0) > numbers.rest_pull
+            else:
+                fast, pulled = abs(speed[0]) > numbers.rest_spin, False
+            if fast or pulled:
+                work.calm[m] = 0
+
+
+@compiled
+@no_type_check
+def _length(values, first):
+    square = 0.0
+    for k in range(3):
+        square += values[first + k] * values[first + k]
+    return square**0.5
+
+
+@compiled
+@no_type_check
+def fall_asleep(work):
+    """After a control step: islands whose mobiles all are calm sleep."""
+    for m in range(work.num_mobiles):
+        if work.used[m] and not work.calm[m]:
+            work.wakes[work.island[m]] = 1
+    for m in range(work.num_agents, work.num_mobiles):
+        if work.used[m] and not work.wakes[work.island[m]]:
+            for k in range(6):
+                work.vel[6 * m + k] = work.acc[6 * m + k] = 0.0

@@ -1,0 +1,292 @@
+"""MuJoCo's convex problem, solved exactly, island by island.
+
+Minimised over the accelerations: 1/2 (a - smooth)' M (a - smooth) + sum over rows of 1/2 weight min(0, J a - target)^2.
+Newton's method finds the minimum of a function that is quadratic in pieces: a full step after which the same rows
+push is the end. M is diagonal here, and mobiles that do not touch one another are independent problems.
+
+Sources: E. Todorov, "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014; MuJoCo's
+documentation, "Computation", section "Constraint solver".
+"""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from math import sqrt
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from home_mjx.core.native.memory import shifted
+from home_mjx.physics.numba.constraint import contact_velocity, edge_value, num_rows
+from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, dofs
+
+ENOUGH = 1e-9  # of the slope of the cost that a line search leaves, against that at its start
+LINE_STEPS = 40
+SOLVED = 1e-22  # of the cost's scale: what Newton's step would still gain, as the square of an error of 1e-11
+SMALLEST = 1e-12  # of a pivot, against the mass
+
+compiled = njit(error_model="numpy")
+
+
+@compiled
+@no_type_check
+def solve(work, numbers):
+    """Replaces `acc`, the guess, by the accelerations under contact."""
+    work.counts[NEWTON_STEPS] = 0
+    _find_islands(work)
+    count = work.counts[NUM_CONTACTS]
+    for root in range(work.num_mobiles):
+        if work.used[root] and work.island[root] == root:
+            members, size = _members(work, root)
+            rows = 0
+            for n in range(count):
+                if work.island[work.first[n]] == root:
+                    work.rows[rows] = n
+                    rows += 1
+            if rows:
+                _newton(work, members, rows, size, int(numbers.iterations))
+            else:
+                for k in range(6):
+                    work.acc[6 * root + k] = work.smooth[6 * root + k]
+
+
+@compiled
+@no_type_check
+def _find_islands(work):
+    """Gives each mobile the first mobile of those that it touches, directly or through others."""
+    for m in range(work.num_mobiles):
+        work.island[m] = m
+    for n in range(work.counts[NUM_CONTACTS]):
+        if work.second[n] >= 0:
+            a, b = _root(work, work.first[n]), _root(work, work.second[n])
+            work.island[max(a, b)] = min(a, b)
+    for m in range(work.num_mobiles):
+        work.island[m] = _root(work, m)
+
+
+@compiled
+@no_type_check
+def _root(work, m):
+    while work.island[m] != m:
+        m = work.island[m]
+    return m
+
+
+@compiled
+@no_type_check
+def _members(work, root):
+    """Lists an island's mobiles and places their numbers one after the other; their count and that of the numbers."""
+    members, size = 0, 0
+    for m in range(root, work.num_mobiles):
+        if work.used[m] and work.island[m] == root:
+            work.members[members] = m
+            work.offset[m] = size
+            members += 1
+            size += dofs(work, m)
+    return members, size
+
+
+@compiled
+@no_type_check
+def _newton(work, members, rows, size, iterations):
+    full = False
+    for _ in range(iterations):
+        work.counts[NEWTON_STEPS] += 1
+        changed = _residuals(work, rows)
+        if full and not changed:
+            return
+        _assemble(work, members, rows, size)
+        _factorise(work.hessian, size)
+        _back_substitute(work.hessian, work.gradient, work.search, size)
+        length = _line_search(work, members, rows)
+        full = length == 1.0
+        for i in range(members):
+            m = work.members[i]
+            for k in range(dofs(work, m)):
+                work.acc[6 * m + k] += length * work.search[work.offset[m] + k]
+        if length == 0.0:
+            return
+
+
+@compiled
+@no_type_check
+def _residuals(work, rows):
+    """Of all rows of an island: J a - target, and which push; whether others do than before."""
+    changed = False
+    for i in range(rows):
+        n = work.rows[i]
+        friction = work.friction[n]
+        normal, first, second = contact_velocity(work, n, work.acc)
+        active = 0
+        for row in range(num_rows(friction)):
+            value = edge_value(row, friction, normal, first, second) - work.target[4 * n + row]
+            work.residual[4 * n + row] = value
+            if value < 0:
+                active |= 1 << row
+        changed |= active != work.active[n]
+        work.active[n] = active
+    return changed
+
+
+@compiled
+@no_type_check
+def _assemble(work, members, rows, size):
+    """Gradient and Hessian of the cost; of the Hessian the lower triangle."""
+    hessian, gradient = work.hessian, work.gradient
+    for i in range(size):
+        for j in range(i + 1):
+            hessian[size * i + j] = 0.0
+    for i in range(members):
+        m = work.members[i]
+        for k in range(dofs(work, m)):
+            at = work.offset[m] + k
+            hessian[size * at + at] = work.mass[6 * m + k]
+            gradient[at] = work.mass[6 * m + k] * (work.acc[6 * m + k] - work.smooth[6 * m + k])
+    for i in range(rows):
+        n = work.rows[i]
+        if work.active[n]:
+            _add_contact(work, n, size)
+
+
+@compiled
+@no_type_check
+def _add_contact(work, n, size):
+    """Adds a contact's force to the gradient and its stiffness to the Hessian."""
+    weight, friction, active = work.weight[n], work.friction[n], work.active[n]
+    f0 = f1 = f2 = w00 = w01 = w02 = w11 = w22 = 0.0
+    for row in range(num_rows(friction)):
+        if active & (1 << row):
+            edge = friction if row % 2 == 0 else -friction
+            force = weight * work.residual[4 * n + row]
+            f0 += force
+            w00 += weight
+            if row < 2:
+                f1, w01, w11 = f1 + force * edge, w01 + weight * edge, w11 + weight * edge * edge
+            else:
+                f2, w02, w22 = f2 + force * edge, w02 + weight * edge, w22 + weight * edge * edge
+    hessian, gradient = work.hessian, work.gradient
+    for side in range(2):
+        m = work.first[n] if side == 0 else work.second[n]
+        if m < 0:
+            continue
+        own = shifted(work.jacobian, 36 * n + 18 * side)
+        for i in range(dofs(work, m)):
+            row = work.offset[m] + i
+            x, y, z = own[i], own[6 + i], own[12 + i]
+            gradient[row] += x * f0 + y * f1 + z * f2
+            u, v, w = w00 * x + w01 * y + w02 * z, w01 * x + w11 * y, w02 * x + w22 * z
+            # The first mobile of a contact comes first in its island, too: this is the lower triangle.
+            for other in range(side + 1):
+                by = work.first[n] if other == 0 else m
+                jacobian = shifted(work.jacobian, 36 * n + 18 * other)
+                for j in range(i + 1 if other == side else dofs(work, by)):
+                    column = work.offset[by] + j
+                    hessian[size * row + column] += u * jacobian[j] + v * jacobian[6 + j] + w * jacobian[12 + j]
+
+
+@compiled
+@no_type_check
+def _factorise(matrix, size):
+    """Cholesky factor of a symmetric matrix, in place of its lower triangle."""
+    for j in range(size):
+        pivot = matrix[size * j + j]
+        for k in range(j):
+            pivot -= matrix[size * j + k] * matrix[size * j + k]
+        pivot = sqrt(max(pivot, SMALLEST))
+        matrix[size * j + j] = pivot
+        for i in range(j + 1, size):
+            value = matrix[size * i + j]
+            for k in range(j):
+                value -= matrix[size * i + k] * matrix[size * j + k]
+            matrix[size * i + j] = value / pivot
+
+
+@compiled
+@no_type_check
+def _back_substitute(factor, gradient, search, size):
+    """Newton's direction: minus the inverse Hessian times the gradient."""
+    for i in range(size):
+        value = -gradient[i]
+        for k in range(i):
+            value -= factor[size * i + k] * search[k]
+        search[i] = value / factor[size * i + i]
+    for i in range(size - 1, -1, -1):
+        value = search[i]
+        for k in range(i + 1, size):
+            value -= factor[size * k + i] * search[k]
+        search[i] = value / factor[size * i + i]
+
+
+@compiled
+@no_type_check
+def _line_search(work, members, rows):
+    """The step along `search` that minimises the cost; exactly 1 if that is the minimum of its piece."""
+    start, curve, scale = _along_mobiles(work, members)
+    _slopes(work, rows)
+    before, _ = _derivatives(work, rows, start, curve, 0.0)
+    if not before < -SOLVED * scale:
+        return 0.0
+    low, high, length = 0.0, np.inf, 1.0
+    for _ in range(LINE_STEPS):
+        slope, bend = _derivatives(work, rows, start, curve, length)
+        if abs(slope) <= -ENOUGH * before:
+            return length
+        if slope < 0:
+            low = length
+        else:
+            high = length
+        length -= slope / bend
+        if length <= low or length >= high:
+            length = (low + high) / 2 if high < np.inf else 2 * low
+    return length
+
+
+@compiled
+@no_type_check
+def _along_mobiles(work, members):
+    """Slope at 0 and curvature of the cost's first part along `search`; and the cost's scale."""
+    start, curve, scale = 0.0, 0.0, 0.0
+    for i in range(members):
+        m = work.members[i]
+        for k in range(dofs(work, m)):
+            step = work.search[work.offset[m] + k]
+            start += work.mass[6 * m + k] * (work.acc[6 * m + k] - work.smooth[6 * m + k]) * step
+            curve += work.mass[6 * m + k] * step * step
+            guess, free = work.acc[6 * m + k], work.smooth[6 * m + k]
+            scale += work.mass[6 * m + k] * (guess * guess + free * free)
+    return start, curve, scale
+
+
+@compiled
+@no_type_check
+def _slopes(work, rows):
+    """Of the rows' residuals along `search`."""
+    for i in range(rows):
+        n = work.rows[i]
+        x = y = z = 0.0
+        for side in range(2):
+            m = work.first[n] if side == 0 else work.second[n]
+            if m >= 0:
+                jacobian = shifted(work.jacobian, 36 * n + 18 * side)
+                for k in range(dofs(work, m)):
+                    step = work.search[work.offset[m] + k]
+                    x, y, z = x + jacobian[k] * step, y + jacobian[6 + k] * step, z + jacobian[12 + k] * step
+        friction = work.friction[n]
+        for row in range(num_rows(friction)):
+            work.slope[4 * n + row] = edge_value(row, friction, x, y, z)
+
+
+@compiled
+@no_type_check
+def _derivatives(work, rows, start, curve, length):
+    """First and second derivative of the cost at `length` along `search`."""
+    slope, bend = start + length * curve, curve
+    for i in range(rows):
+        n = work.rows[i]
+        weight = work.weight[n]
+        for row in range(num_rows(work.friction[n])):
+            rate = work.slope[4 * n + row]
+            value = work.residual[4 * n + row] + length * rate
+            if value < 0:
+                slope += weight * value * rate
+                bend += weight * rate * rate
+    return slope, bend

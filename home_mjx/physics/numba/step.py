@@ -1,0 +1,266 @@
+"""One control step of one environment: forces, contacts, solver, motion, as often as a step has physics steps."""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from math import sqrt
+from typing import no_type_check
+
+from numba import njit
+
+from home_mjx.core.native.memory import shifted
+from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
+from home_mjx.physics.numba.contacts import find_contacts, forget_near
+from home_mjx.physics.numba.data.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, SLEEPER, SURFACE_COLUMNS
+from home_mjx.physics.numba.data.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
+from home_mjx.physics.numba.forces import drive_mobiles
+from home_mjx.physics.numba.motion import move_mobiles, place_mobiles, rotation
+from home_mjx.physics.numba.sleep import fall_asleep, find_sleepers, note_moves, wake_near, wake_touched
+from home_mjx.physics.numba.solver import solve
+
+compiled = njit(error_model="numpy")
+
+
+@compiled
+@no_type_check
+def load_house(work, static, bodies, door):
+    """Takes a house's numbers; negative half extents: no box, no door.
+
+    Args:
+        work: Arrays, see `work.Work`.
+        static: Position, quaternion and half extents of its static boxes.
+        bodies: Validity, half extents, mass, inertia and `reference_surfaces` of its movable bodies.
+        door: Its row of `door_table`.
+    """
+    collider_pos, collider_quat, collider_half = static
+    body_valid, body_size, body_mass, body_inertia, body_surface = bodies
+    for i in range(3 * work.num_static):
+        work.static_pos[i] = collider_pos[i]
+        work.static_half[i] = collider_half[i]
+    for c in range(work.num_static):
+        if collider_half[3 * c] >= 0:
+            rotation(shifted(collider_quat, 4 * c), shifted(work.static_rot, 9 * c))
+    for m in range(work.num_agents, work.num_free):
+        b = m - work.num_agents
+        work.there[m] = 1 if body_valid[b] else 0
+        square = 0.0
+        for k in range(3):
+            work.half[3 * m + k] = body_size[3 * b + k]
+            square += work.half[3 * m + k] * work.half[3 * m + k]
+            work.mass[6 * m + k] = body_mass[b]
+            work.mass[6 * m + 3 + k] = body_inertia[3 * b + k]
+        work.radius[m], work.inverse[m] = sqrt(square), 1 / work.mass[6 * m]
+        for k in range(SURFACE_COLUMNS):
+            work.surface[SURFACE_COLUMNS * m + k] = body_surface[SURFACE_COLUMNS * b + k]
+    for i in range(DOOR_COLUMNS * (work.num_mobiles - work.num_free)):
+        work.door[i] = door[i]
+    for m in range(work.num_free, work.num_mobiles):
+        _load_door(work, m, shifted(door, DOOR_COLUMNS * (m - work.num_free)))
+
+
+@compiled
+@no_type_check
+def scale_bodies(work, mass, inertia, surface, scale):
+    """Takes an environment's factors of the friction and the mass of its house's bodies, see `load_house`."""
+    for m in range(work.num_agents, work.num_free):
+        b = m - work.num_agents
+        for k in range(3):
+            work.mass[6 * m + k] = mass[b] * scale[1]
+            work.mass[6 * m + 3 + k] = inertia[3 * b + k] * scale[1]
+        work.inverse[m] = 1 / work.mass[6 * m]
+        work.surface[SURFACE_COLUMNS * m] = surface[SURFACE_COLUMNS * b] * scale[0]
+
+
+@compiled
+@no_type_check
+def _load_door(work, m, door):
+    """A door's leaf; see `doors.door_table`."""
+    work.there[m] = 1 if door[6] >= 0 else 0
+    square = 0.0
+    for k in range(3):
+        work.half[3 * m + k] = door[6 + k]
+        square += door[6 + k] * door[6 + k]
+    work.mass[6 * m], work.inverse[m], work.radius[m] = door[9], door[10], sqrt(square)
+
+
+@compiled
+@no_type_check
+def load_agents(work, table):
+    """Takes the agents' sizes and masses; see `control.agent_table`."""
+    for i in range(AGENT_COLUMNS * work.num_agents):
+        work.agent[i] = table[i]
+    for a in range(work.num_agents):
+        radius, length, mass, yaw_inertia = (
+            table[AGENT_COLUMNS * a],
+            table[AGENT_COLUMNS * a + 1],
+            table[AGENT_COLUMNS * a + 2],
+            table[AGENT_COLUMNS * a + 3],
+        )
+        work.there[a] = 1
+        work.half[3 * a] = work.half[3 * a + 1] = radius
+        work.half[3 * a + 2] = work.radius[a] = radius + length
+        work.inverse[a] = 1 / mass
+        for k in range(3):
+            work.mass[6 * a + k] = mass
+            work.mass[6 * a + 3 + k] = yaw_inertia
+
+
+@compiled
+@no_type_check
+def step_env(work, numbers, ground, state, control, result, report):
+    """Steps one environment; the house's and agents' numbers are in `work`.
+
+    Args:
+        work: Arrays, see `work.Work`.
+        numbers: See `numbers.Numbers`.
+        ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and how many these are.
+        state: qpos, qvel and the last accelerations, flat as in the template.
+        control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).
+        result: The state after, like `state`.
+        report: What happened: contacts of each agent with anything but the floor (a), the most of all physics steps;
+            whether static boxes, and contact points, were left out (2); of each mobile's contacts the impulse of all
+            [N s] and the place of the strongest [m] (m, 4), and what this was with (m), see `limits`.
+    """
+    floor, ramp, num_ramps = ground
+    qpos, qvel, qacc = state
+    touched, lost, push, other = report
+    _load(work, qpos, qvel, qacc)
+    forget_near(work)
+    work.counts[LOST_STATIC] = work.counts[LOST_POINTS] = 0
+    _start_report(work, touched, push, other)
+    find_sleepers(work, numbers, control[1], control[3])
+    for substep in range(int(numbers.substeps)):
+        place_mobiles(work, substep == 0)
+        wake_near(work, numbers)
+        drive_mobiles(work, numbers, control, ramp, num_ramps)
+        find_contacts(work, numbers, floor)
+        make_rows(work, numbers)
+        solve(work, numbers)
+        move_mobiles(work, numbers)
+        _count_touched(work, touched)
+        _note_pushes(work, numbers, push, other)
+        note_moves(work, numbers)
+        wake_touched(work)
+    fall_asleep(work)
+    _store(work, qpos, result)
+    lost[0], lost[1] = work.counts[LOST_STATIC], work.counts[LOST_POINTS]
+
+
+@compiled
+@no_type_check
+def _load(work, qpos, qvel, qacc):
+    for a in range(work.num_agents):
+        for k in range(3):
+            work.pos[3 * a + k], work.vel[6 * a + k], work.acc[6 * a + k] = (
+                qpos[4 * a + k],
+                qvel[4 * a + k],
+                qacc[4 * a + k],
+            )
+        for k in range(3):  # whatever the environment before has left, such as what is no number
+            work.vel[6 * a + 3 + k] = work.acc[6 * a + 3 + k] = 0.0
+        work.quat[4 * a], work.vel[6 * a + 5] = qpos[4 * a + 3], qvel[4 * a + 3]
+    for m in range(work.num_agents, work.num_free):
+        q, v = 4 * work.num_agents + 7 * (m - work.num_agents), 4 * work.num_agents + 6 * (m - work.num_agents)
+        square = 0.0
+        for k in range(4):
+            work.quat[4 * m + k] = qpos[q + 3 + k]
+            square += work.quat[4 * m + k] * work.quat[4 * m + k]
+        for k in range(4):
+            work.quat[4 * m + k] /= sqrt(square)
+        for k in range(3):
+            work.pos[3 * m + k] = qpos[q + k]
+        for k in range(6):
+            work.vel[6 * m + k], work.acc[6 * m + k] = qvel[v + k], qacc[v + k]
+    bodies = work.num_free - work.num_agents
+    q, v = 4 * work.num_agents + 7 * bodies, 4 * work.num_agents + 6 * bodies
+    for h in range(work.num_mobiles - work.num_free):
+        m = work.num_free + h
+        for k in range(1, 6):
+            work.vel[6 * m + k] = work.acc[6 * m + k] = 0.0
+        work.quat[4 * m], work.vel[6 * m], work.acc[6 * m] = qpos[q + h], qvel[v + h], qacc[v + h]
+
+
+@compiled
+@no_type_check
+def _store(work, before, result):
+    qpos, qvel, qacc = result
+    for a in range(work.num_agents):
+        for k in range(3):
+            qpos[4 * a + k], qvel[4 * a + k], qacc[4 * a + k] = (
+                work.pos[3 * a + k],
+                work.vel[6 * a + k],
+                work.acc[6 * a + k],
+            )
+        qpos[4 * a + 3], qvel[4 * a + 3], qacc[4 * a + 3] = work.quat[4 * a], work.vel[6 * a + 5], work.acc[6 * a + 5]
+    for m in range(work.num_agents, work.num_free):
+        q, v = 4 * work.num_agents + 7 * (m - work.num_agents), 4 * work.num_agents + 6 * (m - work.num_agents)
+        used = work.used[m]
+        for k in range(3):
+            qpos[q + k] = work.pos[3 * m + k] if used else before[q + k]
+        for k in range(4):
+            qpos[q + 3 + k] = work.quat[4 * m + k] if used else before[q + 3 + k]
+        for k in range(6):
+            qvel[v + k] = work.vel[6 * m + k] if used else 0.0
+            qacc[v + k] = work.acc[6 * m + k] if used else 0.0
+    bodies = work.num_free - work.num_agents
+    q, v = 4 * work.num_agents + 7 * bodies, 4 * work.num_agents + 6 * bodies
+    for h in range(work.num_mobiles - work.num_free):
+        m = work.num_free + h
+        qpos[q + h] = work.quat[4 * m] if work.used[m] else before[q + h]
+        qvel[v + h] = work.vel[6 * m] if work.used[m] else 0.0
+        qacc[v + h] = work.acc[6 * m] if work.used[m] else 0.0
+
+
+@compiled
+@no_type_check
+def _start_report(work, touched, push, other):
+    for a in range(work.num_agents):
+        touched[a] = 0
+    for m in range(work.num_mobiles):
+        work.push[2 * m] = work.push[2 * m + 1] = 0.0
+        other[m] = LIMIT
+        for k in range(4):
+            push[4 * m + k] = 0.0
+
+
+@compiled
+@no_type_check
+def _count_touched(work, touched):
+    for a in range(work.num_agents):
+        count = 0
+        for n in range(work.counts[NUM_CONTACTS]):
+            if work.second[n] != FLOOR and (work.first[n] == a or work.second[n] == a):
+                count += 1
+        touched[a] = max(touched[a], count)
+
+
+@compiled
+@no_type_check
+def _note_pushes(work, numbers, push, other):
+    """Adds the impulses of a physics step, and keeps the strongest."""
+    for n in range(work.counts[NUM_CONTACTS]):
+        a, b = work.first[n], work.second[n]
+        impulse = _impulse(work, numbers, n)
+        if b == LIMIT or impulse == 0:
+            continue
+        for side in range(2):
+            m, partner = (a, SLEEPER - b if b <= SLEEPER else b) if side == 0 else (b, a)
+            if m < 0:
+                continue
+            work.push[2 * m] += impulse
+            push[4 * m] = work.push[2 * m]
+            if impulse > work.push[2 * m + 1]:
+                work.push[2 * m + 1] = impulse
+                other[m] = partner
+                for k in range(3):
+                    push[4 * m + 1 + k] = work.place[4 * n + k]
+
+
+@compiled
+@no_type_check
+def _impulse(work, numbers, n):
+    """Of a contact along its normal, at the accelerations that were found [N s]."""
+    friction, force = work.friction[n], 0.0
+    normal, first, second = contact_velocity(work, n, work.acc)
+    for row in range(num_rows(friction)):
+        value = edge_value(row, friction, normal, first, second) - work.target[4 * n + row]
+        force -= work.weight[n] * min(value, 0.0)
+    return force * numbers.sim_dt

@@ -1,0 +1,44 @@
+"""The executors, all with one signature over the same arrays, and the choice among them."""
+
+import functools
+from collections.abc import Callable
+
+from jaxtyping import Array, Int
+
+from home_mjx.bank.records import Geometry
+from home_mjx.core.checks import check_known
+from home_mjx.core.native.platforms import choose
+from home_mjx.raycast_render.backends.cpu import cast_cpu, cpu_available
+from home_mjx.raycast_render.backends.cuda import cast_cuda, cuda_available
+from home_mjx.raycast_render.backends.xla import cast_xla
+from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
+
+Executor = Callable[[Geometry, Array, Moving, Rays, Query], RawHit]
+"""(geometry, house (e), moving (e ...), rays (e r ...), query) -> hits (e r), or (e r steps).
+
+Ray [e, r] belongs to environment e.
+"""
+
+
+def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
+    """The best executor of the platform that the program is lowered for."""
+    branches = {name: functools.partial(cast, query=query) for name, cast in _special().items()}
+    return choose(functools.partial(cast_xla, query=query), branches, geometry, house, moving, rays)
+
+
+def _special() -> dict[str, Callable[..., RawHit]]:
+    cpu = {"cpu": cast_cpu} if cpu_available() else {}
+    return cpu | ({"cuda": cast_cuda} if cuda_available() else {})
+
+
+EXECUTORS: dict[str | None, Executor] = {None: cast_auto, "xla": cast_xla, "cpu": cast_cpu, "cuda": cast_cuda}
+
+
+def find_executor(name: str | None) -> Executor:
+    """The executor of that name; None: by platform.
+
+    Raises:
+        ConfigError: There is no such executor.
+    """
+    check_known("executor", [] if name is None else [name], [n for n in EXECUTORS if n])
+    return EXECUTORS[name]

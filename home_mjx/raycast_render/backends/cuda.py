@@ -1,0 +1,134 @@
+"""The `cuda` executor: `cast.cu`, compiled for this GPU and called by XLA. Compiled and tested on first use."""
+
+import functools
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Int
+
+from home_mjx.bank.records import Geometry
+from home_mjx.bank.records.gpu_geometry import gpu_geometry, middles, records
+from home_mjx.core.native.platforms import PTX_TARGET, devices_of, problem_of, ptx_for_all, works
+from home_mjx.core.native.sharding import varying_false
+from home_mjx.errors import ExecutorError
+from home_mjx.raycast_render.backends.probe import probe
+from home_mjx.raycast_render.scene.constants import MISS
+from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Query, RawHit, Rays
+
+TARGET = PTX_TARGET
+SOURCE = Path(__file__).with_name("cast.cu")
+WARP = 32
+BLOCK = 64  # threads, as in cast.cu
+TILE = (8, 4)  # pixels in a row and rows that a warp casts, as in cast.cu
+MAX_GRID = 65535  # blocks along the second and third axis
+
+
+def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
+    """Casts rays of shape (environments, rays per environment); see `executors.Executor`.
+
+    Raises:
+        ExecutorError: It does not work here.
+    """
+    problem = cuda_problem()
+    if problem:
+        raise ExecutorError(f"the `cuda` executor does not work here: {problem}", hint="Use executor='xla'.")
+    return _call(geometry, house, moving, rays, query)
+
+
+@functools.cache
+def cuda_available() -> bool:
+    """Whether the `cuda` executor works here; warns once if there is an NVIDIA GPU and it does not."""
+    return works("cuda", cuda_problem(), "rays are cast by the slower `xla` executor")
+
+
+@functools.cache
+def cuda_problem() -> str | None:
+    """Why the executor cannot be used; None if it works. The first call compiles and tests it."""
+    return problem_of("cuda", _start)
+
+
+@functools.cache
+def kernels() -> str:
+    """PTX that all GPUs of this process can run."""
+    return ptx_for_all(SOURCE)
+
+
+def _start() -> str | None:
+    with jax.default_device(devices_of("cuda")[0]):
+        return probe(_call)
+
+
+def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Query) -> RawHit:
+    shape = (*rays.shape, query.steps) if query.steps else rays.shape
+    floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
+    results = (ints,) if query.any_hit else (floats, ints, ints, floats, floats, jax.ShapeDtypeStruct(shape, jnp.bool_))
+    if 0 in shape:
+        hits = tuple(jnp.zeros(x.shape, x.dtype) for x in results)
+    else:
+        name = "cast_any" if query.any_hit else "cast_through" if query.steps else "cast_closest"
+        call = jax.ffi.ffi_call(TARGET, results)
+        hits = call(*operands(geometry, house, moving, rays, query), **_launch(name, rays))
+    never = varying_false(house, moving, rays)
+    hits = [jnp.where(never, jnp.zeros_like(x), x) for x in hits]
+    return _any(hits[0]) if query.any_hit else RawHit(*hits)
+
+
+def _any(instance: Int[Array, "e r"]) -> RawHit:
+    """The result of a cast for any hit: only whether there is one."""
+    zero = jnp.zeros_like(instance, jnp.float32)
+    return RawHit(jnp.where(instance < 0, MISS, zero), instance, jnp.minimum(instance, 0), zero, zero, zero > 0)
+
+
+def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Query = CLOSEST) -> tuple[Array, ...]:
+    """The arrays that the kernels read, in their order."""
+    gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
+    low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
+    low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
+    root = geometry.model_root[jnp.maximum(moving.model, 0)]
+    fields = (rays.origin, rays.direction, rays.t_min, rays.t_max, rays.exclude, rays.mask)
+    own = (int(x.shape[1] == rays.shape[1]) for x in fields)  # one value per ray, or one per environment
+    tiled = tile_width(rays.shape[1], rays.width)
+    rows = (x.shape[0] for x in (gpu.node, gpu.triangle, geometry.material_mask, geometry.house_root))
+    walk = query.steps, int(np.float32(query.skin).view(np.int32))
+    size = (*rays.shape, gpu.instance.shape[1], moving.instance.shape[1], tiled, *own, *rows, *walk)
+    return (
+        gpu.node,
+        gpu.triangle,
+        geometry.material_mask.astype(jnp.int32),
+        gpu.instance,
+        records(moving.inverse, root, moving.instance, moving.object_id, moving.material),
+        middles(low, high),
+        geometry.house_root.astype(jnp.int32),
+        house.astype(jnp.int32),
+        *(x.astype(jnp.float32) for x in fields[:4]),
+        *(x.astype(jnp.int32) for x in fields[4:]),
+        _constants(size, jnp.int32),
+    )
+
+
+def _constants(values: tuple, dtype: Any) -> Array:
+    """An array made inside the program: a partitioned function may not capture arrays."""
+    return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
+
+
+def tile_width(count: int, width: int) -> int:
+    """Length of the image rows that warps take tiles of; 0 if `count` rays are no such rows, or too short ones."""
+    return width if width >= TILE[0] and count % width == 0 else 0
+
+
+def grid(environments: int, count: int, width: int) -> tuple[int, int, int]:
+    """Blocks for `count` rays per environment: those of one environment, then environments along two axes."""
+    width = tile_width(count, width)
+    warps = -(-width // TILE[0]) * -(-count // (width * TILE[1])) if width else -(-count // WARP)
+    return -(-warps * WARP // BLOCK), min(environments, MAX_GRID), -(-environments // MAX_GRID)
+
+
+def _launch(name: str, rays: Rays) -> dict[str, Any]:
+    names = "grid_x", "grid_y", "grid_z", "block_x", "block_y", "block_z", "shared_mem_bytes"
+    environments, count = rays.shape
+    sizes = (*grid(environments, count, rays.width), BLOCK, 1, 1, 0)
+    numbers = {name: np.int32(size) for name, size in zip(names, sizes, strict=True)}
+    return {"name": name, "kernel_type": "ptx", "kernel_data": kernels(), **numbers}

@@ -1,0 +1,126 @@
+"""The compiled loop as a handler that XLA calls directly: no Python, no interpreter lock, no copies."""
+# ruff: noqa: ANN001, ANN202  (Numba infers the types)
+
+from typing import Any, no_type_check
+
+import llvmlite.binding
+import numpy as np
+from numba import cfunc, njit, types
+
+from home_mjx.core.native import ffi
+from home_mjx.core.native import memory as native_memory
+from home_mjx.core.native import simd as lanes
+from home_mjx.core.native.memory import call, stack_of, symbol_address
+from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.raycast_render.backends.numba import intersect as native_intersect
+from home_mjx.raycast_render.backends.numba import packet as native_packet
+from home_mjx.raycast_render.backends.numba import traverse as native
+from home_mjx.raycast_render.scene import constants as limits
+
+ANY_HIT, WIDTH = 0, 1  # attributes, in the order of their names
+NUM_OPERANDS, NUM_RESULTS = 24, 6
+# Operands whose shapes tell how many rows there are
+NODE, TRIANGLE, MODEL, HOUSE, INSTANCE_MODEL, MATERIAL, MOVING_INSTANCE = 1, 2, 4, 5, 6, 10, 12
+NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY
+CHUNK = 16  # packets that a thread takes at once
+WORK, TASK = "home_mjx_cast_work", "home_mjx_cast_task"
+
+operand_words, result_words = stack_of(types.int64, NUM_OPERANDS), stack_of(types.int64, NUM_RESULTS)
+ray_words = stack_of(types.int64, NUM_RAY_FIELDS)
+work_address, task_address = symbol_address(WORK), symbol_address(TASK)
+compiled = njit(error_model="numpy")
+
+
+@with_checked_cache
+def build_handler() -> tuple[Any, Any, Any]:
+    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+
+    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    """
+    # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
+    parts: tuple[Any, ...] = (ffi, lanes, limits, native, native_intersect, native_memory, native_packet)
+    digest = ffi.digest(*(part.__file__ for part in parts))
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def work(job):
+        _ = digest
+        _work(job)
+        return 0
+
+    llvmlite.binding.add_symbol(WORK, work.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def task(job):
+        _ = digest
+        call(work_address(), job)
+        ffi.leave(job)
+        return 0
+
+    llvmlite.binding.add_symbol(TASK, task.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def handler(frame):
+        _ = digest
+        if ffi.wants_work(frame):
+            job = ffi.open_job(frame, -(-_num_packets(frame) // CHUNK), task_address())
+            call(work_address(), job)
+            ffi.close_job(job)
+        return 0
+
+    return work, task, handler
+
+
+@compiled
+@no_type_check
+def _work(job):
+    """Casts chunks until none is left."""
+    while True:
+        chunk = ffi.next_chunk(job)
+        if chunk < 0:
+            return
+        _cast_chunk(ffi.frame_of(job), chunk)
+        ffi.chunk_done(job)
+
+
+@compiled
+@no_type_check
+def _cast_chunk(frame, chunk):
+    operands, counts, results = operand_words(), ray_words(), result_words()
+    for i in range(NUM_OPERANDS):
+        operands[i] = ffi.data(frame, ffi.OPERANDS, i)
+    for i in range(NUM_RAY_FIELDS):
+        counts[i] = ffi.dim(frame, ffi.OPERANDS, native_packet.FIRST_RAY + i, 1)
+    for i in range(NUM_RESULTS):
+        results[i] = ffi.data(frame, ffi.RESULTS, i)
+    sizes, tiles, any_hit = _sizes(frame), _tiling(frame), ffi.attribute(frame, ANY_HIT) != 0
+    for packet in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _num_packets(frame))):
+        native.cast_packet(operands, counts, results, sizes, tiles, any_hit, packet)
+
+
+@compiled
+@no_type_check
+def _sizes(frame):
+    return native_packet.Sizes(
+        ffi.dim(frame, ffi.OPERANDS, NODE, 0),
+        ffi.dim(frame, ffi.OPERANDS, TRIANGLE, 0),
+        ffi.dim(frame, ffi.OPERANDS, MODEL, 0),
+        ffi.dim(frame, ffi.OPERANDS, HOUSE, 0),
+        ffi.dim(frame, ffi.OPERANDS, MATERIAL, 0),
+        ffi.dim(frame, ffi.OPERANDS, INSTANCE_MODEL, 1),
+        ffi.dim(frame, ffi.OPERANDS, MOVING_INSTANCE, 1),
+    )
+
+
+@compiled
+@no_type_check
+def _num_packets(frame):
+    return ffi.dim(frame, ffi.RESULTS, 0, 0) * _tiling(frame).packets
+
+
+@compiled
+@no_type_check
+def _tiling(frame):
+    return native_packet.tiling(ffi.dim(frame, ffi.RESULTS, 0, 1), np.int64(ffi.attribute(frame, WIDTH)))

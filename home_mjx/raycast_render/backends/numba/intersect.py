@@ -1,0 +1,187 @@
+"""Packets of rays against boxes and triangles, one ray in each lane, with the roundings of `xla` and `cuda`."""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from typing import Any, NamedTuple, no_type_check
+
+import numpy as np
+from numba import njit
+
+from home_mjx.core.native.simd import any_lane, greatest, least, magnitude, spread, where
+from home_mjx.raycast_render.scene import constants as limits
+
+# As float32, since Numba would otherwise compute in float64.
+FAR_SLACK, TINY = np.float32(limits.FAR_SLACK), np.float32(limits.TINY)
+ZERO, ONE, INF = np.float32(0), np.float32(1), np.float32(np.inf)
+
+Lane = Any  # a vector of `LANES` items
+compiled = njit(error_model="numpy", forceinline=True)
+
+
+class Ray(NamedTuple):
+    """The rays of a packet in one frame, with the inverse of their directions for boxes, and what they may hit."""
+
+    ox: Lane
+    oy: Lane
+    oz: Lane
+    dx: Lane
+    dy: Lane
+    dz: Lane
+    ix: Lane
+    iy: Lane
+    iz: Lane
+    t_min: Lane  # infinity in lanes without a ray
+    mask: Lane
+    any_hit: np.bool_
+
+
+class Instance(NamedTuple):
+    """One placed model."""
+
+    number: np.int32
+    model: np.int32
+    material: np.int32
+
+
+class Best(NamedTuple):
+    """The best hits so far."""
+
+    t: Lane
+    instance: Lane
+    triangle: Lane
+    u: Lane
+    v: Lane
+    front: Lane
+
+
+@compiled
+@no_type_check
+def slab(box, index, ray):
+    """Distance t at which the rays enter a box, at least t_min; infinity on a miss."""
+    at = 6 * index
+    x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
+    y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
+    z0, z1 = (box[at + 2] - ray.oz) * ray.iz, (box[at + 5] - ray.oz) * ray.iz
+    near = greatest(greatest(least(x0, x1), least(y0, y1)), greatest(least(z0, z1), ray.t_min))
+    far = least(least(greatest(x0, x1), greatest(y0, y1)), greatest(z0, z1)) * FAR_SLACK
+    return where(near <= far, near, INF)
+
+
+@compiled
+@no_type_check
+def prepare(rays, alive, any_hit):
+    """A packet as it was read, with a mask of the lanes that count."""
+    origin, direction = (rays.ox, rays.oy, rays.oz), (rays.dx, rays.dy, rays.dz)
+    return _ray(origin, direction, where(alive, rays.t_min, INF), rays.mask, any_hit)
+
+
+@compiled
+@no_type_check
+def _ray(origin, direction, t_min, mask, any_hit):
+    inverse = (_inverse(direction[0]), _inverse(direction[1]), _inverse(direction[2]))
+    return Ray(*origin, *direction, *inverse, t_min, mask, any_hit)
+
+
+@compiled
+@no_type_check
+def _inverse(x):
+    return ONE / where(magnitude(x) >= TINY, x, where(x >= ZERO, spread(TINY), -TINY))
+
+
+@compiled
+@no_type_check
+def into(inverse, index, ray, sees):
+    """The rays that see an instance in its frame."""
+    at = 12 * index
+    ox = inverse[at] * ray.ox + inverse[at + 1] * ray.oy + inverse[at + 2] * ray.oz + inverse[at + 3]
+    oy = inverse[at + 4] * ray.ox + inverse[at + 5] * ray.oy + inverse[at + 6] * ray.oz + inverse[at + 7]
+    oz = inverse[at + 8] * ray.ox + inverse[at + 9] * ray.oy + inverse[at + 10] * ray.oz + inverse[at + 11]
+    dx = inverse[at] * ray.dx + inverse[at + 1] * ray.dy + inverse[at + 2] * ray.dz
+    dy = inverse[at + 4] * ray.dx + inverse[at + 5] * ray.dy + inverse[at + 6] * ray.dz
+    dz = inverse[at + 8] * ray.dx + inverse[at + 9] * ray.dy + inverse[at + 10] * ray.dz
+    return _ray((ox, oy, oz), (dx, dy, dz), where(sees, ray.t_min, INF), ray.mask, ray.any_hit)
+
+
+class Shear(NamedTuple):
+    """Rays prepared for triangles: the axis along which each is longest becomes its z."""
+
+    along_x: Lane
+    along_y: Lane
+    ox: Lane
+    oy: Lane
+    oz: Lane
+    dx: Lane
+    dy: Lane
+    iz: Lane
+
+
+@compiled
+@no_type_check
+def shear_of(ray):
+    """Values of the rays in this frame that triangle tests need."""
+    x, y, z = magnitude(ray.dx), magnitude(ray.dy), magnitude(ray.dz)
+    along_x = (x >= y) & (x >= z)
+    along_y = ~along_x & (y >= z)
+    ox, oy, oz = _turn(along_x, along_y, ray.ox, ray.oy, ray.oz)
+    dx, dy, dz = _turn(along_x, along_y, ray.dx, ray.dy, ray.dz)
+    return Shear(along_x, along_y, ox, oy, oz, dx, dy, ONE / dz)
+
+
+@compiled
+@no_type_check
+def _turn(along_x, along_y, x, y, z):
+    """Turns the axes cyclically so that the longest one becomes z."""
+    return (
+        where(along_x, y, where(along_y, z, x)),
+        where(along_x, z, where(along_y, x, y)),
+        where(along_x, x, where(along_y, y, z)),
+    )
+
+
+@compiled
+@no_type_check
+def _corner(triangle, at, shear):
+    """A corner, sheared so that the rays run along z through the origin; z counts in units of t."""
+    px, py, pz = _turn(
+        shear.along_x, shear.along_y, spread(triangle[at]), spread(triangle[at + 1]), spread(triangle[at + 2])
+    )
+    z = (pz - shear.oz) * shear.iz
+    x = (px - shear.ox) - shear.dx * z
+    return x, (py - shear.oy) - shear.dy * z, z
+
+
+@compiled
+@no_type_check
+def test(world, instance, triangle, ray, shear, reaches, best):
+    """The best hits after one triangle, which only some rays may test."""
+    at = 9 * np.int64(triangle)
+    ax, ay, az = _corner(world.triangle, at, shear)
+    bx, by, bz = _corner(world.triangle, at + 3, shear)
+    cx, cy, cz = _corner(world.triangle, at + 6, shear)
+    # Edge functions; their signs come from comparing the products, which no multiply-add can spoil.
+    u0, u1, v0, v1, w0, w1 = cx * by, cy * bx, ax * cy, ay * cx, bx * ay, by * ax
+    positive = (u0 >= u1) & (v0 >= v1) & (w0 >= w1)
+    meets = reaches & (positive | ((u0 <= u1) & (v0 <= v1) & (w0 <= w1)))
+    if not any_lane(meets):
+        return best
+    u, v, w = u0 - u1, v0 - v1, w0 - w1
+    total = u + v + w
+    t = (u * az + v * bz + w * cz) / total
+    # Equal distances go to the lower instance and triangle, so that the order of traversal does not matter.
+    number = instance.number
+    same = best.instance == number
+    lower = (same & (best.triangle > triangle)) | (best.instance > number) | (best.instance < np.int32(0))
+    row = np.int64(instance.material) + np.int64(world.triangle_slot[triangle])
+    stops = world.material_mask[min(max(row, np.int64(0)), world.sizes.materials - 1)]
+    wins = meets & ~(total == ZERO) & (t >= ray.t_min) & ((t < best.t) | ((t == best.t) & lower))
+    wins = wins & ~((ray.mask & stops) == np.int32(0))
+    if not any_lane(wins):
+        return best
+    front = positive == (shear.iz > ZERO)
+    return Best(
+        where(wins, spread(-INF) if ray.any_hit else t, best.t),
+        where(wins, number, best.instance),
+        where(wins, triangle, best.triangle),
+        where(wins, v / total, best.u),
+        where(wins, w / total, best.v),
+        where(wins, front, best.front),
+    )

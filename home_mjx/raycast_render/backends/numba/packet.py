@@ -1,0 +1,144 @@
+"""How rays are grouped into packets, and how packets are read and hits written."""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from typing import NamedTuple, no_type_check
+
+import numpy as np
+from numba import njit, types
+
+from home_mjx.core.native.memory import pointer_to, stack_of
+from home_mjx.core.native.simd import LANES, load, spread, store, where
+from home_mjx.raycast_render.backends.numba.intersect import INF, ONE, ZERO, Lane
+from home_mjx.raycast_render.scene import constants as limits
+
+TILE = 4  # pixels in a row of the image that a packet casts
+FIRST_RAY = 18  # operand: the first of `types.Rays`
+
+MISS = np.float32(limits.MISS)
+float_pointer, int_pointer, byte_pointer = map(pointer_to, (types.float32, types.int32, types.uint8))
+lane_floats, lane_ints = stack_of(types.float32, 8 * LANES), stack_of(types.int32, 2 * LANES)
+lane_rows = stack_of(types.int64, LANES)
+compiled = njit(error_model="numpy", forceinline=True)
+
+
+class Tiling(NamedTuple):
+    """How an environment's rays are grouped into packets: tiles of an image, or consecutive rays."""
+
+    count: np.int64  # rays
+    width: np.int64  # of the image; all rays if there is none
+    tile_width: np.int64
+    across: np.int64  # packets side by side
+    packets: np.int64
+
+
+class Sizes(NamedTuple):
+    """How many rows the arrays have: instances per house, moving ones per environment."""
+
+    nodes: np.int64
+    triangles: np.int64
+    models: np.int64
+    houses: np.int64
+    materials: np.int64
+    instances: np.int64
+    moving: np.int64
+
+
+class Packet(NamedTuple):
+    """Rays as the caller gave them."""
+
+    ox: Lane
+    oy: Lane
+    oz: Lane
+    dx: Lane
+    dy: Lane
+    dz: Lane
+    t_min: Lane
+    t_max: Lane
+    exclude: Lane
+    mask: Lane
+
+
+@compiled
+@no_type_check
+def known(row, count):
+    """The nearest row that there is."""
+    return min(max(np.int64(row), np.int64(0)), count - 1)
+
+
+@compiled
+@no_type_check
+def tiling(rays, width):
+    """The packets of `rays` rays, the rows of an image of this width; 0: of none."""
+    if width < TILE or rays % width != 0:
+        across = (rays + LANES - 1) // LANES
+        return Tiling(rays, rays, LANES, across, across)
+    across, rows = (width + TILE - 1) // TILE, rays // width
+    return Tiling(rays, width, TILE, across, across * ((rows + LANES // TILE - 1) // (LANES // TILE)))
+
+
+@compiled
+@no_type_check
+def place(tiles, packet, rows):
+    """Writes which of its environment's rays each lane casts; -1 none."""
+    x0, y0 = packet % tiles.across * tiles.tile_width, packet // tiles.across * (LANES // tiles.tile_width)
+    for lane in range(LANES):
+        x, start = x0 + lane % tiles.tile_width, (y0 + lane // tiles.tile_width) * tiles.width
+        rows[lane] = start + x if x < tiles.width and start < tiles.count else -1
+
+
+@compiled
+@no_type_check
+def read(operands, counts, env, rows):
+    """The rays of an environment that the lanes cast; t_min is infinity in lanes without a ray."""
+    origin, direction = float_pointer(operands[FIRST_RAY]), float_pointer(operands[FIRST_RAY + 1])
+    t_min, t_max = float_pointer(operands[FIRST_RAY + 2]), float_pointer(operands[FIRST_RAY + 3])
+    exclude, mask = int_pointer(operands[FIRST_RAY + 4]), int_pointer(operands[FIRST_RAY + 5])
+    floats, ints = lane_floats(), lane_ints()
+    for lane in range(LANES):
+        row = max(rows[lane], 0)
+        o, d = 3 * _index(counts, 0, env, row), 3 * _index(counts, 1, env, row)
+        for axis in range(3):
+            floats[axis * LANES + lane] = origin[o + axis]
+            floats[(axis + 3) * LANES + lane] = direction[d + axis]
+        floats[6 * LANES + lane] = t_min[_index(counts, 2, env, row)] if rows[lane] >= 0 else INF
+        floats[7 * LANES + lane] = min(t_max[_index(counts, 3, env, row)], MISS)
+        ints[lane], ints[LANES + lane] = exclude[_index(counts, 4, env, row)], mask[_index(counts, 5, env, row)]
+    return Packet(
+        load(floats, 0),
+        load(floats, LANES),
+        load(floats, 2 * LANES),
+        load(floats, 3 * LANES),
+        load(floats, 4 * LANES),
+        load(floats, 5 * LANES),
+        load(floats, 6 * LANES),
+        load(floats, 7 * LANES),
+        load(ints, 0),
+        load(ints, LANES),
+    )
+
+
+@compiled
+@no_type_check
+def _index(counts, field, env, row):
+    """Index of a field of a ray; some fields have one value for all rays of an environment."""
+    return env * counts[field] + (row if counts[field] > 1 else 0)
+
+
+@compiled
+@no_type_check
+def write(results, first, rows, best):
+    """Writes the hits of the lanes that have a ray; `first` is the first ray of their environment."""
+    t, instance, triangle = float_pointer(results[0]), int_pointer(results[1]), int_pointer(results[2])
+    u, v, front = float_pointer(results[3]), float_pointer(results[4]), byte_pointer(results[5])
+    floats, ints = lane_floats(), lane_ints()
+    store(floats, 0, where(best.instance >= np.int32(0), best.t, MISS))
+    store(floats, LANES, best.u)
+    store(floats, 2 * LANES, best.v)
+    store(floats, 3 * LANES, where(best.front, spread(ONE), ZERO))
+    store(ints, 0, best.instance)
+    store(ints, LANES, best.triangle)
+    for lane in range(LANES):
+        if rows[lane] >= 0:
+            row = first + rows[lane]
+            t[row], u[row], v[row] = floats[lane], floats[LANES + lane], floats[2 * LANES + lane]
+            instance[row], triangle[row], front[row] = ints[lane], ints[LANES + lane], floats[3 * LANES + lane] > ZERO

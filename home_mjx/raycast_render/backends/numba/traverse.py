@@ -1,0 +1,208 @@
+"""Two-level traversal as a compiled loop over packets of rays: the inner part of the `cpu` executor.
+
+The algorithm is that of `xla`, which names its sources. The rays of a packet, a tile of the image, traverse the trees
+together, one in each lane of a vector. A node is opened if any ray meets it; the stack keeps where each ray enters it.
+So each ray tests the triangles that it would test alone. All memory is reached through bare pointers:
+Numba counts references to arrays at every step, which costs several times the work itself. So every index that comes
+from an array is held to the rows that there are, and a walk ends after as many nodes as there are: trees of anybody's
+making may be cut short, but nothing beside the arrays is read and no circle is walked for ever.
+
+Source: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive rendering with coherent ray tracing",
+Eurographics 2001.
+"""
+# ruff: noqa: ANN001, ANN202  (Numba infers the types)
+
+from typing import Any, NamedTuple, no_type_check
+
+import numpy as np
+from numba import njit, types
+
+from home_mjx.core.native.memory import pointer_to, stack_of
+from home_mjx.core.native.simd import FLOATS, any_lane, count, spread, where
+from home_mjx.geometry.bvh import EMPTY, MAX_DEPTH
+from home_mjx.raycast_render.backends.numba.intersect import (
+    INF,
+    ZERO,
+    Best,
+    Instance,
+    into,
+    prepare,
+    shear_of,
+    slab,
+    test,
+)
+from home_mjx.raycast_render.backends.numba.packet import Sizes, known, lane_rows, place, read, write
+
+Pointer = Any  # a C pointer, which Numba indexes like an array
+float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
+# The top tree uses the lower half of the stacks, the tree of the instance being visited the upper one.
+code_stack, enter_stack = stack_of(types.int32, 2 * MAX_DEPTH), stack_of(FLOATS, 2 * MAX_DEPTH)
+compiled = njit(error_model="numpy", forceinline=True)
+
+
+class Operands(NamedTuple):
+    """The arrays of `Geometry` that rays need, then the houses of the environments and arrays of `Moving`."""
+
+    node_box: Pointer  # (n, 2, 6) float32
+    node_child: Pointer  # (n, 2) int32
+    triangle: Pointer  # (t, 3, 3) float32
+    triangle_slot: Pointer  # (t,) int32
+    model_root: Pointer  # (m,) int32
+    house_root: Pointer  # (h,) int32
+    instance_model: Pointer  # (h, i) int32
+    instance_inverse: Pointer  # (h, i, 3, 4) float32
+    instance_object: Pointer  # (h, i) int32
+    instance_material: Pointer  # (h, i) int32
+    material_mask: Pointer  # (r,) int32
+    house: Pointer  # (e,) int32
+    moving_instance: Pointer  # (e, d) int32
+    moving_model: Pointer  # (e, d) int32
+    moving_inverse: Pointer  # (e, d, 3, 4) float32
+    moving_box: Pointer  # (e, d, 2, 3) float32
+    moving_object: Pointer  # (e, d) int32
+    moving_material: Pointer  # (e, d) int32
+    sizes: Sizes
+
+
+@njit(error_model="numpy")
+@no_type_check
+def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> None:
+    """Casts one packet.
+
+    Args:
+        operands: Addresses of the arrays of `Operands` in its order, then of `types.Rays`.
+        counts: Number of values per environment of each field of the rays: the number of rays, or one.
+        results: Addresses of t, instance, triangle, u, v and front.
+        sizes: How many rows the arrays have.
+        tiles: Each environment's packets.
+        any_hit: Whether a ray may stop at the first triangle that it meets.
+        packet: Its number, counted over all environments.
+    """
+    world = _world(operands, sizes)
+    env = packet // tiles.packets
+    rows = lane_rows()
+    place(tiles, packet % tiles.packets, rows)
+    rays = read(operands, counts, env, rows)
+    alive, none = rays.t_min <= rays.t_max, spread(np.int32(-1))
+    best = Best(where(alive, rays.t_max, -INF), none, none, spread(ZERO), spread(ZERO), spread(False))
+    if any_lane(alive):
+        best = _cast(world, env, prepare(rays, alive, any_hit), rays.exclude, best, code_stack(), enter_stack())
+    write(results, env * tiles.count, rows, best)
+
+
+@compiled
+@no_type_check
+def _world(at, sizes):
+    return Operands(
+        float_pointer(at[0]),
+        int_pointer(at[1]),
+        float_pointer(at[2]),
+        int_pointer(at[3]),
+        int_pointer(at[4]),
+        int_pointer(at[5]),
+        int_pointer(at[6]),
+        float_pointer(at[7]),
+        int_pointer(at[8]),
+        int_pointer(at[9]),
+        int_pointer(at[10]),
+        int_pointer(at[11]),
+        int_pointer(at[12]),
+        int_pointer(at[13]),
+        float_pointer(at[14]),
+        float_pointer(at[15]),
+        int_pointer(at[16]),
+        int_pointer(at[17]),
+        sizes,
+    )
+
+
+@compiled
+@no_type_check
+def _cast(world, env, ray, exclude, best, codes, enters):
+    """Static instances through the house's top tree, then the moving ones one by one."""
+    house, num_instances, left = known(world.house[env], world.sizes.houses), world.sizes.instances, world.sizes.nodes
+    code, enter, size = world.house_root[house], ray.t_min, 0
+    while code != EMPTY:
+        if code >= 0:
+            if left <= 0:
+                break
+            left -= 1
+            code, enter, size = _open(world, code, ray, best.t, codes, enters, size)
+        else:
+            for i in range(~code >> 4, min((~code >> 4) + (~code & 15), num_instances)):
+                at = house * num_instances + i
+                sees = _sees(world.instance_object[at], exclude) & (enter <= best.t)
+                if any_lane(sees):
+                    instance = Instance(np.int32(i), world.instance_model[at], world.instance_material[at])
+                    inside = into(world.instance_inverse, at, ray, sees)
+                    best = _cast_model(world, instance, inside, best, codes, enters)
+            code = np.int32(EMPTY)
+        if code == EMPTY:
+            code, enter, size = _pop(codes, enters, size, 0, best.t)
+    for at in range(env * world.sizes.moving, (env + 1) * world.sizes.moving):
+        if world.moving_instance[at] >= 0:
+            sees = _sees(world.moving_object[at], exclude) & (slab(world.moving_box, at, ray) <= best.t)
+            if any_lane(sees):
+                instance = Instance(world.moving_instance[at], world.moving_model[at], world.moving_material[at])
+                inside = into(world.moving_inverse, at, ray, sees)
+                best = _cast_model(world, instance, inside, best, codes, enters)
+    return best
+
+
+@compiled
+@no_type_check
+def _sees(object_id, exclude):
+    return (exclude < np.int32(0)) | ~(exclude == object_id)
+
+
+@njit(error_model="numpy")  # called from two places, too large to inline
+@no_type_check
+def _cast_model(world, instance, ray, best, codes, enters):
+    """The best hits after one instance; the rays are in its frame."""
+    shear = shear_of(ray)
+    left = world.sizes.nodes
+    code, enter, size = world.model_root[known(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
+    while code != EMPTY:
+        if code >= 0:
+            if left <= 0:
+                break
+            left -= 1
+            code, enter, size = _open(world, code, ray, best.t, codes, enters, size)
+        else:
+            for triangle in range(~code >> 4, min((~code >> 4) + (~code & 15), world.sizes.triangles)):
+                best = test(world, instance, np.int32(triangle), ray, shear, enter <= best.t, best)
+            code = np.int32(EMPTY)
+        if code == EMPTY:
+            code, enter, size = _pop(codes, enters, size, MAX_DEPTH, best.t)
+    return best
+
+
+@compiled
+@no_type_check
+def _open(world, node, ray, limit, codes, enters, size):
+    """Puts the child of a node that most rays enter later on the stack; returns the other one, and where they enter it.
+
+    The code of a child that no ray meets before its best hit is EMPTY.
+    """
+    at = 2 * known(node, world.sizes.nodes)
+    near, far = world.node_child[at], world.node_child[at + 1]
+    near_t, far_t = slab(world.node_box, at, ray), slab(world.node_box, at + 1, ray)
+    if count(far_t < near_t) > count(near_t < far_t):
+        near, far, near_t, far_t = far, near, far_t, near_t
+    if far != EMPTY and size < 2 * MAX_DEPTH and any_lane(far_t <= limit):
+        codes[size], enters[size] = far, far_t
+        size += 1
+    return near if any_lane(near_t <= limit) else np.int32(EMPTY), near_t, size
+
+
+@compiled
+@no_type_check
+def _pop(codes, enters, size, base, limit):
+    """The topmost code that still lies before any ray's best hit, or EMPTY, and where the rays enter it."""
+    enter = limit
+    while size > base:
+        size -= 1
+        enter = enters[size]
+        if any_lane(enter <= limit):
+            return codes[size], enter, size
+    return np.int32(EMPTY), enter, size

@@ -1,0 +1,42 @@
+"""The hits along rays, one after the other, by a cast for each: for executors that do not find them in one go."""
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+from home_mjx.bank.records import Geometry
+from home_mjx.core.native.sharding import varying_false
+from home_mjx.raycast_render.scene.surface import by_instance
+from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Query, RawHit, Rays
+
+
+def step_by_step(
+    cast: Callable[..., RawHit], geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query
+) -> RawHit:
+    """Hits of shape (environments, rays per environment, steps).
+
+    Args:
+        cast: An executor, see `executors.Executor`; also for the others.
+        geometry: Shared.
+        house: Of each environment.
+        moving: What moves there.
+        rays: Rays (e r ...).
+        query: Steps and skin.
+    """
+    whole, objects = rays.expanded(), jax.vmap(by_instance)(geometry.instance_object[house], moving, moving.object_id)
+
+    def step(ahead: tuple[Array, Array, Array], _: None) -> tuple[tuple[Array, Array, Array], RawHit]:
+        start, end, exclude = ahead
+        hit = cast(geometry, house, moving, rays.replace(t_min=start, t_max=end, exclude=exclude), CLOSEST)
+        met = hit.instance >= 0
+        object_id = jnp.take_along_axis(objects, jnp.maximum(hit.instance, 0), axis=1, mode="clip")
+        start = jnp.where(met, hit.t + jnp.float32(query.skin), start)
+        # Behind its first miss a ray is over: one that ends before it begins costs nothing.
+        return (start, jnp.where(met, end, -jnp.inf), jnp.where(met & (object_id >= 0), object_id, exclude)), hit
+
+    never = varying_false(house, moving, rays)  # all that the loop carries varies over a mesh as this does
+    start, end, exclude = (jnp.where(never, jnp.zeros_like(x), x) for x in (whole.t_min, whole.t_max, whole.exclude))
+    _, hits = jax.lax.scan(step, (start, end, exclude), length=query.steps)
+    return jax.tree.map(lambda x: jnp.moveaxis(x, 0, 2), hits)

@@ -1,0 +1,285 @@
+"""The reference executor: two-level traversal in plain JAX, on any platform.
+
+All rays of a chunk step together: they descend until no ray is at a node, then all test triangles and enter or leave
+instances. A ray keeps a stack of tree codes; while it is inside an instance it holds that instance's
+frame, and leaves it when the stack is back to its size on entering.
+
+Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH ray
+traversal", JCGT 2(2), 2013.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.records import Geometry
+from home_mjx.core.native.sharding import varying_false
+from home_mjx.geometry.bvh import EMPTY, MAX_DEPTH
+from home_mjx.raycast_render.backends.step_by_step import step_by_step
+from home_mjx.raycast_render.scene.constants import FAR_SLACK, MISS, TINY
+from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
+
+LEAF = 4  # triangles tested at once
+CHUNK_CPU = 1 << 12  # rays in lock step: few, so that their state stays in the cache
+CHUNK = 1 << 20  # many, to fill an accelerator; about 1 kB each
+
+
+class _Best(NamedTuple):
+    t: Float[Array, " n"]
+    instance: Int[Array, " n"]
+    triangle: Int[Array, " n"]
+    u: Float[Array, " n"]
+    v: Float[Array, " n"]
+    front: Bool[Array, " n"]
+
+
+class _State(NamedTuple):
+    code: Int[Array, " n"]  # tree code at which the ray is, EMPTY when it is done
+    stack: Int[Array, "n s"]
+    size: Int[Array, " n"]
+    base: Int[Array, " n"]  # size of the stack on entering the current instance
+    instance: Int[Array, " n"]  # -1 while in the top tree
+    material: Int[Array, " n"]  # first material row of the instance
+    origin: Float[Array, "n 3"]  # in the current frame
+    direction: Float[Array, "n 3"]
+    best: _Best
+
+
+class _Operands(NamedTuple):
+    """What does not change during the traversal."""
+
+    geometry: Geometry
+    house: Int[Array, " e"]
+    moving: Moving
+    any_hit: bool
+    env: Int[Array, " n"]
+    rays: Rays
+
+
+def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
+    """Casts rays of shape (environments, rays per environment); see `executors.Executor`."""
+    if query.steps:
+        return step_by_step(cast_xla, geometry, house, moving, rays, query)
+    rays, shape = rays.expanded(), rays.shape
+    total = rays.t_min.size
+    chunk = min(CHUNK_CPU if jax.default_backend() == "cpu" else CHUNK, max(total, 1))
+    count = -(-total // chunk)
+
+    def split(x: Array, fill: float = 0) -> Array:
+        flat = x.reshape(total, *x.shape[2:])
+        widths = [(0, count * chunk - total)] + [(0, 0)] * (flat.ndim - 1)
+        return jnp.pad(flat, widths, constant_values=fill).reshape(count, chunk, *flat.shape[1:])
+
+    # Everything that the loops carry is made from this.
+    zero = varying_false(house, moving, rays).astype(jnp.int32)
+    env = lax.broadcasted_iota(jnp.int32, shape, 0) + zero
+    # Padding rays end before they begin: t_min 1, t_max 0.
+    chunks = jax.tree.map(split, rays).replace(t_min=split(rays.t_min, 1))
+    hits = lax.map(lambda c: _cast_chunk(_Operands(geometry, house, moving, query.any_hit, *c)), (split(env), chunks))
+    return RawHit(*(x.reshape(count * chunk)[:total].reshape(shape) for x in hits))
+
+
+def _cast_chunk(world: _Operands) -> RawHit:
+    state = lax.while_loop(
+        lambda s: jnp.any(s.code != EMPTY), lambda s: _visit_leaves(world, _walk_down(world, s)), _start(world)
+    )
+    best = state.best
+    missed = best.instance < 0
+    return RawHit(jnp.where(missed, MISS, best.t), *best[1:])
+
+
+def _start(world: _Operands) -> _State:
+    """Rays are at their house's top tree; the stack holds every moving instance whose box they meet."""
+    n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
+    zero = jnp.zeros_like(world.env)
+    none, weight = zero - 1, zero.astype(jnp.float32)
+    alive = rays.t_min <= rays.t_max
+
+    def add(slot: Any, carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        slot = jnp.asarray(slot, jnp.int32)  # a Python number where jit is disabled
+        near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
+        meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
+        return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))
+
+    stack = jnp.broadcast_to(none[:, None], (n, slots + 2 * MAX_DEPTH + 2))
+    stack, size = lax.fori_loop(0, slots, add, (stack, zero))
+    code = jnp.where(alive, world.geometry.house_root[world.house[world.env]], EMPTY)
+    best = _Best(jnp.minimum(rays.t_max, MISS) + weight, none, none, weight, weight, zero > 0)
+    frame = rays.origin + weight[:, None], rays.direction + weight[:, None]
+    return _State(code, stack, size, zero, none, zero, *frame, best)
+
+
+def _walk_down(world: _Operands, state: _State) -> _State:
+    """Until no ray is at a node: each moves on to the nearer child that it meets, or pops its stack."""
+
+    def step(state: _State) -> _State:
+        is_node = state.code >= 0
+        near, far = _children(world, state, jnp.where(is_node, state.code, 0))
+        stack, size = _push(state.stack, state.size, jnp.where(is_node, far, EMPTY))
+        state = state._replace(stack=stack, size=size, code=jnp.where(is_node, near, state.code))
+        return _pop(state, is_node & (near == EMPTY))
+
+    return lax.while_loop(lambda s: jnp.any(s.code >= 0), step, state)
+
+
+def _visit_leaves(world: _Operands, state: _State) -> _State:
+    """Rays at triangles test up to four; those done with an instance leave it; those at another one enter it."""
+    first, count = ~state.code >> 4, ~state.code & 15
+    at_triangles = (state.instance >= 0) & (state.code != EMPTY)
+    best = _test_triangles(world, state, jnp.where(at_triangles, first, 0), jnp.where(at_triangles, count, 0))
+    rest = jnp.where(count > LEAF, _leaf(first + LEAF, count - LEAF), EMPTY)
+    state = state._replace(best=best, code=jnp.where(at_triangles, rest, state.code))
+    state = _leave(world, _pop(state, at_triangles & (rest == EMPTY)))
+    if world.any_hit:
+        state = state._replace(code=jnp.where(best.instance >= 0, EMPTY, state.code))
+    return _enter(world, state)
+
+
+def _leaf(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array, "..."]:
+    return ~(first << 4 | count)
+
+
+def _push(
+    stack: Int[Array, "n s"], size: Int[Array, " n"], code: Int[Array, " n"]
+) -> tuple[Int[Array, "n s"], Int[Array, " n"]]:
+    """Pushes every code but `EMPTY`."""
+    n, depth = stack.shape
+    place = jnp.where(code == EMPTY, depth, size)
+    return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY).astype(jnp.int32)
+
+
+def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
+    """Pops the stack of rays within their frame; EMPTY if nothing is left."""
+    there = wanted & (state.size > state.base)
+    size = jnp.where(there, state.size - 1, state.size)
+    code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY)
+    return state._replace(size=size, code=jnp.where(wanted, code, state.code))
+
+
+def _leave(world: _Operands, state: _State) -> _State:
+    """Rays that are done with their instance return to the world frame and continue there."""
+    done = (state.instance >= 0) & (state.code == EMPTY)
+    state = state._replace(
+        instance=jnp.where(done, -1, state.instance),
+        base=jnp.where(done, 0, state.base),
+        origin=jnp.where(done[:, None], world.rays.origin, state.origin),
+        direction=jnp.where(done[:, None], world.rays.direction, state.direction),
+    )
+    return _pop(state, done)
+
+
+def _enter(world: _Operands, state: _State) -> _State:
+    """Takes rays that are at instances into the frame of the first, unless it is excluded.
+
+    Codes of top trees count a house's instances, then the moving ones.
+    """
+    geometry, moving, house = world.geometry, world.moving, world.house[world.env]
+    index, count = ~state.code >> 4, ~state.code & 15
+    arrives = (state.instance < 0) & (state.code < 0) & (state.code != EMPTY)
+    rest = jnp.where(arrives & (count > 1), _leaf(index + 1, count - 1), EMPTY)
+    stack, size = _push(state.stack, state.size, rest)
+    fixed = jnp.clip(index, 0, geometry.instance_model.shape[1] - 1)
+    slot = jnp.clip(index - geometry.instance_model.shape[1], 0, moving.instance.shape[1] - 1)
+    moves = index >= geometry.instance_model.shape[1]
+
+    def pick(moved: Array, static: Array) -> Array:
+        chosen = moves.reshape(-1, *[1] * (moved.ndim - 2))
+        return jnp.where(chosen, moved[world.env, slot], static[house, fixed])
+
+    number = jnp.where(moves, moving.instance[world.env, slot], fixed)
+    object_id = pick(moving.object_id, geometry.instance_object)
+    enters = arrives & ((world.rays.exclude < 0) | (object_id != world.rays.exclude))
+    inverse = pick(moving.inverse, geometry.instance_inverse)
+    origin = _apply(inverse, state.origin) + inverse[:, :, 3]
+    direction = _apply(inverse, state.direction)
+    root = geometry.model_root[pick(moving.model, geometry.instance_model)]
+    state = state._replace(
+        code=jnp.where(enters, root, state.code),
+        stack=stack,
+        size=size,
+        base=jnp.where(enters, size, state.base),
+        instance=jnp.where(enters, number, state.instance),
+        material=jnp.where(enters, pick(moving.material, geometry.instance_material), state.material),
+        origin=jnp.where(enters[:, None], origin, state.origin),
+        direction=jnp.where(enters[:, None], direction, state.direction),
+    )
+    return _pop(state, arrives & ~enters)
+
+
+def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
+    # Not a matrix product: accelerators may round those to few bits.
+    return jnp.sum(matrix[:, :, :3] * vector[:, None, :], axis=2)
+
+
+def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
+    """Codes of a node's children that the ray meets before its best hit, the nearer and the farther; else `EMPTY`."""
+    box, child = world.geometry.node_box[node], world.geometry.node_child[node]
+    limits = world.rays.t_min, state.best.t
+    a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
+    behind = (child < 0) | (child > node[:, None])  # as in every tree that was built; no circle is walked for ever
+    code_a = jnp.where((a <= limits[1]) & behind[:, 0], child[:, 0], EMPTY)
+    code_b = jnp.where((b <= limits[1]) & behind[:, 1], child[:, 1], EMPTY)
+    return jnp.where(a <= b, code_a, code_b), jnp.where(a <= b, code_b, code_a)
+
+
+def _slab(
+    box: Float[Array, "n 6"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"], t_min: Float[Array, " n"]
+) -> Float[Array, " n"]:
+    """Distance t at which rays enter boxes, at least t_min; infinity on a miss."""
+    safe = jnp.where(jnp.abs(direction) < TINY, jnp.where(direction < 0, -TINY, TINY), direction)
+    low, high = (box[:, :3] - origin) / safe, (box[:, 3:] - origin) / safe
+    near = jnp.maximum(jnp.max(jnp.minimum(low, high), axis=1), t_min)
+    far = jnp.min(jnp.maximum(low, high), axis=1) * FAR_SLACK
+    return jnp.where(near <= far, near, jnp.inf)
+
+
+def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
+    """The best hits, the first `LEAF` triangles of a leaf considered."""
+    geometry, rays, best = world.geometry, world.rays, state.best
+    step = jnp.arange(LEAF, dtype=jnp.int32)[None]
+    triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
+    t, u, v, front = _intersect(geometry.triangle[triangle], state.origin, state.direction)
+    stops = geometry.material_mask[state.material[:, None] + geometry.triangle_slot[triangle]] & rays.mask[:, None]
+    valid = (step < count[:, None]) & (t >= rays.t_min[:, None]) & (t <= best.t[:, None]) & (stops != 0)
+    nearest = jnp.argmin(jnp.where(valid, t, jnp.inf), axis=1, keepdims=True)
+
+    def take(x: Array) -> Array:
+        return jnp.take_along_axis(x, nearest, axis=1)[:, 0]
+
+    found = _Best(take(t), state.instance, take(triangle), take(u), take(v), take(front))
+    # Equal distances go to the lower instance and triangle, so that the order of traversal does not matter.
+    same = found.instance == best.instance
+    lower = jnp.where(same, found.triangle < best.triangle, found.instance < best.instance)
+    wins = take(valid) & ((found.t < best.t) | (best.instance < 0) | lower)
+    return _Best(*(jnp.where(wins, new, old) for new, old in zip(found, best, strict=True)))
+
+
+def _intersect(
+    triangle: Float[Array, "n k 3 3"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"]
+) -> tuple[Float[Array, "n k"], Float[Array, "n k"], Float[Array, "n k"], Bool[Array, "n k"]]:
+    """Intersects k triangles per ray: t (infinity for none), weights of corners 1 and 2, whether the front was met."""
+    axis = jnp.argmax(jnp.abs(direction), axis=1)[:, None, None, None]
+    ray = _along_z(direction[:, None, None, :], axis)
+    corner = _along_z(triangle - origin[:, None, None, :], axis)
+    z = corner[..., 2] / ray[..., 2]
+    x, y = corner[..., 0] - ray[..., 0] * z, corner[..., 1] - ray[..., 1] * z
+    # Edge functions, each the difference of two products. Their signs come from comparing the products, not from the
+    # difference: compilers fuse that into a multiply-add, which can give both sides of a shared edge the same sign.
+    plus = jnp.roll(x, 1, axis=2) * jnp.roll(y, -1, axis=2)
+    minus = jnp.roll(y, 1, axis=2) * jnp.roll(x, -1, axis=2)
+    positive, negative = jnp.all(plus >= minus, axis=2), jnp.all(plus <= minus, axis=2)
+    edge = jnp.where(plus == minus, 0, plus - minus)
+    edge = jnp.where(positive[..., None], jnp.maximum(edge, 0), jnp.minimum(edge, 0))
+    total = jnp.sum(edge, axis=2)
+    meets = (positive | negative) & (total != 0)
+    weight = edge / jnp.where(meets, total, 1)[..., None]
+    t = jnp.where(meets, jnp.sum(weight * z, axis=2), jnp.inf)
+    return t, weight[..., 1], weight[..., 2], positive == (ray[..., 0, 2] > 0)
+
+
+def _along_z(vector: Float[Array, "n k c 3"], axis: Int[Array, "n 1 1 1"]) -> Float[Array, "n k c 3"]:
+    """Turns the axes cyclically so that `axis` becomes z."""
+    return jnp.where(axis == 2, vector, jnp.where(axis == 0, jnp.roll(vector, -1, axis=-1), jnp.roll(vector, 1, -1)))

@@ -1,0 +1,264 @@
+"""Light that reaches points from the lights of a house."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.scene.look import Look, dimmed, outdoors
+from home_mjx.raycast_render.scene.surface import by_instance
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.raycast_render.scene.vec import Vec, select, take
+from home_mjx.raycast_render.shaders.daytime import warmth
+from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.schema.compiled import ARCHITECTURE
+
+OFFSET = 5e-4  # [m] above the surface, where rays to lights start
+GAP = 0.05  # [m] before the light, where they end: bulbs may be sunk into ceilings
+ELSEWHERE = 0.1  # weight of lights in other rooms when lights are chosen
+SHADE = 0.6  # [m], least distance of a lamp's own surfaces from its light
+DAYLIGHT = (0.85, 0.93, 1.0)  # colour of the sky's light
+SUNLIGHT, SUNSET = (1.0, 0.93, 0.82), (1.0, 0.6, 0.3)
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709
+INDEX_BITS = 10  # of a choice's key; the lights of a house are fewer than 2**10
+UNROLLED = 4  # lights that are compared in one kernel: 16 are no quicker and take three times as long to compile
+
+Color = tuple[float, float, float]
+# Where on a light its light comes from, -1..1 along each axis; None: its middle.
+Spread = Float[Array, "*rays 2"] | None
+
+
+class PlacedLights(Pytree):
+    """Lights in the world: those of one environment, or one light for each point."""
+
+    pos: Vec  # [m]
+    axis_u: Vec  # [m], half extents
+    axis_v: Vec
+    aim: Vec  # unit
+    intensity: Vec
+    power: Float[Array, "*lights"]  # luminance of the intensity
+    exponent: Float[Array, "*lights"]
+    cutoff: Float[Array, "*lights"]
+    area: Float[Array, "*lights"]  # [m^2]
+    instance: Int[Array, "*lights"]  # -1 padding
+    object_id: Int[Array, "*lights"]
+    room: Int[Array, "*lights"]
+
+
+class Point(Pytree):
+    """Where light is wanted, for rays of any shape."""
+
+    pos: Vec  # [m]
+    normal: Vec  # unit, of the triangle, facing the ray
+    shading: Vec  # unit, smooth
+    view: Vec  # unit, to where it is seen from
+    shininess: Float[Array, "*rays"]
+    instance: Int[Array, "*rays"]  # -1: nothing there
+    room: Int[Array, "*rays"]
+
+
+class Received(Pytree):
+    """Light at points."""
+
+    diffuse: Vec  # irradiance [W/m^2]
+    specular: Vec  # radiance of the gloss, for a specular reflectance of 1 [W/m^2/sr]
+
+
+def place_lights(scene: Scene, options: Lit) -> PlacedLights:
+    """The lights of the environment's house; those of lamps that were moved stand where the lamps are."""
+    lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
+    instance = lights.instance[house]
+    carrier = jnp.maximum(instance, 0)
+    pose = by_instance(geometry.instance_pose[house], scene.moving, scene.moving.pose)[carrier]
+    columns = [Vec.of(pose[:, :, i]) for i in range(4)]
+
+    def turned(vectors: Float[Array, "l 3"]) -> Vec:
+        local = Vec.of(vectors)
+        return columns[0] * local.x + columns[1] * local.y + columns[2] * local.z
+
+    daylight = lights.daylight[house]
+    intensity = Vec.of(lights.intensity[house])
+    intensity = select(daylight, intensity * Vec(*DAYLIGHT) * options.sky, intensity)
+    intensity = dimmed(scene.look, intensity, daylight, lights.room[house])
+    placed = PlacedLights(
+        pos=turned(lights.pos[house]) + columns[3],
+        axis_u=turned(lights.axis_u[house]),
+        axis_v=turned(lights.axis_v[house]),
+        aim=turned(lights.direction[house]).unit(),
+        intensity=intensity,
+        power=intensity.dot(Vec(*LUMINANCE)),
+        exponent=lights.exponent[house],
+        cutoff=lights.cutoff[house],
+        area=lights.area[house],
+        instance=instance,
+        object_id=by_instance(geometry.instance_object[house], scene.moving, scene.moving.object_id)[carrier],
+        room=lights.room[house],
+    )
+    # The barrier keeps this a computation per light; fused with what follows it would be one per pixel.
+    return jax.lax.optimization_barrier(placed)
+
+
+def lamp_light(scene: Scene, lights: PlacedLights, point: Point, spread: Spread, count: int) -> Received:
+    """Light of the most important lights of each point, as far as nothing stands between.
+
+    Args:
+        scene: The environment.
+        lights: Its lights.
+        point: Where.
+        spread: Where on lines and rectangles light comes from.
+        count: Lights per point.
+    """
+    if count == 0:
+        none = point.pos.map(jnp.zeros_like)
+        return Received(none, none)
+    # With the barriers nothing is computed again that every light, or the other side of the cast, needs as well.
+    key = jax.lax.optimization_barrier(choose(lights, point, count))
+    chosen = key & (2**INDEX_BITS - 1)
+    light = jax.tree.map(lambda column: take(column, chosen), lights)
+    at = jax.tree.map(lambda x: jnp.broadcast_to(x[None], key.shape), point)
+    source = light.pos
+    if spread is not None:
+        source = source + light.axis_u * spread[None, ..., 0] + light.axis_v * spread[None, ..., 1]
+    own = _is_own(light, at.instance)
+    strength, toward = _unshadowed(light, source - at.pos, at, own)
+    strength = jnp.where((key >> INDEX_BITS > 0) & (light.power > 0), strength, 0.0)
+    start = at.pos + at.normal * OFFSET
+    way = source - start
+    reach = jnp.where((strength > 0) & ~own, 1 - GAP * jnp.minimum(way.inverse_norm(), 1 / GAP), -1.0)
+    gloss = strength * blinn_phong(at, toward)
+    start, way, reach, strength, gloss = jax.lax.optimization_barrier((start, way, reach, strength, gloss))
+    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach, exclude=light.object_id)
+
+    def arriving(share: Float[Array, "k *rays"]) -> Vec:
+        return (light.intensity * jnp.where(blocked, 0.0, share)).map(lambda x: jnp.sum(x, axis=0))
+
+    return Received(arriving(strength), arriving(gloss))
+
+
+def choose(lights: PlacedLights, point: Point, count: int) -> Int[Array, "k *rays"]:
+    """The lights that would give a point the most light, the brightest first.
+
+    Returns:
+        Keys whose lowest `INDEX_BITS` are the light; what is above is 0 where there are no more lights.
+    """
+    total = lights.instance.shape[0]
+    lines = -(-total // UNROLLED)
+
+    def lines_of(column: Array) -> Array:
+        padding = lines * UNROLLED - total
+        return jnp.pad(column, (0, padding), constant_values=-1).reshape(lines, UNROLLED)
+
+    def compare(best: list[Array], line: tuple[PlacedLights, Array]) -> tuple[list[Array], None]:
+        for i in range(UNROLLED):
+            light, number = jax.tree.map(lambda column, i=i: column[i], line)
+            key = _key(light, number, point)
+            for place, other in enumerate(best):
+                best = [*best[:place], jnp.maximum(other, key), *best[place + 1 :]]
+                key = jnp.minimum(other, key)
+        return best, None
+
+    none = [jnp.zeros_like(point.instance)] * min(count, total)
+    numbers = jnp.arange(lines * UNROLLED, dtype=jnp.int32).reshape(lines, UNROLLED)
+    best, _ = jax.lax.scan(compare, none, (jax.tree.map(lines_of, lights), numbers))
+    return jnp.stack(best)
+
+
+def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Received:
+    """Light of the sun, where it is seen; its disc is a degree wide."""
+    aim, level = _sun(scene.look, options)
+    way = aim.map(lambda x: jnp.full(point.instance.shape, x, jnp.float32))
+    if spread is not None:
+        way = way + (level * spread[..., 0] + aim.cross(level) * spread[..., 1]) * 0.0087
+    strength = jnp.where(point.instance < 0, 0.0, options.sun * _facing(point, aim))
+    reach = jnp.where(strength > 0, jnp.inf, -1.0)
+    start = point.pos + point.normal * OFFSET
+    gloss = strength * blinn_phong(point, aim)
+    # The barrier keeps what is known before the cast from being computed again after it.
+    start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
+    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach)
+    light = outdoors(scene.look, mixed(SUNLIGHT, SUNSET, warmth(options.sun_elevation)))
+    return Received(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
+
+
+def mixed(one: Color, other: Color, share: float) -> Vec:
+    """A colour between two."""
+    return Vec(*(a + (b - a) * share for a, b in zip(one, other, strict=True)))
+
+
+def _sun(look: Look | None, options: Lit) -> tuple[Vec, Vec]:
+    """The unit direction to the sun, and one across it that is level."""
+    azimuth, elevation = math.radians(options.sun_azimuth), math.radians(options.sun_elevation)
+    given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
+    if given == (None, None):  # on the host, so that the program is the same as without looks
+        turn, rise = ((math.cos(angle), math.sin(angle)) for angle in (azimuth, elevation))
+    else:
+        azimuth, elevation = azimuth if given[0] is None else given[0], elevation if given[1] is None else given[1]
+        turn, rise = ((jnp.cos(angle), jnp.sin(angle)) for angle in (azimuth, elevation))
+    return Vec(turn[0] * rise[0], turn[1] * rise[0], rise[1]), Vec(-turn[1], turn[0], 0.0)
+
+
+def blinn_phong(point: Point, toward: Vec) -> Float[Array, "*rays"]:
+    """Gloss as a fraction of the irradiance, (n + 8) / (8 pi) * cos^n of the half vector.
+
+    Source: T. Akenine-Möller et al., "Real-Time Rendering", on the normalised Blinn-Phong reflectance.
+    """
+    cosine = jnp.clip((toward + point.view).unit().dot(point.shading), 1e-4, 1.0)
+    return (point.shininess + 8) / (8 * math.pi) * jnp.exp(point.shininess * jnp.log(cosine))
+
+
+def _key(light: PlacedLights, number: Int[Array, ""], point: Point) -> Int[Array, "*rays"]:
+    """The upper bits of the light that one light may give, as a number that sorts like it, then the light's number.
+
+    A power of a cosine is as C. Schlick's approximation has it, which is exact for exponents 0 and 1: "A fast
+    alternative to Phong's specular model", Graphics Gems IV, 1994.
+    """
+    offset = light.pos - point.pos
+    square = jnp.maximum(offset.dot(offset), 1e-4)
+    inverse = jax.lax.rsqrt(square)
+    cosine = -offset.dot(light.aim) * inverse
+    facing = jnp.maximum(offset.dot(point.shading) * inverse, 0.0)
+    ahead = jnp.maximum(cosine, 1e-6)
+    fall = (light.exponent + ahead * (1 - light.exponent)) * (square + light.area / math.pi)
+    per_fall = jax.lax.rsqrt(fall) ** 2  # for so many lights a division costs a GPU too much
+    strength = jnp.where(cosine >= light.cutoff, light.power * facing * ahead * per_fall, 0.0)
+    here = (light.room == point.room) | (point.room < 0)
+    strength = jnp.where(here, strength, ELSEWHERE * strength)
+    strength = jnp.where(_is_own(light, point.instance), light.power / SHADE**2, strength)
+    bits = jax.lax.bitcast_convert_type(jnp.where(light.instance >= 0, strength, 0.0), jnp.int32)
+    return (bits & -(2**INDEX_BITS)) | number
+
+
+def _is_own(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
+    """Whether the surface is part of the lamp whose light it is; the frame of a window is not."""
+    return (light.instance == instance) & (light.instance != ARCHITECTURE) & (light.area == 0)
+
+
+def _unshadowed(
+    light: PlacedLights, offset: Vec, at: Point, own: Bool[Array, "*rays"]
+) -> tuple[Float[Array, "*rays"], Vec]:
+    """Irradiance [1/m^2] per intensity if nothing stands between, and the unit direction to the light.
+
+    Rectangles count as discs of their area around the point that light comes from: J. R. Wallace et al., "A ray tracing
+    algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, let light through.
+    """
+    square = jnp.maximum(offset.dot(offset), jnp.where(own, SHADE**2, 1e-4))
+    toward = offset.unit()
+    profile = _profile(-toward.dot(light.aim), light.exponent, light.cutoff)
+    share = jnp.where(own, 0.7, profile * _facing(at, toward))
+    return share / (square + light.area / math.pi), toward
+
+
+def _facing(at: Point, toward: Vec) -> Float[Array, "*rays"]:
+    """Cosine at the surface; 0 if the light is behind the triangle or behind the surface that it stands for."""
+    return jnp.where(toward.dot(at.normal) > 0, jnp.maximum(toward.dot(at.shading), 0.0), 0.0)
+
+
+def _profile(
+    cosine: Float[Array, "*rays"], exponent: Float[Array, "*rays"], cutoff: Float[Array, "*rays"]
+) -> Float[Array, "*rays"]:
+    """Share of the intensity that a light has in a direction."""
+    power = jnp.exp(exponent * jnp.log(jnp.maximum(cosine, 1e-6)))
+    return jnp.where(cosine >= cutoff, power, 0.0)

@@ -1,0 +1,172 @@
+"""The lit preset: the lights of the house, shadows, glass, mirrors, gloss, and textures without sparkle.
+
+Global illumination would replace `_ambient`: all else is light that comes straight from lights.
+"""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.scene.look import dimmed, outdoors, swapped, tinted
+from home_mjx.raycast_render.scene.surface import (
+    area_vectors,
+    material_rows,
+    semantics,
+    texture_coordinates,
+    texture_corners,
+    to_world,
+)
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
+from home_mjx.raycast_render.shaders import lights, texture
+from home_mjx.raycast_render.shaders.daytime import warmth
+from home_mjx.raycast_render.shaders.optics import Sight, follow
+from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.schema.lighting import REFLECTANCE
+from home_mjx.schema.semantic import Semantic
+
+WHITE = 5.0  # luminance that becomes white
+MIDDLE = 0.5  # luminance that the meter gives the middle of an image: `tone_map` makes 0.34 of it
+DARKEST = 1e-4  # [W/m^2/sr]: less counts as much for the meter
+ZENITH, HORIZON, GROUND = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # of the sky's radiance
+DUSK = (1.35, 0.72, 0.42)  # the horizon's when the sun sets
+
+
+class Corner(Pytree):
+    """The triangle that was hit, in the world."""
+
+    area: Vec  # normal facing the ray, as long as twice the area [m^2]
+    shading: Vec  # unit smooth normal, on the same side
+
+
+def radiance(
+    scene: Scene,
+    sight: Sight,
+    growth: Float[Array, ""],
+    spread: lights.Spread,
+    options: Lit,
+    exclude: Int[Array, ""] | int = -1,
+) -> Vec:
+    """Light that comes along rays [W/m^2/sr].
+
+    Args:
+        scene: The environment.
+        sight: Camera rays and what they hit first.
+        growth: Of the footprint's width per unit of t [m].
+        spread: Where on lines, rectangles and the sun light comes from.
+        options: Of the preset.
+        exclude: Object id that the camera does not see, except in mirrors.
+    """
+    sight = follow(scene, sight, growth, options.bounces, exclude)
+    row = jnp.maximum(material_rows(scene, sight.hit), 0)
+    corner = _corner(scene, sight)
+    point = _point(scene, sight, corner, row)
+    color = _color(scene, sight, corner, row, growth)
+    # The barrier keeps the surface from being computed again by everything that lights it.
+    point, color, row = jax.lax.optimization_barrier((point, color, row))
+    placed = lights.place_lights(scene, options)
+    got = lights.lamp_light(scene, placed, point, spread, options.num_lights)
+    if options.sun > 0:
+        sun = lights.sun_light(scene, point, spread, options)
+        got = jax.tree.map(jnp.add, got, sun)
+    ambient = _ambient(scene, point, spread, options)
+    light = color * (got.diffuse + ambient) * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * got.specular
+    above = outdoors(scene.look, sky(sight.direction, options))
+    return sight.tint * select(sight.hit.instance < 0, above, light)
+
+
+def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
+    """Linear light for a display, 0..1, from light of any strength.
+
+    Luminances up to `WHITE` fit; colours keep their hue until they reach it.
+
+    Source: E. Reinhard et al., "Photographic tone reproduction for digital images", SIGGRAPH 2002, equation 4.
+    """
+    light = light * exposure
+    luminance = light.dot(Vec(*lights.LUMINANCE))
+    return (light * ((1 + luminance / WHITE**2) / (1 + luminance))).map(lambda x: jnp.clip(x, 0.0, 1.0))
+
+
+def metered(light: Vec) -> Float[Array, ""]:
+    """The exposure of one image: its logarithmic mean luminance becomes `MIDDLE`; equation 1 of the same source."""
+    luminance = jnp.maximum(light.dot(Vec(*lights.LUMINANCE)), DARKEST)
+    return MIDDLE / jnp.exp(jnp.log(luminance).mean())
+
+
+def sky(direction: Vec, options: Lit) -> Vec:
+    """Radiance where rays hit nothing: blue above, bright at the horizon, red there at dusk, bare ground below."""
+    up = direction.z * direction.inverse_norm()
+    high = jnp.sqrt(jnp.clip(up, 0.0, 1.0))
+    horizon = lights.mixed(HORIZON, DUSK, warmth(options.sun_elevation))
+    above = horizon + (Vec(*ZENITH) - horizon) * high
+    return select(up >= 0, above, Vec(*GROUND)) * options.sky
+
+
+def _corner(scene: Scene, sight: Sight) -> Corner:
+    hit = sight.hit
+    area = area_vectors(scene, sight.direction, hit)
+    a, b, c = (take_vec(scene.bank.finish.normal, jnp.maximum(hit.triangle, 0), k) for k in range(3))
+    smooth = to_world(scene, a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v, hit)
+    side = smooth.dot(area)
+    smooth = select(side < 0, -smooth, smooth)
+    return Corner(area, select(smooth.dot(smooth) > 0, smooth, area).unit())
+
+
+def _point(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"]) -> lights.Point:
+    return lights.Point(
+        pos=sight.end,
+        normal=corner.area.unit(),
+        shading=corner.shading,
+        view=-sight.direction.unit(),
+        shininess=take(scene.bank.finish.shininess, row),
+        instance=sight.hit.instance,
+        room=semantics(scene, sight.hit, Semantic.ROOM),
+    )
+
+
+def _color(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"], growth: Float[Array, ""]) -> Vec:
+    """Diffuse reflectance: the material's colour times its texture, filtered over the pixel's footprint."""
+    hit, materials, textures = sight.hit, scene.bank.materials, scene.bank.materials.textures
+    u, v = texture_corners(scene, hit)
+    texels = (u.y - u.x) * (v.z - v.x) - (v.y - v.x) * (u.z - u.x)
+    texels = jnp.abs(texels) * texture.edge_of(textures) ** 2
+    inverse = corner.area.inverse_norm()
+    facing = jnp.abs(corner.area.dot(sight.direction)) * inverse * sight.direction.inverse_norm()
+    width = sight.width + growth * jnp.where(hit.instance < 0, 0.0, hit.t)
+    footprint = width * width / jnp.maximum(facing, 0.05)
+    level = texture.mip_level(footprint * texels * jnp.minimum(inverse, 1e12))
+    layer = swapped(scene.look, take(materials.texture, row), row, materials.texture)
+    texel = texture.trilinear(textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit), level)
+    color = tinted(scene.look, take_vec(materials.albedo, row), row)
+    return select(layer < 0, color, color * texel)
+
+
+def _ambient(scene: Scene, point: lights.Point, spread: lights.Spread, options: Lit) -> Vec:
+    """Irradiance by what surfaces reflect on each other: alike in all of a room, less in corners."""
+    table = scene.bank.lights.ambient
+    place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)
+    lamps, daylight = (take_vec(table.reshape(-1, 2, 3), place, source) for source in range(2))
+    daylight = daylight * Vec(*lights.DAYLIGHT) * options.sky
+    lamps = dimmed(scene.look, lamps, jnp.bool_(False), point.room)
+    daylight = dimmed(scene.look, daylight, jnp.bool_(True), point.room)
+    received = (lamps + daylight) * options.ambient
+    if options.corners <= 0 or spread is None:
+        return received
+    near = occluded(
+        scene,
+        (point.pos + point.normal * lights.OFFSET).packed(),
+        _cosine_direction(point.shading, spread).packed(),
+        t_max=jnp.where(point.instance < 0, -1.0, options.corners),
+    )
+    return received * jnp.where(near, REFLECTANCE, 1.0)
+
+
+def _cosine_direction(normal: Vec, spread: Float[Array, "*rays 2"]) -> Vec:
+    """Unit directions about the normal, as dense as the cosine: the normal plus a point of the unit sphere."""
+    z, turn = 0.999 * spread[..., 0], math.pi * spread[..., 1]
+    ring = jnp.sqrt(1 - z * z)
+    return (normal + Vec(ring * jnp.cos(turn), ring * jnp.sin(turn), z)).unit()

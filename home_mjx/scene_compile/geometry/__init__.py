@@ -1,1 +1,0 @@
-"""Meshes, boxes, polygons, bounding volume hierarchies."""

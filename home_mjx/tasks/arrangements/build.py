@@ -1,0 +1,165 @@
+"""Makes the arrangements of a bank's houses; they are kept on disk."""
+
+import hashlib
+import logging
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+from tqdm import tqdm
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.array_store.entry import BROKEN, read_entry, write_entry
+from home_mjx.core.checks import check_number
+from home_mjx.core.paths import cache_folder
+from home_mjx.geometry.rotations import yaw_quat
+from home_mjx.tasks.arrangements.candidates import draw_places
+from home_mjx.tasks.arrangements.choose import choose_places
+from home_mjx.tasks.arrangements.furnished import Furnished
+from home_mjx.tasks.arrangements.rest import has_moved, settle
+from home_mjx.tasks.arrangements.seen import look_below
+
+VERSION = 1  # raise it whenever the same bank and key would give other arrangements
+ROUNDS = 3  # in which what did not come to rest where it was put goes back, and all is settled once more
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Settled:
+    """What became of the things of every house h in each arrangement p.
+
+    Attributes:
+        moved: Things that lie or stand somewhere else.
+        kept: Things that could be elsewhere but are where the house has them: no place was free, or they did not come
+            to rest there.
+        shifted: Other bodies that settling has moved by more than `rest.MOST_MOVED`, or turned.
+        restless: Bodies of any size that are not at rest after all.
+    """
+
+    moved: Int[np.ndarray, "h p"]
+    kept: Int[np.ndarray, "h p"]
+    shifted: Int[np.ndarray, "h p"]
+    restless: Int[np.ndarray, "h p"]
+
+
+def settled_poses(
+    bank: HouseBank, num_arrangements: int, key: Array, progress: bool = False
+) -> tuple[HouseBank, Settled]:
+    """The bank with other arrangements of the bodies of its houses, all at rest; on the host, once per bank.
+
+    Small things (`furnished.MOST_MASS`, `MOST_EDGE`) that carry nothing go elsewhere in their rooms: what lies on
+    furniture on to furniture, what stands on the floor on to the floor, clear of doors, ways and goals, and such that
+    agents can still walk from everywhere to everywhere. Then the physics settles everything for `rest.SECONDS`.
+
+    Args:
+        bank: The houses.
+        num_arrangements: Of each house.
+        key: Random key: equal keys give equal arrangements of equal banks.
+        progress: Show a progress bar.
+
+    Returns:
+        The bank, whose resets draw an arrangement with `EnvConfig(arrangement="random")`; and what became of the
+        things.
+
+    Raises:
+        ConfigError: `num_arrangements` is not a whole number of at least 1.
+
+    Example:
+        >>> bank, settled = settled_poses(bank, 8, jax.random.key(0))  # doctest: +SKIP
+        >>> env = home_mjx.make("PointNav-v0", bank, arrangement="random")  # doctest: +SKIP
+    """
+    check_number("num_arrangements", num_arrangements, 1, whole=True)
+    words = np.asarray(jax.random.key_data(key) if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else key)
+    entry = _entry(bank, num_arrangements, words)
+    try:
+        arrays, _ = read_entry(entry)
+        poses, settled = jnp.asarray(_checked(arrays.pop("poses"), bank, num_arrangements)), Settled(**arrays)
+        return _with(bank, poses), settled
+    except FileNotFoundError:
+        pass
+    except BROKEN as error:
+        log.warning("broken cache entry %s is made again: %s", entry, error)
+    poses, settled = _make(bank, num_arrangements, words, progress)
+    try:
+        write_entry(entry, {"poses": np.asarray(poses), **vars(settled)}, {})
+    except OSError as error:
+        log.warning("arrangements are not cached: %s", error)
+    return _with(bank, poses), settled
+
+
+def _checked(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
+    """Raises `ValueError` unless they are numbers, of all bodies of the bank's houses."""
+    places, bodies = bank.physics.body_pos.shape[:2]
+    if poses.shape != (places, num, bodies, 7) or poses.dtype != np.float32 or not np.isfinite(poses).all():
+        raise ValueError(f"arrangements are {poses.dtype} {poses.shape}")
+    return poses
+
+
+def _with(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> HouseBank:
+    return bank.replace(physics=bank.physics.replace(arrangement=poses))
+
+
+def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
+    """Named by all that arrangements are made from."""
+    name = hashlib.sha256(repr((VERSION, num_arrangements, words.tolist(), jax.default_backend())).encode())
+    read = (bank.physics, bank.navigation, bank.semantics, bank.geometry.triangle, bank.geometry.instance_pose)
+    for array in jax.tree.leaves(jax.device_get(read)):
+        name.update(np.asarray(array).tobytes())
+    return cache_folder() / "arrangements" / f"{name.hexdigest()}.zip"
+
+
+def _make(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple[Array, Settled]:
+    """Puts things somewhere, lets all settle, puts back what did not stay where it was put, and so on."""
+    placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
+    placed = jnp.repeat(placed[:, None], num, axis=1)
+    put, moved, kept = _put(bank, num, words, progress)
+    poses, still = settle(_with(bank, put), progress)
+    for _ in range(ROUNDS):
+        wrong = moved & (has_moved(put, poses) | ~still)
+        if not wrong.any():
+            break
+        put, moved, kept = jnp.where(wrong[..., None], placed, put), moved & ~wrong, kept | wrong
+        poses, still = settle(_with(bank, put), progress)
+    used = bank.physics.body_valid[:, None]
+    restless, shifted = ~still & used, has_moved(placed, poses) & ~moved & used
+    counts = {"moved": moved, "kept": kept, "shifted": shifted, "restless": restless}
+    settled = Settled(**{name: np.asarray(x.sum(axis=-1), np.int32) for name, x in counts.items()})
+    if settled.restless.any():
+        log.warning("%d bodies do not come to rest in %d arrangements", restless.sum(), num * bank.num_houses)
+    return jnp.where(used[..., None], poses, placed), settled
+
+
+def _put(
+    bank: HouseBank, num: int, words: np.ndarray, progress: bool
+) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
+    """Poses in which nothing is in anything, not settled; which bodies are elsewhere, and which might be."""
+    host = jax.device_get(bank)
+    placed = np.concatenate([host.physics.body_pos, host.physics.body_quat], axis=-1)
+    poses = np.repeat(placed[:, None], num, axis=1)
+    moved = np.zeros(poses.shape[:3], bool)
+    kept = np.zeros(poses.shape[:3], bool)
+    for house, house_id in enumerate(tqdm(bank.house_ids, desc="arrange", unit="house", disable=not progress)):
+        furnished, used = Furnished.of(host, house), host.physics.body_valid[house]
+        seeds = [np.random.default_rng([*words.tolist(), zlib.crc32(house_id.encode()), p]) for p in range(num)]
+        for p, found in enumerate(_arranged(bank, house, furnished, seeds)):
+            boxes, elsewhere = found
+            pose = np.concatenate([boxes.center, yaw_quat(boxes.yaw)], axis=-1)
+            poses[house, p, used] = np.where(elsewhere[:, None], pose, poses[house, p, used])
+            moved[house, p, used], kept[house, p, used] = elsewhere, furnished.drawn & ~elsewhere
+    return jnp.asarray(poses), jnp.asarray(moved), jnp.asarray(kept)
+
+
+def _arranged(bank: HouseBank, house: int, furnished: Furnished, seeds: list[np.random.Generator]) -> list[Any]:
+    many = [draw_places(furnished, rng) for rng in seeds]
+    usable = look_below(bank, house, furnished, many)
+    drawn = np.flatnonzero(furnished.drawn)
+    return [
+        choose_places(furnished, places._replace(usable=u), rng.permutation(drawn))
+        for places, u, rng in zip(many, usable, seeds, strict=True)
+    ]

@@ -1,0 +1,71 @@
+"""Places that things might be put at: on surfaces of their rooms, or on the floor. Most of them are not free."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.geometry.boxes import BoxSet, join
+from home_mjx.geometry.rotations import yaw_matrix
+from home_mjx.tasks.arrangements.furnished import Furnished
+
+NUM_PLACES = 48  # that are drawn of each thing in each arrangement
+EDGE = 0.015  # [m], from a thing to the edge of what it lies on
+LOWEST, HIGHEST = 0.15, 1.4  # [m] above the floor, of surfaces that things are put on
+
+
+class Places(NamedTuple):
+    """Of k bodies, n of each."""
+
+    center: Float[np.ndarray, "k n 3"]  # [m]
+    yaw: Float[np.ndarray, "k n"]  # [rad]
+    usable: Bool[np.ndarray, "k n"]
+
+
+def draw_places(house: Furnished, rng: np.random.Generator) -> Places:
+    """Random places, on furniture for what lies on furniture, on the floor for the rest, all in the thing's own room.
+
+    Surfaces are the tops of boxes, large ones as much more often as they are larger.
+    """
+    num = len(house.bodies)
+    center = np.repeat(house.bodies.center[:, None], NUM_PLACES, axis=1)
+    yaw = rng.uniform(-np.pi, np.pi, (num, NUM_PLACES))
+    usable = np.zeros((num, NUM_PLACES), bool)
+    stay = join([house.static, house.bodies[~house.drawn]])
+    for body in np.flatnonzero(house.drawn).tolist():
+        if house.lies[body]:
+            center[body], usable[body] = _on_furniture(house, stay, body, yaw[body], rng)
+        else:
+            center[body], usable[body] = _on_floor(house, body, rng), True
+    return Places(center, yaw, usable)
+
+
+def _on_floor(house: Furnished, body: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
+    """On the floor of the thing's room, at the height at which it stands."""
+    room = int(house.room[body])
+    cells = np.argwhere(house.grid[house.level_of(room)] == room)
+    row, column = cells[rng.integers(len(cells), size=NUM_PLACES)].T
+    plan = np.stack([column, row], axis=-1) + rng.uniform(size=(NUM_PLACES, 2))
+    return np.c_[house.origin + plan * house.cell, np.full(NUM_PLACES, house.bodies.center[body, 2])]
+
+
+def _on_furniture(
+    house: Furnished, stay: BoxSet, body: int, yaw: Float[np.ndarray, " n"], rng: np.random.Generator
+) -> tuple[Float[np.ndarray, "n 3"], Bool[np.ndarray, " n"]]:
+    """Within the tops of boxes in the thing's room; unusable where the top is too small."""
+    room, half = int(house.room[body]), house.bodies.half[body]
+    level = house.level_of(room)
+    high = stay.top - house.floor[level]
+    tops = stay[(high > LOWEST) & (high < HIGHEST) & (stay.half[:, :2].min(axis=1) > half[:2].min())]
+    tops = tops[house.room_at(tops.center[:, :2], level) == room]
+    if not len(tops):
+        return np.repeat(house.bodies.center[body : body + 1], NUM_PLACES, axis=0), np.zeros(NUM_PLACES, bool)
+    area = tops.half[:, 0] * tops.half[:, 1]
+    on = tops[rng.choice(len(tops), NUM_PLACES, p=area / area.sum())]
+    cosine, sine = abs(np.cos(yaw - on.yaw)), abs(np.sin(yaw - on.yaw))
+    extent = np.stack([cosine * half[0] + sine * half[1], sine * half[0] + cosine * half[1]], axis=-1)
+    slack = on.half[:, :2] - extent - EDGE
+    local = rng.uniform(-1, 1, (NUM_PLACES, 2)) * slack
+    turn = np.array([yaw_matrix(y)[:2, :2] for y in on.yaw])
+    plan = on.center[:, :2] + np.einsum("nij,nj->ni", turn, local)
+    return np.c_[plan, on.top + half[2]], np.asarray((slack > 0).all(axis=1))

@@ -1,0 +1,83 @@
+"""Chooses a free place for each thing, one after the other."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+
+from home_mjx.geometry.boxes import BoxSet, box_set, footprint, footprint_distance, join, overlap
+from home_mjx.tasks.arrangements.candidates import Places
+from home_mjx.tasks.arrangements.furnished import Furnished
+
+GAP = 0.01  # [m], between things in the plan
+TOUCH = 1e-3  # [m]: boxes that overlap by less in height only touch
+PASSAGE = 0.5  # [m], from what stands on the floor to the middle of a way between rooms
+
+
+def choose_places(
+    house: Furnished, places: Places, order: Int[np.ndarray, " t"]
+) -> tuple[BoxSet, Bool[np.ndarray, " k"]]:
+    """Boxes of all bodies, and which of them are at a new place; for the others none was free.
+
+    No new place overlaps where any other body is placed in the house: whatever goes back there finds it free.
+
+    Args:
+        house: The house.
+        places: What may be chosen, the first that is free is.
+        order: Bodies that are put elsewhere, in turn.
+    """
+    now, moved, home = house.bodies, np.zeros(len(house.bodies), bool), house.home
+    for body in order.tolist():
+        others = np.arange(len(now)) != body
+        around = join([house.static, house.bodies[others], now[others]])
+        for n in np.flatnonzero(places.usable[body]):
+            box = box_set(places.center[body, n], house.bodies.half[body], places.yaw[body, n])
+            if not _is_free(house, box, around):
+                continue
+            left = home if house.lies[body] else _passable(house, box, int(house.room[body]), home)
+            if left is not None:
+                rows = np.arange(len(now)) == body
+                now = _with(now, rows, box)
+                moved, home = moved | rows, left
+                break
+    return now, moved
+
+
+def _with(boxes: BoxSet, rows: Bool[np.ndarray, " k"], box: BoxSet) -> BoxSet:
+    center, half = np.where(rows[:, None], box.center, boxes.center), boxes.half
+    return BoxSet(center, half, np.where(rows, box.yaw, boxes.yaw))
+
+
+def _is_free(house: Furnished, box: BoxSet, around: BoxSet) -> bool:
+    """Whether a box is clear of others, and of where leaves of doors turn."""
+    meets = (around.bottom < box.top[0] - TOUCH) & (around.top > box.bottom[0] + TOUCH)
+    if (overlap(box, around[meets]) > -GAP).any():
+        return False
+    return bool((footprint_distance(box, 0, house.doors[:, :2]) > house.doors[:, 2] + GAP).all())
+
+
+def _passable(
+    house: Furnished, box: BoxSet, room: int, home: Bool[np.ndarray, "l ny nx"]
+) -> Bool[np.ndarray, "l ny nx"] | None:
+    """The home region that is left beside a box on the floor; None if the box cuts it, or is in the way."""
+    level = house.level_of(room)
+    if (house.room_at(footprint(box, 0), level) != room).any():
+        return None
+    if (_away(box, house.portals) < PASSAGE).any() or (_away(box, house.goals) < house.reach).any():
+        return None
+    centres = (np.stack(np.meshgrid(*map(np.arange, home.shape[:0:-1])), axis=-1) + 0.5) * house.cell + house.origin
+    left = home[level] & (footprint_distance(box, 0, centres) >= house.reach)
+    if _num_patches(left) > _num_patches(home[level]):
+        return None
+    return np.where(np.arange(len(home))[:, None, None] == level, left, home)
+
+
+def _num_patches(cells: Bool[np.ndarray, "ny nx"]) -> int:
+    labels = np.zeros(cells.shape, np.int32)
+    ndimage.label(cells, output=labels)
+    return int(labels.max())
+
+
+def _away(box: BoxSet, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
+    """Distance in the plan from points near a box's floor [m]; inf on other levels."""
+    near = abs(points[:, 2] - box.bottom[0]) < 1.0
+    return np.where(near, footprint_distance(box, 0, points[:, :2]), np.inf)

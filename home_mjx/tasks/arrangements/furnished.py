@@ -1,0 +1,133 @@
+"""One house of a bank on the host, as things are arranged in it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.spatial.transform import Rotation
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.geometry.boxes import BoxSet, overlap
+from home_mjx.scene_compile.navigation.free_space import NavigationOptions
+from home_mjx.scene_compile.semantics.supports import SUPPORTS
+from home_mjx.schema.semantic import Semantic
+
+MOST_MASS, MOST_EDGE = 10.0, 0.7  # [kg], [m] in the plan, of what is put elsewhere
+ON_TOP = 0.03  # [m]: what begins so near the top of another thing, and over it, lies on it
+MARGIN = NavigationOptions().margin  # [m], beyond an agent's radius, with which the home region is made
+
+
+@dataclass(frozen=True)
+class Furnished:
+    """A house with its k bodies as placed; those of the bank's padding are left out.
+
+    Attributes:
+        static: Boxes that stay; of those that lean (ramps), the upright boxes around them.
+        bodies: Boxes of the bodies, all upright.
+        drawn: Which bodies are put elsewhere: small ones that carry nothing.
+        lies: Which bodies lie on furniture; the others stand on a floor.
+        room: Of each body; -1 none.
+        doors: Of each leaf that turns: its hinge in the plan and how far the leaf reaches [m].
+        portals: Middles of the ways between rooms [m].
+        goals: Of navigation [m].
+        grid: Room of each cell.
+        home: Cells of the home region.
+        floor: Of each grid [m].
+        origin: Corner of cell (0, 0) [m].
+        cell: [m].
+        reach: Distance from things at which agents stand, `MARGIN` included [m].
+    """
+
+    static: BoxSet
+    bodies: BoxSet
+    drawn: Bool[np.ndarray, " k"]
+    lies: Bool[np.ndarray, " k"]
+    room: Int[np.ndarray, " k"]
+    doors: Float[np.ndarray, "h 3"]
+    portals: Float[np.ndarray, "p 3"]
+    goals: Float[np.ndarray, "g 3"]
+    grid: Int[np.ndarray, "l ny nx"]
+    home: Bool[np.ndarray, "l ny nx"]
+    floor: Float[np.ndarray, " l"]
+    origin: Float[np.ndarray, "2"]
+    cell: float
+    reach: float
+
+    @classmethod
+    def of(cls, bank: HouseBank, house: int) -> "Furnished":
+        """A house of a bank."""
+        physics, navigation = jax.device_get(jax.tree.map(lambda x: x[house], (bank.physics, _small(bank))))
+        used = physics.body_valid
+        bodies = _boxes(physics.body_pos[used], physics.body_quat[used], physics.body_size[used])
+        there = physics.collider_pos[:, 2] > -50  # padding is parked below
+        rows = _semantics(bank, house, physics.body_instance[used])
+        small = (physics.body_mass[used] <= MOST_MASS) & (2 * bodies.half[:, :2].max(axis=1, initial=0) <= MOST_EDGE)
+        known = np.isin(rows[:, Semantic.SUPPORT], [SUPPORTS.index("floor"), SUPPORTS.index("object")])
+        room = rows[:, Semantic.ROOM]
+        return cls(
+            static=_boxes(physics.collider_pos[there], physics.collider_quat[there], physics.collider_size[there]),
+            bodies=bodies,
+            drawn=small & known & (room >= 0) & ~_bear(bodies),
+            lies=rows[:, Semantic.SUPPORT] == SUPPORTS.index("object"),
+            room=room,
+            doors=_sweeps(physics),
+            portals=navigation["portal_pos"][navigation["portal_kind"] >= 0],
+            goals=navigation["goal"],
+            grid=navigation["room"],
+            home=navigation["region"] == 0,
+            floor=navigation["floor"],
+            origin=navigation["origin"].astype(float),
+            cell=bank.spec.cell,
+            reach=bank.spec.agent_radius + MARGIN,
+        )
+
+    def room_at(self, points: Float[np.ndarray, "n 2"], level: int) -> Int[np.ndarray, " n"]:
+        """Room of each point on a level; -1 outside."""
+        column, row = np.floor((points - self.origin) / self.cell).astype(int).T
+        rows, columns = self.grid.shape[1:]
+        inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
+        return np.where(inside, self.grid[level, row.clip(0, rows - 1), column.clip(0, columns - 1)], -1)
+
+    def level_of(self, room: int) -> int:
+        """The grid that a room is in."""
+        return int((self.grid == room).any(axis=(1, 2)).argmax())
+
+
+def _small(bank: HouseBank) -> dict[str, Any]:
+    names = ("portal_pos", "portal_kind", "goal", "room", "region", "floor", "origin")
+    return {name: getattr(bank.navigation, name) for name in names}
+
+
+def _semantics(bank: HouseBank, house: int, instance: Int[np.ndarray, " k"]) -> Int[np.ndarray, "k columns"]:
+    return np.asarray(bank.semantics)[np.asarray(bank.geometry.instance_semantic[house])[instance]]
+
+
+def _boxes(pos: Float[np.ndarray, "n 3"], quat: Float[np.ndarray, "n 4"], half: Float[np.ndarray, "n 3"]) -> BoxSet:
+    pos, quat, half = (np.asarray(x, float).reshape(-1, x.shape[-1]) for x in (pos, quat, half))
+    leans = abs(quat[:, 1:3]).max(axis=1, initial=0) > 1e-4
+    around = np.einsum("nij,nj->ni", abs(_matrices(quat)), half)
+    half, yaw = np.where(leans[:, None], around, half), np.where(leans, 0, 2 * np.arctan2(quat[:, 3], quat[:, 0]))
+    return BoxSet(pos, half, yaw)
+
+
+def _matrices(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
+    return Rotation.from_quat(quat[:, [1, 2, 3, 0]]).as_matrix() if len(quat) else np.zeros((0, 3, 3))
+
+
+def _bear(bodies: BoxSet) -> Bool[np.ndarray, " k"]:
+    """Which bodies carry others."""
+    found = np.zeros(len(bodies), bool)
+    for i in range(len(bodies)):
+        over = abs(bodies.bottom - bodies.top[i]) < ON_TOP
+        over[i] = False
+        found[i] = (overlap(bodies[i : i + 1], bodies[over]) > 0).any() if over.any() else False
+    return found
+
+
+def _sweeps(physics: Any) -> Float[np.ndarray, "h 3"]:
+    used = physics.door_valid
+    arm = np.linalg.norm(physics.door_pos[used, :2] - physics.door_pivot[used], axis=-1)
+    reach = arm + np.hypot(*physics.door_size[used, :2].T)
+    return np.c_[physics.door_pivot[used], reach].astype(float)

@@ -1,0 +1,176 @@
+"""Automatic reset of a batch of environments."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax.typing import ArrayLike
+from jaxtyping import Array, Bool, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
+from home_mjx.physics import Template
+from home_mjx.tasks.base.keys import RENEW, fold
+from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.env.begin import in_order
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+
+FINAL_OBS = ("cheap", "all", "none")
+FEW = 32  # ended environments whose last images are rendered alone
+
+
+class AutoReset:
+    """A batch of environments that begin anew, in a new house and pose, when their episode is over.
+
+    A step resets what has ended and then observes everybody, once. The state that comes back from a final step is thus
+    the first of the next episode, but for `reward`, `terminated`, `truncated`, `metrics` and `status`, which are those
+    of the final step. `info["final_obs"]` holds the observations before the reset; where nothing ended it is the same
+    as `obs`.
+
+    With `EnvParams.tasks`, environment i of n takes the rows i, i + n, i + 2n, ... so that all rows are evaluated once
+    before any is repeated; `World.episode` counts on without end. Rows of a `TaskBank` with weights are drawn instead.
+
+    Args:
+        core: The environment.
+        final_obs: What `info["final_obs"]` holds: "cheap", observations that cast no rays (pose, goal); "all", for
+            learners that bootstrap from pixels when time runs out: those of ended environments are rendered besides,
+            of up to `FEW` alone, of more for the whole batch; "none".
+
+    Example:
+        >>> batch = AutoReset(env.core).bind(env.params)  # doctest: +SKIP
+        >>> states = batch.reset(jax.random.split(jax.random.key(0), 64))  # doctest: +SKIP
+        >>> states = jax.jit(batch.step)(states, actions)  # doctest: +SKIP
+    """
+
+    def __init__(self, core: HouseholdEnv, final_obs: str = "cheap") -> None:
+        if isinstance(core, BoundEnv):
+            raise ConfigError("AutoReset takes a core", hint="Write AutoReset(env.core).bind(env.params).")
+        check_known("choice of `final_obs`", [final_obs], FINAL_OBS)
+        self.core, self.final_obs = core, final_obs
+        self.config, self.task, self.num_agents = core.config, core.task, core.num_agents
+        self.action_spec, self.observation_spec = core.action_spec, core.observation_spec
+        self.bakes = core.bakes
+
+    def bind(self, params: EnvParams | HouseBank) -> "BoundEnv[AutoReset]":
+        """The batch with its parameters: `reset(keys)`, `step(states, actions)`."""
+        return BoundEnv(self, params if isinstance(params, EnvParams) else EnvParams(params))
+
+    def template(self, bank: HouseBank) -> Template:
+        """The physics' model."""
+        return self.core.template(bank)
+
+    def reset(
+        self,
+        params: EnvParams,
+        key: Array,
+        house: Int[Array, " n"] | None = None,
+        episode: Int[Array, " n"] | None = None,
+    ) -> State:
+        """A new episode per key; with `params.tasks`, rows 0 to n - 1 unless told otherwise, or rows drawn by weight.
+
+        Raises:
+            ConfigError: There is only one key.
+        """
+        num = _count(key)
+        if episode is None and in_order(params.tasks):
+            episode = jnp.arange(num, dtype=jnp.int32)
+        begin = jax.vmap(self.core.begin, (None, 0, None if house is None else 0, None if episode is None else 0))
+        state = self._perceive(params, begin(params, key, house, episode))
+        return self._with_final(state, self._kept(state.obs))
+
+    def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
+        """One step of all environments."""
+        stepped = jax.vmap(self.core.advance, (None, 0, 0))(params, state, action)
+        done = stepped.done
+        # A branch on the whole batch: on steps in which nobody is done, nothing is drawn.
+        begun = jax.lax.cond(jnp.any(done), lambda s: self._begin_anew(params, s, done), lambda s: s, stepped)
+        seen = self._perceive(params, begun)
+        new = seen.replace(status=jnp.where(done, begun.status, seen.status))
+        return self._with_final(new, self._final(params, stepped, new.obs, done))
+
+    def observe(self, params: EnvParams, state: State) -> State:
+        """The states with their observations computed anew."""
+        return jax.vmap(self.core.observe, (None, 0))(params, state)
+
+    def _perceive(self, params: EnvParams, state: State) -> State:
+        return jax.vmap(self.core.perceive, (None, 0))(params, state)
+
+    def _begin_anew(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
+        """The first state of the next episode where the last one is over."""
+        num = done.shape[0]
+
+        def one(state: State, done: Bool[Array, ""]) -> State:
+            episode = state.world.episode + num if in_order(params.tasks) else None
+            new = self.core.begin(params, fold(state.world.key, RENEW), None, episode)
+            world = new.world.replace(faults=state.world.faults)
+            status = state.status | new.status
+            new = state.replace(physics=new.physics, world=world, task=new.task, status=status)
+            return jax.tree.map(lambda a, b: jnp.where(done, a, b), new, state)
+
+        return jax.vmap(one)(state, done)
+
+    def _kept(self, obs: dict[str, Array]) -> dict[str, Array]:
+        """Those of the observations that `final_obs` holds."""
+        if self.final_obs == "none":
+            return {}
+        costly = self._costly_names() if self.final_obs == "cheap" else ()
+        return {name: value for name, value in obs.items() if name not in costly}
+
+    def _costly_names(self) -> set[str]:
+        return {name for sensor in self.core.sensors if sensor.costly for name in sensor.spec(self.config)}
+
+    def _final(
+        self, params: EnvParams, stepped: State, obs: dict[str, Array], done: Bool[Array, " n"]
+    ) -> dict[str, Array]:
+        """Observations before the reset."""
+        kept = self._kept(obs)
+        if not kept:
+            return kept
+
+        def cheap(state: State) -> dict[str, Array]:
+            return self.core.sense(self.core.snapshot(params, state), state, costly=False)
+
+        last = jax.vmap(cheap)(stepped)
+        kept |= {name: where_envs(done, value, obs[name]) for name, value in last.items() if name in kept}
+        return kept if self.final_obs == "cheap" else self._render_final(params, stepped, kept, done)
+
+    def _render_final(
+        self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
+    ) -> dict[str, Array]:
+        """What ended environments saw and heard last: of a few, rendered alone, or of the whole batch."""
+        few = min(FEW, done.shape[0])
+        count = jnp.sum(done.astype(jnp.int32))
+
+        def nobody(_: State) -> dict[str, Array]:
+            return kept
+
+        def some(stepped: State) -> dict[str, Array]:
+            rows = jnp.argsort(~done, stable=True)[:few]  # those that ended come first
+            seen = self._perceive(params, jax.tree.map(lambda x: x[rows], stepped)).obs
+            rows = jnp.where(done[rows], rows, done.shape[0])
+            return {name: value.at[rows].set(seen[name], mode="drop") for name, value in kept.items()}
+
+        def many(stepped: State) -> dict[str, Array]:
+            seen = self._perceive(params, stepped).obs
+            return {name: where_envs(done, seen[name], value) for name, value in kept.items()}
+
+        case = (count > 0).astype(jnp.int32) + (count > few).astype(jnp.int32)
+        return jax.lax.switch(case, [nobody, some, many], stepped)
+
+    def _with_final(self, state: State, final: dict[str, Array]) -> State:
+        return state.replace(info={**state.info, **({"final_obs": final} if self.final_obs != "none" else {})})
+
+
+def _count(key: Any) -> int:
+    typed = hasattr(key, "dtype") and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
+    if not hasattr(key, "dtype") or key.ndim != (1 if typed else 2):
+        hint = "Write jax.random.split(jax.random.key(0), num_envs)."
+        raise ConfigError(f"expected a batch of random keys, got {getattr(key, 'shape', key)}", hint=hint)
+    return key.shape[0]
+
+
+def where_envs(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
+    """Of two batches of the same tree, the rows of `new` where the mask holds."""
+    return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)

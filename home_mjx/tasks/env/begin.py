@@ -1,0 +1,168 @@
+"""How an episode begins, and what there is to know of an environment at one instant."""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx import physics
+from home_mjx.audio_jax.contact_sounds.slots import silent_noises
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records import BankSpec
+from home_mjx.core.transforms import body_quat
+from home_mjx.errors import ConfigError
+from home_mjx.navigation.doors import door_angles
+from home_mjx.navigation.spawn import random_arrangement, random_yaw, spread_starts
+from home_mjx.physics import PhysicsState
+from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.keys import ARRANGEMENT, DOORS, VARIATION, fold, split, to_raw
+from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.base.snapshot import Snapshot, Touch
+from home_mjx.tasks.base.state import EnvParams, Episodes, World
+from home_mjx.tasks.base.status import flags
+from home_mjx.tasks.env.moves import SILENT, action_names
+from home_mjx.tasks.env.usable import check_arrangements
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.sounds.emit import house_sounds
+from home_mjx.tasks.variation.draw import draw
+
+Index = Int[Array, ""] | int | None
+
+
+def first_instant(
+    config: EnvConfig, memory: dict[str, Any], params: EnvParams, key: Array, house: Index, episode: Index
+) -> tuple[PhysicsState, World, Episodes | None, Array]:
+    """Bodies and world at the start of an episode.
+
+    Args:
+        config: Options.
+        memory: What sensors remember before their first update, by their names.
+        params: Houses, episodes, and what varies.
+        key: Typed or raw key.
+        house: See `HouseholdEnv.reset`.
+        episode: See `HouseholdEnv.reset`.
+
+    Returns:
+        Bodies; the world, whose sounds are those of the house; the row that the episode was taken from, if it was; and
+        the key of the task's own draw.
+    """
+    bank, agents = params.bank, config.num_agents
+    keep, chance, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
+    number, row = _row(params.tasks, episode, chance)
+    if row is not None:
+        house = row.house
+    elif house is None:
+        house = bank.draw[jax.random.randint(chance, (), 0, bank.num_houses)]
+    house = bank.known_house(jnp.asarray(house, jnp.int32))
+    drawn = draw(params.variation, fold(to_raw(key), VARIATION), bank.lights.ambient.shape[1])
+    _, pos = spread_starts(bank, house, agents, 4 * config.body.radius, start_key)
+    yaw = random_yaw(yaw_key, (agents,))
+    if row is not None:
+        pos, yaw = pos.at[0].set(row.start), yaw.at[0].set(row.yaw)
+    world = World(
+        key=to_raw(keep),
+        house=house,
+        episode=number,
+        step=jnp.zeros((), jnp.int32),
+        pitch=jnp.zeros(agents, jnp.float32),
+        stopped=jnp.zeros(agents, bool),
+        said=jnp.full(agents, SILENT, jnp.int32),
+        sounds=house_sounds(config, bank, house, source_key, None if drawn is None else drawn.clip),
+        action=jnp.zeros((agents, len(action_names(config))), jnp.float32),
+        reward=jnp.zeros(agents, jnp.float32),
+        sensors=memory,
+        faults=jnp.zeros((), jnp.int32),
+        drawn=drawn,
+        noises=None if config.noises is None else silent_noises(config.noises, config.audio, agents),
+    )
+    angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
+    arrangement = _arrangement(config, bank, house, pos, world.source, fold(to_raw(key), ARRANGEMENT))
+    scale = None if drawn is None else drawn.bodies
+    data = physics.reset(template_of(config, bank.spec), bank, house, pos, yaw, angle, arrangement, scale)
+    return data, world, row, goal_key
+
+
+def snapshot_of(config: EnvConfig, params: EnvParams, data: PhysicsState, world: World) -> Snapshot:
+    """The environment as tasks and sensors read it."""
+    template, drawn = template_of(config, params.bank.spec), world.drawn
+    pos, yaw = physics.agent_pose(template, data)
+    bodies, turned = physics.body_pose(template, data), jax.vmap(body_quat)(yaw)
+    sizes, angle = agent_sizes(config.physics.agents), physics.door_angle(template, data)
+    look = None if drawn is None else drawn.look
+    return Snapshot(
+        step=world.step,
+        key=world.key,
+        pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
+        velocity=physics.agent_velocity(template, data),
+        stopped=world.stopped,
+        said=world.said,
+        contact=physics.agent_contact(template, data),
+        held=data.held,
+        door_angle=angle,
+        touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
+        sounds=world.sounds,
+        action=world.action,
+        reward=world.reward,
+        tasks=params.tasks,
+        config=config,
+        scene=make_scene(params.bank, world.house, *bodies, pos, turned, config.executor, angle, sizes, look),
+        drawn=drawn,
+        noises=world.noises,
+        head=params.head,
+    )
+
+
+def template_of(config: EnvConfig, spec: BankSpec) -> physics.Template:
+    """The physics' model for banks of a capacity."""
+    return _template(config.physics, spec)
+
+
+@functools.lru_cache(maxsize=32)
+def _template(config: physics.PhysicsConfig, spec: BankSpec) -> physics.Template:
+    # Built once per capacity; inside a trace it must hold no tracers.
+    with jax.ensure_compile_time_eval():
+        return physics.Template(config, spec)
+
+
+def lost_weights(tasks: Episodes | TaskBank | None, episode: Index) -> Int[Array, ""]:
+    """The flag `WEIGHTS`, if a row was drawn by weights that none can be drawn by."""
+    if isinstance(tasks, TaskBank) and tasks.weights is not None and episode is None:
+        return flags(WEIGHTS=~tasks.has_weight())
+    return jnp.zeros((), jnp.int32)
+
+
+def in_order(tasks: Episodes | TaskBank | None) -> bool:
+    """Whether batches take rows one after the other, and do not draw them."""
+    return tasks is not None and not (isinstance(tasks, TaskBank) and tasks.weights is not None)
+
+
+def _row(tasks: Episodes | TaskBank | None, episode: Index, key: Array) -> tuple[Int[Array, ""], Episodes | None]:
+    """Number and content of the episode to begin; -1 and None: it is drawn afresh."""
+    if tasks is None:
+        if episode is not None:
+            hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."
+            raise ConfigError("an episode was asked for, but the environment has none", hint=hint)
+        return jnp.full((), -1, jnp.int32), None
+    if episode is None:
+        episode = tasks.draw(key) if isinstance(tasks, TaskBank) else jax.random.randint(key, (), 0, len(tasks))
+    number, rows = jnp.asarray(episode, jnp.int32), tasks.rows if isinstance(tasks, TaskBank) else tasks
+    return number, jax.tree.map(lambda row: row[number % len(tasks)], rows)
+
+
+def _arrangement(
+    config: EnvConfig,
+    bank: HouseBank,
+    house: Int[Array, ""],
+    pos: Float[Array, "a 3"],
+    source: Float[Array, "3"],
+    key: Array,
+) -> Int[Array, ""] | None:
+    """Which arrangement the bodies have; neither agents nor the source are in any of them."""
+    if config.arrangement == "placed":
+        return None
+    check_arrangements(bank)
+    below = source.at[2].add(-jnp.float32(config.source_height))
+    return random_arrangement(bank, house, jnp.concatenate([pos, below[None]]), key)

@@ -1,0 +1,174 @@
+"""Episodes drawn beforehand, to be saved, replayed and compared."""
+
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_number, check_type
+from home_mjx.core.files import as_path, read_json_lines, write_json_lines
+from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
+from home_mjx.tasks.base.state import Episodes, check_rows
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rules.row_task import RowTask
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.suite.goals import OTHER_BANK
+from home_mjx.tasks.suite.point_nav import PointNav
+from home_mjx.tasks.suite.task_lines import load_tasks
+
+MAX_BYTES = 1 << 28  # of a file: a million episodes
+LARGEST = 1 << 30  # of a file of either kind
+NO_LINES = "Write one JSON object a line, see `save_episodes`."
+POINT_NAV = PointNav()
+
+
+def sample_episodes(
+    bank: HouseBank,
+    num: int,
+    seed: int = 0,
+    *,
+    task: Task = POINT_NAV,
+    min_length: float = 1.0,
+    max_length: float = np.inf,
+) -> Episodes:
+    """Random episodes: every house as often as any other, starts by area, the rest as the task draws it.
+
+    Args:
+        bank: The houses.
+        num: How many.
+        seed: Of the draw.
+        task: Whose episodes.
+        min_length: Least shortest path [m].
+        max_length: Greatest shortest path [m].
+
+    Raises:
+        ConfigError: No path of such a length was found for one of them.
+
+    Example:
+        >>> episodes = sample_episodes(env.bank, 1000, min_length=2.0)  # doctest: +SKIP
+        >>> states = jax.vmap(env.with_tasks(episodes).reset)(keys)  # doctest: +SKIP
+    """
+    check_number("num", num, 1, whole=True)
+    keys = jax.random.split(jax.random.key(seed), num)
+    house = jnp.arange(num, dtype=jnp.int32) % bank.num_houses
+    limits = {"min_length": jnp.float32(min_length), "max_length": jnp.float32(max_length)}
+
+    def one(house: Array, key: Array) -> Episodes:
+        start, yaw, columns = task.sample(bank, house, key, **limits)
+        return Episodes(house=house, start=start, yaw=yaw, columns=columns)
+
+    episodes = jax.jit(jax.vmap(one))(house, keys)
+    lost = np.flatnonzero(~np.isfinite(np.asarray(episodes.columns.get("length", np.zeros(num)))))
+    if len(lost):
+        name = bank.house_ids[int(house[lost[0]])]
+        raise ConfigError(
+            f"house {name} has hardly a path of {min_length} m to {max_length} m",
+            hint="Choose other lengths, or other houses.",
+        )
+    return episodes
+
+
+def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: Task = POINT_NAV) -> None:
+    """Writes episodes as JSON lines, with ids and places instead of indices, so that any bank of the houses will do.
+
+    Raises:
+        ConfigError: The file cannot be written, or the episodes are of other houses.
+    """
+    as_path(path, "episodes")
+    check_type("bank", bank, HouseBank)
+    check_type("episodes", episodes, Episodes)
+    ids, host = bank.house_ids, jax.tree.map(np.asarray, episodes)
+    check_rows(host.house, len(ids), "houses")
+    lines = []
+    for i in range(len(host)):
+        house = int(host.house[i])
+        columns = {name: values[i] for name, values in host.columns.items()}
+        own = {"house": ids[house], "task": type(task).__name__}
+        own |= {"start": host.start[i].tolist(), "yaw": float(host.yaw[i])}
+        lines.append(own | task.to_json(bank, house, columns))
+    write_json_lines(as_path(path, "episodes"), lines, "episodes")
+
+
+def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> Episodes:
+    """Reads what `save_episodes` has written.
+
+    Args:
+        path: The file.
+        bank: Holds the houses, compiled with the same options.
+        task: Whose episodes they are.
+
+    Raises:
+        DatasetError: A line is broken or of another task, names a house that the bank lacks or a goal that the house
+            lacks, or starts where no way leads to the goal.
+    """
+    file = as_path(path, "episodes")
+    check_type("bank", bank, HouseBank)
+    index = {name: i for i, name in enumerate(bank.house_ids)}
+    rows = list(read_json_lines(file, "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
+    if not rows:
+        raise DatasetError("file holds no episode", file=path, hint=NO_LINES)
+    episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
+    lost = np.flatnonzero(~np.asarray(_are_possible(task, bank, episodes)))
+    if len(lost):
+        message = "from its start no agent can walk to its goal"
+        raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK)
+    return episodes
+
+
+def load_rows(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskBank:
+    """Reads a file of the kind that fits a task: of `save_tasks` for rows of a task bank, else of `save_episodes`.
+
+    Args:
+        path: The file.
+        bank: Holds the houses.
+        task: Whose episodes they are.
+
+    Raises:
+        DatasetError: As `load_tasks` and `load_episodes` say, or the file is of the other kind.
+    """
+    is_bank = isinstance(task, RowTask)
+    lines = read_json_lines(as_path(path, "episodes"), "episode", lambda line: "stages" in line, LARGEST)
+    if next(iter(lines), is_bank) != is_bank:
+        kinds = [f"holds what `{name}` writes" for name in ("save_episodes", "save_tasks")]
+        hint = f"{type(task).__name__} takes what `{'save_tasks' if is_bank else 'save_episodes'}` writes."
+        raise DatasetError(f"file {kinds[not is_bank]}", file=path, hint=hint)
+    return load_tasks(path, bank) if is_bank else load_episodes(path, bank, task)
+
+
+def houses_named(path: str | Path) -> tuple[str, ...]:
+    """Ids of the houses that a file of episodes or tasks names, each once, in order.
+
+    Raises:
+        DatasetError: A line is broken, or there is none.
+    """
+    found = read_json_lines(as_path(path, "episodes"), "episode", lambda line: str(line["house"]), LARGEST)
+    ids = tuple(dict.fromkeys(found))
+    if not ids:
+        raise DatasetError("file holds no episode", file=path, hint=NO_LINES)
+    return ids
+
+
+def _are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
+    return jax.jit(lambda bank, rows: jax.vmap(lambda row: task.possible(bank, row))(rows))(bank, episodes)
+
+
+def _row(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
+    name = type(task).__name__
+    if line.get("task", name) not in [kind.__name__ for kind in type(task).__mro__]:
+        message = f"the episode is one of {line['task']!s:.100}, not of {name}"
+        raise DatasetError(message, element="task", hint="Give the task that it was drawn for.")
+    if line["house"] not in index:
+        raise UnknownIdError(f"the bank has no house {line['house']}", hint=OTHER_BANK)
+    house, start, yaw = index[line["house"]], np.array(line["start"], float), float(line["yaw"])
+    if start.shape != (3,) or not np.isfinite([*start, yaw]).all():
+        raise ValueError("`start` must be three finite numbers and `yaw` one")
+    columns = {name: _number(value) for name, value in task.from_json(bank, house, line).items()}
+    return {"house": np.int32(house), "start": start.astype(np.float32), "yaw": np.float32(yaw), "columns": columns}
+
+
+def _number(value: Any) -> Any:
+    return np.int32(value) if isinstance(value, int) else np.float32(value)

@@ -1,0 +1,62 @@
+"""How many bytes an environment takes on the device."""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+
+from home_mjx.bank.usage import bank_bytes
+from home_mjx.core.checks import check_number
+from home_mjx.tasks.env.bound import BoundEnv
+
+
+@dataclass(frozen=True)
+class MemoryEstimate:
+    """Bytes on the device, besides what a running program needs for a moment.
+
+    Attributes:
+        bank: All houses, once, whatever the number of environments.
+        states: The states of all environments, observations included. A step holds two of them, the one before and the
+            one after, unless the caller donates the first.
+        observations: Of the states' bytes, those of observations.
+        state: Of one environment.
+    """
+
+    bank: int
+    states: int
+    observations: int
+    state: int
+
+    @property
+    def total(self) -> int:
+        """Bank and two copies of the states."""
+        return self.bank + 2 * self.states
+
+    def __str__(self) -> str:
+        parts = f"bank {_text(self.bank)}, states 2 x {_text(self.states)} ({_text(self.state)} each)"
+        return f"{_text(self.total)}: {parts}"
+
+
+def estimate_memory(env: BoundEnv, num_envs: int) -> MemoryEstimate:
+    """What a batch of an environment takes; nothing is allocated.
+
+    Args:
+        env: The environment.
+        num_envs: How many.
+
+    Example:
+        >>> print(estimate_memory(env, 4096))  # doctest: +SKIP
+        1.7 GiB: bank 49.3 MiB, states 2 x 850.1 MiB (212.5 KiB each)
+    """
+    check_number("num_envs", num_envs, 1, whole=True)
+    state = jax.eval_shape(env.core.reset, env.params, jax.ShapeDtypeStruct((2,), jnp.uint32))
+    each, seen = (sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(tree)) for tree in (state, state.obs))
+    return MemoryEstimate(bank_bytes(env.bank), num_envs * each, num_envs * seen, each)
+
+
+def _text(count: float) -> str:
+    for unit in ("B", "KiB", "MiB"):
+        if count < 1024:
+            return f"{count:.1f} {unit}"
+        count /= 1024
+    return f"{count:.1f} GiB"

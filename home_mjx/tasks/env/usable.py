@@ -1,0 +1,260 @@
+"""What environments are given, and whether it can be used."""
+
+import logging
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_number
+from home_mjx.errors import ConfigError
+from home_mjx.houses.bakes import Bake
+from home_mjx.raycast_render.shaders.preset import resolve
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.sounds.row import VOICE, clip_name, emission_of
+from home_mjx.tasks.variation.ranges import Variation
+
+FLAT = 179.0  # [degrees]: greatest field of view
+LIGHTS = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
+
+log = logging.getLogger(__name__)
+
+
+def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
+    """Continuous actions of all agents, clipped to [-1, 1], NaN as 0; and whether any had to be changed for that.
+
+    Raises:
+        ConfigError: They are no real numbers, or not as many as there should be.
+    """
+    action = _as_array(action)
+    if not jnp.issubdtype(action.dtype, jnp.floating) and not jnp.issubdtype(action.dtype, jnp.integer):
+        raise ConfigError(f"expected real numbers as action, got {action.dtype}")
+    action = _of_all(action, num_agents, (size,)).astype(jnp.float32)
+    usable = jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
+    return usable, jnp.any(usable != action)
+
+
+def usable_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, " a"], Bool[Array, ""]]:
+    """Discrete actions of all agents, `count` for a number that is none of 0 to `count` - 1; and whether there is one.
+
+    Raises:
+        ConfigError: They are no integers, or not one per agent.
+    """
+    action = _as_array(action)
+    if not jnp.issubdtype(action.dtype, jnp.integer):
+        hint = "Discrete actions are numbered; `action_spec.text` has their names."
+        raise ConfigError(f"expected an integer as action, got {action.dtype}", hint=hint)
+    action = _of_all(action, num_agents, ())
+    known = (action >= 0) & (action < count)
+    return jnp.where(known, action, count).astype(jnp.int32), jnp.any(~known)
+
+
+def _as_array(action: Any) -> Array:
+    if isinstance(action, dict):
+        raise ConfigError(f"expected an array of actions, got a dictionary of {', '.join(map(str, action))}")
+    return jnp.asarray(action)
+
+
+def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
+    """With the agent axis, which one agent may leave out."""
+    everybody = num_agents, *shape
+    if action.shape not in ((everybody, shape) if num_agents == 1 else (everybody,)):
+        expected = everybody if num_agents > 1 else shape
+        hint = "One environment takes one action; for many, use `jax.vmap`."
+        raise ConfigError(f"expected an action of shape {expected}, got {action.shape}", hint=hint)
+    return action.reshape(everybody)
+
+
+def check_fit(config: EnvConfig, task: Task) -> None:
+    """Refuses tasks that wait for an action, or for an agent, that there is not.
+
+    Raises:
+        ConfigError: The task needs `stop` or words, and actions are continuous; or hands, and there are none; or more
+            agents; or there are not as many agents as it says that act.
+    """
+    name, discrete = type(task).__name__, config.discrete is not None
+    if task.needs_hands and not config.hands:
+        raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
+    if task.needs_stop and not discrete:
+        message = f"{name} waits for `stop`, which continuous actions do not have"
+        raise ConfigError(message, hint='Give actions="discrete".')
+    if (task.speech or config.speech) and not discrete:
+        message = f"agents of {name} speak, which continuous actions do not let them"
+        raise ConfigError(message, hint='Give actions="discrete".')
+    if config.num_agents < task.least_agents:
+        message = f"{name} is for {task.least_agents} agents or more, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.least_agents}.")
+    if task.most_agents is not None and config.num_agents > task.most_agents:
+        message = f"{name} is for {task.most_agents} agents, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.most_agents}.")
+    if task.num_acting is not None:
+        check_number(f"num_acting of {name}", task.num_acting, 1, config.num_agents, whole=True)
+
+
+def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -> None:
+    """Refuses houses that were compiled for another body, and those without the arrangements or the sound asked for.
+
+    Raises:
+        ConfigError: Agents would start inside walls, or be seen smaller than they are; or there is no arrangement, or
+            no baked sound.
+    """
+    if config.arrangement == "random":
+        check_arrangements(bank)
+    for bake in bakes:
+        if bake.name not in bank.bakes:
+            hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank."
+            raise ConfigError(f"a sensor needs the bake `{bake.name}`, which the bank does not have", hint=hint)
+        if config.arrangement == "random":
+            log.warning("baked late sound is that of furniture as the files have it; arrangements move it, doors count")
+    compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
+    wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
+    if wrong:
+        ours = ", ".join(f"body.{name} {getattr(config.body, name)} m" for name in wrong)
+        theirs = ", ".join(f"{name} {x} m" for name, x in wrong.items())
+        raise ConfigError(
+            f"the environment has {ours}, but the houses were compiled for {theirs}",
+            hint="Give `make` a dataset instead of a bank: it compiles for the body. "
+            "Or compile the bank with NavigationOptions(agent_radius=..., agent_height=...).",
+        )
+
+
+def check_sounds(config: EnvConfig, tasks: Any) -> None:
+    """Refuses tasks whose sounds would not be heard.
+
+    Raises:
+        ConfigError: A row has more sounds, or plays another clip, than the environment can play.
+    """
+    if not isinstance(tasks, TaskBank) or isinstance(tasks.field, jax.core.Tracer):  # pyright: ignore
+        return
+    emission = emission_of(tasks.rows.columns)
+    used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
+    count = used.sum(axis=1)
+    most = int(count.max(initial=0))
+    if most > config.num_sources:
+        raise ConfigError(
+            f"tasks have up to {most} sounds at once, the environment plays {config.num_sources}",
+            element=f"task {np.argmax(count)}, sounds",
+            hint=f"Give num_sources={most}.",
+        )
+    lost = {i: clip_name(i) for i in np.unique(clips[used]).tolist()}
+    lost = {i: name for i, name in lost.items() if name not in (config.clip, *config.clips, VOICE)}
+    if lost:
+        names, first = ", ".join(sorted(lost.values())), np.argmax((np.isin(clips, list(lost)) & used).any(axis=1))
+        message, hint = f"tasks play {names}, which the environment has not", f"Add to clips=(...): {names}."
+        raise ConfigError(message, element=f"task {first}, sounds", hint=hint)
+
+
+def check_variation(config: EnvConfig, variation: Variation | None) -> None:
+    """Refuses what varies without effect, and cameras that could not be.
+
+    Raises:
+        ConfigError: With the name of the range, and what to do.
+    """
+    if variation is None or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(variation)):  # pyright: ignore
+        return
+    lit, impl = resolve(config.rgb_preset) is not None, config.physics.impl
+    useless = {
+        **dict.fromkeys(LIGHTS, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
+        "move_noise": None if config.discrete else 'It is of discrete moves: give actions="discrete".',
+        **dict.fromkeys(("noise_volume", "step_length"), _why_no_noises(config)),
+        "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
+        "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
+    }
+    for name, reason in useless.items():
+        if reason is not None and getattr(variation, name) is not None:
+            raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
+    _check_fovy(config, variation)
+    _check_clips(config, variation)
+
+
+def _why_no_noises(config: EnvConfig) -> str | None:
+    return None if config.noises else "Bodies make no noises: give noises=NoiseConfig()."
+
+
+def _check_fovy(config: EnvConfig, variation: Variation) -> None:
+    if variation.camera_fovy is None:
+        return
+    low, high = np.asarray(variation.camera_fovy).tolist()
+    for view in config.views:
+        if view.lens.model == "pinhole" and not 0 < view.fovy + low <= view.fovy + high < FLAT:
+            text = f"{view.fovy + low:g} to {view.fovy + high:g} degrees"
+            message = f"the field of view of camera `{view.name}` would be {text}"
+            hint = f"It must stay between 0 and {FLAT:g}."
+            raise ConfigError(message, element="Variation.camera_fovy", hint=hint)
+
+
+def _check_clips(config: EnvConfig, variation: Variation) -> None:
+    if variation.clips is None:
+        return
+    lost = {clip_name(int(i)) for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
+    if lost:
+        names = ", ".join(f'"{name}"' for name in sorted(lost))
+        message = f"the environment has not the sounds {names}"
+        raise ConfigError(message, element="Variation.clips", hint=f"Add them to clips=(...): {names}.")
+
+
+def check_arrangements(bank: HouseBank) -> None:
+    """Raises `ConfigError` if a bank has no arrangements to draw from."""
+    if not bank.physics.arrangement.shape[1]:
+        raise ConfigError(
+            "random arrangements are asked for, but the bank has none",
+            element="EnvConfig.arrangement",
+            hint="Make them: from home_mjx.tasks.arrangements import settled_poses; "
+            "bank, _ = settled_poses(bank, 8, jax.random.key(0)). A HouseStream has none.",
+        )
+
+
+def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_agents: int) -> None:
+    """Holds what a sensor or a task observes against what it promises; when a program is traced, at no cost later.
+
+    Raises:
+        ConfigError: Names, shapes or types differ.
+    """
+    who = f"{type(owner).__name__}.observe"
+    if set(values) != set(spec):
+        raise ConfigError(f"{who} gives {sorted(values)}, but its spec promises {sorted(spec)}")
+    for name, value in values.items():
+        expected = (num_agents, *spec[name].shape)
+        if jnp.shape(value) != expected or jnp.result_type(value) != jnp.dtype(spec[name].dtype):
+            raise ConfigError(
+                f"{who} gives `{name}` as {jnp.result_type(value)} {jnp.shape(value)}, "
+                f"but its spec promises {spec[name].dtype} {expected}",
+                hint="The first axis is that of agents, also for one agent.",
+            )
+
+
+def check_task(task: object, before: Any, after: Any, reward: Any, terminated: Any, num_agents: int) -> None:
+    """Holds what a task gives after a step against what `Task` asks for.
+
+    Raises:
+        ConfigError: A shape, or the structure of its state, differs.
+    """
+    _check_shape(task, "reward", reward, (num_agents,))
+    _check_shape(task, "terminated", terminated, ())
+    shapes = [jax.tree.map(lambda x: (jnp.shape(x), jnp.result_type(x)), tree) for tree in (before, after)]
+    if jax.tree.structure(before) != jax.tree.structure(after) or shapes[0] != shapes[1]:
+        name = type(task).__name__
+        raise ConfigError(f"{name}.update changes the structure of the task's state", hint="Keep that of `init`.")
+
+
+def checked_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
+    """A task's metrics, if they are scalars.
+
+    Raises:
+        ConfigError: One is not.
+    """
+    for name, value in metrics.items():
+        _check_shape(task, f"metrics, `{name}`", value, ())
+    return metrics
+
+
+def _check_shape(task: object, what: str, value: Any, shape: tuple[int, ...]) -> None:
+    if jnp.shape(value) != shape:
+        raise ConfigError(f"{type(task).__name__}.{what}: expected the shape {shape}, got {jnp.shape(value)}")

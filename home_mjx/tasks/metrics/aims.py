@@ -1,0 +1,63 @@
+"""Where the goal of an episode is, as cells of a storey."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.navigation.grid import cell_of
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.rules.features import boxes_now
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.rules.words import Kind, Word
+from home_mjx.tasks.suite.point_nav import PointNavState
+
+
+def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
+    """Cells of a storey where the goal of the present stage is: of rooms, under things, of a point or an agent.
+
+    Args:
+        snapshot: The environment.
+        task: The task's state; of one that is neither PointNav's nor a row's nothing is known.
+        level: The storey.
+    """
+    bank, house = snapshot.bank, snapshot.house
+    if isinstance(task, PointNavState):
+        return _of_point(snapshot, bank.navigation.goal[house, task.goal], level)
+    if not isinstance(task, RowState):
+        return jnp.zeros(bank.navigation.room.shape[2:], bool)
+    guide = task.program.guide[jnp.maximum(task.stage, 0)]
+    meant, words = jnp.maximum(guide, 0), task.program.descriptor[guide]
+    room = bank.navigation.room[house, level]
+    in_room = task.means.room[meant][jnp.maximum(room, 0)] & (room >= 0)
+    someone = snapshot.pose.pos[jnp.clip(words[Word.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)]
+    point = jnp.where(words[Word.KIND] == Kind.AGENT, someone, task.program.place[meant])
+    found = in_room | _of_point(snapshot, point, level) | _under(snapshot, task.means.instance[meant], level)
+    return found & (guide >= 0)
+
+
+def _of_point(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
+    """The cell of a point [m]; none if it is inf."""
+    bank = snapshot.bank
+    known = jnp.all(jnp.isfinite(point))
+    at = cell_of(bank, snapshot.house, jnp.where(known, point, 0.0))
+    none = jnp.zeros(bank.navigation.room.shape[2:], bool)
+    return none.at[at[1], at[2]].set(known & (at[0] == level))
+
+
+def _under(snapshot: Snapshot, meant: Bool[Array, " i"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
+    """Cells that the bounds of things are over, where these are now: their corners, added up along both axes."""
+    bank, house, boxes = snapshot.bank, snapshot.house, boxes_now(snapshot)
+    rows, columns = bank.navigation.room.shape[2:]
+    boxes = jnp.where(meant[:, None, None], boxes, 0.0)
+    own = jax.vmap(lambda box: cell_of(bank, house, box.mean(axis=0))[0])(boxes)
+    weight = (meant & (own == level)).astype(jnp.int32)
+    at = (boxes[:, :, :2] - bank.navigation.origin[house]) / jnp.float32(bank.spec.cell)
+    limits = jnp.array([columns, rows])
+    low = jnp.clip(jnp.floor(at[:, 0]).astype(jnp.int32), 0, limits)
+    high = jnp.clip(jnp.ceil(at[:, 1]).astype(jnp.int32), 0, limits)
+    corners = jnp.zeros((rows + 1, columns + 1), jnp.int32)
+    for sign, x, y in ((1, low, low), (-1, high, low), (-1, low, high), (1, high, high)):
+        corners = corners.at[y[:, 1], x[:, 0]].add(sign * weight)
+    return (jnp.cumsum(jnp.cumsum(corners, axis=0), axis=1) > 0)[:rows, :columns]

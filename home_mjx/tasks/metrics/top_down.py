@@ -1,0 +1,160 @@
+"""A map of an agent's storey from above, with its goal, its way and what it has seen: as Habitat's `top_down_map`.
+
+A measure for who evaluates, draws or debugs, not an observation: it shows what agents cannot know. Savva et al.,
+"Habitat: A Platform for Embodied AI Research", 2019 (arXiv:1904.01201).
+"""
+
+import math
+from enum import IntEnum
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int, UInt8
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import wrap_angle
+from home_mjx.errors import ConfigError
+from home_mjx.navigation.grid import cell_of, is_home
+from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.metrics.aims import goal_cells
+from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+
+NUM_RAYS = 64  # across the view
+ELSEWHERE = -1
+
+
+class Ground(IntEnum):
+    """What a cell of a map is."""
+
+    OUTSIDE = 0  # of all rooms, or within a wall
+    BLOCKED = 1  # in a room, but an agent's middle cannot be there
+    FREE = 2  # agents can go there; of the house as compiled, whatever has been moved since
+
+
+class MapMemory(Pytree):
+    """What a map remembers of an episode; A agents, the cells of all storeys of the house."""
+
+    start: Float[Array, "a 3"]  # [m]
+    last: Float[Array, "a 3"]  # [m], where each agent was
+    visited: Bool[Array, "a levels rows columns"]  # its middle has been there
+    seen: Bool[Array, "a levels rows columns"]  # was in its view, with nothing between at the height of its eyes
+
+
+class TopDownMap(Pytree):
+    """The storey of one agent, of A. Cells have the edge `bank.spec.cell`; rows go along +y, columns along +x."""
+
+    ground: UInt8[Array, "rows columns"]  # `Ground`
+    goal: Bool[Array, "rows columns"]  # of the present stage: cells of its rooms, under its things, of its point
+    visited: Bool[Array, "rows columns"]  # by this agent
+    seen: Bool[Array, "rows columns"]  # by this agent; the rest lies in the fog of war
+    start: Int[Array, "2"]  # row and column; -1 on another storey
+    agents: Int[Array, "a 2"]  # row and column of every agent; -1 on another storey
+    yaw: Float[Array, " a"]  # [rad], from +x to +y
+    level: Int[Array, ""]
+
+
+def remember_map(snapshot: Snapshot, memory: MapMemory | None = None) -> MapMemory:
+    """What a map remembers after a reset or a step. To be called after each; for one environment, inside `jit`.
+
+    Args:
+        snapshot: The environment. When its episode has just begun, also by an automatic reset, memory begins anew.
+        memory: Of the step before; None: there is none.
+
+    Example:
+        >>> memory = remember_map(core.snapshot(params, state))  # doctest: +SKIP
+        >>> state = core.step(params, state, action)  # doctest: +SKIP
+        >>> memory = remember_map(core.snapshot(params, state), memory)  # doctest: +SKIP
+    """
+    pos = snapshot.pose.pos
+    if memory is None:
+        nothing = jnp.zeros((pos.shape[0], *snapshot.bank.navigation.room.shape[1:]), bool)
+        memory = MapMemory(start=pos, last=pos, visited=nothing, seen=nothing)
+    first = snapshot.step == 0
+    last = jnp.where(first, pos, memory.last)
+    return MapMemory(
+        start=jnp.where(first, pos, memory.start),
+        last=pos,
+        visited=(memory.visited & ~first) | _walked(snapshot, last),
+        seen=(memory.seen & ~first) | _in_view(snapshot),
+    )
+
+
+def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 0) -> TopDownMap:
+    """The map of one agent's storey.
+
+    Args:
+        snapshot: The environment.
+        task: The task's state, `State.task`. PointNav and tasks that are rows of a task bank have goals.
+        memory: See `remember_map`.
+        agent: Whose map.
+
+    Raises:
+        ConfigError: There is no such agent.
+
+    Example:
+        >>> found = top_down_map(core.snapshot(params, state), state.task, memory)  # doctest: +SKIP
+        >>> share_seen = found.seen[found.ground == Ground.FREE].mean()  # doctest: +SKIP
+    """
+    if not 0 <= agent < memory.start.shape[0]:
+        raise ConfigError(f"there are agents 0 to {memory.start.shape[0] - 1}, asked for the map of {agent}")
+    bank, house = snapshot.bank, snapshot.house
+    places, start = (jax.vmap(lambda at: cell_of(bank, house, at))(x) for x in (snapshot.pose.pos, memory.start))
+    level = places[agent, 0]
+    room, number = bank.navigation.room[house, level], bank.navigation.cell[house, level]
+    ground = jnp.where(is_home(bank, house, number), Ground.FREE, jnp.where(room >= 0, Ground.BLOCKED, Ground.OUTSIDE))
+    return TopDownMap(
+        ground=ground.astype(jnp.uint8),
+        goal=goal_cells(snapshot, task, level),
+        visited=memory.visited[agent, level],
+        seen=memory.seen[agent, level],
+        start=_on(level, start[agent]),
+        agents=_on(level, places),
+        yaw=wrap_angle(snapshot.pose.yaw),
+        level=level,
+    )
+
+
+def _on(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*a 2"]:
+    return jnp.where(place[..., :1] == level, place[..., 1:], ELSEWHERE)
+
+
+def _walked(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
+    """Cells on the straight way from where agents were."""
+    bank, house, config = snapshot.bank, snapshot.house, snapshot.config
+    way = max(body.forward_speed for body in config.physics.agents) * config.timing.ctrl_dt
+    parts = jnp.linspace(0, 1, 2 + math.ceil(2 * way / bank.spec.cell))
+    none = jnp.zeros(bank.navigation.room.shape[1:], bool)
+
+    def one(before: Float[Array, "3"], now: Float[Array, "3"]) -> Array:
+        level, row, column = jax.vmap(lambda at: cell_of(bank, house, at))(before + parts[:, None] * (now - before)).T
+        return none.at[level, row, column].set(True)
+
+    return jax.vmap(one)(last, snapshot.pose.pos)
+
+
+def _in_view(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
+    """Cells to whose middle nothing is in the way of a level look, within the width of the view and `depth_max`."""
+    bank, house, config, pose = snapshot.bank, snapshot.house, snapshot.config, snapshot.pose
+    levels, rows, columns = bank.navigation.room.shape[1:]
+    half = math.atan(math.tan(math.radians(config.fovy) / 2) * config.width / config.height)
+    turns = pose.yaw[:, None] + jnp.linspace(-half, half, NUM_RAYS)
+    ways = jnp.stack([jnp.cos(turns), jnp.sin(turns), jnp.zeros_like(turns)], axis=-1)
+    eyes = jnp.broadcast_to(eye_position(config, pose)[:, None], ways.shape)
+    own = jnp.broadcast_to(agent_ids(bank, pose.yaw.shape[0])[:, None], turns.shape)
+    free = jnp.minimum(cast(snapshot.scene, eyes, ways, exclude=own).t, jnp.float32(config.depth_max))
+    x, y = (
+        origin + (jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
+        for origin, n in zip(bank.navigation.origin[house], (columns, rows), strict=True)
+    )
+
+    def one(pos: Float[Array, "3"], yaw: Float[Array, ""], free: Float[Array, " n"]) -> Array:
+        ahead, aside = jnp.broadcast_arrays(x[None] - pos[0], y[:, None] - pos[1])
+        turn, away = wrap_angle(jnp.arctan2(aside, ahead) - yaw), jnp.hypot(ahead, aside)
+        ray = jnp.round((turn / half + 1) / 2 * (NUM_RAYS - 1)).astype(jnp.int32)
+        known = (jnp.abs(turn) <= half) & (away <= free[jnp.clip(ray, 0, NUM_RAYS - 1)])
+        at = cell_of(bank, house, pos)
+        return ((jnp.arange(levels) == at[0])[:, None, None] & known[None]).at[at[0], at[1], at[2]].set(True)
+
+    return jax.vmap(one)(pose.pos, pose.yaw, free)

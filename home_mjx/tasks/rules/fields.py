@@ -1,0 +1,156 @@
+"""Distances of all cells of a house to what descriptors mean, on the host."""
+
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float, Int, UInt16
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import KDTree
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.geometry.extrapolation import continued_fields
+from home_mjx.geometry.geodesic import grid_edges
+from home_mjx.physics.base.doors import Leaf
+from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
+
+STEP = 0.35  # [m], at most, between cells of a ramp and of the level that it leads to
+STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
+BRUSHES = 4.0  # who brushes the leaf of an open door may shut it
+PUSHES = BRUSHES**2  # and who walks into it does
+MARGIN = 0.15  # [m], to a leaf
+TURNING = 0.4  # [m]: so near to where it fits what is carried can be turned
+TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
+
+# Cells from which a goal is reached, and how far it is from each [m]; as many of both.
+Ends = tuple[Int[np.ndarray, "_"], Float[np.ndarray, "_"]]
+
+
+class CellGraph:
+    """The cells of a house's home region, and the ways between them.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        brushes: So many times as long counts a way on which an agent would brush the leaf of an open door; the square
+            of it one on which it would walk into the leaf.
+
+    Attributes:
+        place: Middle of each home cell, on the floor [m].
+        room: Room of each home cell; -1 none.
+        at_leaf: Home cells in which an agent touches the leaf of an open door, or which such a leaf cuts off.
+        cut_off: Home cells out of which no way leads to most of the house but by pushing a leaf, which may shut it for
+            good. There nothing begins and nothing is to be reached.
+    """
+
+    def __init__(self, bank: HouseBank, house: int, brushes: float = BRUSHES) -> None:
+        navigation, self._cell = bank.navigation, bank.spec.cell
+        number = np.asarray(navigation.cell[house])
+        first, home, free = (int(x[house]) for x in (navigation.first_cell, navigation.num_cells, navigation.num_free))
+        rank = np.where(number < 0, 3, (number >= first + home).astype(int) + (number >= first + free))
+        self._number, self._rank, self._home = number - first, rank, rank == 0
+        self._standable = np.asarray(navigation.region[house]) >= 0
+        self._rooms = np.asarray(navigation.room[house])
+        self._height = np.zeros(number.shape)
+        self._height[number >= 0] = np.asarray(navigation.height)[number[number >= 0]]
+        plan = (np.argwhere(self._home)[:, :0:-1] + 0.5) * self._cell + np.asarray(navigation.origin[house])
+        self.place = np.concatenate([plan, self._height[self._home][:, None]], axis=1)
+        self.room = self._rooms[self._home]
+        edges = [grid_edges(self._home, self._height, self._cell), *self._between_levels()]
+        sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
+        gap, radius = self._leaf_gaps(bank, house), bank.spec.agent_radius
+        beside = gap < radius + MARGIN
+        slow = np.where(gap < radius, brushes**2, np.where(beside, brushes, 1.0))
+        self.cut_off = _beyond(gap < radius, sources, targets)
+        self.at_leaf = beside | self.cut_off
+        self._edges = sources, targets, np.maximum(slow[sources], slow[targets]) * lengths
+
+    def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
+        """From the middle of each cell to the nearest leaf, doors open [m]."""
+        leaves = jax.tree.map(lambda x: x[house], Leaf.of(jax.tree.map(jnp.asarray, bank.physics)))
+        pos, quat = (np.asarray(x) for x in leaves.moved(jnp.asarray(bank.physics.door_wide[house])))
+        found = np.full(len(self.place), np.inf)
+        for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
+            away, yaw = self.place - middle, 2 * np.arctan2(z, w)
+            along, across = away[:, :2] @ [np.cos(yaw), np.sin(yaw)], away[:, :2] @ [-np.sin(yaw), np.cos(yaw)]
+            gap = np.hypot(np.maximum(abs(along) - half[0], 0), np.maximum(abs(across) - half[1], 0))
+            found = np.minimum(found, np.where((half[0] > 0) & (abs(away[:, 2]) < STOREY), gap, np.inf))
+        return found
+
+    def fields(self, ends: Sequence[Ends]) -> UInt16[np.ndarray, "c g"]:
+        """Distances of all of the house's cells to goals, ordered and kept as in `Navigation.field`."""
+        home = self.distances(ends)
+        parts = [(np.argwhere(self._home), home)]
+        around = [self._rank <= rank for rank in (1, 2)]
+        parts += continued_fields(self._home, around, self._standable, self._rooms, self._height, home, self._cell)
+        place, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
+        whole = np.full((int(self._number.max()) + 1, len(ends)), np.inf)
+        whole[self._number[tuple(place.T)]] = distance
+        units = np.minimum(np.round(np.where(np.isfinite(whole), whole, 0) / FIELD_UNIT), FIELD_FAR - 1)
+        return np.where(np.isfinite(whole), units, FIELD_FAR).astype(np.uint16)
+
+    def distances(self, ends: Sequence[Ends]) -> Float[np.ndarray, "c g"]:
+        """Of each home cell to goals [m]; inf where there is no way."""
+        cells, goals = len(self.place), len(ends)
+        sources, targets, lengths = self._edges
+        # From each goal to its ends and never back, so that no way leads through a goal.
+        begins = np.concatenate([sources, targets, *[np.full(len(n), cells + g) for g, (n, _) in enumerate(ends)]])
+        stops = np.concatenate([targets, sources, *[number for number, _ in ends]])
+        ways = np.concatenate([lengths, lengths, *[np.maximum(way, TINY) for _, way in ends]])
+        graph = csr_matrix((ways, (begins, stops)), shape=(cells + goals,) * 2)
+        return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
+
+    def around(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> Ends:
+        """The cells of a box's storey that are nearest to it in the plan, at most so many, and how far it is.
+
+        None at the leaf of an open door: who goes there may push it, and then it hides what is behind.
+        """
+        here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY)
+        storey = np.flatnonzero(here & ~self.at_leaf)
+        gap = np.maximum(low[:2] - self.place[storey, :2], 0) + np.maximum(self.place[storey, :2] - high[:2], 0)
+        away = np.hypot(*gap.T)
+        order = np.argsort(away, kind="stable")[:most]
+        return storey[order], away[order]
+
+    def inside(self, rooms: Bool[np.ndarray, " r"]) -> Ends:
+        """The cells of some rooms."""
+        cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)] & ~self.cut_off)
+        return cells, np.zeros(len(cells))
+
+    def at(self, place: Float[np.ndarray, " 3"]) -> Ends:
+        """The cell that is nearest to a point."""
+        nearest = np.argmin(np.linalg.norm(self.place - place, axis=1))
+        return np.array([nearest]), np.linalg.norm(self.place[[nearest], :2] - place[:2], axis=1)
+
+    def leads_out(self, cells: Int[np.ndarray, " n"], wide: Bool[np.ndarray, " c"]) -> Bool[np.ndarray, " n"]:
+        """Which of some cells are at most `TURNING` from cells that are wide and joined by such to most wide ones."""
+        out = self.place[~_beyond(~wide, *self._edges[:2])]
+        if not len(out):
+            return np.zeros(len(cells), bool)
+        return KDTree(out).query(self.place[cells])[0] <= TURNING
+
+    def _between_levels(self) -> list[tuple[np.ndarray, ...]]:
+        """Ways from the top of a ramp, which is in the grid of the level below, to the floor that it leads to."""
+        number = np.where(self._home, np.cumsum(self._home).reshape(self._home.shape) - 1, -1)
+        ways = []
+        for level in range(len(number) - 1):
+            for shift in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+                beyond, above = (np.roll(x[level + 1], shift, (0, 1)) for x in (number, self._height))
+                rise = np.abs(above - self._height[level])
+                joined = self._home[level] & (beyond >= 0) & (rise < STEP)
+                ways.append((number[level][joined], beyond[joined], np.hypot(self._cell, rise[joined])))
+        return ways
+
+
+def _beyond(
+    blocked: Bool[np.ndarray, " c"], sources: Int[np.ndarray, " e"], targets: Int[np.ndarray, " e"]
+) -> Bool[np.ndarray, " c"]:
+    """Which cells are blocked, or joined to fewer others than most are by ways on which none is."""
+    free = ~blocked[sources] & ~blocked[targets]
+    count = len(blocked)
+    joined = csr_matrix((np.ones(free.sum()), (sources[free], targets[free])), shape=(count, count))
+    part = connected_components(joined, directed=False)[1]
+    sizes = np.bincount(part, weights=~blocked, minlength=1)
+    return blocked | (part != sizes.argmax())

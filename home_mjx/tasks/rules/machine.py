@@ -1,0 +1,44 @@
+"""From features to what comes next: integer compares, the same for every task."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.tasks.rules.program import Program
+from home_mjx.tasks.rules.words import NUM_CONDITIONS
+
+
+def conditions(program: Program, table: Float[Array, "feature a d d"]) -> Bool[Array, " c"]:
+    """Which conditions hold.
+
+    Args:
+        program: What is to be done.
+        table: See `features.Looked`.
+    """
+    first, second = jnp.maximum(program.first, 0), jnp.maximum(program.second, 0)
+    value = table[program.feature, :, first, second]  # (c, a)
+    holds = (value >= program.least[:, None]) & (value <= program.most[:, None])
+    own = jnp.take_along_axis(holds, jnp.clip(program.agent, 0, table.shape[1] - 1)[:, None], axis=1)[:, 0]
+    return jnp.where(program.agent < 0, jnp.any(holds, axis=1), own)
+
+
+def advance(
+    program: Program, stage: Int[Array, ""], holds: Bool[Array, " c"]
+) -> tuple[Int[Array, ""], Float[Array, ""], Bool[Array, ""]]:
+    """The first transition that may be taken.
+
+    Args:
+        program: What is to be done.
+        stage: Where it is; what has ended stays there.
+        holds: Of each condition.
+
+    Returns:
+        The next stage, the transition's reward, and whether one was taken.
+    """
+    bits = jnp.sum(jnp.where(holds, jnp.left_shift(1, jnp.arange(NUM_CONDITIONS)), 0)).astype(jnp.int32)
+    at = jnp.maximum(stage, 0)
+    needs, bars = program.needs[at], program.bars[at]
+    open_ = (needs >= 0) & ((bits & needs) == needs) & ((bits & bars) == 0) & (stage >= 0)
+    way = jnp.argmax(open_)
+    taken = jnp.any(open_)
+    reward = jnp.where(taken, program.reward[at, way], 0.0)
+    return jnp.where(taken, program.next[at, way], stage), reward, taken

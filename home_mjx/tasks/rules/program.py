@@ -1,0 +1,226 @@
+"""What is to be done, written by a person, and the same as arrays."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.rules.words import (
+    ANY,
+    FAILURE,
+    NUM_CONDITIONS,
+    NUM_DESCRIPTORS,
+    NUM_STAGES,
+    NUM_TRANSITIONS,
+    SUCCESS,
+    Feature,
+    Kind,
+    Word,
+)
+
+NOWHERE = (np.inf, np.inf, np.inf)
+FAR = np.inf
+
+
+class Program(Pytree):
+    """What is to be done in one episode: d descriptors, c conditions, s stages with g transitions each.
+
+    In each step the first transition of the present stage whose needs all hold, and whose bars do not, is taken.
+    """
+
+    descriptor: Int[Array, "*t d words"]  # columns are those of `Word`
+    place: Float[Array, "*t d 3"]  # [m], of descriptors of kind PLACE; inf elsewhere
+    field: Int[Array, "*t d"]  # column of `TaskBank.field`; -1: distances are straight lines
+    feature: Int[Array, "*t c"]  # of `Feature`
+    first: Int[Array, "*t c"]  # descriptor i
+    second: Int[Array, "*t c"]  # descriptor j
+    agent: Int[Array, "*t c"]  # whose feature; -1 any agent's
+    least: Float[Array, "*t c"]  # holds from here ...
+    most: Float[Array, "*t c"]  # ... to here
+    needs: Int[Array, "*t s g"]  # bits of conditions that must hold; -1: no such transition
+    bars: Int[Array, "*t s g"]  # bits of conditions that must not
+    next: Int[Array, "*t s g"]  # stage, SUCCESS or FAILURE
+    reward: Float[Array, "*t s g"]  # of the transition
+    guide: Int[Array, "*t s"]  # descriptor, progress towards which is rewarded; -1 none
+
+
+@dataclass(frozen=True)
+class Meant:
+    """What a descriptor speaks of, and where: one of `Meant.thing`, `.space`, `.at`, `.someone`, `.hidden`.
+
+    Attributes:
+        words: Values of `Word` by name, in small letters.
+        place: [m], of a place.
+    """
+
+    words: dict[str, int] = field(default_factory=dict)
+    place: tuple[float, float, float] = NOWHERE
+
+    @classmethod
+    def hidden(cls) -> "Meant":
+        """Nothing. As the first descriptor it keeps `goal_words` and `goal` from telling what the others mean."""
+        return cls({})
+
+    @classmethod
+    def thing(cls, **words: int) -> "Meant":
+        """Objects that have these words in common.
+
+        Example:
+            >>> Meant.thing(coarse=3, color=1).words["coarse"]
+            3
+        """
+        return cls({"kind": Kind.OBJECT, **words})
+
+    @classmethod
+    def of(cls, words: Mapping[Word, int]) -> "Meant":
+        """Objects that have these words in common, by `Word`."""
+        return cls.thing(**{word.name.lower(): value for word, value in words.items()})
+
+    @classmethod
+    def space(cls, **words: int) -> "Meant":
+        """Rooms that have these words in common."""
+        return cls({"kind": Kind.ROOM, **words})
+
+    @classmethod
+    def at(cls, place: Sequence[float]) -> "Meant":
+        """A point on the floor [m]."""
+        x, y, z = (float(v) for v in place)
+        return cls({"kind": Kind.PLACE}, (x, y, z))
+
+    @classmethod
+    def someone(cls, agent: int) -> "Meant":
+        """An agent."""
+        return cls({"kind": Kind.AGENT, "agent": agent})
+
+
+@dataclass(frozen=True)
+class When:
+    """A condition: a feature between two limits, both included.
+
+    Example:
+        >>> near = When(Feature.DISTANCE, 0, most=0.2)
+    """
+
+    feature: Feature
+    first: int = 0
+    second: int = ANY
+    agent: int = 0
+    least: float = -np.inf
+    most: float = np.inf
+
+
+@dataclass(frozen=True)
+class Go:
+    """A transition: where to, if all of `needs` hold and none of `bars`."""
+
+    next: int
+    needs: tuple[When, ...] = ()
+    bars: tuple[When, ...] = ()
+    reward: float = 0.0
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What an agent is at; `guide` is the descriptor, progress towards which is rewarded."""
+
+    ways: tuple[Go, ...]
+    guide: int = ANY
+
+
+def written(descriptors: Sequence[Meant], stages: Sequence[Stage]) -> dict[str, np.ndarray]:
+    """The arrays of a `Program`, but for `field`, which the task bank fills.
+
+    Raises:
+        ConfigError: There are more of something than a row has room for, or a number names what is not there.
+
+    Example:
+        >>> there = When(Feature.DISTANCE, 0, most=0.2), When(Feature.STOPPED, least=1)
+        >>> stages = [Stage((Go(SUCCESS, there, reward=2.5),), guide=0)]
+        >>> written([Meant.at((1, 2, 0))], stages)["next"][0].tolist()
+        [-1, -1, -1, -1]
+    """
+    known: dict[When, int] = {}
+    for stage in stages:
+        for way in stage.ways:
+            for when in (*way.needs, *way.bars):
+                known.setdefault(when, len(known))
+    counts = {"descriptors": len(descriptors), "conditions": len(known), "stages": len(stages)}
+    counts["transitions of a stage"] = max((len(stage.ways) for stage in stages), default=0)
+    room = (NUM_DESCRIPTORS, NUM_CONDITIONS, NUM_STAGES, NUM_TRANSITIONS)
+    for (name, count), most in zip(counts.items(), room, strict=True):
+        if count > most or (count == 0 and name == "stages"):
+            hint = "Leave some out, or make two tasks of it." if count else "Give at least one."
+            raise ConfigError(f"a task has room for 1 to {most} {name}, got {count}", hint=hint)
+    _check(descriptors, known, stages)
+    return _descriptors(descriptors) | _conditions(known) | _stages(stages, known)
+
+
+def _check(descriptors: Sequence[Meant], known: dict[When, int], stages: Sequence[Stage]) -> None:
+    used = [when.first for when in known if when.feature in OF_ONE] + [stage.guide for stage in stages]
+    used += [when.second for when in known if when.feature in OF_TWO]
+    for number in used:
+        if not ANY <= number < len(descriptors):
+            hint = "Descriptors are numbered from 0, in the order of `meant`."
+            raise ConfigError(f"a task speaks of descriptor {number}, but has {len(descriptors)}", hint=hint)
+    for way in (way for stage in stages for way in stage.ways):
+        if not FAILURE <= way.next < len(stages):
+            hint = "Stages are numbered from 0; SUCCESS and FAILURE end a task."
+            raise ConfigError(f"a transition leads to stage {way.next}, but there are {len(stages)}", hint=hint)
+
+
+def check_success(stages: Sequence[Stage]) -> None:
+    """Refuses stages none of which, followed from the first one, leads to `SUCCESS`; others must have been `written`.
+
+    Raises:
+        ConfigError: So it is.
+
+    Example:
+        >>> check_success([Stage((Go(1),)), Stage((Go(SUCCESS),))])
+    """
+    seen, front = {0}, [0]
+    while front:
+        front = [n for n in {way.next for i in front if i >= 0 for way in stages[i].ways} if n not in seen]
+        seen |= set(front)
+    if SUCCESS not in seen:
+        raise ConfigError("no transition of a task leads to SUCCESS", hint="Give a stage a Go(SUCCESS, ...).")
+
+
+OF_TWO = (Feature.BESIDE, Feature.ON)
+OF_ONE = (
+    *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),
+    *OF_TWO,
+)
+
+
+def _descriptors(descriptors: Sequence[Meant]) -> dict[str, np.ndarray]:
+    words = np.full((NUM_DESCRIPTORS, len(Word)), ANY, np.int16)
+    place = np.full((NUM_DESCRIPTORS, 3), np.inf, np.float32)
+    for row, meant in enumerate(descriptors):
+        place[row] = meant.place
+        for name, value in meant.words.items():
+            words[row, Word[name.upper()]] = value
+    return {"descriptor": words, "place": place}
+
+
+def _conditions(known: dict[When, int]) -> dict[str, np.ndarray]:
+    rows = [*known, *[When(Feature.TRUE)] * (NUM_CONDITIONS - len(known))]
+    whole = {name: np.array([getattr(row, name) for row in rows], np.int8) for name in ("feature", "first", "second")}
+    whole["agent"] = np.array([row.agent for row in rows], np.int8)
+    return whole | {name: np.array([getattr(row, name) for row in rows], np.float32) for name in ("least", "most")}
+
+
+def _stages(stages: Sequence[Stage], known: dict[When, int]) -> dict[str, np.ndarray]:
+    shape = NUM_STAGES, NUM_TRANSITIONS
+    arrays = {name: np.full(shape, -1, np.int16) for name in ("needs", "bars")}
+    arrays |= {"next": np.full(shape, SUCCESS, np.int8), "reward": np.zeros(shape, np.float32)}
+    guide = np.full(NUM_STAGES, ANY, np.int8)
+    for s, stage in enumerate(stages):
+        guide[s] = stage.guide
+        for g, way in enumerate(stage.ways):
+            bits = (sum(1 << known[when] for when in set(whens)) for whens in (way.needs, way.bars))
+            arrays["needs"][s, g], arrays["bars"][s, g] = bits
+            arrays["next"][s, g], arrays["reward"][s, g] = way.next, way.reward
+    return arrays | {"guide": guide}

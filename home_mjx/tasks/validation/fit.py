@@ -1,0 +1,113 @@
+"""Whether tasks fit an environment: refused when they are given, not when a reset draws them."""
+
+from typing import Any
+
+import jax
+import numpy as np
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.communication.talk import written_talk
+from home_mjx.tasks.rules.build import padded
+from home_mjx.tasks.rules.program import Go, Stage, written
+from home_mjx.tasks.rules.row_task import RowTask
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, SUCCESS
+from home_mjx.tasks.sounds.row import written_sounds
+from home_mjx.tasks.validation.faults import first_fault
+from home_mjx.tasks.validation.table import SHORT, Range, feature_limits, index_of, limits
+
+OTHER_HOUSES = "Make them for these houses: task.task_bank(bank), load_tasks(path, bank) or sample_episodes(bank, ...)."
+
+
+def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> None:
+    """Refuses tasks that an environment could not begin, or that nobody could do.
+
+    Args:
+        config: Options of the environment.
+        task: What its agents are to do.
+        bank: Its houses.
+        tasks: What `EnvParams.tasks` is to be; arrays that are traced are not looked at.
+
+    Raises:
+        ConfigError: They are nothing that resets take rows from, there are none, they lack a column, they are of other
+            houses, or a row holds what it must not; says which, and what is allowed.
+    """
+    if tasks is None:
+        return _check_needs_none(task)
+    if not isinstance(tasks, Episodes | TaskBank):
+        hint = "Give `Episodes` of `sample_episodes` or `load_episodes`, or a `TaskBank` of `load_tasks`."
+        raise ConfigError(f"expected tasks, got {type(tasks).__name__}", hint=hint)
+    if any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(tasks)):  # pyright: ignore
+        return None
+    rows = tasks.rows if isinstance(tasks, TaskBank) else tasks
+    _check_columns(task, tasks, rows)
+    if not len(rows):
+        raise ConfigError("there are no tasks", hint="Give at least one, or None: then resets draw afresh.")
+    ranges = limits() | {"goal": index_of(bank.navigation.goal.shape[1], none=False)}
+    if isinstance(tasks, TaskBank):
+        ranges |= _of_bank(bank, tasks)
+        tasks.check_weights()
+    _check_rows(config, bank, rows, ranges)
+
+
+def blank_row() -> dict[str, np.ndarray]:
+    """The columns of a row that says nothing: their names, shapes and types.
+
+    Example:
+        >>> blank_row()["place"].shape
+        (4, 3)
+    """
+    columns = written([], [Stage((Go(SUCCESS),))]) | written_sounds((), 0) | written_talk() | {"tokens": padded(())}
+    columns["field"] = np.full(NUM_DESCRIPTORS, -1, np.int16)
+    return columns | {"task": np.zeros((), np.int32), "length": np.zeros((), np.float32)}
+
+
+def _check_needs_none(task: Task) -> None:
+    if isinstance(task, RowTask):
+        hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
+        raise ConfigError(f"{type(task).__name__} needs a task bank", hint=hint)
+
+
+def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> None:
+    """Refuses rows of another kind of task, and columns that are not as long as others."""
+    name, own = type(task).__name__, blank_row() if isinstance(task, RowTask) else {}
+    if own and not isinstance(tasks, TaskBank):
+        hint = "Give a `TaskBank`, such as of task.task_bank(bank) or load_tasks(path, bank)."
+        raise ConfigError(f"the rows of {name} are a TaskBank, got {type(tasks).__name__}", hint=hint)
+    lost = [column for column in (*own, *task.columns) if column not in rows.columns]
+    if lost:
+        hint = f"Give rows that were made for {name}."
+        raise ConfigError(f"the rows lack what {name} needs: {', '.join(lost)}", hint=hint)
+    shapes = {"house": (), "start": (3,), "yaw": ()} | {column: value.shape for column, value in own.items()}
+    arrays = {"house": rows.house, "start": rows.start, "yaw": rows.yaw, **rows.columns}
+    for column, array in arrays.items():
+        expected = (np.size(rows.house), *shapes.get(column, array.shape[1:]))
+        if array.shape != expected:
+            hint = "Give each column one entry per task."
+            raise ConfigError(f"the column `{column}` must have the shape {expected}, got {array.shape}", hint=hint)
+
+
+def _of_bank(bank: HouseBank, tasks: TaskBank) -> dict[str, Range]:
+    """What columns may hold that are numbers of something of the task bank."""
+    cells, fields = tasks.field.shape
+    if cells != bank.navigation.field.shape[0] or not fields:
+        message = f"the tasks have distances of {cells} cells, the houses have {bank.navigation.field.shape[0]}"
+        raise ConfigError(message, hint=OTHER_HOUSES)
+    return {"field": index_of(fields), "task": index_of(len(tasks.names) or SHORT + 1, none=False)}
+
+
+def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, ranges: dict[str, Range]) -> None:
+    agents = index_of(config.num_agents)
+    ranges = ranges | {"agent": agents, "meant.agent": agents, "told": index_of(2**config.num_agents)}
+    hints = dict.fromkeys(("house", "field", "goal"), OTHER_HOUSES)
+    hints |= dict.fromkeys(
+        ("agent", "meant.agent", "told"), f"There are {config.num_agents} agents: see num_agents=..."
+    )
+    hints |= {"held": "Give hands=True.", "stopped": 'Give actions="discrete".', "said": "Give speech=(...)."}
+    fault = first_fault(rows, bank, ranges, feature_limits(config), hints, config.episode_length)
+    if fault is not None:
+        raise ConfigError(fault.message, element=f"task {fault.row}, {fault.field}", hint=fault.hint)

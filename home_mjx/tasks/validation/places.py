@@ -1,0 +1,45 @@
+"""Whether rows that somebody has written can be done in their house, on the host."""
+
+import numpy as np
+from jaxtyping import UInt16
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
+from home_mjx.tasks.rules.build import can_be_done
+from home_mjx.tasks.rules.house_view import HouseView
+from home_mjx.tasks.rules.meaning import means_on_host
+from home_mjx.tasks.rules.words import Kind, Word
+from home_mjx.tasks.validation.faults import Fault, no_room
+from home_mjx.tasks.validation.starts import can_stand
+
+NAMED = (Kind.OBJECT, Kind.ROOM)
+
+
+def first_impossible(
+    bank: HouseBank, view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
+) -> Fault | None:
+    """The first row of a house that names what it has not, begins where nobody can stand, or asks for too much.
+
+    Args:
+        bank: The houses.
+        view: The house.
+        rows: Columns of its rows, with `field`.
+        fields: Distances of its cells, as `add_fields` gives them.
+    """
+    descriptor = np.stack([row["descriptor"] for row in rows])
+    means = means_on_host(bank, view.house, descriptor)
+    there = np.any(means.instance, axis=-1) | np.any(means.room, axis=-1)
+    lost = np.isin(descriptor[..., Word.KIND], NAMED) & ~there
+    home = view.graph.place
+    nearest = fields[: len(home)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
+    stands = can_stand(bank, np.full(len(rows), view.house), np.stack([row["start"] for row in rows]))
+    for number, row in enumerate(rows):
+        if not stands[number]:
+            return no_room(number, row["start"])
+        if lost[number].any():
+            name = f"meant[{np.argmax(lost[number])}]"
+            return Fault(number, name, "the house has nothing that this means", "`HouseView.things` lists what it has.")
+        if not can_be_done(row, nearest):
+            message = "no way leads to what the task asks for, or none as near to it"
+            return Fault(number, "meant", message, "Name another goal, or let `most` of `distance` be greater.")
+    return None

@@ -1,0 +1,41 @@
+"""How long a row makes agents wait, whatever they do."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.tasks.rules.words import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Feature
+
+
+def least_steps(columns: Mapping[str, np.ndarray]) -> Float[np.ndarray, " t"]:
+    """Steps that pass before a row can succeed: the least sum of `TIME` on a way through its stages.
+
+    It is a bound from below: what else a way needs is taken to come at once. inf: no way leads to success.
+
+    Args:
+        columns: `needs`, `next`, `feature` and `least` of the rows, see `Program`.
+
+    Example:
+        >>> columns = {"needs": np.full((1, 6, 3), -1), "next": np.full((1, 6, 3), -1)}
+        >>> columns |= {"feature": np.zeros((1, 8), int), "least": np.zeros((1, 8))}
+        >>> columns["needs"][0, 0, 0] = 0b10  # success needs the second condition
+        >>> columns["feature"][0, 1], columns["least"][0, 1] = Feature.TIME, 80.0
+        >>> least_steps(columns).tolist()
+        [80.0]
+    """
+    needs, after = columns["needs"], columns["next"].astype(int)
+    taken = np.where(needs >= 0, 0.0, np.inf)  # of each transition
+    for condition in range(NUM_CONDITIONS):
+        asked = (needs >= 0) & (needs.astype(int) >> condition & 1 == 1)
+        time = columns["feature"][:, condition] == Feature.TIME
+        wait = np.where(time, np.maximum(columns["least"][:, condition], 0.0), 0.0)
+        taken = np.where(asked, np.maximum(taken, wait[:, None, None]), taken)
+    arrived = np.full((len(needs), NUM_STAGES), np.inf)
+    arrived[:, 0] = 0.0
+    for _ in range(NUM_STAGES):
+        left = arrived[:, :, None] + taken
+        for stage in range(NUM_STAGES):
+            there = np.where(after == stage, left, np.inf).min(axis=(1, 2))
+            arrived[:, stage] = np.minimum(arrived[:, stage], there)
+    return np.where(after == SUCCESS, arrived[:, :, None] + taken, np.inf).min(axis=(1, 2))

@@ -1,0 +1,202 @@
+"""Plays a batch of environments and writes their episodes."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from tqdm import tqdm
+
+from home_mjx.core.checks import check_number
+from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.env.autoreset import AutoReset
+from home_mjx.tasks.env.begin import in_order
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
+from home_mjx.tasks.language.asked import asked
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.training.evaluation import expert_policy
+from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
+from home_mjx.training.trajectories.writer import Writer
+
+
+def record(
+    env: BoundEnv[HouseholdEnv],
+    folder: str | Path,
+    policy: Policy | None = None,
+    *,
+    frames: int = 100_000,
+    num_envs: int = 64,
+    seed: int = 0,
+    agent: str = "expert",
+    only_success: bool = False,
+    resume: bool = False,
+    progress: bool | None = None,
+) -> int:
+    """Writes at least so many steps of whole episodes, in Minari's format.
+
+    Once there are enough, no further episode begins, and those that run are played to their end: otherwise short
+    episodes would be more frequent than they are. Each episode's metadata has its task, instruction, house and metrics.
+
+    Args:
+        env: What is played; its `sensors=` are what is kept, images, sound and tokens among them.
+        folder: Where to.
+        policy: Who acts; None: the expert, then `env` comes from `with_expert`. The expert's advice is kept as
+            observation `expert` if another one acts.
+        frames: How many, those of earlier runs included.
+        num_envs: Environments at once.
+        seed: Of episodes and actions.
+        agent: Name of who acts, for the metadata.
+        only_success: Leave out episodes without success.
+        resume: Go on with what the folder holds, with other episodes.
+        progress: Show a progress bar; None: in a terminal.
+
+    Returns:
+        How many steps the data set holds.
+
+    Raises:
+        ConfigError: The folder holds a data set, or one of another environment; or it cannot be written to.
+
+    Example:
+        >>> record(with_expert(env), "data/RoomNav", frames=1_000_000, num_envs=1024)  # doctest: +SKIP
+    """
+    check_number("frames", frames, 1, whole=True)
+    check_number("num_envs", num_envs, 1, whole=True)
+    without = (EXPERT,) if policy is None and isinstance(env.core, WithExpert) else ()
+    hidden = None if progress is None else not progress
+    shown = {"unit": " steps", "unit_scale": True, "disable": hidden}
+    with (
+        Writer(Path(folder), env, agent, without, resume) as writer,
+        tqdm(total=frames, initial=min(writer.steps, frames), **shown) as bar,
+    ):
+        if writer.steps >= frames:
+            return writer.steps
+        batch = _Batch(env, policy or expert_policy(), num_envs, seed, first=writer.episodes)
+        while batch.running.any():
+            if writer.steps + batch.num_open >= frames:
+                batch.begin_no_more()
+            for episode, notes in batch.step():
+                if not only_success or notes.get("success", 1.0) > 0:
+                    writer.add({**episode, "observations": _kept(episode["observations"], without)}, notes)
+                    bar.update(len(episode["rewards"]))
+    return writer.steps
+
+
+def _kept(seen: dict[str, np.ndarray], without: tuple[str, ...]) -> dict[str, np.ndarray]:
+    return {name: x for name, x in seen.items() if name not in without}
+
+
+class _Batch:
+    """Environments that are played, and what they have gone through since their episodes began."""
+
+    def __init__(self, env: BoundEnv[HouseholdEnv], policy: Policy, num: int, seed: int, first: int) -> None:
+        self.env, self.policy, self.agents = env, policy, env.num_agents
+        self.batch = AutoReset(env.core, final_obs="all")
+        keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), first), num)
+        episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(env.params.tasks) else None
+        state = jax.jit(self.batch.reset)(env.params, jax.random.key_data(keys), None, episodes)
+        rows = jax.random.key_data(jax.vmap(lambda key: jax.random.split(key, self.agents))(keys)).reshape(-1, 2)
+        self.carry = state, policy.memory(num * self.agents), rows, jnp.ones(num * self.agents, bool)
+        self.running, self.last = np.ones(num, bool), False
+        self.open = [_Open() for _ in range(num)]
+        self._begun(range(num), self._host(state))
+        self._step: Callable[..., Any] = jax.jit(self._stepped)
+
+    @property
+    def num_open(self) -> int:
+        """Steps of episodes that are not over."""
+        return sum(len(episode.rewards) for episode, on in zip(self.open, self.running, strict=True) if on)
+
+    def begin_no_more(self) -> None:
+        """From now on environments stand still once their episode is over."""
+        self.last = True
+
+    def step(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+        """One step of all; the episodes that it ended."""
+        self.carry, taken = self._step(self.env.params, self.carry)
+        host, ended = self._host(self.carry[0]) | jax.device_get(taken), []
+        for i in np.flatnonzero(self.running).tolist():
+            over = bool(host["terminated"][i] | host["truncated"][i])
+            seen = host["final_obs"] if over else host["obs"]
+            self.open[i].add(host, seen, i)
+            if over:
+                ended.append(self.open[i].whole({name: float(x[i]) for name, x in host["metrics"].items()}))
+        over = host["terminated"] | host["truncated"]
+        begun = np.flatnonzero(self.running & over).tolist()
+        if self.last:
+            self.running &= ~over
+        else:
+            self._begun(begun, host)
+        return ended
+
+    def _begun(self, which: Any, host: dict[str, Any]) -> None:
+        ids = self.env.bank.house_ids
+        for i in which:
+            self.open[i] = _Open(self._asked(host, i) | {"house": ids[int(host["house"][i])]})
+            self.open[i].see(host["obs"], i)
+
+    def _asked(self, host: dict[str, Any], i: int) -> dict[str, str]:
+        """What the episode asks for."""
+        if "task" not in host:
+            return {}
+        task = self.env.params.tasks.names[int(host["task"][i])]
+        return {"task": task, "instruction": asked(task, host["tokens"][i], host["descriptor"][i])}
+
+    def _host(self, state: State) -> dict[str, Any]:
+        own = {"obs": state.obs, "house": state.world.house}
+        if isinstance(state.task, RowState):
+            row = {"task": state.task.task, "tokens": state.task.tokens}
+            own |= row | {"descriptor": state.task.program.descriptor}
+        return jax.device_get(own)
+
+    def _stepped(self, params: EnvParams, carry: tuple) -> tuple[tuple, dict[str, Any]]:
+        state, memory, keys, begins = carry
+        keys, now = split_keys(keys)
+        memory, action, _ = self.policy.act(memory, to_rows(state.obs, self.agents), begins, now)
+        action = to_envs(self.policy.clip(action), self.agents)
+        new = self.batch.step(params, state, action)
+        num = new.done.shape[0]
+        taken = {
+            "action": action,
+            "reward": jnp.mean(new.reward.reshape(num, -1), axis=-1),
+            "terminated": new.terminated,
+            "truncated": new.truncated,
+            "metrics": new.metrics,
+            "final_obs": new.info["final_obs"],
+        }
+        return (new.replace(info={}), memory, keys, jnp.repeat(new.done, self.agents)), taken
+
+
+class _Open:
+    """One episode so far."""
+
+    def __init__(self, notes: dict[str, Any] | None = None) -> None:
+        self.notes, self.seen = notes or {}, {}
+        self.actions, self.rewards, self.terminated, self.truncated = [], [], [], []
+
+    def see(self, obs: dict[str, np.ndarray], i: int) -> None:
+        """An observation; it is copied, the batch's memory is free again."""
+        for name, values in obs.items():
+            self.seen.setdefault(name, []).append(values[i].copy())
+
+    def add(self, host: dict[str, Any], obs: dict[str, np.ndarray], i: int) -> None:
+        """A step, and the observation after it."""
+        self.actions.append(host["action"][i])
+        self.rewards.append(host["reward"][i])
+        self.terminated.append(host["terminated"][i])
+        self.truncated.append(host["truncated"][i])
+        self.see(obs, i)
+
+    def whole(self, metrics: dict[str, float]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The episode as `Writer.add` wants it, and notes."""
+        episode = {
+            "observations": {name: np.stack(values) for name, values in self.seen.items()},
+            "actions": np.stack(self.actions),
+            "rewards": np.array(self.rewards),
+            "terminations": np.array(self.terminated),
+            "truncations": np.array(self.truncated),
+        }
+        return episode, {**self.notes, **metrics}

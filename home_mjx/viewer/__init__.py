@@ -1,0 +1,1 @@
+"""Pictures, films, episodes and the demo: everything that shows a person what happens."""

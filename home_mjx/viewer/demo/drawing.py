@@ -1,0 +1,62 @@
+"""The walk as pictures."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import jax
+import numpy as np
+from tqdm import tqdm
+
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.viewer.pictures import media, pictures
+from home_mjx.viewer.pictures.top_view import TopView
+
+
+@dataclass
+class Walk:
+    """What was seen and heard on the way; per drawn environment."""
+
+    obs: list[dict[str, np.ndarray]] = field(default_factory=list)
+    positions: list[np.ndarray] = field(default_factory=list)
+    sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+
+    def richest(self, view: int) -> dict[str, np.ndarray]:
+        """The observation that shows most different things.
+
+        Of the view's own part of the walk: agents of one house would else all be drawn before the same sight.
+        """
+        num_views = len(self.sources)
+        part = slice(len(self.obs) * view // num_views, max(len(self.obs) * (view + 1) // num_views, 1))
+        return max(self.obs[part] or self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
+
+
+def draw(env: BoundEnv[HouseholdEnv], states: State, walk: Walk, folder: Path, progress: tqdm) -> None:
+    """Writes the contact sheet."""
+    houses = np.asarray(states.world.house)
+    tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
+    paths = np.stack(walk.positions)
+    rows = []
+    for i, top in enumerate(tops):
+        image = top.with_path(paths[:, i], walk.sources[i], size=256)
+        caption = f"house {houses[i]}: path, end (green), radio (red)"
+        rows.append([pictures.captioned(image, caption), *_views(env, walk.richest(i), i, 256)])
+    media.write_png(folder / "contact_sheet.png", pictures.sheet(rows))
+    progress.update()
+
+
+def _scene(env: BoundEnv[HouseholdEnv], states: State, index: int) -> Scene:
+    """One of the environments as rays see it."""
+    return env.core.snapshot(env.params, jax.tree.map(lambda x: x[index], states)).scene
+
+
+def _views(env: BoundEnv[HouseholdEnv], obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
+    panels = {
+        "rgb": obs["pixels/head_rgb"][view],
+        "depth": pictures.depth_colours(obs["pixels/head_depth"][view, ..., 0], env.config.depth_max),
+        "category": pictures.id_colours(obs["ids/head_fine"][view]),
+        "instance": pictures.id_colours(obs["ids/head_instance"][view]),
+    }
+    return [pictures.captioned(pictures.enlarge(image, size), name) for name, image in panels.items()]

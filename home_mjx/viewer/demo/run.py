@@ -1,0 +1,190 @@
+"""The demo from houses to files: compile, walk, draw, measure, search, and only then move everything into place."""
+
+import dataclasses
+import functools
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from tqdm import tqdm
+
+from home_mjx.core import profiling
+from home_mjx.core.files import write_together
+from home_mjx.env_factory import make
+from home_mjx.errors import ConfigError
+from home_mjx.navigation.path_follower import Walker, make_walker
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.viewer.demo.drawing import Walk, draw
+from home_mjx.viewer.demo.search import film_search
+
+SENSORS_ALONE = {
+    "depth": ("depth",),
+    "rgb": ("rgb",),
+    "instance and category": ("instance", "fine"),
+    "audio": ("audio",),
+    "state and goal": ("state", "goal"),
+}
+
+
+@dataclass(frozen=True)
+class DemoOptions:
+    """What the demo does.
+
+    Attributes:
+        out: Folder for the files.
+        suncg: Root of a SUNCG dataset; None for generated houses.
+        num_houses: Houses in the bank.
+        num_envs: Environments in the batch.
+        num_steps: Steps of the walk.
+        num_views: Environments that are drawn, and searches that are filmed.
+        seed: Seed of everything.
+    """
+
+    out: Path = Path("demo")
+    suncg: Path | None = None
+    num_houses: int = 8
+    num_envs: int = 64
+    num_steps: int = 150
+    num_views: int = 3
+    seed: int = 0
+
+
+def run_demo(options: DemoOptions) -> dict[str, Any]:
+    """Runs the demo.
+
+    Returns:
+        What `report.json` holds.
+    """
+    # Closed also on errors, so that their message starts on a line of its own.
+    with tqdm(total=options.num_steps + 6, desc="houses", unit="step") as steps:
+        return _run(options, steps)
+
+
+def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
+    started = time.perf_counter()
+    env = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
+    steps.set_postfix_str("compiling the step (once)")
+    steps.update()
+    begin, seconds = _compiled_begin(env, options)
+    states = place(env, begin, options)
+    views = jax.tree.map(lambda x: x[: options.num_views], states)
+    step, _ = _compiled_step(env, views)  # of the drawn environments alone: nobody sees the others walk
+    steps.update()
+    steps.set_description("walking")
+    steps.set_postfix_str("")
+    views, walk = walk_through(env, step, views, options, steps)
+    steps.set_description("measuring")
+    rates, more_seconds = measure(env, states)
+    steps.update()
+    steps.set_description("drawing")
+    report = {
+        "versions": profiling.versions(),
+        "device": profiling.device_name(),
+        "dataset": str(options.suncg or "generated"),
+        "num_houses": env.bank.num_houses,
+        "num_envs": options.num_envs,
+        "compile_seconds": {"begin": seconds, **more_seconds},
+        "steps_per_second": rates,
+        "triangles": int(env.bank.geometry.triangle.shape[0]),
+        "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
+    }
+    with write_together(options.out, "demo") as folder:
+        draw(env, views, walk, folder, steps)
+        steps.set_description("searching")
+        report["search"] = searched(folder, options)
+        steps.update()
+        report["peak_memory_bytes"] = profiling.peak_memory_bytes()
+        report["wall_seconds"] = time.perf_counter() - started
+        (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
+    steps.update()
+    return report
+
+
+def searched(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
+    """How each search of the trained agent has ended, filmed; or why there is none."""
+    try:
+        return [dataclasses.asdict(one) for one in film_search(folder, options.suncg, options.num_views, options.seed)]
+    except ConfigError as error:  # whoever installs the package alone gets all but the film
+        return str(error)
+
+
+def _compiled_begin(env: BoundEnv[HouseholdEnv], options: DemoOptions) -> tuple[Any, float]:
+    """The batched start as a compiled program, and how long that took.
+
+    It gives no observation: the step does not read it, and rendering is compiled once.
+    """
+    keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
+    houses = jnp.zeros(options.num_envs, jnp.int32)
+    return profiling.compiled(jax.vmap(env.core.begin, (None, 0, 0)), env.params, keys, houses)
+
+
+def _compiled_step(env: BoundEnv[HouseholdEnv], states: State) -> tuple[Any, float]:
+    """The batched step as a compiled program, and how long that took."""
+    return profiling.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, _no_actions(env, states))
+
+
+def _no_actions(env: BoundEnv[HouseholdEnv], states: State) -> jax.Array:
+    return jnp.zeros((states.reward.shape[0], env.action_size), jnp.float32)
+
+
+def place(env: BoundEnv[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
+    """Environments spread over the houses, the radio in a room of each."""
+    keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
+    houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
+    states = begin(env.params, keys, houses)
+    # All environments of a house hear the same radio, at the house's first goal.
+    radio = env.bank.navigation.goal[houses, 0].at[:, 2].add(env.config.source_height)
+    sounds = states.world.sounds.replace(pos=radio[:, None])
+    return states.replace(world=states.world.replace(sounds=sounds))
+
+
+def walk_through(
+    env: BoundEnv[HouseholdEnv], step: Any, states: State, options: DemoOptions, progress: tqdm
+) -> tuple[State, Walk]:
+    """Walks environments and keeps what they observed."""
+    pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
+    place = pose(env.params, states)
+    walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
+    walk = Walk(sources=np.asarray(states.world.source))
+    for _ in range(options.num_steps):
+        pos, yaw = np.asarray(place.pos[:, 0]), np.asarray(place.yaw[:, 0])
+        actions = np.stack([w.action(pos[i], float(yaw[i])) for i, w in enumerate(walkers)])
+        states = step(env.params, states, jnp.asarray(actions))
+        place = pose(env.params, states)
+        walk.obs.append({k: np.asarray(v) for k, v in states.obs.items()})
+        walk.positions.append(np.asarray(place.pos[:, 0]))
+        progress.update()
+    return states, walk
+
+
+def make_walkers(env: BoundEnv[HouseholdEnv], states: State, pos: np.ndarray) -> list[Walker]:
+    """A walker per environment."""
+    houses = np.asarray(states.world.house)
+    turn = env.config.body.turn_rate * env.dt
+    return [make_walker(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
+
+
+def measure(env: BoundEnv[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
+    """Environment steps per second with all sensors, and of physics and each sensor alone; seconds of compiling."""
+    num_envs, none = states.reward.shape[0], _no_actions(env, states)
+    actions = profiling.drawn_actions(none.shape)
+    step, seconds_step = _compiled_step(env, states)
+    advance, seconds_physics = profiling.compiled(jax.vmap(env.core.advance, (None, 0, 0)), env.params, states, none)
+    seconds = {"step with all sensors": seconds_step, "physics": seconds_physics}
+    rates = {
+        name: num_envs * profiling.steps_per_second(functools.partial(program, env.params), states, actions, 2.0)
+        for name, program in (("all", step), ("physics", advance))
+    }
+    for name, kinds in SENSORS_ALONE.items():
+        alone = HouseholdEnv(env.config.replace(sensors=kinds), env.task)
+        perceive = jax.vmap(lambda p, s, alone=alone: alone.perceive(p, s).obs, (None, 0))
+        program, seconds[name] = profiling.compiled(perceive, env.params, states)
+        rates[name] = num_envs * profiling.calls_per_second(program, env.params, states)
+    return rates, seconds

@@ -1,0 +1,71 @@
+"""What a film shows of one environment: the first agent's view, and where everything is."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, UInt8
+
+from home_mjx import physics
+from home_mjx.raycast_render.cameras.camera import Lens
+from home_mjx.raycast_render.images.render import render
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.tasks.base.config import AgentCamera
+from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.rules.features import boxes_now
+from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
+
+FOVY = 75.0  # [degrees]
+PLAN_VIEW = 35.0  # [degrees], half of the angle that a plan shows an agent look into
+
+
+class Sight(NamedTuple):
+    """One instant: what the first agent sees, and where all agents and things are."""
+
+    view: UInt8[np.ndarray, "h w 3"]
+    pos: Float[np.ndarray, "a 3"]  # [m]
+    yaw: Float[np.ndarray, " a"]  # [rad]
+    boxes: Float[np.ndarray, "i 2 3"]  # [m], of all instances
+
+
+class FilmCamera:
+    """A camera at the first agent's eyes, apart from what the agent observes.
+
+    Args:
+        env: The environment.
+        width: Of its picture [px].
+        height: [px].
+        samples: Rays per pixel.
+    """
+
+    def __init__(self, env: BoundEnv[HouseholdEnv], width: int = 480, height: int = 360, samples: int = 1) -> None:
+        self.env = env
+        self._camera = AgentCamera("film", ("rgb",), Lens(width, height, samples=samples), fovy=FOVY)
+        self._see = jax.jit(self._seen)
+
+    def shot(self, state: State) -> Sight:
+        """What there is to see now, on the host."""
+        return Sight(*(np.asarray(x) for x in self._see(self.env.params, state)))
+
+    def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:
+        core = self.env.core
+        snapshot = core.snapshot(params, state)
+        camera = jax.tree.map(lambda x: x[0], place_cameras(core.config, self._camera, snapshot.pose, snapshot.mount))
+        own = agent_ids(snapshot.bank, core.num_agents)[0]
+        images: dict[str, Any] = render(
+            snapshot.scene, camera, self._camera.lens, kinds=("rgb",), preset="lit", exclude=own
+        )
+        return images["rgb"], snapshot.pose.pos, snapshot.pose.yaw, boxes_now(snapshot)
+
+
+def without_agents(env: BoundEnv[HouseholdEnv], state: State) -> Scene:
+    """The house as things stand, with nobody in it: marks stand for agents."""
+    template = env.core.template(env.bank)
+    pos, quat = physics.body_pose(template, state.physics)
+    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+    angle = physics.door_angle(template, state.physics)
+    return make_scene(env.bank, state.world.house, pos, quat, *nobody, env.config.executor, angle)

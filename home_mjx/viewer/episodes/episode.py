@@ -1,0 +1,129 @@
+"""One episode from reset to end, step by step, with what there is to tell of it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.moves import action_names
+from home_mjx.viewer.episodes.goal_markers import Asked, asked_of
+from home_mjx.viewer.episodes.policies import Player
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How an episode has ended.
+
+    Attributes:
+        number: Of the episode, from 1.
+        task: Name of the task.
+        instruction: What was asked for.
+        house: Id of the house.
+        success: The task's own.
+        spl: Success weighted by path length (arXiv:1807.06757); NaN where the shortest path is not known.
+        steps: That it took.
+        gained: Sum of rewards, of the first agent.
+        metrics: All of the task's at the end.
+    """
+
+    number: int
+    task: str
+    instruction: str
+    house: str
+    success: float
+    spl: float
+    steps: int
+    gained: float
+    metrics: dict[str, float] = field(default_factory=dict)
+
+    def line(self) -> str:
+        """For people.
+
+        Example:
+            >>> Outcome(1, "RoomNav", "RoomNav: the kitchen", "a0", 1.0, 0.9312, 24, 3.1).line()
+            '  1  RoomNav               success  SPL 0.93    24 steps  RoomNav: the kitchen'
+        """
+        how = "success" if self.success > 0 else "failure"
+        spl = "   -" if np.isnan(self.spl) else f"{self.spl:.2f}"
+        return f"{self.number:3d}  {self.task:<20}  {how}  SPL {spl}  {self.steps:4d} steps  {self.instruction}"
+
+
+class Step(NamedTuple):
+    """A step that was taken: the state after it, and the action; at the begin of an episode there is none."""
+
+    state: State
+    action: Any
+    gained: float
+
+
+class Game:
+    """Plays episodes of one environment.
+
+    Args:
+        env: The environment.
+    """
+
+    def __init__(self, env: BoundEnv[HouseholdEnv]) -> None:
+        self.env = env
+        self._reset = jax.jit(env.core.reset)
+        self._step = jax.jit(env.core.step)
+        self._pos = jax.jit(lambda params, state: env.core.snapshot(params, state).pose.pos[0])
+        self.outcome: Outcome | None = None
+
+    def play(self, player: Player, number: int, key: Any, row: int | None) -> Iterator[Step]:
+        """The steps of an episode; `outcome` is there when they have ended.
+
+        Args:
+            player: Who plays.
+            number: Of the episode, from 1.
+            key: Random key.
+            row: Of the environment's episodes or tasks; None: drawn by the key.
+        """
+        params = self.env.params
+        state = self._reset(params, key, None, row)
+        asked, walked, gained, steps = asked_of(self.env, state), 0.0, 0.0, 0
+        pos = np.asarray(self._pos(params, state))
+        player.begin()
+        yield Step(state, None, gained)
+        while not state.done:
+            action = player.act(state)
+            if action is None:
+                break
+            state = self._step(params, state, action)
+            before, pos = pos, np.asarray(self._pos(params, state))
+            walked += float(np.linalg.norm(pos - before))
+            gained, steps = gained + float(np.reshape(state.reward, -1)[0]), steps + 1
+            yield Step(state, action, gained)
+        self.outcome = self._ended(number, asked, state, walked, gained, steps)
+
+    def _ended(self, number: int, asked: Asked, state: State, walked: float, gained: float, steps: int) -> Outcome:
+        metrics = {name: float(value) for name, value in state.metrics.items()}
+        success = metrics.get("success", 0.0)
+        spl = success * asked.length / max(asked.length, walked, 1e-6)
+        house = self.env.bank.house_ids[int(state.world.house)]
+        return Outcome(number, asked.task, asked.text, house, success, metrics.get("spl", spl), steps, gained, metrics)
+
+
+def said(env: BoundEnv[HouseholdEnv], step: Step, name: str) -> str:
+    """A line on how an episode goes."""
+    parts = [name, f"step {int(step.state.world.step)} of {env.config.episode_length}"]
+    if step.action is not None:
+        parts.append(named(env, step.action))
+    if "distance" in step.state.metrics:
+        parts.append(f"{float(step.state.metrics['distance']):.1f} m to go")
+    parts.append(f"return {step.gained:+.2f}")
+    return "   ".join(parts)
+
+
+def named(env: BoundEnv[HouseholdEnv], action: Any) -> str:
+    """What the first agent does."""
+    names, own = action_names(env.config), np.asarray(action)
+    own = own if env.num_agents == 1 else own[0]
+    if env.config.discrete is not None:
+        return names[int(own)]
+    return ", ".join(f"{name} {x:+.1f}" for name, x in zip(names, own, strict=True) if abs(x) > 0.05) or "nothing"

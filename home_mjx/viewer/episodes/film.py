@@ -1,0 +1,106 @@
+"""Frames of a film: the agent's view, the plan beside it, what is asked above, how it goes below."""
+
+import math
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, UInt8
+from PIL import Image, ImageDraw, ImageFont
+
+from home_mjx.viewer.pictures import media
+from home_mjx.viewer.pictures.pictures import BACKGROUND, INK, sheet
+
+GAP = 8  # [px]
+BAR = 26  # [px], height of a line of text
+DONE, LOST, QUIET = (60, 190, 100), (225, 80, 70), (150, 155, 165)
+HOLD = 1.5  # [s] that the end of an episode is shown
+SLOWEST = 6.0  # frames a second: steps of 0.3 s would stutter
+
+Picture = UInt8[np.ndarray, "_ _ 3"]
+
+
+def frame(view: Picture, plan: Picture, title: str, status: str, success: bool | None = None) -> Picture:
+    """One frame.
+
+    Args:
+        view: What the agent sees.
+        plan: The house from above.
+        title: What is asked for.
+        status: How it goes.
+        success: How it has ended; None: it has not.
+    """
+    height, width = view.shape[:2]
+    beside = fitted(plan, width, height)
+    size = (width + beside.shape[1] + 3 * GAP, height + 2 * BAR + 2 * GAP)
+    canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)  # H.264 wants even sides
+    canvas.paste(Image.fromarray(view), (GAP, BAR + GAP))
+    canvas.paste(Image.fromarray(beside), (width + 2 * GAP, BAR + GAP))
+    draw = ImageDraw.Draw(canvas)
+    _line(draw, title, 6, INK, 17, canvas.width)
+    colour = QUIET if success is None else DONE if success else LOST
+    if success is not None:
+        draw.rectangle((0, size[1] - BAR, canvas.width, canvas.height), fill=colour)
+    _line(draw, status, size[1] - BAR + 5, INK if success is None else (255, 255, 255), 14, canvas.width)
+    return np.asarray(canvas)
+
+
+def fitted(image: Picture, width: int, height: int) -> Picture:
+    """The image as large as it is within a box; no larger than that."""
+    scale = min(width / image.shape[1], height / image.shape[0])
+    size = max(1, math.floor(image.shape[1] * scale)), max(1, math.floor(image.shape[0] * scale))
+    canvas = Image.new("RGB", (width, height), BACKGROUND)
+    small = Image.fromarray(image).resize(size, Image.Resampling.LANCZOS)
+    canvas.paste(small, ((width - size[0]) // 2, (height - size[1]) // 2))
+    return np.asarray(canvas)
+
+
+def _line(draw: ImageDraw.ImageDraw, text: str, top: int, colour: tuple, size: int, width: int) -> None:
+    """A line of text, made smaller until it fits."""
+    while size > 8 and ImageFont.load_default(size=size).getlength(text) > width - 2 * GAP:
+        size -= 1
+    draw.text((GAP, top), text, fill=colour, font=ImageFont.load_default(size=size))
+
+
+@dataclass
+class Film:
+    """The frames of all episodes, one after the other, and what was heard.
+
+    Args:
+        dt: Time of a step [s].
+        rate: Samples of sound a second; None: it is silent, and may run faster than life.
+    """
+
+    dt: float
+    rate: int | None = None
+    frames: list[Picture] = field(default_factory=list)
+    sounds: list[Float[np.ndarray, "2 n"]] = field(default_factory=list)
+    ends: list[Picture] = field(default_factory=list)
+
+    @property
+    def fps(self) -> float:
+        """Frames a second: real time with sound, else at least `SLOWEST`."""
+        return 1 / self.dt if self.rate else max(1 / self.dt, SLOWEST)
+
+    def add(self, picture: Picture, sound: Float[np.ndarray, "2 n"] | None = None) -> None:
+        """Adds a step."""
+        self.frames.append(picture)
+        if self.rate:
+            self.sounds.append(np.zeros((2, round(self.rate * self.dt))) if sound is None else sound)
+
+    def end(self, picture: Picture) -> None:
+        """Adds the end of an episode, which stays for a while."""
+        self.ends.append(picture)
+        for _ in range(max(1, round(HOLD * self.fps))):
+            self.add(picture)
+
+    def write(self, folder: Path, name: str) -> None:
+        """Writes `name.mp4`, and `name.png` with the end of every episode."""
+        with tempfile.TemporaryDirectory(prefix="home_mjx_film_") as beside:
+            wav = None
+            if self.rate:
+                wav = Path(beside) / "sound.wav"
+                media.write_wav(wav, np.concatenate(self.sounds, axis=-1), self.rate)
+            media.write_mp4(folder / f"{name}.mp4", np.stack(self.frames), self.fps, wav)
+        media.write_png(folder / f"{name}.png", sheet([[end] for end in self.ends]))

@@ -1,0 +1,107 @@
+"""What an episode asks for, in words and as places on a plan."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.tasks.base.state import Episodes, State
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.language.asked import asked
+from home_mjx.tasks.language.vocabulary import detokenize
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.suite.point_nav import PointNavState
+
+
+class Asked(NamedTuple):
+    """What an episode asks for.
+
+    Attributes:
+        task: Name of the task.
+        text: Its instruction; of tasks without one, what is meant.
+        length: Of the shortest path [m]; NaN where it is not known.
+    """
+
+    task: str
+    text: str
+    length: float
+
+
+class Goals(NamedTuple):
+    """Where the present goal is.
+
+    Attributes:
+        places: Points [m].
+        rooms: Which rooms of the house.
+    """
+
+    places: Float[np.ndarray, "n 3"]
+    rooms: Bool[np.ndarray, " r"]
+
+
+def asked_of(env: BoundEnv[HouseholdEnv], state: State) -> Asked:
+    """What the episode of a state asks for."""
+    task = env.spec.id.rpartition("-v")[0] if env.spec is not None else type(env.task).__name__
+    if isinstance(state.task, PointNavState):
+        return _asked_of_point(task, env.params.tasks, state)
+    if not isinstance(state.task, RowState):
+        return Asked(task, task, np.nan)
+    names, number = env.params.tasks.names, int(state.task.task)
+    task = names[number] if number < len(names) else task
+    text = asked(task, np.asarray(state.task.tokens), np.asarray(state.task.program.descriptor))
+    return Asked(task, text, float(state.task.length))
+
+
+def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Asked:
+    if episodes is None:
+        return Asked(task, "go to the point", np.nan)
+    length = float(episodes.columns["length"][int(state.world.episode) % len(episodes)])
+    return Asked(task, f"go to the point {length:.1f} m away", length)
+
+
+def goals_of(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> Goals:
+    """Where the goal of the present stage is.
+
+    Args:
+        bank: The houses.
+        state: One environment.
+        boxes: Bounds of all instances where they are now [m].
+    """
+    house = int(state.world.house)
+    nothing, nowhere = np.zeros((0, 3)), np.zeros(bank.navigation.room_type.shape[1], bool)
+    if isinstance(state.task, PointNavState):
+        return Goals(np.asarray(bank.navigation.goal[house, int(state.task.goal)])[None], nowhere)
+    if not isinstance(state.task, RowState):
+        return Goals(nothing, nowhere)
+    guide = int(state.task.program.guide[max(int(state.task.stage), 0)])
+    if guide < 0:
+        return Goals(nothing, nowhere)
+    place = np.asarray(state.task.program.place[guide])
+    points = boxes[np.asarray(state.task.means.instance[guide])].mean(axis=1)
+    places = place[None] if np.isfinite(place).all() else points
+    return Goals(places, np.asarray(state.task.means.room[guide]))
+
+
+def words_of(state: State) -> tuple[str, ...]:
+    """What was said in the last step; nothing of tasks that are no rows. See `as_words`."""
+    if not isinstance(state.task, RowState):
+        return ()
+    return as_words(np.asarray(state.world.said), np.asarray(state.task.reply))
+
+
+def as_words(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"]) -> tuple[str, ...]:
+    """What agents have said, each with what an oracle has replied.
+
+    Args:
+        said: Token of each agent; -1 nothing.
+        replies: Token of the reply to each; -1 none.
+
+    Example:
+        >>> from home_mjx.tasks.language.vocabulary import tokenize
+        >>> as_words(np.array([*tokenize("colour"), -1]), np.array([*tokenize("red"), -1]))
+        ('colour: red',)
+    """
+    pairs = zip(said.tolist(), replies.tolist(), strict=True)
+    return tuple(": ".join(detokenize([token]) for token in pair if token >= 0) for pair in pairs if pair[0] >= 0)

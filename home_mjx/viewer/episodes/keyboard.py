@@ -1,0 +1,160 @@
+"""A person plays: keys become actions, in a terminal or from lines of text; no display is needed."""
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from jaxtyping import UInt8
+from PIL import Image
+
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.env.moves import action_names
+
+QUIT = ("q", "\x03", "\x04")  # also Ctrl-C and Ctrl-D, which a terminal that gives single keys hands on
+# Keys of discrete actions; a name that is not here takes the first of `SPARE` that is free.
+KEYS = {
+    "move_forward": "w", "turn_left": "a", "turn_right": "d", "look_up": "r", "look_down": "f", "stop": " ",
+    "pick": "p", "drop": "o", "throw": "t", "open": "e", "close": "c",
+}  # fmt: skip
+SPARE = "1234567890yuihjklbnm"
+# Keys of continuous actions: name of the number, and its value.
+AXES = {
+    "w": ("forward", 1.0), "s": ("forward", -1.0), "z": ("left", 1.0), "x": ("left", -1.0),
+    "a": ("turn_left", 1.0), "d": ("turn_left", -1.0), "r": ("look_up", 1.0), "f": ("look_up", -1.0),
+    "p": ("pick", 1.0), "o": ("pick", -1.0), "t": ("throw", 1.0), "e": ("turn_door", 1.0), "c": ("turn_door", -1.0),
+    " ": ("forward", 0.0),
+}  # fmt: skip
+COLUMNS = 100  # of a picture in a terminal
+
+
+def key_actions(config: EnvConfig) -> dict[str, Any]:
+    """The action of one agent for each key.
+
+    Example:
+        >>> key_actions(EnvConfig(actions="discrete"))["w"]
+        1
+        >>> key_actions(EnvConfig())["a"].tolist()
+        [0.0, 0.0, 1.0, 0.0]
+    """
+    names = action_names(config)
+    if config.discrete is None:
+        found = {}
+        for key, (name, value) in AXES.items():
+            if name in names:
+                found[key] = np.zeros(len(names), np.float32)
+                found[key][names.index(name)] = value
+        return found
+    spare = iter(SPARE)
+    return {KEYS.get(name) or next(spare): number for number, name in enumerate(names)}
+
+
+def key_help(config: EnvConfig) -> str:
+    """A line that says which key does what.
+
+    Example:
+        >>> key_help(EnvConfig(actions="discrete"))[:30]
+        'space stop, w move_forward, a '
+    """
+    names = action_names(config)
+    if config.discrete is None:
+        said = [(key, f"{name} {value:+.0f}") for key, (name, value) in AXES.items() if name in names and value]
+        said.append((" ", "wait"))
+    else:
+        said = [(key, names[number]) for key, number in key_actions(config).items()]
+    return ", ".join(f"{'space' if key == ' ' else key} {what}" for key, what in said) + ", q quit"
+
+
+class KeyboardPlayer:
+    """A person drives the first agent; others do nothing.
+
+    Args:
+        config: Options of the environment, of the agents that act (`HouseholdEnv.own_config`).
+        show: Called with the state before each action, to show it.
+        source: Where keys come from: a terminal gives them one by one, anything else line by line.
+
+    Example:
+        >>> import io
+        >>> player = KeyboardPlayer(EnvConfig(actions="discrete"), lambda state: None, io.StringIO("wa q"))
+        >>> [player.act(None) for _ in range(4)]
+        [1, 2, 0, None]
+    """
+
+    def __init__(self, config: EnvConfig, show: Callable[[Any], None], source: Any = None) -> None:
+        self.config, self.show = config, show
+        self.actions, self.keys = key_actions(config), keys_of(source or sys.stdin)
+
+    def begin(self) -> None:
+        """Nothing is remembered."""
+
+    def act(self, state: State | Any) -> Any:
+        """Waits for a key that does something."""
+        self.show(state)
+        for key in self.keys:
+            if key.lower() in QUIT:
+                return None
+            if key.lower() in self.actions:
+                return self._for_all(self.actions[key.lower()])
+        return None
+
+    def _for_all(self, action: Any) -> Any:
+        """The action of all agents: the others' numbers are none that does anything."""
+        agents = self.config.num_agents
+        if agents == 1:
+            return action
+        others = np.zeros_like(action) if self.config.discrete is None else np.int32(-1)
+        return np.stack([np.asarray(action), *[others] * (agents - 1)])
+
+
+def keys_of(source: Any) -> Iterator[str]:
+    """Keys as they are pressed, or the characters of lines."""
+    if not source.isatty():
+        for line in source:
+            yield from line.rstrip("\r\n")
+        return
+    while True:
+        with _single_keys(source):
+            key = source.read(1)
+        if not key:
+            return
+        yield key
+
+
+@contextlib.contextmanager
+def _single_keys(terminal: Any) -> Iterator[None]:
+    """A terminal that hands every key on at once and does not echo it; restored afterwards."""
+    try:
+        import termios
+        import tty
+    except ModuleNotFoundError:  # Windows: keys come with the next end of a line
+        yield
+        return
+    kept = termios.tcgetattr(terminal)
+    try:
+        tty.setcbreak(terminal, termios.TCSADRAIN)  # keys that were pressed meanwhile are kept
+        yield
+    finally:
+        termios.tcsetattr(terminal, termios.TCSADRAIN, kept)
+
+
+def as_text(image: UInt8[np.ndarray, "h w 3"], columns: int = COLUMNS) -> str:
+    r"""A picture made of coloured half blocks, two pixels a character, for a terminal of 24-bit colours.
+
+    Example:
+        >>> as_text(np.zeros((2, 1, 3), np.uint8), 1)
+        '\x1b[38;2;0;0;0m\x1b[48;2;0;0;0m▀\x1b[0m'
+    """
+    height = max(1, round(columns * image.shape[0] / image.shape[1] / 2)) * 2
+    small = np.asarray(Image.fromarray(image).resize((columns, height), Image.Resampling.BOX))
+    lines = []
+    for upper, lower in zip(small[::2], small[1::2], strict=True):
+        cells = (_cell(a, b) for a, b in zip(upper.tolist(), lower.tolist(), strict=True))
+        lines.append("".join(cells) + "\x1b[0m")
+    return "\n".join(lines)
+
+
+def _cell(upper: list[int], lower: list[int]) -> str:
+    ink, ground = (";".join(map(str, colour)) for colour in (upper, lower))
+    return f"\x1b[38;2;{ink}m\x1b[48;2;{ground}m▀"

@@ -1,0 +1,96 @@
+"""A house from above while an episode runs: goal, path so far, and where agents look."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float, UInt8
+from PIL import Image, ImageDraw
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.viewer.episodes.camera import PLAN_VIEW, Sight
+from home_mjx.viewer.episodes.goal_markers import Goals
+from home_mjx.viewer.pictures.top_view import TopView
+
+PIXELS = 640  # of the longer side of the house
+AGENTS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
+PATH, GOAL, START = (40, 120, 255), (255, 205, 40), (235, 235, 235)
+REACH = 0.9  # [m], that a look is drawn long
+
+
+class Plan:
+    """The plan of one episode's house.
+
+    Args:
+        bank: The houses.
+        house: Which house.
+    """
+
+    def __init__(self, bank: HouseBank, house: int) -> None:
+        self.bank, self.house, self.tops = bank, house, {}
+
+    def drawn(self, scene: Scene | None, sights: Sequence[Sight], goals: Goals) -> UInt8[np.ndarray, "_ _ 3"]:
+        """The storey that the first agent is on.
+
+        Args:
+            scene: The house without agents, to be drawn anew; None: as it was drawn before.
+            sights: All instants so far.
+            goals: Where the goal is.
+        """
+        level = self._level(sights[-1].pos[0])
+        if scene is not None:
+            self.tops.clear()
+            self.scene = scene
+        if level not in self.tops:
+            self.tops[level] = TopView(self.bank, self.scene, PIXELS, level)
+        top: TopView = self.tops[level]
+        picture = Image.fromarray(self._tinted(top, goals, level)).convert("RGB")
+        self._draw(ImageDraw.Draw(picture, "RGBA"), top, sights, goals, level)
+        return top.cropped(np.asarray(picture))
+
+    def _level(self, pos: Float[np.ndarray, " 3"]) -> int:
+        return max(int((pos[2] > np.asarray(self.bank.navigation.floor[self.house])).sum()) - 1, 0)
+
+    def _tinted(self, top: TopView, goals: Goals, level: int) -> UInt8[np.ndarray, "s s 3"]:
+        """The picture with the rooms of the goal in its colour."""
+        if not goals.rooms.any():
+            return top.image
+        room = np.asarray(self.bank.navigation.room[self.house, level])
+        size = len(top.image)
+        row, column = np.mgrid[:size, :size]
+        x, y = top.low[0] + (column + 0.5) / top.scale, top.low[1] + (size - row - 0.5) / top.scale
+        at = np.stack([y, x], axis=-1) - np.asarray(self.bank.navigation.origin[self.house])[::-1]
+        cell = np.floor(at / self.bank.spec.cell).astype(int)
+        inside = np.all((cell >= 0) & (cell < room.shape), axis=-1)
+        index = room[tuple(np.clip(cell, 0, np.array(room.shape) - 1).reshape(-1, 2).T)].reshape(size, size)
+        meant = inside & (index >= 0) & goals.rooms[np.maximum(index, 0)]
+        mixed = 0.65 * top.image + 0.35 * np.array(GOAL)
+        return np.where(meant[..., None], mixed, top.image).astype(np.uint8)
+
+    def _draw(self, draw: ImageDraw.ImageDraw, top: TopView, sights: Sequence[Sight], goals: Goals, level: int) -> None:
+        unit = PIXELS / 512
+        for place in goals.places:
+            if self._level(place + np.array([0, 0, 0.01])) == level:
+                _dot(draw, top.pixel(place), 9 * unit, None, GOAL)
+        for agent in range(len(sights[-1].yaw)):
+            path = [top.pixel(s.pos[agent]) for s in sights if self._level(s.pos[agent]) == level]
+            if len(path) > 1:
+                draw.line(path, fill=PATH, width=round(4 * unit), joint="curve")
+            if agent == 0 and path:
+                _dot(draw, path[0], 4 * unit, START, PATH)
+            pos, yaw = sights[-1].pos[agent], float(sights[-1].yaw[agent])
+            if self._level(pos) == level:
+                self._look(draw, top, pos, yaw, AGENTS[agent % len(AGENTS)])
+                _dot(draw, top.pixel(pos), 7 * unit, AGENTS[agent % len(AGENTS)], (10, 10, 10))
+
+    def _look(self, draw: ImageDraw.ImageDraw, top: TopView, pos: np.ndarray, yaw: float, colour: tuple) -> None:
+        half = np.deg2rad(PLAN_VIEW)
+        ends = [pos[:2] + REACH * np.array([np.cos(yaw + a), np.sin(yaw + a)]) for a in np.linspace(-half, half, 9)]
+        draw.polygon([top.pixel(pos), *[top.pixel(end) for end in ends]], fill=(*colour, 110))
+
+
+def _dot(draw: ImageDraw.ImageDraw, at: tuple[float, float], radius: float, fill: tuple | None, edge: tuple) -> None:
+    x, y = at
+    draw.ellipse(
+        (x - radius, y - radius, x + radius, y + radius), fill=fill, outline=edge, width=max(2, int(radius / 3))
+    )

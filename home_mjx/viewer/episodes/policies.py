@@ -1,0 +1,98 @@
+"""Who plays: a policy, or a person at the keyboard."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.training.evaluation import expert_policy, random_policy
+from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
+
+POLICIES = ("expert", "random", "trained")
+
+
+def check_agent(agent: str, checkpoint: Path | None, known: tuple[str, ...] = POLICIES) -> None:
+    """Refuses an agent without its checkpoint, before any house is made.
+
+    Raises:
+        ConfigError: The agent is unknown, or `trained` without a checkpoint, or another one with.
+    """
+    check_known("agent", [agent], known)
+    if (agent == "trained") != (checkpoint is not None):
+        hint = "Write --agent trained --checkpoint runs/RoomNav-v0."
+        raise ConfigError("a checkpoint goes with the agent `trained`, and only with it", hint=hint)
+
+
+def policy_of(env: BoundEnv[HouseholdEnv], agent: str, checkpoint: Path | None = None, greedy: bool = False) -> Policy:
+    """How an agent of `POLICIES` acts.
+
+    Args:
+        env: The environment; that of an expert comes from `with_expert`.
+        agent: Its name.
+        checkpoint: Of `trained`.
+        greedy: `trained` does what is likeliest.
+
+    Raises:
+        ConfigError: See `check_agent`; or the checkpoint is of other observations or actions.
+    """
+    check_agent(agent, checkpoint)
+    if checkpoint is None:
+        return expert_policy() if agent == "expert" else random_policy(env.core)(None)
+    from home_mjx.training import load_policy  # needs the extra `train`
+
+    trained, net = load_policy(checkpoint, env.core, greedy)
+    return trained(net)
+
+
+@runtime_checkable
+class Player(Protocol):
+    """Chooses the actions of one environment's agents."""
+
+    def begin(self) -> None:
+        """An episode begins."""
+        ...
+
+    def act(self, state: State) -> Any:
+        """The next action of all agents, as the environment takes it; None ends the game."""
+        ...
+
+
+class PolicyPlayer:
+    """Plays as a policy does.
+
+    Args:
+        core: The environment.
+        policy: How to act.
+        seed: Of its actions.
+    """
+
+    def __init__(self, core: HouseholdEnv, policy: Policy, seed: int = 0) -> None:
+        self.agents, self.policy = core.num_agents, policy
+        self.keys = jax.random.key_data(jax.random.split(jax.random.key(seed), self.agents))
+        self.memory, self.first = policy.memory(self.agents), True
+        self._act: Callable[..., Any] = jax.jit(self._acted)
+
+    def begin(self) -> None:
+        """It forgets the last episode."""
+        self.memory, self.first = self.policy.memory(self.agents), True
+
+    def act(self, state: State) -> Any:
+        """What the policy does."""
+        begins = jnp.full(self.agents, self.first)
+        self.memory, action, self.keys = self._act(self.memory, state.obs, begins, self.keys)
+        self.first = False
+        return np.asarray(action)
+
+    def _acted(self, memory: Any, obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any, Any]:
+        rows = to_rows(jax.tree.map(lambda x: x[None], obs), self.agents)
+        keys, now = split_keys(keys)
+        memory, action, _ = self.policy.act(memory, rows, begins, now)
+        return memory, to_envs(self.policy.clip(action), self.agents)[0], keys

@@ -1,0 +1,48 @@
+"""Values over a floor plan as a picture."""
+
+import numpy as np
+from jaxtyping import Bool, Float, UInt8
+from PIL import Image, ImageDraw
+
+from home_mjx.viewer.pictures.pictures import BACKGROUND, captioned, depth_colours
+
+WALL = (120, 120, 125)
+SOURCE = (255, 255, 255)
+MARGIN = 2  # places around the rooms
+
+
+def sound_map(
+    values: Float[np.ndarray, "rows columns"],
+    room: Bool[np.ndarray, "rows columns"],
+    source: Float[np.ndarray, "2"],
+    caption: str,
+    size: int = 512,
+) -> UInt8[np.ndarray, "_ _ 3"]:
+    """Values at places of a floor, low ones dark and high ones bright, north (+y) up, with a ring around the source.
+
+    Args:
+        values: NaN where nothing is known.
+        room: Which places are in a room.
+        source: Its row and column, fractions allowed.
+        caption: What is shown, without its range, which is added.
+        size: Pixels of the longer side, as far as a whole number of pixels a place allows.
+
+    Example:
+        >>> values, room = np.array([[1.0, 2.0], [3.0, np.nan]]), np.ones((2, 2), bool)
+        >>> sound_map(values, room, np.zeros(2), "T30 [s]", 64).shape
+        (78, 60, 3)
+    """
+    known = np.isfinite(values)
+    low, high = (float(f(values[known])) for f in (np.min, np.max)) if known.any() else (0.0, 0.0)
+    rows, columns = values.shape
+    image = np.full((rows + 2 * MARGIN, columns + 2 * MARGIN, 3), BACKGROUND, np.uint8)
+    inner = image[MARGIN:-MARGIN, MARGIN:-MARGIN]
+    inner[room] = WALL
+    span = max(high - low, 1e-6)
+    inner[known] = depth_colours((high - values[known])[None], span)[0]
+    pixels = max(size // max(image.shape[:2]), 1)
+    picture = Image.fromarray(np.repeat(np.repeat(image[::-1], pixels, axis=0), pixels, axis=1))
+    y, x = (image.shape[0] - source[0] - MARGIN) * pixels, (source[1] + MARGIN) * pixels
+    radius = max(pixels, 4)
+    ImageDraw.Draw(picture).ellipse((x - radius, y - radius, x + radius, y + radius), outline=SOURCE, width=2)
+    return captioned(np.asarray(picture), f"{caption}: {low:.3g} (dark) to {high:.3g} (bright)")

@@ -1,0 +1,27 @@
+"""Procedural houses in SUNCG's on-disk format: flats of one storey (version 1) and homes of up to three (version 2).
+
+The package plugs into `home_mjx` as the dataset scheme `procedural:` and as the provider of fallback models. Names are
+imported on first use. Host only: nothing here loads JAX.
+"""
+
+import importlib
+from typing import Any
+
+_PUBLIC = {
+    "ProceduralDataset": "home_procgen.plugin",
+    "build_home": "home_procgen.build",
+    "build_house": "home_procgen.v1.build",
+    "generate_dataset": "home_procgen.generate",
+}
+
+__all__ = [*_PUBLIC]  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'home_procgen' has no attribute {name!r}")
+    return getattr(importlib.import_module(_PUBLIC[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,88 @@
+"""Turns the design of a home into the record that the writer and the compiler take."""
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.storeys import stack_levels
+from home_mjx.schema.house import House, Level, Mesh, Room
+from home_procgen.design import HomeDesign, draw_design
+from home_procgen.meshes import room_parts
+from home_procgen.outside import Outside, draw_outside
+from home_procgen.outside.ground import ground_node
+from home_procgen.outside.neighbours import block_node
+from home_procgen.v1.build import furniture_object, used_models
+
+
+def build_home(seed: int) -> House:
+    """The home of a seed, with paths relative to the dataset root.
+
+    Example:
+        >>> len(build_home(7).levels[0].rooms) >= 3
+        True
+    """
+    design = draw_design(seed)
+    return to_house(house_id(seed), design, draw_outside(seed, design.plan, design.surfaces[0][0].outside))
+
+
+def to_house(name: str, design: HomeDesign, outside: Outside | None = None) -> House:
+    """A design as a house: on every level rooms first, then everything that has a model, then what is outside.
+
+    Args:
+        name: Id of the house.
+        design: What it consists of.
+        outside: What is around it; None: nothing.
+    """
+    folder = Path("room") / name
+    flat = [_level(design, number, folder) for number in range(len(design.plan.levels))]
+    placed = [placed for objects in design.objects for placed, _ in objects]
+    if outside is not None:
+        flat[0] = _surrounded(flat[0], outside, folder)
+        placed += outside.things
+    levels = stack_levels(flat, design.plan.height)
+    models: Mapping[str, Mesh] = used_models(placed)
+    return House(name, "suncg@1.0.0", Path("house") / name / "house.json", levels, models)
+
+
+def _surrounded(level: Level, outside: Outside, folder: Path) -> Level:
+    """The lowest level with what is outside as its last nodes, so that those of the rooms keep their numbers."""
+    number = itertools.count(len(level.rooms) + len(level.objects))
+    return replace(
+        level,
+        objects=(*level.objects, *(furniture_object(placed, next(number)) for placed in outside.things)),
+        boxes=tuple(block_node(block, next(number)) for block in outside.blocks),
+        grounds=tuple(ground_node(patch, next(number), folder) for patch in outside.grounds),
+    )
+
+
+def _level(design: HomeDesign, number: int, folder: Path) -> Level:
+    """A level on the ground, before it is lifted to its place."""
+    count = len(design.plan.levels[number].rooms)
+    rooms = tuple(_room(design, number, index, folder) for index in range(count))
+    objects = tuple(furniture_object(placed, i) for i, (placed, _) in enumerate(design.objects[number], count))
+    return Level(id="0", index=0, rooms=rooms, objects=objects, boxes=(), grounds=())
+
+
+def _room(design: HomeDesign, number: int, index: int, folder: Path) -> Room:
+    plan, storey = design.plan.levels[number], design.plan.storeys[number]
+    openings = [opening.placed for opening in plan.openings]
+    opened = index == 0 and storey.well is not None, index == 0 and storey.stairs is not None
+    stem = folder / f"fr_0rm_{index}"
+    floor, ceiling, walls = room_parts(
+        stem, plan.rooms[index], plan.height, openings, design.surfaces[number][index], *opened
+    )
+    owned = enumerate(design.objects[number], len(plan.rooms))
+    return Room(
+        id=f"0_{index}",
+        index=index,
+        path=f"levels[0].nodes[{index}]",
+        bbox=None,
+        model_id=stem.name,
+        types=(plan.rooms[index].type,),
+        members=tuple(node for node, (_, owner) in owned if owner == index),
+        floor=floor,
+        ceiling=ceiling,
+        walls=walls,
+    )

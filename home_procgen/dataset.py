@@ -1,0 +1,38 @@
+"""Writes datasets of homes."""
+
+import gc
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from home_mjx.datasets.suncg.write.house import write_house
+from home_procgen.build import build_home
+from home_procgen.library import has_library, write_shared, write_used
+from home_procgen.v1.dataset import Generator, write_seeds
+
+VERSION = 2  # raise it whenever the same seed would give another file
+
+
+def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
+    """Writes one home per seed; arguments and errors are those of `home_mjx.datasets.generate_dataset`."""
+    return write_seeds(root, seeds, Generator(VERSION, write_shared, write_home, has_library), progress)
+
+
+def write_home(root: Path, seed: int) -> None:
+    """Writes the home of a seed below a dataset root, with the models and textures that it is the first to use."""
+    with _uncollected():
+        home = build_home(seed)
+        write_used(root, home)
+        write_house(root, home)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Puts off the search for cycles of objects: it goes through all models again and again, and a home has few."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()

@@ -1,0 +1,89 @@
+"""Draws one home from its seed: storeys, openings, stairs and railings, furniture, surfaces."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from home_mjx.errors import ConfigError
+from home_mjx.schema.house import Material
+from home_procgen.fittings import Owned, fittings
+from home_procgen.floor_plan.openings import HousePlan
+from home_procgen.floor_plan.walls import Surfaces
+from home_procgen.furnish import furnish_home
+from home_procgen.plan.home import HomePlan, draw_home
+from home_procgen.plan.needs.program import Program, draw_program
+from home_procgen.primitives.palette import FACADES, choose
+from home_procgen.style import Style
+from home_procgen.style.surfaces import Cladding
+
+PATIENCE = 40  # plans that cannot be furnished, after which another program is drawn where none was given
+
+
+@dataclass(frozen=True)
+class HomeDesign:
+    """All that a home is made of, before it has meshes and a file format.
+
+    Attributes:
+        plan: Its storeys.
+        surfaces: Of every room of every storey.
+        objects: Of every storey, openings first; heights are above the storey's base.
+    """
+
+    plan: HomePlan
+    surfaces: tuple[tuple[Surfaces, ...], ...]
+    objects: tuple[tuple[Owned, ...], ...]
+
+
+def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
+    """The design of a seed.
+
+    Args:
+        seed: Any non-negative integer.
+        program: What is to be built; None: that is drawn as well.
+
+    Raises:
+        ConfigError: No plan was found for the program.
+
+    Example:
+        >>> {room.type for room in draw_design(7).plan.levels[0].rooms} >= {"Kitchen", "Bathroom"}
+        True
+    """
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 2]))
+    wanted = draw_program(rng) if program is None else program
+    failed = 0
+    while True:
+        try:
+            plan, style = draw_home(rng, wanted), Style.draw(rng)
+        except ConfigError:
+            if program is not None:
+                raise
+            wanted = draw_program(rng)  # some have no plan
+            continue
+        furniture = furnish_home(plan, style)
+        if furniture is not None:
+            looks: dict[str, tuple[Material, ...]] = {}
+            objects = []
+            for level, rooms in enumerate(furniture):
+                inside = [(placed, room) for room, items in enumerate(rooms) for placed in items]
+                own = _dressed([*_openings(plan.levels[level]), *fittings(plan, level, style)], style, looks)
+                objects.append((*own, *inside))
+            cladding = Cladding(rng, choose(FACADES, rng))
+            surfaces = tuple(tuple(cladding.of(room.type) for room in level.rooms) for level in plan.levels)
+            return HomeDesign(plan, surfaces, tuple(objects))
+        failed += 1
+        if program is None and failed % PATIENCE == 0:
+            wanted = draw_program(rng)
+
+
+def _openings(plan: HousePlan) -> Iterator[Owned]:
+    for opening in plan.openings:
+        yield opening.placed, opening.rooms[0]
+
+
+def _dressed(objects: list[Owned], style: Style, looks: dict[str, tuple[Material, ...]]) -> Iterator[Owned]:
+    """Parts of the building, each model in one look all over the home."""
+    for placed, room in objects:
+        if placed.model.id not in looks:
+            looks[placed.model.id] = style.dress(placed.model)
+        yield replace(placed, materials=looks[placed.model.id]), room

@@ -1,0 +1,102 @@
+"""Stairs and railings: where they stand in the plan of a home."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from home_procgen.floor_plan.placed import PlacedFurniture, quarter_towards
+from home_procgen.floor_plan.rooms import RoomPlan, Wall, outer_spans
+from home_procgen.floor_plan.walls import FLOOR_TOP, HALF
+from home_procgen.plan.home import HomePlan
+from home_procgen.plan.needs.room_program import OUTDOORS
+from home_procgen.plan.shape.storeys import Stairwell
+from home_procgen.primitives.family import Furniture
+from home_procgen.structure import structure_models
+from home_procgen.structure.railings import DEPTH
+from home_procgen.structure.stairs import LENGTH, RISE, WIDTH
+from home_procgen.style import Style
+
+GAP = 0.01  # [m], between stairs and walls
+CORNER = 0.03  # [m], of railings from the outline, towards the room
+# [m], from the corners of an outline to the ends of railings: those along z end behind those along x.
+ALONG, BEHIND = CORNER - DEPTH / 2, CORNER + DEPTH / 2 + 0.001
+
+Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the index of its room
+
+
+def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:
+    """Stairs that begin on a level, railings at stairwells that end there and around its open rooms."""
+    storey = home.storeys[level]
+    models = structure_models()
+    rails = models["railing"][5:] if style.boarded else models["railing"][:5]
+    if storey.stairs is not None:
+        steps = models["stairs"][int(style.rng.integers(2)) + 2 * storey.stairs.left]
+        yield _stairs(storey.stairs, steps, home.height), 0
+    if storey.well is not None and storey.stairs is None:
+        yield _rail_over_foot(storey.well, rails), 0
+    rooms = home.levels[level].rooms
+    for index, room in enumerate(rooms):
+        if room.type in OUTDOORS:
+            for rail in _around(room, [w for k, other in enumerate(rooms) if k != index for w in other.walls], rails):
+                yield rail, index
+
+
+def _stairs(place: Stairwell, model: Furniture, height: float) -> PlacedFurniture:
+    """Stairs that fill their place: their front edge is that of the hall."""
+    x, z = _edge(place)
+    wide, deep = _size(place)
+    scale = ((wide - 2 * (HALF + GAP)) / WIDTH, height / RISE, (deep - HALF - GAP) / LENGTH)
+    quarter = quarter_towards(-place.way[0], -place.way[1])
+    scale = (round(scale[0], 4), round(scale[1], 4), round(scale[2], 4))
+    return PlacedFurniture(model, (x, FLOOR_TOP, z), quarter, scale)
+
+
+def _rail_over_foot(place: Stairwell, models: Sequence[Furniture]) -> PlacedFurniture:
+    """The railing beside the head of stairs, over their foot: along half of their front."""
+    x, z = _edge(place)
+    wide = _size(place)[0] - 2 * HALF
+    middle = np.array([x, z]) + np.array(_foot_of(place)) * wide / 4 + np.array(place.way) * DEPTH / 2
+    return _railing((float(middle[0]), float(middle[1])), wide / 2 - 0.02, place.way, models)
+
+
+def _foot_of(place: Stairwell) -> tuple[float, float]:
+    """Unit direction (x, z) to the side of stairs where their foot is: +x of their model, or -x."""
+    model = structure_models()["stairs"][0]
+    return PlacedFurniture(model, (0.0, 0.0, 0.0), quarter_towards(-place.way[0], -place.way[1])).beside(
+        -1.0 if place.left else 1.0, 0.0
+    )
+
+
+def _edge(place: Stairwell) -> tuple[float, float]:
+    """The middle of the edge towards the hall [m]."""
+    x0, z0, x1, z1 = place.rect
+    dx, dz = place.way
+    x, z = (x0 + x1) / 2 - dx * (x1 - x0) / 2, (z0 + z1) / 2 - dz * (z1 - z0) / 2
+    return round(x, 6), round(z, 6)
+
+
+def _size(place: Stairwell) -> tuple[float, float]:
+    """Across and along the way into it [m]."""
+    width, depth = place.rect.sides
+    return (width, depth) if place.way[0] == 0 else (depth, width)
+
+
+def _around(room: RoomPlan, others: Sequence[Wall], models: Sequence[Furniture]) -> Iterator[PlacedFurniture]:
+    """Railings along the sides of an open room that no other room shares."""
+    for wall in room.walls:
+        start, end = (room.rects[0][wall.axis + k] for k in (0, 2))
+        inset = BEHIND if wall.axis else ALONG
+        for low, high in outer_spans(wall, others):
+            low, high = max(low, start + inset), min(high, end - inset)
+            normal = wall.normal
+            x, z = wall.point((low + high) / 2, CORNER)
+            yield _railing((x, z), high - low, (round(float(normal[0])), round(float(normal[1]))), models)
+
+
+def _railing(
+    at: tuple[float, float], length: float, facing: tuple[int, int], models: Sequence[Furniture]
+) -> PlacedFurniture:
+    """A railing of a length, of the model that is stretched least."""
+    model = min(models, key=lambda m: abs(np.log(length / m.size[0])))
+    placed = PlacedFurniture(model, (0.0, 0.0, 0.0), 0, (round(length / float(model.size[0]), 4), 1.0, 1.0))
+    return placed.at(at[0], FLOOR_TOP, at[1], quarter_towards(*facing))

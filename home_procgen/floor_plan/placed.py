@@ -1,0 +1,129 @@
+"""A model that stands somewhere: the generator's own record of an object."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.schema.house import Material
+from home_procgen.primitives.family import Furniture, Shape
+from home_procgen.primitives.solids import Vector
+
+Box = Float[np.ndarray, "2 3"]
+Boxes = Float[np.ndarray, "_ 2 3"]
+
+KEPT = 64  # shapes of one model that are kept
+FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) that the front points to after 0..3 quarter turns
+
+
+@dataclass(frozen=True)
+class PlacedFurniture:
+    """An instance of a library model."""
+
+    model: Furniture
+    position: Vector  # [m], of the model's origin
+    quarter: int = 0  # quarter turns about the vertical axis; `FACING` tells where the front then is
+    scale: Vector = (1.0, 1.0, 1.0)  # along the model's own axes
+    mirrored: bool = False  # left and right swapped
+    closed: bool = False  # shows the closed variant of a door
+    materials: tuple[Material, ...] = ()  # one per slot
+
+    @cached_property
+    def linear(self) -> Float[np.ndarray, "3 3"]:
+        """Rotation times scale and mirror."""
+        return self._shape[0]
+
+    @cached_property
+    def size(self) -> Float[np.ndarray, " 3"]:
+        """Extents along the model's own axes [m]."""
+        return self.model.size * np.asarray(self.scale)
+
+    def at(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedFurniture":
+        """The same object somewhere else [m]."""
+        # Not by `dataclasses.replace`, which takes ten times as long: rooms try many places.
+        moved = object.__new__(type(self))
+        own = moved.__dict__
+        own.update(self.__dict__)
+        for name in ("parts", "box") if quarter % 4 == self.quarter else ("parts", "box", "linear", "_shape"):
+            own.pop(name, None)
+        own["position"], own["quarter"] = (round(x, 4), round(y, 4), round(z, 4)), quarter % 4
+        return moved
+
+    def beside(self, right: float, front: float) -> tuple[float, float]:
+        """(x, z) of the point `right` and `front` metres from the origin, as the object faces."""
+        x, z = FACING[self.quarter]
+        return self.position[0] + z * right + x * front, self.position[2] - x * right + z * front
+
+    @cached_property
+    def parts(self) -> Boxes:
+        """Boxes of the model's solids in the scene [m]; exact, since turns are by quarters."""
+        return self._shape[1] + self.position
+
+    @cached_property
+    def box(self) -> Box:
+        """Bounding box in the scene [m]."""
+        return self._shape[2] + self.position
+
+    @cached_property
+    def _shape(self) -> Shape:
+        """Rotation times scale and mirror; boxes of the parts, and the one around, at the origin."""
+        turn = self.quarter, self.scale, self.mirrored
+        if turn not in self.model.shapes:
+            if len(self.model.shapes) >= KEPT:
+                self.model.shapes.clear()
+            self.model.shapes[turn] = _turned(self.model, *turn)
+        return self.model.shapes[turn]
+
+
+@dataclass(frozen=True)
+class Slanted(PlacedFurniture):
+    """An instance that is turned by any angle: boxes are upright ones around turned ones. Subclasses give `linear`."""
+
+    @cached_property
+    def parts(self) -> Boxes:
+        """Boxes around the model's solids in the scene [m]."""
+        return self._around(self.model.corners)
+
+    @cached_property
+    def box(self) -> Box:
+        """Box around the model's box in the scene [m]."""
+        return self._around(self.model.box_corners)
+
+    def _around(self, corners: Float[np.ndarray, "8 *n 3"]) -> Float[np.ndarray, "*n 2 3"]:
+        moved = corners @ self.linear.T + self.position
+        found = np.empty((*corners.shape[1:-1], 2, 3))
+        moved.min(axis=0, out=found[..., 0, :])
+        moved.max(axis=0, out=found[..., 1, :])
+        return found
+
+
+def _turned(model: Furniture, quarter: int, scale: Vector, mirrored: bool) -> Shape:
+    x, z = FACING[quarter]
+    turn = np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]], float)
+    linear = turn * np.asarray(scale) * (-1 if mirrored else 1, 1, 1)
+    return linear, np.sort(model.parts @ linear.T, axis=-2), np.sort(model.box @ linear.T, axis=-2)
+
+
+def quarter_towards(x: float, z: float) -> int:
+    """Quarter turns that point a model's front along the axis direction (x, z).
+
+    Example:
+        >>> quarter_towards(1.0, 0.0)
+        1
+    """
+    return FACING.index((round(float(x)), round(float(z))))  # NumPy's own rounding is slow
+
+
+def overlaps(
+    box: Float[np.ndarray, "*b 2 3"], others: Float[np.ndarray, "*n 2 3"], tolerance: float = 0.012
+) -> Bool[np.ndarray, "*k"]:
+    """Which boxes a box enters by more than `tolerance` [m] along every axis; a rug is thinner than that."""
+    depth = np.minimum(box[..., 1, :], others[..., 1, :]) - np.maximum(box[..., 0, :], others[..., 0, :])
+    return depth.min(-1) > tolerance
+
+
+def stack(boxes: Sequence[Box]) -> Boxes:
+    """Boxes as one array, also when there is none."""
+    return np.array(boxes, float).reshape(-1, 2, 3)

@@ -1,0 +1,99 @@
+"""Things in corners: with two backs at two walls, or with their back across the corner."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.rooms import RoomPlan, Wall
+from home_procgen.floor_plan.walls import FLOOR_TOP, HALF
+from home_procgen.furnish.space.occupied import hull
+from home_procgen.furnish.space.room import Companions, Room, alone
+from home_procgen.furnish.space.spots import GAP, Spot, at_wall, first, fit, place
+from home_procgen.furnish.space.turned import turned
+
+NEAR = 1e-6
+
+
+def _corners(plan: RoomPlan) -> Iterator[tuple[Wall, int]]:
+    """Each wall, and an end of it (-1: the lower coordinate, 1: the higher) where the room ends as well."""
+    for wall in plan.walls:
+        for end in (-1, 1):
+            along = wall.span[(end + 1) // 2]
+            if any(_turns_in(wall, along, other) for other in plan.walls):
+                yield wall, end
+
+
+def _turns_in(wall: Wall, along: float, other: Wall) -> bool:
+    """Whether another wall begins at the end of a wall and runs along that side of it where the room is."""
+    if other.axis == wall.axis or abs(other.line - along) > NEAR:
+        return False
+    reach = np.subtract(other.span, wall.line) * float(wall.normal[1 - wall.axis])
+    return bool(abs(reach).min() < NEAR and reach.max() > NEAR)
+
+
+def corner_spots(room: Room, item: PlacedFurniture, y: float = FLOOR_TOP, gap: float = GAP) -> list[Spot]:
+    """Where a thing has its back at one wall and its left side, or its right if it is mirrored, at another.
+
+    Args:
+        room: Where.
+        item: What: its model's corner is behind on the left.
+        y: Height of its bottom [m].
+        gap: Between it and the walls [m].
+    """
+    spots: list[Spot] = []
+    inset = HALF + gap + float(item.size[0]) / 2
+    for wall, end in _corners(room.plan):
+        along = wall.span[(end + 1) // 2] - end * inset
+        spot = at_wall(item, wall, [along], y, gap)[0]
+        side = item.at(*spot).beside(1.0 if item.mirrored else -1.0, 0.0)
+        if (side[wall.axis] - (spot[0], spot[2])[wall.axis]) * end > 0:
+            spots.append(spot)
+    return spots
+
+
+def in_corner(
+    room: Room, item: PlacedFurniture, front: float = 0.0, companions: Companions = alone, y: float = FLOOR_TOP
+) -> PlacedFurniture | None:
+    """Stands a thing that is made for corners in one of them.
+
+    Args:
+        room: Where.
+        item: What.
+        front: Depth of the floor in front of it that stays free [m].
+        companions: Gives further things that must fit together with it.
+        y: Height of its bottom [m].
+    """
+    spots = corner_spots(room, item, y)
+    order = room.rng.permutation(len(spots)).tolist()
+    return first(room, item, [spots[i] for i in order], front, companions)
+
+
+def across_corner(
+    room: Room, item: PlacedFurniture, companions: Companions = alone, gap: float = GAP
+) -> PlacedFurniture | None:
+    """Stands a thing with its back across a corner, as near to both walls as its boxes allow."""
+    found = [(wall, end) for wall, end in _corners(room.plan) if wall.axis == 0]
+    for index in room.rng.permutation(len(found)).tolist():
+        wall, end = found[index]
+        ways = np.array([-end, float(wall.normal[1])])  # (x, z) into the room
+        plain = turned(item, 0.0, 0.0, 0.0, float(np.arctan2(*ways)))
+        boxes = hull(plain)[..., [0, 2]]
+        low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+        corner = np.array([wall.span[(end + 1) // 2], wall.line])
+        x, z = (corner + ways * (HALF + gap + np.where(ways > 0, -low, high))).tolist()
+        if placed := place(room, turned(item, x, FLOOR_TOP, z, float(np.arctan2(*ways))), 0.0, companions):
+            return placed
+    return None
+
+
+def add_corner(
+    room: Room,
+    kind: str,
+    probability: float,
+    how: Callable[[Room, PlacedFurniture], PlacedFurniture | None] = in_corner,
+) -> PlacedFurniture | None:
+    """Maybe a thing of a kind in a corner."""
+    if not room.chance(probability):
+        return None
+    return fit(room, kind, lambda item: how(room, item))

@@ -1,0 +1,64 @@
+"""Seats around tables."""
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+
+import numpy as np
+
+from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.walls import FLOOR_TOP
+from home_procgen.furnish.space.room import Room
+from home_procgen.furnish.space.spots import clear_of
+from home_procgen.furnish.space.tops import tops_of
+from home_procgen.furnish.space.turned import turned
+
+EACH = 0.62  # [m] of a table's side for each seat
+ROUND = 0.9  # of the box around a top: a round one fills less
+LEFT = 0.12  # of chairs that someone has just left
+
+
+@cache
+def is_round(model_id: str) -> bool:
+    """Whether the top of a table is round."""
+    top = tops_of(model_id)[0]
+    width, depth = np.ptp(top.triangles.reshape(-1, 2), axis=0).tolist()
+    return top.area < ROUND * width * depth
+
+
+def sides(table: PlacedFurniture, count: int) -> list[tuple[float, float, float]]:
+    """Where seats may be at a table: a point (x, z) of its edge [m], and the way out of it [rad]."""
+    wide, deep = float(table.size[0]) / 2, float(table.size[2]) / 2
+    if is_round(table.model.id):
+        turns = 2 * np.pi * np.arange(count) / count
+        local = [(wide * np.sin(a), deep * np.cos(a), a) for a in turns.tolist()]
+    else:
+        each = max(1, min(count // 2, int(2 * wide / EACH)))
+        rows = [((k + 0.5) / each - 0.5) * 2 * wide for k in range(each)]
+        local = [(x, side * deep, 0.0 if side > 0 else np.pi) for side in (1, -1) for x in rows]
+        if count > len(local) and deep > 0.38:
+            local += [(side * wide, 0.0, side * np.pi / 2) for side in (1, -1)]
+    turn = table.quarter * np.pi / 2
+    return [(*table.beside(float(x), float(z)), float(way) + turn) for x, z, way in local[:count]]
+
+
+def seated(room: Room, table: PlacedFurniture, chair: PlacedFurniture, count: int) -> Iterator[PlacedFurniture]:
+    """Chairs that face a table, each pulled out a little, in its own way."""
+    done: list[PlacedFurniture] = []
+    for x, z, way in sides(table, count):
+        left = room.rng.random() < LEFT
+        tuck = float(room.rng.uniform(-0.3, -0.15) if left else room.rng.uniform(-0.05, 0.25))
+        turn = float(room.rng.normal(0, 0.3 if left else 0.07))
+        spot: PlacedFurniture = turned(chair, 0.0, 0.0, 0.0, way + np.pi + turn)
+        for shallower in (0.0, 0.1, 0.2, 0.3, 0.4):
+            spot = _pulled(spot, (x, z), way, tuck - shallower)  # keeps what has been found out about the turn
+            if clear_of(spot, (table, *done)):
+                done.append(spot)
+                yield spot
+                break
+
+
+def _pulled(chair: PlacedFurniture, edge: Sequence[float], way: float, tuck: float) -> PlacedFurniture:
+    """A chair, turned as it is, before a point of an edge, its front so far below the table [m]."""
+    away = float(chair.size[2]) / 2 - tuck
+    x, z = edge[0] + away * np.sin(way), edge[1] + away * np.cos(way)
+    return chair.at(float(x), FLOOR_TOP, float(z))

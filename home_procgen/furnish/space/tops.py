@@ -1,0 +1,78 @@
+"""Level surfaces of models that things can stand on, and what things stand on them with."""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.things import library_model
+
+LOWEST, SMALLEST = 0.15, 0.015  # [m] of height and [m^2]
+SOLE = 0.006  # [m]: what of a thing is lower touches what carries it
+EDGE = 1e-6
+LEVEL, ABOVE = 1e-6, 0.004  # [m]
+
+
+class Top(NamedTuple):
+    """A level surface of a model."""
+
+    height: float  # [m] above the model's origin
+    triangles: Float[np.ndarray, "t 3 2"]  # (x, z) [m]
+    area: float  # [m^2]
+    low: Float[np.ndarray, " 2"]  # least (x, z) [m]
+    high: Float[np.ndarray, " 2"]  # greatest
+    starts: Float[np.ndarray, "2 3 t 1"]  # x and z of the triangles' corners [m]
+    ways: Float[np.ndarray, "2 3 t 1"]  # from each of them to the next [m]
+
+
+@cache
+def tops_of(model_id: str) -> tuple[Top, ...]:
+    """The level surfaces of a model that look up and are free above, larger ones first."""
+    model = library_model(model_id)
+    corners = model.mesh.vertices[model.mesh.faces]
+    corners = corners[(np.ptp(corners[..., 1], axis=1) < LEVEL) & (corners[:, 0, 1] > LOWEST)]
+    a, b, c = np.moveaxis(corners[..., [0, 2]], 1, 0)
+    twice = (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) - (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1])
+    kept = (twice > 0) & ~_covered(corners.mean(axis=1), model.parts)
+    heights, flat, areas = np.round(corners[kept][:, 0, 1], 4), corners[kept][..., [0, 2]], twice[kept] / 2
+    found = [_top(float(h), flat[heights == h], areas[heights == h]) for h in np.unique(heights)]
+    return tuple(sorted((top for top in found if top.area > SMALLEST), key=lambda top: -top.area))
+
+
+def _top(height: float, triangles: Float[np.ndarray, "t 3 2"], areas: Float[np.ndarray, " t"]) -> Top:
+    points = triangles.reshape(-1, 2)
+    starts = np.ascontiguousarray(triangles.transpose(2, 1, 0))[..., None]
+    ways = starts[:, [1, 2, 0]] - starts
+    return Top(height, triangles, float(areas.sum()), points.min(axis=0), points.max(axis=0), starts, ways)
+
+
+def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]) -> Bool[np.ndarray, " p"]:
+    """Whether a little above a point there is a part."""
+    above = points[:, None] + (0.0, ABOVE, 0.0)
+    inside = np.asarray(((above > parts[:, 0]) & (above < parts[:, 1])).all(axis=-1))
+    return np.asarray(inside.any(axis=-1))
+
+
+@cache
+def sole_of(model_id: str) -> Float[np.ndarray, "9 3"]:
+    """Corners, middles of the sides and the middle of what a model stands on [m]."""
+    vertices = library_model(model_id).mesh.vertices
+    low = vertices[vertices[:, 1] < vertices[:, 1].min() + SOLE][:, [0, 2]]
+    (x0, z0), (x1, z1) = low.min(axis=0).tolist(), low.max(axis=0).tolist()
+    return np.array([[x, 0.0, z] for x in (x0, (x0 + x1) / 2, x1) for z in (z0, (z0 + z1) / 2, z1)])
+
+
+def carries(anchor: PlacedFurniture, top: Top, item: PlacedFurniture) -> bool:
+    """Whether all of a thing's sole is above a surface."""
+    points = sole_of(item.model.id) @ item.linear.T + np.subtract(item.position, anchor.position)
+    # Columns of a rotation times a scale: the transpose over their squared lengths is its inverse.
+    local = points @ anchor.linear / (anchor.linear**2).sum(axis=0)
+    return bool(_inside(local[:, 0], local[:, 2], top).any(axis=0).all())
+
+
+def _inside(x: Float[np.ndarray, " p"], z: Float[np.ndarray, " p"], top: Top) -> Bool[np.ndarray, "t p"]:
+    """Which points are in which triangles of a surface."""
+    inner = top.ways[1] * (x - top.starts[0]) - top.ways[0] * (z - top.starts[1]) >= -EDGE
+    return inner[0] & inner[1] & inner[2]

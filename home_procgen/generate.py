@@ -1,0 +1,46 @@
+"""Generated houses by the version of their generator."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from home_mjx.errors import ConfigError
+from home_procgen import dataset as homes
+from home_procgen.v1 import dataset as procedural
+
+VERSIONS: Mapping[int, Any] = {procedural.VERSION: procedural.generate_dataset, homes.VERSION: homes.generate_homes}
+
+
+def generate_dataset(
+    root: str | Path, seeds: Sequence[int], progress: bool = False, version: int = procedural.VERSION
+) -> tuple[str, ...]:
+    """Writes one house per seed, and the shared library, in SUNCG's on-disk format.
+
+    A seed always gives the same files, byte for byte. Existing files are kept, so an interrupted call can be
+    repeated and a dataset can grow; only what differs from what was written is written again. Many houses are
+    written by worker processes: a script that asks for them needs the usual `if __name__ == "__main__":`.
+
+    Args:
+        root: Folder of the dataset; made if missing.
+        seeds: Non-negative integers.
+        progress: Show a progress bar.
+        version: Of the generator. 1: flats on one floor; 2: homes of up to three storeys.
+
+    Returns:
+        The house ids, in the order of the seeds.
+
+    Raises:
+        ConfigError: A seed is not an integer from 0 to 2**63 - 1, or there is no such version.
+        DatasetError: `root` cannot be written, or holds something else.
+
+    Example:
+        >>> ids = generate_dataset("houses", range(8), version=2)  # doctest: +SKIP
+    """
+    check_version(version)
+    return VERSIONS[version](root, seeds, progress)
+
+
+def check_version(version: object) -> None:
+    """Raises `ConfigError` if there is no generator of this version."""
+    if isinstance(version, bool) or version not in VERSIONS:
+        raise ConfigError(f"there is no generator of version {version!r}", hint=f"There are {sorted(VERSIONS)}.")

@@ -1,0 +1,140 @@
+"""The library of a dataset of homes: tables of all models; models and textures as homes come to use them."""
+
+import os
+import re
+from collections.abc import Iterator, Mapping, Set
+from functools import cache, lru_cache
+from pathlib import Path
+
+from PIL import Image
+
+from home_mjx.core.files import read_text
+from home_mjx.datasets.suncg.write.house import (
+    JOINTS_DIGEST,
+    is_whole_folder,
+    write_joints,
+    write_model,
+    write_tables,
+    write_textures,
+)
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import House, Material
+from home_procgen.outside.models import outside_models
+from home_procgen.primitives.family import Furniture
+from home_procgen.structure import structure_models
+from home_procgen.textures.recipes import texture
+from home_procgen.things import library as things
+from home_procgen.things import library_model as thing
+from home_procgen.things.categories import CATEGORIES
+from home_procgen.v1.categories import Category
+from home_procgen.v1.dataset import library_model
+
+CLASSES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
+
+
+@cache
+def _others() -> Mapping[str, Furniture]:
+    """Models that are no things: of the building and of what is around it."""
+    families = (*structure_models().values(), *outside_models().values())
+    return {model.id: model for models in families for model in models}
+
+
+def write_shared(root: Path) -> None:
+    """Writes the tables, which list every model, so that they do not depend on which homes there are.
+
+    Tables that are as they were written are kept: making them means building all models.
+    """
+    folder = root / "metadata"
+    if is_whole_folder(folder) and is_whole_folder(folder, JOINTS_DIGEST):
+        return
+    models = [library_model(model, CLASSES) for model in (*things().values(), *_others().values())]
+    write_tables(root, models, digests=True)
+    write_joints(root, models)
+
+
+def has_library(root: Path, house_id: str) -> bool:
+    """Whether all models and textures of a written home are there as they were written.
+
+    Args:
+        root: Dataset root.
+        house_id: Which home.
+    """
+    try:
+        text = read_text(root / "house" / house_id / "house.json")
+        rooms = [read_text(path) for path in sorted((root / "room" / house_id).glob("*.mtl"))]
+    except DatasetError:
+        return False
+    models = [root / "object" / name for name in set(re.findall(r'"modelId":"((?:home|gen)_[^"]+)"', text))]
+    textures = set(re.findall(r'"texture":"([^"]+)"', text)).union(*(_textures_of(mtl) for mtl in rooms))
+    for folder in models:
+        if not _is_whole(folder, _stamp(folder)):
+            return False
+        textures |= _textures_of(read_text(folder / f"{folder.name}.mtl"))
+    return all(_is_image(path, _stamp(path)) for path in (root / "texture" / f"{name}.png" for name in textures))
+
+
+def _textures_of(mtl: str) -> set[str]:
+    return {Path(path).stem for path in re.findall(r"map_Kd (\S+)", mtl)}
+
+
+def _stamp(path: Path) -> tuple[int, ...]:
+    """Sizes and times of a file, or of those in a folder: while they are the same, so are the files."""
+    try:
+        with os.scandir(path) as entries:
+            found = [entry.stat() for entry in sorted(entries, key=lambda entry: entry.name)]
+    except NotADirectoryError:
+        found = [path.stat()]
+    except FileNotFoundError:
+        found = []
+    return tuple(number for one in found for number in (one.st_size, one.st_mtime_ns))
+
+
+@lru_cache(maxsize=4096)
+def _is_whole(folder: Path, stamp: tuple[int, ...]) -> bool:
+    return bool(stamp) and is_whole_folder(folder)
+
+
+@lru_cache(maxsize=4096)
+def _is_image(path: Path, stamp: tuple[int, ...]) -> bool:
+    try:
+        with Image.open(path) as image:
+            image.load()
+        return bool(stamp)
+    except (OSError, ValueError, SyntaxError):  # of Pillow, for what is no image
+        return False
+
+
+def write_used(root: Path, home: House) -> None:
+    """Writes the models and textures of a home that are not there yet, or are not as they were written.
+
+    Args:
+        root: Dataset root.
+        home: Whose.
+
+    Raises:
+        DatasetError: The folders cannot be written.
+    """
+    for name in sorted({item.model_id for level in home.levels for item in level.objects}):
+        folder = root / "object" / name
+        if not _is_whole(folder, _stamp(folder)):
+            model = _others().get(name) or thing(name)
+            write_model(root, library_model(model, CLASSES), digests=True)
+    every = (material for materials in _materials(home) for material in materials)
+    _write_textures(root, {material.texture.stem for material in every if material.texture is not None})
+
+
+def _materials(home: House) -> Iterator[tuple[Material, ...]]:
+    """Those of what the home consists of, and those that its models have of their own."""
+    yield from (mesh.materials for mesh in home.models.values())
+    for level in home.levels:
+        yield from (item.materials for item in (*level.objects, *level.boxes))
+        yield from (ground.mesh.materials for ground in level.grounds if ground.mesh is not None)
+        for room in level.rooms:
+            yield from (mesh.materials for mesh in (room.floor, room.ceiling, room.walls) if mesh is not None)
+
+
+def _write_textures(root: Path, names: Set[str]) -> None:
+    for name in sorted(names):
+        path = root / "texture" / f"{name}.png"
+        if not _is_image(path, _stamp(path)):
+            write_textures(root, {name: texture(name)})

@@ -1,0 +1,78 @@
+"""Roofs: gables over the largest rectangles of a home's top storey, which meet where these do."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.schema.house import Material
+from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.rooms import Rect
+from home_procgen.outside.models import EAVES, PITCH, SIZES, outside_models
+
+ABOVE = 0.05  # [m], of the nominal height of walls: ceilings and walls end below
+LEAST = 0.3  # [m^2]: less may stay without a roof
+MOST = 8  # gables
+
+Spans = tuple[Int[np.ndarray, "_"], Int[np.ndarray, "_"]]  # numbers of the lines where they begin and end
+
+
+def roofs(
+    rects: Sequence[Rect], height: float, pitch: float, materials: tuple[Material, ...]
+) -> Iterator[PlacedFurniture]:
+    """Gables over rooms.
+
+    Args:
+        rects: Of the rooms [m].
+        height: Of the walls [m].
+        pitch: Rise per run.
+        materials: By slot of the models.
+    """
+    for rect in cover(rects):
+        yield gable((rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2, rect.sides, height + ABOVE, pitch, materials)
+
+
+def gable(
+    x: float, z: float, sides: tuple[float, float], y: float, pitch: float, materials: tuple[Material, ...]
+) -> PlacedFurniture:
+    """A gable over a rectangle with extents along x and z, its ridge along the longer one [m]."""
+    long, short = max(sides), min(sides)
+    fit = [abs(np.log(long / a)) + abs(np.log(short / b)) for a, b in SIZES]
+    number = int(np.argmin(fit))
+    length, across = SIZES[number]
+    stretch = (long + 2 * EAVES) / (length + 2 * EAVES), (short + 2 * EAVES) / (across + 2 * EAVES)
+    scale = (round(stretch[0], 4), round(stretch[1] * pitch / PITCH, 4), round(stretch[1], 4))
+    placed = PlacedFurniture(outside_models()["roof"][number], (0.0, 0.0, 0.0), 0, scale, materials=materials)
+    return placed.at(x, y, z, 0 if sides[0] >= sides[1] else 1)
+
+
+def cover(rects: Sequence[Rect]) -> list[Rect]:
+    """Rectangles within a union of some that together are nearly all of it, the largest first.
+
+    Example:
+        >>> cover([Rect(0.0, 0.0, 2.0, 1.0), Rect(2.0, 0.0, 3.0, 1.0)])
+        [Rect(x0=0.0, z0=0.0, x1=3.0, z1=1.0)]
+    """
+    xs, zs = (np.unique(np.round([v for r in rects for v in (r[k], r[k + 2])], 6)) for k in (0, 1))
+    x, z = (xs[1:] + xs[:-1]) / 2, (zs[1:] + zs[:-1]) / 2
+    within = np.zeros((len(x), len(z)), bool)
+    for r in rects:
+        within |= ((x > r.x0) & (x < r.x1))[:, None] & ((z > r.z0) & (z < r.z1))[None, :]
+    area, left, found = np.outer(np.diff(xs), np.diff(zs)), within.copy(), []
+    spans = [np.triu_indices(len(lines), 1) for lines in (xs, zs)]
+    full = _sums(~within, *spans) == 0
+    while (left * area).sum() > LEAST and len(found) < MOST:
+        gain = np.where(full, _sums(left * area, *spans), -1.0)
+        i, j = np.unravel_index(np.argmax(gain), gain.shape)
+        (a, b), (c, d) = ((int(low[k]), int(high[k])) for (low, high), k in zip(spans, (i, j), strict=True))
+        found.append(Rect(*(float(v) for v in (xs[a], zs[c], xs[b], zs[d]))))
+        left[a:b, c:d] = False
+    return found
+
+
+def _sums(cells: np.ndarray, x: Spans, z: Spans) -> Float[np.ndarray, "i j"]:
+    """Of the cells between each two lines along x and each two along z."""
+    total = np.zeros(np.add(cells.shape, 1))
+    total[1:, 1:] = cells.cumsum(0).cumsum(1)
+    across = total[x[1]] - total[x[0]]
+    return across[:, z[1]] - across[:, z[0]]

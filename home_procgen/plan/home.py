@@ -1,0 +1,110 @@
+"""The plan of a home: storeys with their rooms, doors and windows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from home_mjx.errors import ConfigError
+from home_procgen.floor_plan.openings import HousePlan, Opening
+from home_procgen.floor_plan.rooms import RoomPlan
+from home_procgen.plan.needs.program import Program, draw_program
+from home_procgen.plan.openings.doors import Models, draw_doors, draw_entrance, garage_doors
+from home_procgen.plan.openings.passage import is_passable
+from home_procgen.plan.openings.windows import draw_windows
+from home_procgen.plan.outdoors import add_outdoors
+from home_procgen.plan.quality import is_liveable
+from home_procgen.plan.shape.storeys import Stairwell, Storey, draw_storeys
+from home_procgen.plan.slants import add_slants
+from home_procgen.primitives.palette import choose
+from home_procgen.structure import structure_models
+from home_procgen.things import model_of
+
+TRIES = 6000  # of drawing storeys; a few dozen is usual
+PATIENCE = 1500  # tries, after which another program is drawn where none was given
+HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
+AGAIN = 0.9  # chance that an entrance has to lead into the hall where there is one, and not into the living room
+WAYS = 5  # of placing doors and windows in the same rooms that are tried
+SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9, 10, 11, 13), (3, 6, 12)  # numbers of the doors' models
+PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
+
+
+@dataclass(frozen=True)
+class HomePlan:
+    """Storeys from below.
+
+    Attributes:
+        storeys: Rooms, with the places of stairs.
+        levels: The same rooms with their openings.
+        height: From floor to floor, and of walls [m].
+    """
+
+    storeys: tuple[Storey, ...]
+    levels: tuple[HousePlan, ...]
+    height: float
+
+    def stairwell(self, level: int) -> Stairwell | None:
+        """The place of stairs on a level, wherever they lead."""
+        return self.storeys[level].stairs or self.storeys[level].well
+
+
+def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomePlan:
+    """A home at random.
+
+    Args:
+        rng: Source of randomness.
+        program: What is to be built; None: draw that as well.
+
+    Raises:
+        ConfigError: No plan was found for the program.
+
+    Example:
+        >>> home = draw_home(np.random.default_rng(0))
+        >>> len(home.levels) == len(home.storeys)
+        True
+    """
+    wanted = draw_program(rng) if program is None else program
+    solid, glazed = (model_of("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
+    entry, double = (model_of(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
+    models = Models(solid, glazed, choose(structure_models()["garage_door"], rng), entry, double)
+    for attempt in range(TRIES):
+        storeys = draw_storeys(rng, wanted)
+        if storeys is not None and is_liveable(storeys):
+            slanted, strict = add_slants(rng, storeys), bool(rng.random() < AGAIN)
+            ways = (_opened(rng, slanted, models, strict) for _ in range(WAYS))
+            if home := next((home for home in ways if home is not None), None):
+                return home
+        if program is None and attempt % PATIENCE == PATIENCE - 1:
+            wanted = draw_program(rng)
+    hint = "Ask for other rooms, or fewer storeys."
+    raise ConfigError(f"no plan was found for {wanted.storeys} storeys with {wanted.ground}", hint=hint)
+
+
+def _past_the_hall(rooms: Sequence[RoomPlan], entrance: Opening) -> bool:
+    return rooms[0].type != "Living_Room" and rooms[entrance.rooms[0]].type == "Living_Room"
+
+
+def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models, into_hall: bool) -> HomePlan | None:
+    """Doors, open rooms and windows of all storeys; None if a room, or the hall, cannot be reached as it should be."""
+    height = float(rng.choice(HEIGHTS, p=ODDS) if len(storeys) == 1 else rng.choice(PITCHES))
+    found, levels = [], []
+    for number, plain in enumerate(storeys):
+        below = [room for storey in found for room in storey.rooms]
+        storey = replace(plain, rooms=add_outdoors(rng, plain.rooms, number == 0, below))
+        doors = draw_doors(rng, storey, models)
+        if doors is None:
+            return None
+        if number == 0:
+            entrance = draw_entrance(rng, storey, models, doors)
+            if entrance is None or (into_hall and _past_the_hall(storey.rooms, entrance)):
+                return None
+            doors.append(entrance)
+        openings: list[Opening] = [*doors, *garage_doors(rng, storey.rooms, models, doors)]
+        place = storey.stairs or storey.well
+        windows = draw_windows(rng, storey.rooms, openings, place.rect if place else None)
+        level = HousePlan(storey.rooms, (*openings, *windows), height)
+        if not all(is_passable(r, level.openings_of(i), None if i else place) for i, r in enumerate(level.rooms)):
+            return None
+        levels.append(level)
+        found.append(storey)
+    return HomePlan(tuple(found), tuple(levels), height)

@@ -1,0 +1,48 @@
+"""Boxes of stairs and corners that bound the space of a room."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from home_procgen.floor_plan.placed import Box
+from home_procgen.floor_plan.rooms import RoomPlan
+from home_procgen.floor_plan.walls import HALF
+from home_procgen.plan.shape.cut_rooms import CutRoom, slants
+from home_procgen.plan.shape.storeys import Stairwell
+
+STRIP = 0.125  # of a corner that is cut off: so wide are the boxes that stand for it
+BESIDE = 0.5  # [m], from the edge of stairs to the places that must be reached
+
+
+def cut_off(room: RoomPlan, height: float) -> Iterator[Box]:
+    """Boxes over the corners that are cut off a room, and the walls there."""
+    for (x0, z0), (x1, z1) in slants(room):
+        # The corner is where the neighbouring walls would meet: at (x0, z1) or at (x1, z0).
+        cuts = room.cuts if isinstance(room, CutRoom) else ()
+        corner = next((x, z) for x, z, _ in cuts if (x, z) in ((x0, z1), (x1, z0)))
+        for share in np.arange(0, 1, STRIP) + STRIP:
+            reach = 1 - share + STRIP  # of the triangle's other side, where the strip begins
+            x = corner[0] + share * ((x1 if corner[0] == x0 else x0) - corner[0])
+            z = corner[1] + reach * ((z1 if corner[1] == z0 else z0) - corner[1])
+            low, high = np.sort([[corner[0], corner[1]], [x, z]], axis=0)
+            yield np.array([[low[0] - HALF, 0.0, low[1] - HALF], [high[0] + HALF, height, high[1] + HALF]])
+
+
+def column(stairs: Stairwell, before: float, height: float) -> Box:
+    """The space over a place of stairs and so far before it [m]."""
+    x0, z0, x1, z1 = stairs.rect
+    low, high = np.array([x0, 0.0, z0]), np.array([x1, height, z1])
+    for axis, way in zip((0, 2), stairs.way, strict=True):
+        low[axis] -= before * (way > 0)
+        high[axis] += before * (way < 0)
+    return np.stack([low, high])
+
+
+def landings(stairs: Stairwell) -> list[tuple[float, float]]:
+    """Points before the foot and before the head of stairs."""
+    middle = np.array([(stairs.rect.x0 + stairs.rect.x1) / 2, (stairs.rect.z0 + stairs.rect.z1) / 2])
+    size, way = np.array(stairs.rect.sides), np.array(stairs.way, float)
+    edge = middle - way * (size @ abs(way)) / 2
+    aside = np.array([-way[1], way[0]]) * (size @ abs(way[::-1])) / 4
+    points = [edge - BESIDE * way + side * aside for side in (-1, 1)]
+    return [(float(x), float(z)) for x, z in points]

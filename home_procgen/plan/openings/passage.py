@@ -1,0 +1,40 @@
+"""Whether one gets through a room: doors stand open, and their leaves are in the way."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+from home_procgen.floor_plan.bounds import wall_box
+from home_procgen.floor_plan.openings import Opening
+from home_procgen.floor_plan.placed import Box
+from home_procgen.floor_plan.rooms import RoomPlan
+from home_procgen.floor_plan.walking import WalkingGrid
+from home_procgen.plan.openings.bounds import column, cut_off, landings
+from home_procgen.plan.shape.storeys import Stairwell
+
+HEIGHT = 2.5  # [m]: all walls are higher than an agent
+
+
+def is_passable(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | None = None) -> bool:
+    """Whether one gets from every door of an empty room to every other, and to nearly all of its floor."""
+    return floor_grid(room, openings, stairs).stays_connected([])
+
+
+def floor_grid(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | None = None) -> WalkingGrid:
+    """The floor of an empty room.
+
+    Args:
+        room: The room.
+        openings: Its doors and windows.
+        stairs: The place of stairs in it.
+    """
+    parts = [part for opening in openings for part in opening.placed.parts]
+    doors = [opening.placed for opening in openings if opening.is_door]
+    ways = [door.beside(0.0, side * 0.5) for door in doors for side in (-1, 1)]
+    return WalkingGrid(room, [*bounds(room, HEIGHT, stairs), *parts], [*ways, *(landings(stairs) if stairs else ())])
+
+
+@lru_cache(maxsize=64)
+def bounds(room: RoomPlan, height: float, stairs: Stairwell | None) -> tuple[Box, ...]:
+    """Boxes of the walls of a room, of its place of stairs, and of corners that are cut off, of a height [m]."""
+    steps = [column(stairs, 0.0, height)] if stairs else []
+    return (*(wall_box(wall, height) for wall in room.walls), *steps, *cut_off(room, height))

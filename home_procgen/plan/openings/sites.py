@@ -1,0 +1,26 @@
+"""Where openings may go: stretches of wall between two rooms, or between a room and the outside."""
+
+from collections.abc import Sequence
+
+from home_procgen.floor_plan.openings import Site
+from home_procgen.floor_plan.rooms import RoomPlan, outer_spans, shared_span
+
+LEAST = 1.1  # [m], of a wall with a door
+
+
+def inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
+    """Where two rooms share enough of a wall for a door."""
+    return [
+        Site(wall, span, (a, b))
+        for b in range(len(rooms))
+        for a in range(b)
+        for wall in rooms[a].walls
+        for other in rooms[b].walls
+        if (span := shared_span(wall, other)) and span[1] - span[0] >= LEAST
+    ]
+
+
+def outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[Site]:
+    """The stretches of a room's walls that no other room shares."""
+    others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
+    return [Site(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]

@@ -1,0 +1,60 @@
+"""Rooms some of whose corners are cut off."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from home_procgen.floor_plan.rooms import RoomPlan, Wall, outline
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class CutRoom(RoomPlan):
+    """A room some of whose convex corners are cut off at 45 degrees.
+
+    Attributes:
+        cuts: Corners (x, z), and how far from each its walls end [m].
+    """
+
+    cuts: tuple[tuple[float, float, float], ...] = ()
+
+    @cached_property
+    def polygon(self) -> Float[np.ndarray, "n 2"]:
+        """As of `RoomPlan`, with two corners for each that is cut."""
+        corners = outline(self.rects)
+        found: list[np.ndarray] = []
+        for before, corner, after in zip(np.roll(corners, 1, 0), corners, np.roll(corners, -1, 0), strict=True):
+            size = next((s for x, z, s in self.cuts if np.allclose(corner, (x, z), atol=1e-6)), 0.0)
+            ways = [(p - corner) / np.linalg.norm(p - corner) for p in (before, after)]
+            found += [np.round(corner + size * way, 6) for way in ways] if size else [corner]
+        return np.array(found)
+
+    @cached_property
+    def walls(self) -> tuple[Wall, ...]:
+        """Those along the axes: nothing else is backed against a wall, or opened."""
+        return tuple(Wall(a, b) for a, b in sides(self) if a[0] == b[0] or a[1] == b[1])
+
+    @property
+    def area(self) -> float:
+        """[m^2]."""
+        return super().area - sum(size**2 / 2 for _, _, size in self.cuts)
+
+
+def sides(room: RoomPlan) -> list[tuple[Point, Point]]:
+    """All sides of a room's outline, slanted ones too, in order [m]."""
+    corners = [(float(x), float(z)) for x, z in room.polygon]
+    return list(zip(corners, corners[1:] + corners[:1], strict=True))
+
+
+def slants(room: RoomPlan) -> list[tuple[Point, Point]]:
+    """Those that are at an angle."""
+    return [(a, b) for a, b in sides(room) if a[0] != b[0] and a[1] != b[1]]
+
+
+def beside_cut(room: RoomPlan, wall: Wall) -> bool:
+    """Whether a wall ends where a corner is cut off, as the front of a bay does."""
+    ends = [end for side in slants(room) for end in side]
+    return wall.start in ends or wall.end in ends

@@ -1,0 +1,240 @@
+"""The outline of a home: a hall, rows of rooms along it, and a block at its end. All storeys share it.
+
+Lengths are drawn from the rooms of the ground floor. Coordinates are local: the hall runs along x from 0, with one row
+on either side; a wing has a hall along z that begins between two rooms of the row on the side of growing z.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from home_procgen.floor_plan.rooms import Rect
+from home_procgen.plan.needs.room_program import SMALL, WANTS
+from home_procgen.plan.shape.rows import FOYER, Cell, Placed, Row, lay, snap, suits, widths
+
+CONTACT = 1.3  # [m], of every room with the hall, for its door
+STAIRS_WIDTH = 2.2  # [m], between the middles of the walls beside stairs
+STAIRS = "Stairs"
+STEPPED = 0.45  # chance of a facade with a step
+SIMILAR = 0.22  # of lengths of two rows that are made equal
+
+
+@dataclass(frozen=True)
+class Shell:
+    """What the storeys of a home share.
+
+    Attributes:
+        hall: Rectangles of the hall or, in small flats, of the living room that is in its place.
+        rows: Of rooms.
+        reach: Along which part of its axis each row has the hall before it [m].
+        block: The room at the end of the hall; None if there is none.
+        rests: What is left beyond the ends of halls, and the row whose last room takes it.
+        stairs: The place of the stairs, a part of the hall; None if there are none.
+        stairs_row: The row that it is in.
+    """
+
+    hall: tuple[Rect, ...]
+    rows: tuple[Row, ...]
+    reach: tuple[tuple[float, float], ...]
+    block: Rect | None = None
+    rests: tuple[tuple[Rect, int], ...] = ()
+    stairs: Rect | None = None
+    stairs_row: int = -1
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A storey in local coordinates: the hall first."""
+
+    shell: Shell
+    rooms: tuple[Placed, ...]
+
+
+def cell_of(rng: np.random.Generator, kind: str) -> Cell:
+    """A room of a type with an area that it may want."""
+    return Cell(kind, _between(rng, WANTS[kind].low, WANTS[kind].high))
+
+
+def _between(rng: np.random.Generator, low: float, high: float) -> float:
+    """As `rng.uniform`, which takes several times as long for one number: a plan takes many attempts."""
+    return low + (high - low) * rng.random()
+
+
+def deal(rng: np.random.Generator, cells: Sequence[Cell], depths: Sequence[float]) -> list[list[Cell]] | None:
+    """Cells in rows of about the same length; None if one fits nowhere. Small ones come beside others."""
+    rows: list[list[Cell]] = [[] for _ in depths]
+    length = [0.0 for _ in depths]
+    for cell in sorted((c for c in cells if c.type not in SMALL), key=lambda c: -c.area):
+        able = [i for i, d in enumerate(depths) if suits(cell.type, max(cell.area / d, WANTS[cell.type].side), d)]
+        if not able:
+            return None
+        i = min(able, key=lambda k: length[k] + _between(rng, 0, 1.5))
+        rows[i].append(cell)
+        length[i] += cell.area / depths[i]
+    order = {id(cell): WANTS[cell.type].zone + _between(rng, -0.12, 0.12) for cell in cells}
+    rows = [sorted(row, key=lambda cell: order[id(cell)]) for row in rows]
+    for cell in (c for c in cells if c.type in SMALL):
+        i = min(range(len(rows)), key=lambda k: length[k] + _between(rng, 0, 1.5))
+        at = sum(order[id(other)] < order[id(cell)] for other in rows[i])
+        rows[i].insert(at, cell)
+        length[i] += widths(rows[i], depths[i])[0][at]
+    return rows
+
+
+def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
+    """One attempt at a ground floor with one hall; None if it fails."""
+    across = snap(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
+    depths = [snap(rng.uniform(3.4, 4.8)), snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.5, 4.2))]
+    cells, block = _take_block(rng, [cell_of(rng, kind) for kind in types], across, depths)
+    rows = deal(rng, cells, depths)
+    if rows is None or not all(rows):
+        return None
+    if stairs:
+        rows[1].insert(int(rng.integers(len(rows[1]) + 1)), Cell(STAIRS, STAIRS_WIDTH * depths[1]))
+    if rng.random() < (0.5 if block is None else 0.75):
+        i = int(rng.integers(2))
+        rows[i].insert(int(rng.integers(min(2, len(rows[i])) + 1)), Cell(FOYER, rng.uniform(1.6, 2.2) * depths[i]))
+    length = _lengths(rows, depths)
+    bases, signs = (across, 0.0), (1, -1)
+    lines = [Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])) for i in range(2)]
+    laid = lay_rows(zip(lines, rows, strict=True))
+    return None if laid is None else closed(rng, laid, across, max(length), block)
+
+
+def _take_block(
+    rng: np.random.Generator, cells: list[Cell], across: float, depths: Sequence[float]
+) -> tuple[list[Cell], tuple[Cell, Rect] | None]:
+    """Puts the living room or the garage across the end of the hall, where it fits."""
+    for kind, odds in (("Living_Room", 0.5), ("Garage", 0.5)):
+        cell = next((cell for cell in cells if cell.type == kind), None)
+        if cell is None or rng.random() > odds:
+            continue
+        spans = [(0.0, across + depths[0]), (-depths[1], across), (-depths[1], across + depths[0])]
+        for low, high in (spans[i] for i in rng.permutation(3)):
+            width = snap(cell.area / (high - low))
+            if suits(kind, width, high - low):
+                rest = [other for other in cells if other is not cell]
+                return rest, (cell, Rect(-width, snap(low), 0.0, snap(high)))
+    return cells, None
+
+
+def _lengths(rows: Sequence[Sequence[Cell]], depths: Sequence[float]) -> list[float]:
+    """What rows want, equal where they are similar [m]."""
+    plain = [[c for c in row if c.type != STAIRS] for row in rows]
+    length = [sum(widths(row, d)[0]) if row else 0.0 for row, d in zip(plain, depths, strict=True)]
+    length = [x + STAIRS_WIDTH * any(c.type == STAIRS for c in row) for x, row in zip(length, rows, strict=True)]
+    if max(length) - min(length) < SIMILAR * max(length):
+        length = [sum(length) / len(length)] * len(length)
+    return [snap(x) for x in length]
+
+
+def _step(rng: np.random.Generator, length: float, depth: float) -> tuple[float, float, float] | None:
+    """Where the facade steps forwards or back, sometimes: at one end of the row, or in its middle."""
+    if rng.random() > STEPPED or length < 6:
+        return None
+    shift = float(rng.choice([-1, 1])) * rng.uniform(0.5, 1.3)
+    start = rng.uniform(0.25, 0.7) * length
+    end = length if rng.random() < 0.55 or start > 0.5 * length else rng.uniform(start + 2.5, length)
+    return snap(start), snap(end), snap(max(depth + shift, 2.6))
+
+
+Laid = tuple[Row, list[Placed], Rect | None]  # the row, its rooms, and the place of stairs in it
+
+
+def lay_row(row: Row, cells: Sequence[Cell]) -> Laid | None:
+    """A row, with stairs where a cell says so; its step is moved to a wall between rooms."""
+    index = next((i for i, cell in enumerate(cells) if cell.type == STAIRS), None)
+    if index is None:
+        plain = row if row.step is None else replace(row, step=None)
+        rooms = lay(plain, cells)
+        if rooms is None:
+            return None
+        stepped = _with_step(row, rooms)
+        rooms = rooms if stepped.step is None else lay(stepped, cells)
+        return None if rooms is None else (stepped, rooms, None)
+    row = replace(row, step=None)
+    before = sum(widths(cells[:index], row.depth)[0]) if index else 0.0
+    after = sum(widths(cells[index + 1 :], row.depth)[0]) if index + 1 < len(cells) else 0.0
+    free = row.high - row.low - STAIRS_WIDTH
+    at = snap(row.low + free * before / max(before + after, 1e-6))
+    first = lay(row.with_ends(row.low, at), cells[:index])
+    second = lay(row.with_ends(snap(at + STAIRS_WIDTH), row.high), cells[index + 1 :])
+    if first is None or second is None:
+        return None
+    return row, [*first, *second], row.rect(at, at + STAIRS_WIDTH, 0.0, row.depth)
+
+
+def lay_rows(pairs: Iterable[tuple[Row, Sequence[Cell]]]) -> list[Laid] | None:
+    """Several rows; None at the first that cannot be laid."""
+    found = []
+    for row, cells in pairs:
+        laid = lay_row(row, cells)
+        if laid is None:
+            return None
+        found.append(laid)
+    return found
+
+
+def _with_step(row: Row, rooms: Sequence[Placed]) -> Row:
+    step = row.step
+    if step is None:
+        return row
+    walls = [rects[0][row.axis] for kind, rects in rooms[1:] if kind not in SMALL]
+    if not walls:
+        return replace(row, step=None)
+    start, end = (min([*walls, row.high], key=lambda at: abs(at - wanted)) for wanted in step[:2])
+    return replace(row, step=(start, end, step[2]) if start < end else None)
+
+
+def needed(laid: Laid) -> float:
+    """How far along a row its hall has to go, so that every room has a front on it, and stairs all of theirs [m]."""
+    row, rooms, stairs = laid
+    fronts = [min(rects[0][row.axis] + CONTACT, row.high) for _, rects in rooms]
+    return max([*fronts, *([] if stairs is None else [stairs[row.axis + 2]])])
+
+
+def closed(
+    rng: np.random.Generator,
+    known: Sequence[Laid],
+    across: float,
+    end: float,
+    block: tuple[Cell, Rect] | None,
+) -> Draft:
+    """The storey of rows along one hall, which ends where its last rooms are reached, or goes on to the outer wall.
+
+    Args:
+        rng: Source of randomness.
+        known: The rows, as `lay_rows` gives them.
+        across: Width of the hall [m].
+        end: Where the longest row ends [m].
+        block: The room before the other end of the hall, and its place.
+    """
+    rows = [row for row, _, _ in known]
+    stop = snap(max(needed(one) for one in known))
+    takers = [
+        i
+        for i, row in enumerate(rows)
+        if abs(row.high - end) < 0.05
+        and known[i][1][-1][0] in ("Bedroom", "Living_Room", "Kitchen", "Office", "Gym")
+        and known[i][1][-1][1][0].x1 == rows[i].high
+    ]
+    if end - stop < 0.7 or not takers or (block is not None and rng.random() < 0.4):
+        stop, takers = end, []
+    rests = ((Rect(stop, 0.0, snap(end), across), takers[int(rng.integers(len(takers)))]),) if takers else ()
+    place = next(((i, one[2]) for i, one in enumerate(known) if one[2] is not None), (-1, None))
+    shell = Shell(
+        hall=(Rect(0.0, 0.0, stop, across),),
+        rows=tuple(rows),
+        reach=((0.0, stop),) * len(rows),
+        block=None if block is None else block[1],
+        rests=rests,
+        stairs=place[1],
+        stairs_row=place[0],
+    )
+    rooms = [list(one[1]) for one in known]
+    if rests:
+        kind, rects = rooms[rests[0][1]][-1]
+        rooms[rests[0][1]][-1] = (kind, (*rects, rests[0][0]))
+    ends = [] if block is None else [(block[0].type, (block[1],))]
+    return Draft(shell, (*(room for row in rooms for room in row), *ends))

@@ -1,0 +1,217 @@
+"""The storeys of a home: the ground floor, and further ones in the same shell, all turned in some direction."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from home_procgen.floor_plan.rooms import Rect, RoomPlan
+from home_procgen.plan.needs.program import ABOVE, MORE_ABOVE, MOST, Program, draw_more
+from home_procgen.plan.needs.room_program import ROOMY, WANTS
+from home_procgen.plan.shape.hub import draw_hub
+from home_procgen.plan.shape.parted import draw_parted
+from home_procgen.plan.shape.rows import FOYER, Placed, Row, lay, suits
+from home_procgen.plan.shape.shell import Draft, Shell, cell_of, draw_straight
+from home_procgen.plan.shape.wing import draw_winged
+
+TRIES = 60  # of filling a part of a row
+CONTACT = 1.2  # [m], least of a room with the hall
+TINY = 0.25  # [m]: shorter walls are no walls
+WINGED_FROM, PARTED_FROM = 8, 7  # rooms on a floor
+WINGED, PARTED = 0.4, 0.45  # of attempts at floors of so many rooms
+
+
+@dataclass(frozen=True)
+class Stairwell:
+    """The place of stairs that turn back, open towards the hall.
+
+    Attributes:
+        rect: Between the middles of its walls, and the edge of the hall [m].
+        way: (x, z) unit direction from the hall into it.
+        left: Whether they go up on the left, and come back on the right.
+    """
+
+    rect: Rect
+    way: tuple[int, int]
+    left: bool = False
+
+    @property
+    def area(self) -> float:
+        """[m^2]."""
+        width, depth = self.rect.sides
+        return width * depth
+
+
+@dataclass(frozen=True)
+class Storey:
+    """Rooms of one floor; the first is the hall, or the living room in its place.
+
+    Attributes:
+        rooms: The rooms.
+        stairs: Stairs that begin here; the hall includes their place.
+        well: Stairs that end here: there the hall has no floor.
+    """
+
+    rooms: tuple[RoomPlan, ...]
+    stairs: Stairwell | None = None
+    well: Stairwell | None = None
+
+
+def draw_storeys(rng: np.random.Generator, program: Program) -> tuple[Storey, ...] | None:
+    """One attempt at the storeys of a home; None if it fails."""
+    draft = _draw_ground(rng, program)
+    if draft is None:
+        return None
+    drafts = [draft]
+    for _ in range(1, program.storeys):
+        upper = _draw_upper(rng, draft.shell)
+        if upper is None:
+            return None
+        drafts.append(upper)
+    turn, mirrored, origin = int(rng.integers(4)), bool(rng.integers(2)), rng.uniform(30, 50, 2)
+    return _placed(drafts, turn, mirrored, np.round(origin, 1), rng)
+
+
+def _draw_ground(rng: np.random.Generator, program: Program) -> Draft | None:
+    if program.storeys == 1 and "Living_Room" not in program.ground:
+        return draw_hub(rng, program.ground)
+    count, form = len(program.ground) + 1, rng.random()
+    if count >= WINGED_FROM and form < WINGED:
+        return draw_winged(rng, program.ground, program.storeys > 1)
+    if count >= PARTED_FROM and form > 1 - PARTED:
+        return draw_parted(rng, program.ground, program.storeys > 1)
+    return draw_straight(rng, program.ground, program.storeys > 1)
+
+
+def _draw_upper(rng: np.random.Generator, shell: Shell) -> Draft | None:
+    """Other rooms in the same shell."""
+    pool = [*ABOVE, *draw_more(rng, MORE_ABOVE, len(MORE_ABOVE))]
+    found: list[Placed] = []
+    for number, row in enumerate(shell.rows):
+        for low, high in _segments(shell, number, row):
+            rooms = _fill(rng, row.with_ends(low, high), pool, shell.reach[number])
+            if rooms is None:
+                return None
+            for kind, _ in rooms:
+                pool.remove(kind)
+            found += rooms
+        for rest, taker in shell.rests:
+            if taker == number:
+                kind, rects = found[-1]
+                if kind not in ROOMY:
+                    return None
+                found[-1] = (kind, (*rects, rest))
+    if shell.block is not None:
+        found.append((_of_block(rng, shell.block, pool), (shell.block,)))
+    kinds = [kind for kind, _ in found]
+    good = "Bathroom" in kinds and "Bedroom" in kinds and len(kinds) < MOST
+    return Draft(shell, tuple(found)) if good else None
+
+
+def _segments(shell: Shell, number: int, row: Row) -> list[tuple[float, float]]:
+    if shell.stairs is None or number != shell.stairs_row:
+        return [(row.low, row.high)] if row.high > row.low else []
+    low, high = shell.stairs[row.axis], shell.stairs[row.axis + 2]
+    return [(a, b) for a, b in ((row.low, low), (high, row.high)) if b - a > 0.05]
+
+
+def _fill(rng: np.random.Generator, row: Row, pool: Sequence[str], reach: tuple[float, float]) -> list[Placed] | None:
+    for _ in range(TRIES):
+        count = int(rng.integers(1, 1 + max(1, min(len(pool), round((row.high - row.low) / 2.0)))))
+        # Those that come first in the pool are wanted most.
+        order = np.argsort(np.arange(len(pool)) * 0.35 + rng.exponential(2.0, len(pool)))[:count]
+        kinds = [pool[int(i)] for i in order]
+        kinds.sort(key=lambda kind: WANTS[kind].zone + rng.uniform(-0.3, 0.3))
+        rooms = lay(row, [cell_of(rng, kind) for kind in kinds])
+        if rooms and all(_contact(rects[0], row.axis, reach) >= CONTACT - 1e-6 for _, rects in rooms):
+            return rooms
+    return None
+
+
+def _contact(rect: Rect, axis: int, reach: tuple[float, float]) -> float:
+    return min(rect[axis + 2], reach[1]) - max(rect[axis], reach[0])
+
+
+def _of_block(rng: np.random.Generator, block: Rect, pool: Sequence[str]) -> str:
+    width, depth = block.sides
+    able = [kind for kind in pool if kind in ROOMY and suits(kind, width, depth)]
+    if able and rng.random() < 0.7:
+        return able[0]
+    return "Living_Room" if suits("Living_Room", width, depth) and rng.random() < 0.4 else "Terrace"
+
+
+def _placed(
+    drafts: Sequence[Draft], turn: int, mirrored: bool, origin: np.ndarray, rng: np.random.Generator
+) -> tuple[Storey, ...] | None:
+    """The storeys in the plan of the file; None if rooms overlap or have no simple outline."""
+    every = [rect for draft in drafts for _, rects in draft.rooms for rect in rects] + list(drafts[0].shell.hall)
+    moved = np.array([_turned(rect, turn, mirrored) for rect in every])
+    shift = np.round(origin - moved[:, :2].min(0), 6)
+
+    def place(rect: Rect) -> Rect:
+        x0, z0, x1, z1 = np.round(np.array(_turned(rect, turn, mirrored)) + np.tile(shift, 2), 6).tolist()
+        return Rect(x0, z0, x1, z1)
+
+    shell = drafts[0].shell
+    well = None
+    if shell.stairs is not None:
+        row = shell.rows[shell.stairs_row]
+        ahead = Rect(0, 0, row.sign * (row.axis == 1), row.sign * (row.axis == 0))
+        x0, z0, x1, z1 = _turned(ahead, turn, mirrored, keep=True)
+        well = Stairwell(place(shell.stairs), (round(x1 - x0), round(z1 - z0)), bool(rng.random() < 0.5))
+    hall_kind = _hall_kind(rng, drafts)
+    storeys = []
+    for level, draft in enumerate(drafts):
+        rooms = _rooms(draft, hall_kind if level == 0 else _upper_hall(rng), place, well)
+        if rooms is None:
+            return None
+        below = well if level > 0 else None
+        storeys.append(Storey(rooms, well if level + 1 < len(drafts) else None, below))
+    return tuple(storeys)
+
+
+def _hall_kind(rng: np.random.Generator, drafts: Sequence[Draft]) -> str:
+    if "Living_Room" not in [kind for kind, _ in drafts[0].rooms]:
+        return "Living_Room"
+    return str(rng.choice(["Hallway", "Hall", "Lobby"], p=[0.55, 0.38, 0.07]))
+
+
+def _upper_hall(rng: np.random.Generator) -> str:
+    return "Hall" if rng.random() < 0.4 else "Hallway"
+
+
+def _turned(rect: Rect, turn: int, mirrored: bool, keep: bool = False) -> Rect:
+    x0, z0, x1, z1 = rect
+    if mirrored:
+        x0, x1 = (-x0, -x1) if keep else (-x1, -x0)
+    for _ in range(turn):  # a quarter: (x, z) becomes (-z, x)
+        x0, z0, x1, z1 = (-z0, x0, -z1, x1) if keep else (-z1, x0, -z0, x1)
+    return Rect(x0, z0, x1, z1)
+
+
+def _rooms(
+    draft: Draft, hall_kind: str, place: Callable[[Rect], Rect], well: Stairwell | None
+) -> tuple[RoomPlan, ...] | None:
+    foyers = [rect for kind, rects in draft.rooms if kind == FOYER for rect in rects]
+    hall = [*draft.shell.hall, *foyers]
+    rects = [place(rect) for rect in hall] + ([well.rect] if well else [])
+    rooms = [RoomPlan(hall_kind, tuple(rects))]
+    rooms += [RoomPlan(kind, tuple(place(r) for r in rects)) for kind, rects in draft.rooms if kind != FOYER]
+    return tuple(rooms) if not _overlapping(rooms) and all(is_simple(room) for room in rooms) else None
+
+
+def is_simple(room: RoomPlan) -> bool:
+    """Whether the outline of a room is one loop around all of it, without tiny walls."""
+    corners = [(x, z) for x, z in room.polygon.tolist()]
+    if len(set(corners)) < len(corners):  # a loop around one of several parts, again and again
+        return False
+    area = abs(sum(a * d - c * b for (a, b), (c, d) in zip(corners, corners[1:] + corners[:1], strict=True))) / 2
+    return bool(abs(area - room.area) < 1e-3 and min(wall.length for wall in room.walls) > TINY)
+
+
+def _overlapping(rooms: Sequence[RoomPlan]) -> bool:
+    rects = np.array([rect for room in rooms for rect in room.rects])
+    low = np.maximum(rects[:, None, :2], rects[None, :, :2])
+    high = np.minimum(rects[:, None, 2:], rects[None, :, 2:])
+    area = np.prod(np.maximum(high - low, 0), axis=-1)
+    return bool((area - np.diag(np.diag(area)) > 1e-3).any())

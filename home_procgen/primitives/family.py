@@ -1,0 +1,165 @@
+"""Furniture families, whose variants become library models."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.datasets.joints import Joint
+from home_mjx.schema.house import Light, Mesh
+from home_procgen.primitives.palette import FINISHES
+from home_procgen.primitives.solids import Solid, Vector, move, to_mesh
+
+
+@dataclass(frozen=True)
+class Bulb:
+    """A light in a model."""
+
+    position: Vector  # [m]
+    power: float  # [W]
+
+
+_PICKS, _AXES = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)]), np.arange(3)  # corners of a box
+# Rotation times scale and mirror; boxes of the parts, and the one around them, at the origin [m].
+Shape = tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "p 2 3"], Float[np.ndarray, "2 3"]]
+
+
+@dataclass(frozen=True)
+class Furniture:
+    """A library model: origin at the bottom centre, front towards +z, Y up, metres."""
+
+    id: str
+    family: str
+    fine: str  # fine class, a key of CATEGORIES
+    slots: Mapping[str, str]  # slot name -> finish, in the order of the MTL
+    mesh: Mesh
+    parts: Float[np.ndarray, "p 2 3"]  # boxes of the solids [m]
+    lights: tuple[Light, ...] = ()
+    closed: Mesh | None = None  # the `_0` variant of a door, whose own mesh stands open
+    joints: tuple[Joint, ...] = ()
+
+    @cached_property
+    def box(self) -> Float[np.ndarray, "2 3"]:
+        """Corners of the bounding box [m]."""
+        return np.stack([self.parts[:, 0].min(0), self.parts[:, 1].max(0)])
+
+    @cached_property
+    def size(self) -> Float[np.ndarray, " 3"]:
+        """Extents along x, y, z [m]."""
+        return self.box[1] - self.box[0]
+
+    @cached_property
+    def corners(self) -> Float[np.ndarray, "8 p 3"]:
+        """The eight corners of each part's box [m]."""
+        return np.ascontiguousarray(np.moveaxis(self.parts[..., _PICKS, _AXES], -2, 0))
+
+    @cached_property
+    def box_corners(self) -> Float[np.ndarray, "8 3"]:
+        """The eight corners of the bounding box [m]."""
+        return self.box[_PICKS, _AXES]
+
+    @cached_property
+    def shapes(self) -> dict[tuple[int, Vector, bool], Shape]:
+        """By quarter turns, scale and mirror: a cache for what is placed, which tries the same few at many places."""
+        return {}
+
+
+@dataclass(frozen=True)
+class Family:
+    """A parametric design and the parameters of its library models.
+
+    Args:
+        name: Names the models `gen_<name>_<k>`.
+        fine: Fine class.
+        build: Gives the solids (and bulbs) for one set of parameters.
+        slots: Slot name -> finish.
+        variants: Parameter sets.
+        closed: Parameters that turn a variant into its closed state, for doors.
+        centred: Move the middle of the box to x = z = 0; openings stay on their wall's centre-line.
+    """
+
+    name: str
+    fine: str
+    build: Callable[..., Iterable[Solid | Bulb]]
+    slots: Mapping[str, str]
+    variants: tuple[Mapping[str, Any], ...]
+    closed: Mapping[str, Any] | None = None
+    centred: bool = True
+
+    def models(self) -> Iterator[Furniture]:
+        """The library models of the family."""
+        for number, variant in enumerate(self.variants, 1):
+            yield self._model(f"gen_{self.name}_{number}", number, variant)
+
+    def _model(self, model_id: str, number: int, variant: Mapping[str, Any]) -> Furniture:
+        solids, lights = self._built(variant)
+        used = {solid.material for solid in solids}
+        slots = {name: finish for name, finish in self.slots.items() if name in used}
+        materials = tuple(
+            replace(FINISHES[finish][(number + i) % len(FINISHES[finish])], name=f"material_{i}")
+            for i, finish in enumerate(slots.values())
+        )
+        folder = Path("object") / model_id
+        mesh = to_mesh(folder / f"{model_id}.obj", solids, list(slots), materials)
+        closed = None
+        if self.closed is not None:
+            shut = self._built({**variant, **self.closed})[0]
+            closed = to_mesh(folder / f"{model_id}_0.obj", shut, list(slots), materials)
+        parts = np.stack([solid.box for solid in solids])
+        return Furniture(model_id, self.name, self.fine, slots, mesh, parts, lights, closed)
+
+    def _built(self, variant: Mapping[str, Any]) -> tuple[list[Solid], tuple[Light, ...]]:
+        built = list(self.build(**variant))
+        solids = [piece for piece in built if isinstance(piece, Solid)]
+        low, high = np.min([s.box[0] for s in solids], 0), np.max([s.box[1] for s in solids], 0)
+        shift = -(low + high) / 2 * (1, 0, 1) * self.centred
+        solids = [move(solid, shift) for solid in solids]
+        return solids, tuple(_light(piece, shift) for piece in built if isinstance(piece, Bulb))
+
+
+@runtime_checkable
+class Models(Protocol):
+    """What makes library models."""
+
+    def models(self) -> Iterator[Furniture]:
+        """The models, in order."""
+        ...
+
+
+def models_by_id(families: Iterable[Models]) -> Mapping[str, Furniture]:
+    """The models of all families, in order."""
+    return MappingProxyType({model.id: model for family in families for model in family.models()})
+
+
+def models_by_family(models: Iterable[Furniture]) -> Mapping[str, Sequence[Furniture]]:
+    """Models by the names of their families."""
+    families: dict[str, list[Furniture]] = defaultdict(list)
+    for model in models:
+        families[model.family].append(model)
+    return dict(families)
+
+
+def variant(**parameters: Any) -> Mapping[str, Any]:
+    """One set of parameters of a design."""
+    return parameters
+
+
+def _light(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Light:
+    x, y, z = np.round(np.asarray(bulb.position) + shift, 6).tolist()
+    return Light("PointLight", bulb.power, (1.0, 1.0, 1.0), (x, y, z))
+
+
+def slots(*names: str, **finishes: str) -> Mapping[str, str]:
+    """Slot names with their finishes; a name's finish is the name less a trailing number.
+
+    Example:
+        >>> slots("wood", "wood_1", color_1="glass")
+        {'wood': 'wood', 'wood_1': 'wood', 'color_1': 'glass'}
+    """
+    return {name: name.rstrip("_0123456789") for name in names} | finishes

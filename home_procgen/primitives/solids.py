@@ -1,0 +1,189 @@
+"""Closed solids with outward faces and UVs in metres: what walls and furniture are made of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import ConvexHull
+
+from home_mjx.geometry.wall_prisms import extrude
+from home_mjx.schema.house import Material, Mesh
+from home_procgen.primitives.parts import Part
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A closed, outward-wound piece of a mesh, made of one material or of one per face."""
+
+    vertices: Float[np.ndarray, "v 3"]  # [m], Y up
+    faces: Int[np.ndarray, "f 3"]
+    uv: Float[np.ndarray, "f 3 2"]  # [m] per corner
+    material: str | tuple[int, ...]  # slot name, or slot number per face
+    group: str | None = None  # name of the `o` line
+    part: Part | None = None  # which movable part it belongs to
+
+    @property
+    def box(self) -> Float[np.ndarray, "2 3"]:
+        """Corners of the bounding box [m]."""
+        return np.stack([self.vertices.min(0), self.vertices.max(0)])
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """`np.cross` of rows of three, which takes most of its time to look at their shapes."""
+    (x, y, z), (u, v, w) = a.T, b.T
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u]).T
+
+
+def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Float[np.ndarray, "f 3 2"]:
+    """UVs in metres by projecting each face along its dominant axis, u along the longer way, as wood grain runs."""
+    corners = vertices[faces]
+    normal = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    axis = np.abs(normal).argmax(-1)
+    extent = (vertices.max(0) - vertices.min(0)).tolist()
+    planes = ((2, 1), (0, 2), (0, 1))
+    columns = np.array([(a, b) if extent[a] >= extent[b] else (b, a) for a, b in planes])[axis]
+    return np.take_along_axis(corners, columns[:, None, :], -1)
+
+
+def picture_uv(piece: Solid) -> Solid:
+    """UVs that show the texture exactly once on the front and back of a solid."""
+    low, high = piece.box[:, :2]
+    return replace(piece, uv=(piece.vertices[piece.faces][..., :2] - low) / (high - low))
+
+
+def solid(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
+    """A solid with projected UVs whose faces are turned outwards if they are not."""
+    corners = vertices[faces] - vertices.mean(0)
+    if np.einsum("fi,fi->", corners[:, 0], _cross(corners[:, 1], corners[:, 2])) < 0:
+        faces = faces[:, ::-1]
+    return Solid(vertices, faces, project_uv(vertices, faces), material)
+
+
+def cushion(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), bevel: float = 0.03) -> Solid:
+    """A box with bevelled edges.
+
+    Args:
+        material: Slot name.
+        size: Extents along x, y, z [m].
+        at: Centre of the bottom face [m].
+        bevel: Width of the cut edges [m].
+    """
+    half = np.asarray(size) / 2
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+    insets = bevel * (1 - np.eye(3))
+    vertices = (signs[:, None] * (half - insets)).reshape(-1, 3)
+    hull = ConvexHull(vertices)
+    outward = np.einsum("fi,fi->f", hull.equations[:, :3], _normals(vertices[hull.simplices])) > 0
+    faces = np.where(outward[:, None], hull.simplices, hull.simplices[:, ::-1]).astype(np.int64)
+    return solid(material, vertices + np.asarray(at) + (0, half[1], 0), faces)
+
+
+def box(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
+    """A box; `at` is the centre of its bottom face [m].
+
+    Example:
+        >>> box("wood", (1, 0.5, 2)).box.tolist()
+        [[-0.5, 0.0, -1.0], [0.5, 0.5, 1.0]]
+    """
+    low, high = np.array([-0.5, 0.0, -0.5]), np.array([0.5, 1.0, 0.5])
+    ends = np.stack([low, high]) * size + at
+    points, faces = extrude(ends[:, 2], ends[:, 0], np.ones((1, 1), bool), (ends[0, 1], ends[1, 1]))[:2]
+    return solid(material, points[:, [1, 2, 0]], faces)
+
+
+def lathe(
+    material: str,
+    profile: Sequence[tuple[float, float]],
+    at: Vector = (0.0, 0.0, 0.0),
+    sides: int = 16,
+    closed: bool = False,
+    stretch: float = 1.0,
+) -> Solid:
+    """A solid of revolution about the vertical axis.
+
+    Args:
+        material: Slot name.
+        profile: Points (radius, height) [m] from the bottom up; an end off the axis is capped.
+        at: Where the axis meets height 0 [m].
+        sides: Number of facets.
+        closed: The profile is a loop, as of a hollow lampshade, and gets no caps.
+        stretch: Factor on z, for oval bowls.
+    """
+    if not closed:
+        profile = [(0.0, profile[0][1]), *(p for p in profile if p[0] > 0), (0.0, profile[-1][1])]
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rings = [
+        np.stack([r * np.cos(angle), np.full(sides, h), stretch * r * np.sin(angle)], -1)[: sides if r > 0 else 1]
+        for r, h in profile
+    ]
+    start = np.cumsum([0] + [len(ring) for ring in rings]).tolist()
+    pairs = [(i, (i + 1) % len(rings)) for i in range(len(rings) - (not closed))]
+    faces = [_band(start[i], len(rings[i]), start[j], len(rings[j]), sides) for i, j in pairs]
+    return solid(material, np.concatenate(rings) + np.asarray(at), np.concatenate(faces))
+
+
+def cylinder(
+    material: str, radius: float, height: float, at: Vector = (0.0, 0.0, 0.0), top: float | None = None, sides: int = 16
+) -> Solid:
+    """An upright cylinder, or a cone's frustum with radius `top` at its upper end."""
+    return lathe(material, [(radius, 0.0), (radius if top is None else top, height)], at, sides)
+
+
+def _band(low: int, low_size: int, high: int, high_size: int, sides: int) -> Int[np.ndarray, "f 3"]:
+    """Triangles between two rings; a ring of one vertex is a tip."""
+    j = np.arange(sides)
+    a, b = low + j % low_size, low + (j + 1) % low_size
+    c, d = high + (j + 1) % high_size, high + j % high_size
+    lower, upper = np.stack([a, c, b], -1), np.stack([a, d, c], -1)
+    return np.concatenate(([lower] if low_size > 1 else []) + ([upper] if high_size > 1 else []))
+
+
+def _normals(corners: Float[np.ndarray, "f 3 3"]) -> Float[np.ndarray, "f 3"]:
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def move(piece: Solid, by: Vector | Float[np.ndarray, " 3"]) -> Solid:
+    """A solid moved by a vector [m]; its UVs and its part go with it."""
+    part = piece.part and piece.part.mapped(np.eye(3), np.asarray(by, float))
+    return replace(piece, vertices=piece.vertices + np.asarray(by), part=part)
+
+
+def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Solid:
+    """Turns a solid about a coordinate axis through `pivot` by `angle` radians; its UVs and its part go with it."""
+    turn = np.eye(3)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)
+    part = piece.part and piece.part.mapped(turn, np.asarray(pivot) - turn @ np.asarray(pivot))
+    return replace(piece, vertices=(piece.vertices - pivot) @ turn.T + np.asarray(pivot), part=part)
+
+
+def to_mesh(path: Path, pieces: Sequence[Solid], slots: Sequence[str], materials: tuple[Material, ...]) -> Mesh:
+    """Joins solids into one mesh; vertices stay apart, so every solid remains closed.
+
+    Args:
+        path: Where the OBJ will be, relative to the dataset root.
+        pieces: The solids.
+        slots: Names of the material slots in order, for solids that name theirs.
+        materials: One per slot.
+    """
+    first = np.cumsum([0] + [len(p.vertices) for p in pieces])
+    groups = tuple(dict.fromkeys(p.group for p in pieces if p.group is not None))
+    slot = [
+        np.full(len(p.faces), slots.index(p.material)) if isinstance(p.material, str) else np.array(p.material)
+        for p in pieces
+    ]
+    group = [np.full(len(p.faces), groups.index(p.group) if p.group is not None else -1) for p in pieces]
+    return Mesh(
+        path=path,
+        vertices=np.round(np.concatenate([p.vertices for p in pieces]), 6) + 0.0,
+        faces=np.concatenate([p.faces + start for p, start in zip(pieces, first, strict=False)]),
+        uv=np.round(np.concatenate([p.uv for p in pieces]), 6) + 0.0,
+        slot=np.concatenate(slot),
+        group=np.concatenate(group),
+        materials=materials,
+        groups=groups,
+    )

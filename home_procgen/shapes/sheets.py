@@ -1,0 +1,75 @@
+"""Thin solids: cloth, moulded shells, leaves."""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float
+
+from home_procgen.primitives.solids import Solid, Vector
+from home_procgen.shapes.rounded import between, welded
+
+
+def sheet(material: str, points: Float[np.ndarray, "n m 3"], thickness: float) -> Solid:
+    """A surface with two sides, `thickness` apart [m]."""
+    along, across = np.gradient(points, axis=0), np.gradient(points, axis=1)
+    normal = np.cross(along, across)
+    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
+    under, upper = (points + side * normal * thickness / 2 for side in (-1, 1))
+    return between(material, under, upper)
+
+
+def surface(
+    material: str, place: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, ...]], n: int, m: int, thickness: float
+) -> Solid:
+    """A sheet whose points (x, y, z) [m] are a function of u and v, both from 0 to 1, in n x m pieces."""
+    u, v = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
+    return sheet(material, np.stack(np.broadcast_arrays(*place(u, v), u)[:3], -1), thickness)
+
+
+def leaf(
+    material: str,
+    length: float,
+    width: float,
+    at: Vector = (0.0, 0.0, 0.0),
+    yaw: float = 0.0,
+    rise: float = 0.8,
+    droop: float = 1.2,
+    shape: float = 1.0,
+    pieces: int = 4,
+) -> Solid:
+    """A pointed leaf with a fold along its middle.
+
+    Args:
+        material: Slot name.
+        length: Along its middle [m].
+        width: Greatest [m].
+        at: Where it begins [m].
+        yaw: Which way it points in the plan, from +z to +x [rad].
+        rise: Angle above the horizon at its beginning [rad].
+        droop: How far it bends down towards its tip [rad].
+        shape: Above 1 the greatest width is nearer to the tip, below nearer to the stem.
+        pieces: Facets along its length.
+    """
+    s = np.linspace(0, 1, pieces + 1)
+    pitch = rise - droop * (s[:-1] + s[1:]) / 2
+    out = np.concatenate([[0], np.cumsum(np.cos(pitch))]) * length / pieces
+    up = np.concatenate([[0], np.cumsum(np.sin(pitch))]) * length / pieces
+    half = width / 2 * np.sin(np.pi * np.clip(s**shape, 0, 1)) ** 0.8
+    half[[0, -1]] = 0.0
+    thick = 0.0012 + 0.02 * width * (half > 0)
+    rows = [
+        np.stack([k * half, up + lift, out], -1) for k, lift in ((-1, 0 * s), (1, 0 * s), (0, -thick), (0, -2 * thick))
+    ]
+    turn = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
+    vertices = np.concatenate(rows) @ turn.T + np.asarray(at)
+    return _leaf(material, vertices, pieces + 1)
+
+
+def _leaf(material: str, vertices: Float[np.ndarray, "v 3"], count: int) -> Solid:
+    """Joins the rows of the left rim, right rim, upper and lower middle; all meet at both tips."""
+    left, right, top, under = (np.arange(count) + k * count for k in range(4))
+    left, right, under = (np.concatenate([top[:1], row[1:-1], top[-1:]]) for row in (left, right, under))
+    strips = []
+    for a, b in ((left, top), (top, right), (right, under), (under, left)):
+        strips += [np.stack([a[:-1], a[1:], b[:-1]], -1), np.stack([b[:-1], a[1:], b[1:]], -1)]
+    return welded(material, vertices, np.concatenate(strips))

@@ -1,0 +1,19 @@
+"""The library models of the building's own parts."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+
+from home_procgen.primitives.family import Furniture
+from home_procgen.structure import garage, railings, stairs
+
+
+@cache
+def structure_models() -> Mapping[str, Sequence[Furniture]]:
+    """The models of every family.
+
+    Example:
+        >>> list(structure_models())
+        ['stairs', 'railing', 'garage_door']
+    """
+    families = (*stairs.FAMILIES, *railings.FAMILIES, *garage.FAMILIES)
+    return {family.name: tuple(family.models()) for family in families}

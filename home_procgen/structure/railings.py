@@ -1,0 +1,43 @@
+"""Railings of balconies, terraces and stairwells."""
+
+from collections.abc import Iterator
+
+from home_procgen.primitives.family import Family, slots, variant
+from home_procgen.primitives.solids import Solid, box
+
+HEIGHT = 1.0  # [m]
+DEPTH = 0.05  # [m]
+
+
+def railing(length: float, boards: bool) -> Iterator[Solid]:
+    """A straight railing along x on posts.
+
+    Args:
+        length: [m].
+        boards: Horizontal boards instead of bars.
+    """
+    yield box("wood", (length, 0.05, DEPTH), (0.0, HEIGHT - 0.05, 0.0))
+    posts = max(round(length / 1.2), 1)
+    for i in range(posts + 1):
+        yield box("chrome", (0.04, HEIGHT - 0.05, 0.04), ((i / posts - 0.5) * (length - 0.04), 0.0, 0.0))
+    if boards:
+        for k in range(5):
+            yield box("wood", (length - 0.02, 0.12, 0.02), (0.0, 0.1 + 0.165 * k, 0.025 - 0.01))
+        return
+    yield box("chrome", (length, 0.03, 0.03), (0.0, 0.08, 0.0))
+    bars = round(length / 0.12)
+    for i in range(1, bars):
+        yield box("chrome", (0.014, HEIGHT - 0.16, 0.014), ((i / bars - 0.5) * length, 0.11, 0.0))
+
+
+LENGTHS = (1.0, 1.5, 2.2, 3.2, 4.5)  # [m]
+FAMILIES = (
+    Family(
+        "railing",
+        "fence",
+        railing,
+        slots("wood", "chrome"),
+        tuple(variant(length=length, boards=boards) for boards in (False, True) for length in LENGTHS),
+        centred=False,
+    ),
+)

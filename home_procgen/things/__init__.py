@@ -1,0 +1,114 @@
+"""Things of many shapes: `library()` holds every model, the same for all seeds."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from types import MappingProxyType
+
+from home_procgen.primitives.family import Furniture, models_by_family
+from home_procgen.things.appliances import fridges, hot_drinks, mixers, ovens, washing
+from home_procgen.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
+from home_procgen.things.beds import bunks, cots, double, single
+from home_procgen.things.decor import books, candles, clocks, figures, ornaments, pictures, table_clocks, vases
+from home_procgen.things.electronics import cleaning, gadgets, phones, screens, sound, televisions
+from home_procgen.things.family import Family
+from home_procgen.things.green import plants
+from home_procgen.things.kitchen import cabinets, cookers, hanging, hoods, sinks
+from home_procgen.things.lamps import ceiling, chandeliers, floor, outdoor, pendants, table, wall
+from home_procgen.things.leisure import gym, music, pianos
+from home_procgen.things.openings import arches, doors, windows
+from home_procgen.things.outdoors import tools, yard
+from home_procgen.things.seats import armchairs, benches, chairs, office, ottomans, patio, sofas, stools
+from home_procgen.things.storage import (
+    bookshelves,
+    carts,
+    dressers,
+    hangers,
+    media,
+    nightstands,
+    shelves,
+    shoes,
+    wardrobes,
+)
+from home_procgen.things.tables import coffee, desks, dining, vanities
+from home_procgen.things.tableware import containers, cups, cutting, food, fruit, glasses, jugs, mortar, pans, plates
+from home_procgen.things.textiles import curtains, cushions, rugs, wear
+from home_procgen.things.toys import baskets, bins, pets, toys
+from home_procgen.things.vehicles import cars, cycles
+from home_procgen.things.walls import coolers, fans, fences, fireplaces, heaters, partitions, switches
+
+__all__ = ["families", "family_models", "library", "library_model", "model_of"]
+
+_MODULES = (
+    *(chairs, stools, armchairs, office, sofas, ottomans, benches, patio),
+    *(dining, coffee, desks, vanities),
+    *(double, single, cots, bunks),
+    *(wardrobes, dressers, nightstands, media, shoes),
+    *(bookshelves, shelves, hangers, carts),
+    *(cabinets, hanging, sinks, cookers, hoods),
+    *(fridges, washing, ovens, hot_drinks, mixers),
+    *(cups, plates, glasses, fruit, cutting, pans, jugs, containers, food, mortar),
+    *(toilets, basins, bathtubs, showers, towels, mirrors, paper, toiletries),
+    *(table, floor, pendants, chandeliers, ceiling, wall, outdoor),
+    *(televisions, screens, sound, phones, cleaning, gadgets),
+    *(toys, pets, bins, baskets),
+    wear,
+    plants,
+    *(curtains, rugs, cushions),
+    *(vases, pictures, clocks, table_clocks, books, figures, ornaments, candles),
+    *(doors, windows, arches),
+    *(heaters, fireplaces, partitions, fences, switches, coolers, fans),
+    gym,
+    *(cars, cycles),
+    *(tools, yard),
+    *(pianos, music),
+)
+
+
+@cache
+def families() -> Mapping[str, Family]:
+    """The designs of things that can stand for one another, by name."""
+    return {family.name: family for module in _MODULES for family in module.FAMILIES}
+
+
+@cache
+def model_of(family: str, number: int) -> Furniture:
+    """One library model, built when it is first asked for.
+
+    Args:
+        family: Its name.
+        number: From 1.
+
+    Example:
+        >>> model_of("sofa", 2).id
+        'home_sofa_2'
+    """
+    return families()[family].model(number)
+
+
+def library_model(model_id: str) -> Furniture:
+    """The library model of an id.
+
+    Example:
+        >>> library_model("home_sofa_2") is model_of("sofa", 2)
+        True
+    """
+    family, _, number = model_id.removeprefix("home_").rpartition("_")
+    return model_of(family, int(number))
+
+
+@cache
+def library() -> Mapping[str, Furniture]:
+    """Every model by id, in the order of the metadata rows.
+
+    Example:
+        >>> library()["home_sofa_2"].fine
+        'sofa'
+    """
+    models = (model_of(family.name, n) for family in families().values() for n in family.numbers)
+    return MappingProxyType({model.id: model for model in models})
+
+
+@cache
+def family_models() -> Mapping[str, Sequence[Furniture]]:
+    """The library models of every family."""
+    return models_by_family(library().values())

@@ -1,0 +1,130 @@
+"""Designs of one kind of thing, each of another construction, which become library models."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.schema.house import Light, Mesh
+from home_procgen.primitives.family import Bulb, Furniture
+from home_procgen.primitives.solids import Solid, move, to_mesh
+from home_procgen.shapes.normals import corner_normals
+from home_procgen.things.finishes import FINISHES
+from home_procgen.things.parts import joints_of
+
+
+@dataclass(frozen=True)
+class Design:
+    """A construction and its measures."""
+
+    build: Callable[..., Iterable[Solid | Bulb]]
+    parameters: Mapping[str, Any]
+
+    @property
+    def name(self) -> str:
+        """Of the construction."""
+        return self.build.__name__
+
+
+def design(build: Callable[..., Iterable[Solid | Bulb]], **parameters: Any) -> Design:
+    """A construction with these measures."""
+    return Design(build, parameters)
+
+
+def kinds_of(build: Callable[..., Iterable[Solid | Bulb]], *kinds: str) -> tuple[Design, ...]:
+    """The constructions of these kinds, each as its default measures make it."""
+    return tuple(design(build, kind=kind) for kind in kinds)
+
+
+@dataclass(frozen=True)
+class Family:
+    """Things that can stand for one another.
+
+    A slot's finish is its name less a trailing number, unless `finishes` says otherwise; slots are numbered as the
+    solids first name them.
+
+    Args:
+        name: Names the models `home_<name>_<k>`.
+        fine: Fine class.
+        designs: One for each model.
+        closed: Parameters that turn a design into its closed state, for doors.
+        centred: Move the middle of the box to x = z = 0; openings stay on their wall's centre-line.
+        finishes: Slot name -> finish, where the name does not say it.
+    """
+
+    name: str
+    fine: str
+    designs: tuple[Design, ...]
+    closed: Mapping[str, Any] | None = None
+    centred: bool = True
+    finishes: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def numbers(self) -> range:
+        """Of the library models, from 1."""
+        return range(1, len(self.designs) + 1)
+
+    def models(self) -> Iterator[Furniture]:
+        """The library models of the family."""
+        yield from map(self.model, self.numbers)
+
+    def model(self, number: int) -> Furniture:
+        """One of the library models.
+
+        Args:
+            number: From 1.
+        """
+        model_id, made = f"home_{self.name}_{number}", self.designs[number - 1]
+        solids, bulbs, parts = _built(made, {}, self.centred)
+        names = list(dict.fromkeys(str(solid.material) for solid in solids))
+        slots = {name: self.finishes.get(name, name.rstrip("_0123456789")) for name in names}
+        materials = tuple(
+            replace(FINISHES[finish][(number + i * (finish != "wood")) % len(FINISHES[finish])], name=f"material_{i}")
+            for i, finish in enumerate(slots.values())
+        )
+        folder = Path("object") / model_id
+        mesh = _smooth(to_mesh(folder / f"{model_id}.obj", solids, names, materials))
+        closed = None
+        if self.closed is not None:
+            shut = _built(made, self.closed, self.centred)[0]
+            closed = _smooth(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
+        joints, lights = joints_of(model_id, solids, mesh), tuple(map(_light, bulbs))
+        return Furniture(model_id, self.name, self.fine, slots, mesh, parts, lights, closed, joints)
+
+
+def _built(
+    made: Design, change: Mapping[str, Any], centred: bool
+) -> tuple[list[Solid], list[Bulb], Float[np.ndarray, "_ 2 3"]]:
+    """Solids and bulbs of a design, its lowest point at height 0, and the solids' bounding boxes."""
+    pieces = list(made.build(**{**made.parameters, **change}))
+    solids = [piece for piece in pieces if isinstance(piece, Solid)]
+    boxes = np.stack([solid.box for solid in solids])
+    shift = _to_origin(boxes, centred)
+    bulbs = [_shifted(piece, shift) for piece in pieces if isinstance(piece, Bulb)]
+    return [move(solid, shift) for solid in solids], bulbs, boxes + shift
+
+
+def _to_origin(boxes: Float[np.ndarray, "_ 2 3"], centred: bool) -> Float[np.ndarray, " 3"]:
+    low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
+    middle = (low + high) / 2 if centred else np.zeros(3)
+    return -np.array([middle[0], low[1] if centred else 0.0, middle[2]])
+
+
+def _shifted(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Bulb:
+    x, y, z = (np.asarray(bulb.position) + shift).tolist()
+    return Bulb((x, y, z), bulb.power)
+
+
+def _smooth(mesh: Mesh) -> Mesh:
+    """The mesh with normals, without vertices that no face uses: files do not keep them."""
+    used, faces = np.unique(mesh.faces, return_inverse=True)
+    faces = faces.reshape(mesh.faces.shape).astype(mesh.faces.dtype)
+    return replace(mesh, vertices=mesh.vertices[used], faces=faces, normal=corner_normals(mesh.vertices[used], faces))
+
+
+def _light(bulb: Bulb) -> Light:
+    x, y, z = np.round(bulb.position, 6).tolist()
+    return Light("PointLight", bulb.power, (1.0, 1.0, 1.0), (x, y, z))

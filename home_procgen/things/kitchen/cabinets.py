@@ -1,0 +1,108 @@
+"""Cabinets on the floor."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from home_procgen.primitives.solids import Solid, box
+from home_procgen.shapes.revolve import vessel
+from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.sheets import surface
+from home_procgen.shapes.sweep import rod
+from home_procgen.things.family import Family, design
+from home_procgen.things.joinery import case, doors, drawers
+from home_procgen.things.kitchen.cases import DEPTH, FACE, WORKTOP, body, worktop
+
+REACH = 0.45  # [m], of drawers
+
+
+def base_unit(
+    width: float = 0.6,
+    style: str = "flat",
+    rows: int = 0,
+    count: int = 1,
+    grip: tuple = ("chrome", "bar"),
+    top: str = "stone",
+) -> Iterator[Solid]:
+    """Doors, or drawers, or a drawer above doors."""
+    yield from body(width)
+    high, x = WORKTOP - 0.15, 0.003 - width / 2
+    if rows == 1:
+        yield from drawers("paint", width - 0.006, 0.16, (x, WORKTOP - 0.205, FACE), count, 1, style, grip, opens=REACH)
+        yield from doors("paint", width - 0.006, high - 0.165, (x, 0.105, FACE), count, style, grip, 0.8)
+    elif rows:
+        yield from drawers("paint", width - 0.006, high, (x, 0.105, FACE), 1, rows, style, grip, True, REACH)
+    else:
+        yield from doors("paint", width - 0.006, high, (x, 0.105, FACE), count, style, grip, 0.85)
+    yield worktop(width, top)
+
+
+def open_unit(width: float = 0.4) -> Iterator[Solid]:
+    """Open shelves with bowls and jars."""
+    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield from case("wood", width, WORKTOP - 0.14, DEPTH - 0.04, (0.24, 0.48), (0.0, 0.1, -0.02), (), "wood")
+    for k, y in enumerate((0.12, 0.36, 0.6)):
+        for i in range(2):
+            yield vessel(
+                f"glaze_{k}", [(0.04, 0.0), (0.075, 0.05), (0.08, 0.07)], 0.005, ((i - 0.5) * 0.17, y, 0.12), 14, 2
+            )
+    yield worktop(width)
+
+
+def curtained(width: float = 0.8) -> Iterator[Solid]:
+    """A curtain on a rod instead of doors."""
+    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield from case("paint", width, WORKTOP - 0.14, DEPTH - 0.06, (0.36,), (0.0, 0.1, -0.03), (), "paint")
+    yield rod("chrome", (-width / 2, WORKTOP - 0.08, FACE + 0.01), (width / 2, WORKTOP - 0.08, FACE + 0.01), 0.007)
+    yield surface(
+        "patterned",
+        lambda u, v: ((u - 0.5) * (width - 0.03), 0.1 + (WORKTOP - 0.18) * v, FACE + 0.012 + 0.014 * np.sin(34 * u)),
+        60,
+        2,
+        0.005,
+    )
+    yield worktop(width, "wood")
+
+
+def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
+    """Panels all around, an overhanging top to sit at, a towel rail."""
+    yield box("black", (width - 0.1, 0.1, depth - 0.4))
+    yield box("paint", (width - 0.06, WORKTOP - 0.14, depth - 0.36), (0.0, 0.1, 0.0))
+    yield rounded("stone", (width, 0.045, depth), (0.0, WORKTOP - 0.04, 0.05), 0.01, 2)
+    yield from drawers(
+        "paint",
+        width - 0.07,
+        WORKTOP - 0.16,
+        (0.035 - width / 2, 0.11, (depth - 0.36) / 2),
+        3,
+        2,
+        "shaker",
+        ("brass", "cup"),
+        opens=0.12,  # then the posts of the top are in the way
+    )
+    for s in (-1, 1):
+        yield rounded("wood", (0.06, WORKTOP - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1)
+        yield rod("brass", (s * (width / 2 - 0.02), 0.7, -0.2), (s * (width / 2 - 0.02), 0.7, 0.2), 0.008)
+
+
+def pantry(width: float = 0.6, height: float = 2.1, style: str = "shaker") -> Iterator[Solid]:
+    """A tall cupboard of the depth of a kitchen."""
+    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, height - 0.1, DEPTH - 0.04), (0.0, 0.1, -0.02))
+    yield from doors("paint", width - 0.006, 1.2, (0.003 - width / 2, 0.105, FACE), 1, style, ("brass", "bar"), 0.8)
+    yield from doors(
+        "paint", width - 0.006, height - 1.32, (0.003 - width / 2, 1.31, FACE), 1, style, ("brass", "bar"), 0.2
+    )
+
+
+BASES = (
+    design(base_unit), design(base_unit, width=0.8, count=2, style="shaker", grip=("brass", "knob"), top="wood"),
+    design(base_unit, rows=3), design(base_unit, rows=1, style="shaker", grip=("black", "cup")), design(open_unit),
+    design(curtained), design(island), design(pantry), design(base_unit, width=0.4),
+    design(base_unit, width=0.8, rows=1, count=2, style="raised", grip=("brass", "ring")),
+    design(base_unit, width=0.6, style="grooves", grip=("black", "slot")),
+    design(base_unit, width=0.8, rows=4, grip=("black", "bar"), top="wood"),
+)  # fmt: skip
+
+
+FAMILIES = (Family("kitchen_cabinet", "kitchen_cabinet", BASES),)

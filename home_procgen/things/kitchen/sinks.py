@@ -1,0 +1,100 @@
+"""Kitchen sinks."""
+
+from collections.abc import Iterator
+
+from home_procgen.primitives.solids import Solid, box, cylinder
+from home_procgen.shapes.rounded import rounded
+from home_procgen.things.family import Family, design
+from home_procgen.things.joinery import BOARD, doors
+from home_procgen.things.kitchen.cases import DEPTH, FACE, WORKTOP
+from home_procgen.things.kitchen.taps import tap
+
+
+def basin(
+    slot: str, width: float, depth: float, deep: float, at: tuple[float, float, float], rim: float = 0.025
+) -> Iterator[Solid]:
+    """An open box whose rim is at `at` (the middle of its opening) [m]."""
+    x, y, z = at
+    yield box(slot, (width, 0.01, depth), (x, y - deep, z))
+    for s in (-1, 1):
+        yield rounded(slot, (rim, deep + 0.006, depth + 2 * rim), (x + s * (width + rim) / 2, y - deep, z), 0.006, 1)
+        yield rounded(slot, (width, deep + 0.006, rim), (x, y - deep, z + s * (depth + rim) / 2), 0.006, 1)
+    yield cylinder("chrome", 0.03, 0.006, (x, y - deep + 0.008, z), sides=14)
+
+
+def _frame_top(width: float, hole: tuple[float, float], x: float, slot: str) -> Iterator[Solid]:
+    """A worktop around a hole whose middle is at x."""
+    y, (w, d) = WORKTOP - 0.04, hole
+    left, right = x - w / 2 + width / 2, width / 2 - x - w / 2
+    yield rounded(slot, (left, 0.04, DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
+    yield rounded(slot, (right, 0.04, DEPTH), (width / 2 - right / 2, y, 0.0), 0.006, 1)
+    for s in (-1, 1):
+        yield rounded(slot, (w, 0.04, (DEPTH - d) / 2), (x, y, s * (DEPTH + d) / 4), 0.006, 1)
+
+
+def _hollow_body(width: float) -> Iterator[Solid]:
+    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    for s in (-1, 1):
+        yield box("paint", (BOARD, WORKTOP - 0.14, DEPTH - 0.04), (s * (width - BOARD) / 2, 0.1, -0.02))
+    yield box("paint", (width, WORKTOP - 0.14, BOARD), (0.0, 0.1, BOARD - DEPTH / 2 + 0.01))
+    yield box("paint", (width - 2 * BOARD, BOARD, DEPTH - 0.06), (0.0, 0.1, -0.01))
+    yield box("paint", (width - 2 * BOARD, 0.1, BOARD), (0.0, WORKTOP - 0.14, FACE - BOARD / 2))
+
+
+def sink_unit(width: float = 0.8, bowls: int = 1, kind: str = "arc", slot: str = "steel") -> Iterator[Solid]:
+    """One or two bowls under a worktop, a tap, doors."""
+    yield from _hollow_body(width)
+    wide = width - 0.2
+    yield from _frame_top(width, (wide, 0.42), 0.0, "stone")
+    for i in range(bowls):
+        step = wide / bowls
+        yield from basin(slot, step - 0.06, 0.36, 0.16, ((i - (bowls - 1) / 2) * step, WORKTOP - 0.004, 0.0))
+    yield from tap(0.0, WORKTOP, -0.24, kind)
+    yield from doors(
+        "paint",
+        width - 0.006,
+        WORKTOP - 0.15,
+        (0.003 - width / 2, 0.105, FACE),
+        2,
+        "flat" if bowls == 1 else "shaker",
+        ("chrome", "bar"),
+        0.85,
+    )
+
+
+def farmhouse_sink(width: float = 0.8) -> Iterator[Solid]:
+    """A deep white bowl with a front of its own, under a bridge tap."""
+    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, 0.5, DEPTH - 0.04), (0.0, 0.1, -0.02))
+    yield from doors(
+        "paint", width - 0.006, 0.49, (0.003 - width / 2, 0.105, FACE), 2, "shaker", ("brass", "knob"), 0.85
+    )
+    yield box("stone", (width, 0.04, 0.14), (0.0, WORKTOP - 0.04, -0.23))
+    yield box("paint", (width, WORKTOP - 0.64, 0.1), (0.0, 0.6, -0.25))
+    yield from basin("ceramic", width - 0.1, 0.38, 0.24, (0.0, WORKTOP - 0.006, 0.075), 0.045)
+    yield from tap(0.0, WORKTOP, -0.22, "bridge")
+
+
+def drainer_sink(width: float = 1.0) -> Iterator[Solid]:
+    """A bowl beside a ribbed drainer of pressed steel."""
+    yield from _hollow_body(width)
+    yield from _frame_top(width, (0.42, 0.42), -0.22, "steel")
+    yield from basin("steel", 0.36, 0.36, 0.17, (-0.22, WORKTOP - 0.002, 0.0))
+    for i in range(8):
+        yield rounded("steel", (0.36, 0.008, 0.018), (0.24, WORKTOP - 0.003, -0.19 + 0.054 * i), 0.004, 1)
+    yield from tap(-0.22, WORKTOP, -0.24, "lever")
+    yield from doors(
+        "paint", width - 0.006, WORKTOP - 0.15, (0.003 - width / 2, 0.105, FACE), 2, "flat", ("chrome", "bar"), 0.85
+    )
+
+
+SINKS = (
+    design(sink_unit),
+    design(sink_unit, width=1.0, bowls=2, kind="lever"),
+    design(farmhouse_sink),
+    design(drainer_sink),
+    design(sink_unit, slot="ceramic", kind="bridge"),
+)
+
+
+FAMILIES = (Family("kitchen_sink", "sink", SINKS),)

@@ -1,0 +1,131 @@
+"""Things of a garage: ladders, mowers, tools."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from home_procgen.primitives.solids import Solid
+from home_procgen.shapes.curves import fillet
+from home_procgen.shapes.revolve import turned
+from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.sheets import surface
+from home_procgen.shapes.sweep import beam, prism, rod, tube
+from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.joinery import bow
+from home_procgen.things.vehicles.wheels import wheel
+
+
+def _step_ladder() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield beam("steel", (s * 0.24, 0.0, 0.42), (s * 0.17, 1.5, 0.0), 0.03, 0.06)
+        yield beam("steel", (s * 0.24, 0.0, -0.4), (s * 0.17, 1.46, -0.02), 0.025, 0.04)
+    for i in range(5):
+        y = 0.26 + 0.28 * i
+        z, w = 0.42 * (1 - y / 1.5), 0.24 - 0.07 * y / 1.5
+        yield rounded("steel", (2 * w - 0.02, 0.025, 0.1), (0.0, y, z), 0.006, 1)
+    yield rounded("red", (0.4, 0.03, 0.26), (0.0, 1.48, 0.0), 0.01, 1)
+    for y in (0.3, 0.9):
+        yield rod("steel", (-0.22, y, -0.4 * (1 - y / 1.5)), (0.22, y, -0.4 * (1 - y / 1.5)), 0.01)
+
+
+def _long_ladder() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield beam("wood", (s * 0.2, 0.0, 0.28), (s * 0.18, 2.3, -0.28), 0.035, 0.06)
+    for i in range(8):
+        y = 0.2 + 0.28 * i
+        z = 0.28 - 0.56 * y / 2.3
+        yield rod("wood", (-0.2, y, z), (0.2, y, z), 0.016)
+
+
+def _mower() -> Iterator[Solid]:
+    yield rounded("red", (0.5, 0.16, 0.62), (0.0, 0.1, 0.0), 0.06, 3)
+    yield turned("black", [(0.16, 0.26), (0.16, 0.36), (0.1, 0.4), (0.03, 0.42)], (0.0, 0.0, 0.05), 22, 2)
+    for x, z, r in ((-0.27, 0.22, 0.09), (0.27, 0.22, 0.09), (-0.28, -0.24, 0.13), (0.28, -0.24, 0.13)):
+        yield from wheel(x, r, z, r, 0.05)
+    yield tube(
+        "black", fillet([(-0.2, 0.2, -0.28), (-0.2, 1.0, -0.95), (0.2, 1.0, -0.95), (0.2, 0.2, -0.28)], 0.08), 0.014
+    )
+    yield soft("green", (0.4, 0.32, 0.42), (0.0, 0.14, -0.5), 4.0, 6)
+
+
+def _tool_box() -> Iterator[Solid]:
+    yield rounded("red", (0.46, 0.18, 0.22), (0.0, 0.0, 0.0), 0.012, 2)
+    yield rounded("black", (0.47, 0.05, 0.23), (0.0, 0.17, 0.0), 0.012, 2)
+    yield bow("black", 0.12, (0.21, 0.28), 0.0, 0.04, 0.012)
+    for s in (-1, 1):
+        yield rounded("chrome", (0.04, 0.06, 0.01), (s * 0.14, 0.14, 0.115), 0.003, 1)
+
+
+def _helmet() -> Iterator[Solid]:
+    yield turned(
+        "bright",
+        [(0.11, 0.0), (0.135, 0.07), (0.12, 0.16), (0.07, 0.22), (0.01, 0.24)],
+        sides=26,
+        steps=3,
+        stretch=1.15,
+    )
+    yield surface(
+        "screen",
+        lambda u, v: (
+            0.142 * np.sin(2.2 * (u - 0.5)),
+            0.06 + 0.09 * v,
+            1.16 * (0.142 - 0.012 * v) * np.cos(2.2 * (u - 0.5)),
+        ),
+        14,
+        3,
+        0.006,
+    )
+    yield turned("black", [(0.112, -0.004), (0.118, 0.012)], sides=26, steps=1, stretch=1.15)
+
+
+def _barrow() -> Iterator[Solid]:
+    yield from wheel(0.0, 0.18, 0.62, 0.18, 0.08)
+    sides = [(-0.42, 0.42), (0.5, 0.42), (0.66, 0.68), (-0.55, 0.66)]
+    yield prism("green", fillet(sides, 0.05, 3, True), 0.56, (0.0, 0.0, 0.0), "side")
+    yield prism("soil", [(-0.46, 0.64), (0.58, 0.65), (0.3, 0.72), (-0.2, 0.74)], 0.5, (0.0, 0.0, 0.0), "side")
+    for s in (-1, 1):
+        yield tube("black", [(s * 0.06, 0.18, 0.62), (s * 0.24, 0.4, 0.1), (s * 0.28, 0.5, -0.95)], 0.018)
+        yield rod("black", (s * 0.25, 0.4, -0.25), (s * 0.27, 0.0, -0.4), 0.016)
+        yield rod("rubber", (s * 0.278, 0.49, -0.85), (s * 0.282, 0.505, -1.0), 0.024)
+
+
+def _paint() -> Iterator[Solid]:
+    for i in range(3):
+        yield turned(("white", "blue", "gray")[i], [(0.085, 0.0), (0.085, 0.19)], (-0.2 + 0.2 * i, 0.0, 0.0), 22, 1)
+        yield turned("chrome", [(0.088, 0.185), (0.088, 0.2), (0.075, 0.205)], (-0.2 + 0.2 * i, 0.0, 0.0), 22, 1)
+        yield tube(
+            "chrome",
+            [
+                (-0.2 + 0.2 * i + 0.088 * np.cos(a), 0.17 - 0.06 * np.sin(a), 0.03 + 0.06 * np.sin(a))
+                for a in np.linspace(0, np.pi, 9)
+            ],
+            0.002,
+            4,
+        )
+    yield rounded("wood", (0.03, 0.02, 0.16), (0.05, 0.205, 0.02), 0.008, 1)
+    yield rounded("black", (0.07, 0.014, 0.06), (0.05, 0.206, -0.09), 0.004, 1)
+
+
+_TOOLS_KINDS = {
+    "ladder": _step_ladder,
+    "long": _long_ladder,
+    "mower": _mower,
+    "box": _tool_box,
+    "helmet": _helmet,
+    "barrow": _barrow,
+    "paint": _paint,
+}
+
+
+def tools(kind: str = "ladder") -> Iterator[Solid]:
+    """A step ladder, a long ladder, a mower, a tool box, a helmet, a wheelbarrow, a paint set."""
+    yield from _TOOLS_KINDS[kind]()
+
+
+FAMILIES = (
+    Family("ladder", "ladder", kinds_of(tools, "ladder", "long")),
+    Family("lawn_mower", "lawn_mower", kinds_of(tools, "mower")),
+    Family("tool_box", "household_appliance", kinds_of(tools, "box", "paint")),
+    Family("helmet", "helmet", kinds_of(tools, "helmet")),
+    Family("barrow", "cart", kinds_of(tools, "barrow")),
+)

@@ -1,0 +1,109 @@
+"""Fans, and a whiteboard."""
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
+from home_procgen.shapes.curves import fillet
+from home_procgen.shapes.groups import around
+from home_procgen.shapes.revolve import turned
+from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.sweep import prism, ring, rod, tube
+from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.joinery import disc
+
+
+def _under_ceiling(wood: bool) -> Iterator[Solid]:
+    yield turned("brass", [(0.06, 0.46), (0.06, 0.5)], sides=18, steps=1)
+    yield cylinder("brass", 0.012, 0.34, (0.0, 0.14, 0.0), sides=10)
+    yield turned(
+        "brass" if wood else "white",
+        [(0.05, 0.04), (0.11, 0.07), (0.11, 0.13), (0.05, 0.16)],
+        sides=24,
+        steps=2,
+    )
+    count = 5 if wood else 3
+    blade = rotate(
+        prism(
+            "wood" if wood else "white",
+            fillet([(-0.05, 0.12), (0.05, 0.12), (0.075, 0.58), (-0.075, 0.58)], 0.04, 3, True),
+            0.008,
+            (0.0, 0.1, 0.0),
+            "top",
+        ),
+        2,
+        0.16,
+        (0.0, 0.1, 0.0),
+    )
+    yield from around([blade], count)
+    yield ball("opal", (0.1, 0.06, 0.1), (0.0, 0.045, 0.0), 18, 10)
+
+
+def _on_foot(y: float, foot: float, rim: float, size: float) -> Iterator[Solid]:
+    yield turned(
+        "white",
+        [(foot, 0.0), (rim, 0.02), (0.04, 0.05)],
+        sides=24,
+        steps=1,
+    )
+    yield rod("chrome", (0.0, 0.04, 0.0), (0.0, y - 0.03, 0.0), 0.012)
+    yield tube("white", [(0.0, y, -0.1), (0.0, y, 0.02)], [0.04, 0.06], 14)
+    yield from _cage(y, size)
+    for i in range(4):
+        blade = prism(
+            "blue",
+            fillet(
+                [(-0.02, 0.02), (0.02, 0.02), (0.07 * size / 0.2, 0.85 * size), (-0.05 * size / 0.2, 0.85 * size)],
+                0.03,
+                3,
+                True,
+            ),
+            0.004,
+        )
+        yield move(rotate(rotate(blade, 1, 0.35), 2, i * np.pi / 2), (0.0, y, 0.06))
+    yield disc("white", 0.04, 0.03, (0.0, y, 0.05), 16)
+
+
+def _cage(y: float, size: float) -> Iterator[Solid]:
+    for z in (0.02, 0.1):
+        for r in (size, 0.66 * size, 0.33 * size):
+            yield ring("white", r, 0.006, (0.0, y, z + 0.03 * (1 - r / size) * (1 if z > 0.05 else -1)), 2, 22)
+    for i in range(16):
+        a = 2 * np.pi * i / 16
+        c, s = size * np.cos(a), size * np.sin(a)
+        yield tube("white", [(0.1 * c, y + 0.1 * s, 0.125), (c, y + s, 0.1), (c, y + s, 0.02)], 0.002, 4)
+
+
+_FAN_KINDS = {
+    "ceiling": partial(_under_ceiling, False),
+    "ceiling_wood": partial(_under_ceiling, True),
+    "stand": partial(_on_foot, 1.15, 0.2, 0.19, 0.2),
+    "table": partial(_on_foot, 0.28, 0.1, 0.1, 0.14),
+}
+
+
+def fan(kind: str = "ceiling") -> Iterator[Solid]:
+    """A fan under a ceiling, on a tall stand, or on a table."""
+    yield from _FAN_KINDS[kind]()
+
+
+def whiteboard() -> Iterator[Solid]:
+    """A board with a tray of pens and some writing."""
+    yield rounded("white", (1.2, 0.8, 0.018), (0.0, 0.05, -0.006), 0.004, 1)
+    for s in (-1, 1):
+        yield box("gray", (0.02, 0.84, 0.026), (s * 0.61, 0.03, -0.004))
+        yield box("gray", (1.2, 0.02, 0.026), (0.0, 0.03 + 0.82 * (s + 1) / 2, -0.004))
+    yield box("gray", (0.5, 0.01, 0.06), (0.0, 0.03, 0.03))
+    for i, slot in enumerate(("red", "blue", "black")):
+        yield rod(slot, (-0.18 + 0.14 * i, 0.048, 0.04), (-0.07 + 0.14 * i, 0.048, 0.04), 0.008)
+    for i, (x, y, w) in enumerate(((-0.3, 0.68, 0.4), (-0.32, 0.6, 0.34), (-0.28, 0.52, 0.44), (0.25, 0.6, 0.3))):
+        yield box(("blue", "black", "black", "red")[i], (w, 0.014, 0.002), (x, y, 0.004))
+
+
+FAMILIES = (
+    Family("ceiling_fan", "ceiling_fan", kinds_of(fan, "ceiling", "ceiling_wood")),
+    Family("stand_fan", "pedestal_fan", kinds_of(fan, "stand", "table")),
+    Family("whiteboard", "whiteboard", (design(whiteboard),)),
+)

@@ -1,0 +1,158 @@
+"""What is heard through gates: against chains of rooms whose energies are powers of a matrix."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from home_mjx.audio_jax.late_reverb.bake.renewal import beyond, flux, gates_after, gates_of, through
+from home_mjx.audio_jax.late_reverb.trace.flight import Gone, Rays, _put, _since
+from home_mjx.audio_jax.late_reverb.trace.pool import Pool
+from home_mjx.schema.compiled import BANDS
+
+BINS = 200
+STEP = np.array([[0.90, 0.04, 0.00], [0.03, 0.91, 0.02], [0.00, 0.01, 0.95]])  # energy that goes from room to room
+
+
+def kernels() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of three rooms: own decay (3, k), and what goes from each to each at every step (3, 3, k)."""
+    stay = np.diag(STEP)[:, None] ** np.arange(BINS)
+    leave = np.zeros((3, 3, BINS))
+    for a in range(3):
+        for b in range(3):
+            if a != b:
+                leave[a, b, 1:] = stay[a, :-1] * STEP[a, b]
+    return stay, leave
+
+
+def by_gates() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Own decays (3, 3, k); sources' (3, g, k), gates' to gates (g, g, k) and to rooms (g, 3, k)."""
+    stay, leave = kernels()
+    gates = gates_of(leave.sum(axis=-1))
+    own = np.eye(3)[:, :, None] * stay[:, None]
+    went = np.zeros((3, 1, 3, 3, BINS))
+    went[range(3), 0, range(3)] = leave
+    given = through(went, gates.number, len(gates.rooms))[:, 0]
+    entered = gates.rooms[:, 1]
+    return own, given, given[entered], own[entered]
+
+
+def after_gates(given: np.ndarray, passed: np.ndarray, heard: np.ndarray) -> np.ndarray:
+    """What cells hear of what sources send through gates, bin by bin."""
+    each, bins = beyond(passed, heard, slice(len(passed))), given.shape[-1]
+    out = np.zeros((len(given), heard.shape[1], bins))
+    for lag in range(bins):
+        out[..., lag:] += np.einsum("cg,gnk->cnk", given[..., lag], each[..., : bins - lag])
+    return out
+
+
+def test_rooms_hear_what_powers_of_a_matrix_say():
+    own, given, passed, heard = by_gates()
+    found = own + after_gates(given, passed, heard)
+    exact = np.stack([np.linalg.matrix_power(STEP, k) for k in range(BINS)], axis=-1)
+    np.testing.assert_allclose(found, exact, rtol=1e-3, atol=1e-9)
+
+
+def test_some_gates_are_heard_as_among_all():
+    _, _, passed, heard = by_gates()
+    every = beyond(passed, heard, slice(len(passed)))
+    np.testing.assert_allclose(beyond(passed, heard, slice(1, 3)), every[1:3], rtol=1e-9, atol=1e-12)
+
+
+def test_energy_through_gates_is_the_sum_over_all_ways():
+    _, given, passed, _ = by_gates()
+    one, more = given.sum(axis=-1), passed.sum(axis=-1)
+    total, going = np.zeros_like(one), one
+    for _ in range(400):
+        total, going = total + going, going @ more
+    np.testing.assert_allclose(flux(one, more), total, rtol=1e-6)
+
+
+def test_what_has_grown_old_starts_anew_in_its_room():
+    """A decay cut at step 10 and continued from a gate is the same decay."""
+    stay = 0.97 ** np.arange(BINS)
+    young, aged = np.where(np.arange(BINS) < 10, stay, 0), np.zeros(BINS)
+    aged[10] = stay[10]
+    found = young + after_gates(aged[None, None], aged[None, None], young[None, None])[0, 0]
+    np.testing.assert_allclose(found, stay, rtol=1e-3)
+
+
+def test_little_that_comes_another_way_counts_to_the_main_gate():
+    went = np.zeros((4, 4))
+    went[0, 1], went[2, 1], went[3, 1], went[1, 0] = 1.0, 0.5, 0.01, 0.2
+    gates = gates_of(went)
+    assert [tuple(pair) for pair in gates.rooms[gates.kinds()[2]].tolist()] == [(0, 1), (1, 0), (2, 1)]
+    assert gates.number[3, 1] == gates.number[0, 1]
+    assert (gates.number[went == 0] < 0).sum() == 12 - 2  # rooms that sound gets to grow old
+    assert gates.number[1, 1] != gates.older[1, 1]
+
+
+def test_what_comes_through_a_door_in_line_with_the_next_goes_through_it():
+    """Four rooms in a row: of what begins in a room a tenth goes on through the door after the next, but three tenths
+    of what has come through a door before.
+
+    With one gate per pair of rooms it had forgotten that: a third of it was heard in the last room.
+    """
+    gates = gates_of(np.diag(np.full(3, 0.5), 1))
+    given = np.zeros((4, 1, 4, 4, 8))
+    given[range(3), 0, range(3), range(1, 4), 1] = 0.5
+    entering = gates.rooms[gates.kinds()[2]]
+    met = went_on(entering, 0.1)
+    rooms, first, second = gates_after(gates, met.sum(axis=(1, 4)))
+    assert rooms.tolist() == [[1, 2], [2, 3]]
+    total = len(gates.rooms) + len(rooms)
+    given, passed, later = (
+        through(*x, total)[:, 0] for x in ((given, gates.number), (met, first), (went_on(rooms, 0.3), second))
+    )
+    old = np.zeros((len(gates.rooms) - len(entering), total, 8))
+    heard = np.zeros((total, 4, 8))
+    heard[np.arange(total), np.concatenate([gates.rooms, rooms])[:, 1], 0] = 1
+    found = after_gates(given, np.concatenate([old, passed, later]), heard).sum(axis=2)
+    np.testing.assert_allclose(found[0], [0, 0.5, 0.05, 0.015], atol=1e-6)
+
+
+def went_on(rooms: np.ndarray, share: float) -> np.ndarray:
+    """Energy (g, 1, 4, 4, 8) of gates between four rooms in a row that goes on into the next, one bin later."""
+    went = np.zeros((len(rooms), 1, 4, 4, 8))
+    for gate, (_, entered) in enumerate(rooms):
+        if entered < 3:
+            went[gate, 0, entered, entered + 1, 1] = share
+    return went
+
+
+def ended(energy: np.ndarray, room: int, entered: int) -> Gone:
+    """Rays of all octaves that left a room; where they are tells which they are."""
+    count = len(energy)
+    mark = np.repeat(np.arange(count, dtype=float)[:, None], 3, axis=1)
+    whole = np.full(count, room)
+    return Gone(Rays(mark, mark, energy, energy, energy, whole, whole), np.full(count, entered))
+
+
+def test_rays_start_as_often_as_they_have_energy_in_their_own_octave():
+    rng = np.random.default_rng(0)
+    energy = np.tile([0.0, 1.0, 3.0, 6.0], len(BANDS))
+    gone, none = ended(energy, 0, 1), ended(np.zeros(len(energy)), 0, 0)
+    pool = Pool()
+    pool.add(jax.tree.map(lambda a, b: np.stack([a, b])[None], gone, none), np.zeros(1, int))
+    gates = gates_of(np.array([[0.0, 1.0], [0.0, 0.0]]))
+    entering = gates.kinds()[2]
+    (flights,) = pool.starts(gates.rooms[entering], gates.number, entering.start, (2, 100), 40.0, rng)
+    assert [flight.room for flight in flights] == [1, 1]
+    drawn = np.stack([flight.origin[:, 0] for flight in flights]).reshape(2, len(BANDS), 100)
+    for band in range(len(BANDS)):
+        times = np.bincount(drawn[:, band].ravel().astype(int) - 4 * band, minlength=4)
+        np.testing.assert_allclose(times, [0, 20, 60, 120], atol=1)
+
+
+def test_sound_is_as_late_behind_gates_as_without_them():
+    """Half a bin less at each gate makes decays of houses 4 % short: bins before and after a gate add up to its own."""
+    metres, rng = 1.4, np.random.default_rng(0)
+    when, inside, way = rng.uniform(0, 12, size=(3, 2000)).astype(np.float32) * [[1], [metres], [metres]]
+    same = jnp.zeros(when.size, jnp.int32)
+    went = _put(
+        jnp.zeros((len(BANDS), 1, 1, 20), jnp.float32), same, same, same, jnp.float32(when), jnp.ones(when.size)
+    )
+    gone = np.repeat(np.arange(20), np.asarray(went)[0, 0, 0].astype(int))
+    after = np.floor((_since(jnp.float32(when), jnp.float32(inside), metres) + way) / metres)
+    whole = np.floor(when + (inside + way) / metres)
+    np.testing.assert_array_equal(gone, np.sort(np.floor(when)))
+    assert np.mean(np.floor(when) + after == whole) > 0.999

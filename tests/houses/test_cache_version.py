@@ -1,0 +1,67 @@
+"""The name of a version of the cache: it follows the compiler, and nothing else."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from home_mjx.houses.version import PACKAGE, version_of
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory) -> Path:
+    return shutil.copytree(PACKAGE, tmp_path_factory.mktemp("code") / "home_mjx")
+
+
+def changed(package: Path, module: str) -> bool:
+    """Whether a comment at a module's end gives another version."""
+    path, before = package / module, version_of(package)
+    code = path.read_text()
+    path.write_text(f"{code}# a word\n")
+    after = version_of(package)
+    path.write_text(code)
+    assert version_of(package) == before
+    return after != before
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        "scene_compile/mjcf/export.py",
+        "scene_compile/cache/job.py",
+        "scene_compile/cache/version.py",
+        "scene_compile/cache/entry.py",
+        "bank/bank.py",
+        "datasets/procedural/build.py",
+        "datasets/suncg/digest_index.py",
+        "datasets/suncg/write/house.py",
+        "datasets/suncg/validate/validate.py",
+        "tasks/base/config.py",
+        "raycast_render/casting/cast.py",
+    ],
+)
+def test_what_makes_no_entry_leaves_the_version_alone(package, module):
+    assert not changed(package, module)
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        *("architecture/shell.py", "architecture/frame.py", "objects/doors.py", "collision/level.py"),
+        *("navigation/free_space.py", "lighting/lights.py", "materials/surface.py", "semantics/engine.py"),
+        *("pipeline/levels.py", "pipeline/assemble.py", "geometry/bvh.py", "semantics/looks/color_names.csv"),
+        *("../datasets/suncg/read/house_json.py", "../datasets/shapes/wall_prism.py", "../schema/compiled.py"),
+        "cache/flatten.py",
+    ],
+)
+def test_a_changed_stage_gives_a_new_version(package, module):
+    assert changed(package, f"scene_compile/{module}")
+
+
+def test_a_new_file_of_a_stage_gives_a_new_version(package):
+    before = version_of(package)
+    new = package / "scene_compile" / "lighting" / "more.py"
+    new.write_text('"""More."""\n')
+    assert version_of(package) != before
+    new.unlink()
+    assert version_of(package) == before

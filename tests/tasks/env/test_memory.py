@@ -1,0 +1,53 @@
+"""Memory is told before it is taken."""
+
+import warnings
+
+import jax
+import jax.numpy as jnp
+import pytest
+from handmade import shoebox
+
+from home_mjx import HouseBank, HouseholdEnv
+from home_mjx.tasks import estimate_memory, make_config
+from home_mjx.tasks.env import bound
+
+
+@pytest.fixture(scope="module")
+def env():
+    config = make_config(sensors=("depth", "state"), width=8, height=8)
+    return HouseholdEnv(config).bind(HouseBank.from_compiled([shoebox()]))
+
+
+def test_the_estimate_is_what_arrays_take(env):
+    states = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3))
+    found = estimate_memory(env, 3)
+    assert found.states == sum(x.nbytes for x in jax.tree.leaves(states))
+    assert found.observations == sum(x.nbytes for x in jax.tree.leaves(states.obs)) == 3 * 4 * (64 + 10)
+    assert found.bank == sum(x.nbytes for x in jax.tree.leaves(env.bank))
+    assert found.total == found.bank + 2 * found.states
+    assert "states 2 x" in str(found)
+
+
+def test_large_banks_in_a_program_are_warned_of_once(env, monkeypatch):
+    monkeypatch.setattr(bound, "LARGE", 1000)
+    large = env.core.bind(env.params)
+    state = jax.eval_shape(env.core.reset, env.params, jax.random.key(0))
+    with pytest.warns(UserWarning, match=r"env\.core\.step"):
+        jax.make_jaxpr(large.step)(state, jnp.zeros(4))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jax.make_jaxpr(large.step)(state, jnp.zeros(4))
+        jax.make_jaxpr(large.core.step)(large.params, state, jnp.zeros(4))
+
+
+def test_a_spec_tells_before_the_device_holds_anything(tmp_path):
+    from home_mjx import EnvSpec
+    from home_procgen import generate_dataset
+
+    generate_dataset(tmp_path, [0])
+    spec = EnvSpec(
+        "PointNav-v0", "home_mjx.tasks:PointNav", {"sensors": ("state",)}, houses=str(tmp_path), num_houses=1
+    )
+    found = spec.memory_estimate(1000)
+    assert found.states == 1000 * found.state
+    assert found.bank > 1e6

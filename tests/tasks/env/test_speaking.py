@@ -1,0 +1,104 @@
+"""Actions that are words: what they are called, what they say, who is refused."""
+
+from dataclasses import dataclass
+
+import gymnasium
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from home_mjx.adapters.base.jax_spaces import Discrete
+from home_mjx.adapters.gymnax import GymnaxEnv
+from home_mjx.adapters.spaces import action_space
+from home_mjx.errors import ConfigError
+from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config, tokenize
+from home_mjx.tasks.base.specs import MOVE_NAMES
+from home_mjx.tasks.env.moves import action_names, moves_of
+
+WORDS = ("say:yes", "answer:red", "say:kitchen")
+TOKENS = [-1] * 6 + list(tokenize("yes red kitchen"))
+DISCRETE = {"actions": "discrete", "sensors": ("state",), "impl": "kinematic"}
+
+
+@dataclass(frozen=True)
+class Talks(Task):
+    """Agents may say three words."""
+
+    @property
+    def speech(self):
+        return WORDS
+
+
+@dataclass(frozen=True)
+class Pair(Task):
+    """For two."""
+
+    @property
+    def least_agents(self):
+        return 2
+
+
+def test_words_follow_moves_and_move_nothing():
+    config = make_config(speech=WORDS, num_agents=2, **DISCRETE)
+    assert action_names(config) == (*MOVE_NAMES, *WORDS)
+    for number, token in enumerate(TOKENS):
+        moves = moves_of(config, jnp.array([number, 0]), jnp.zeros(2, bool))
+        assert moves.said.tolist() == [token, -1]
+        assert moves.stop.tolist() == [number == 0, True]
+        assert not bool(moves.unusable)
+        if number >= len(MOVE_NAMES):
+            assert not np.asarray(moves.drive).any()
+            assert not np.asarray(moves.look).any()
+
+
+def test_who_has_stopped_is_silent_and_numbers_beyond_say_nothing():
+    config = make_config(speech=WORDS, num_agents=2, **DISCRETE)
+    moves = moves_of(config, jnp.array([6, 9]), jnp.array([True, False]))
+    assert moves.said.tolist() == [-1, -1]
+    assert bool(moves.unusable)
+
+
+def test_hands_come_before_words():
+    names = action_names(make_config(speech=WORDS, hands=True, **DISCRETE))
+    assert names[-4:] == ("close", *WORDS)
+
+
+def test_the_tasks_words_are_added_once():
+    core = HouseholdEnv(make_config(speech=("say:no", "say:yes"), **DISCRETE), Talks())
+    assert core.action_names[6:] == ("say:no", "say:yes", "answer:red", "say:kitchen")
+    again = HouseholdEnv(core.config, core.task)
+    assert again.config == core.config
+    assert again.action_spec.high == 9
+    assert HouseholdEnv(make_config(**DISCRETE)).action_names == MOVE_NAMES
+
+
+def test_what_is_said_is_in_the_next_state_and_every_space_has_it(generated_bank):
+    env = HouseholdEnv(make_config(**DISCRETE), Talks()).bind(generated_bank)
+    assert action_space(env) == gymnasium.spaces.Discrete(9)
+    space = GymnaxEnv(env).action_space()
+    assert isinstance(space, Discrete)
+    assert space.n == 9
+    state = env.core.begin(env.params, jax.random.key(0))
+    assert state.world.said.tolist() == [-1]
+    step = jax.jit(env.core.advance)
+    spoken = step(env.params, state, jnp.int32(7))
+    assert env.core.snapshot(env.params, spoken).said.tolist() == [TOKENS[7]]
+    np.testing.assert_array_equal(spoken.world.stopped, [False])
+    assert step(env.params, spoken, jnp.int32(1)).world.said.tolist() == [-1]
+
+
+@pytest.mark.parametrize("word", ["yes", "shout:yes", "say:", "say:blorb", "say:yes no"])
+def test_what_is_no_word_is_refused(word):
+    with pytest.raises(ConfigError):
+        HouseholdEnv(EnvConfig(actions="discrete", speech=(word,)))
+
+
+def test_speaking_needs_discrete_actions_and_some_tasks_several_agents():
+    with pytest.raises(ConfigError, match="speak"):
+        HouseholdEnv(EnvConfig(), Talks())
+    with pytest.raises(ConfigError, match="speak"):
+        HouseholdEnv(EnvConfig(speech=WORDS))
+    with pytest.raises(ConfigError, match="2 agents"):
+        HouseholdEnv(EnvConfig(), Pair())
+    assert HouseholdEnv(make_config(num_agents=2), Pair()).num_agents == 2

@@ -1,0 +1,113 @@
+"""The machine of a row against a loop in Python."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.rules.machine import advance, conditions
+from home_mjx.tasks.rules.program import Go, Meant, Stage, When, check_success, written
+from home_mjx.tasks.rules.task_bank import program_of
+from home_mjx.tasks.rules.words import (
+    FAILURE,
+    NUM_CONDITIONS,
+    NUM_DESCRIPTORS,
+    NUM_STAGES,
+    NUM_TRANSITIONS,
+    SUCCESS,
+    Feature,
+)
+
+AGENTS = 3
+
+
+def drawn_when(random: np.random.Generator) -> When:
+    low, high = np.sort(random.uniform(-1, 1, 2))
+    return When(
+        Feature(int(random.integers(len(Feature)))),
+        int(random.integers(NUM_DESCRIPTORS)),
+        int(random.integers(NUM_DESCRIPTORS)),
+        int(random.integers(-1, AGENTS)),
+        float(np.float32(low)),
+        float(np.float32(high)),
+    )
+
+
+def drawn_stages(random: np.random.Generator) -> list[Stage]:
+    pool = [drawn_when(random) for _ in range(NUM_CONDITIONS)]
+
+    def some() -> tuple[When, ...]:
+        return tuple(pool[i] for i in random.permutation(NUM_CONDITIONS)[: random.integers(0, 3)])
+
+    count = int(random.integers(1, NUM_STAGES + 1))
+    return [
+        Stage(
+            tuple(
+                Go(int(random.integers(FAILURE, count)), some(), some(), float(np.float32(random.normal())))
+                for _ in range(random.integers(0, NUM_TRANSITIONS + 1))
+            )
+        )
+        for _ in range(count)
+    ]
+
+
+def holds(when: When, table: np.ndarray) -> bool:
+    agents = range(AGENTS) if when.agent < 0 else [when.agent]
+    return any(when.least <= table[when.feature, a, when.first, when.second] <= when.most for a in agents)
+
+
+def by_hand(stages: list[Stage], stage: int, table: np.ndarray) -> tuple[int, float, bool]:
+    if stage >= 0:
+        for way in stages[stage].ways:
+            if all(holds(when, table) for when in way.needs) and not any(holds(when, table) for when in way.bars):
+                return way.next, way.reward, True
+    return stage, 0.0, False
+
+
+def test_any_program_takes_the_transitions_of_a_loop():
+    random = np.random.default_rng(0)
+
+    @jax.jit
+    def one(columns, stage, table):
+        program = program_of(columns)
+        return advance(program, stage, conditions(program, table))
+
+    kinds = set()
+    for _ in range(500):
+        stages = drawn_stages(random)
+        columns = written([Meant.at((0, 0, 0))] * NUM_DESCRIPTORS, stages)
+        columns["field"] = np.zeros(NUM_DESCRIPTORS, np.int16)
+        table = random.uniform(-1, 1, (len(Feature), AGENTS, NUM_DESCRIPTORS, NUM_DESCRIPTORS)).astype(np.float32)
+        for stage in (*range(len(stages)), SUCCESS, FAILURE):
+            expected = by_hand(stages, stage, table)
+            got = one(columns, jnp.int32(stage), table)
+            assert (int(got[0]), float(got[1]), bool(got[2])) == pytest.approx(expected)
+            kinds.add(expected[0] if expected[2] else "stays")
+    assert kinds == {SUCCESS, FAILURE, "stays", *range(NUM_STAGES)}
+
+
+@pytest.mark.parametrize(
+    ("descriptors", "stages", "text"),
+    [
+        ([Meant.at((0, 0, 0))] * (NUM_DESCRIPTORS + 1), [Stage(())], "descriptors"),
+        ([], [], "stages"),
+        ([], [Stage(())] * (NUM_STAGES + 1), "stages"),
+        ([], [Stage((Go(SUCCESS),) * (NUM_TRANSITIONS + 1))], "transitions"),
+        ([], [Stage((Go(1),))], "leads to stage 1"),
+        ([], [Stage((Go(SUCCESS, (When(Feature.HELD, 0),)),))], "descriptor 0"),
+        ([Meant.at((0, 0, 0))], [Stage((Go(SUCCESS, (When(Feature.ON, 0, 1),)),))], "descriptor 1"),
+        ([], [Stage((), guide=2)], "descriptor 2"),
+    ],
+)
+def test_what_has_no_room_or_names_nothing_is_refused(descriptors, stages, text):
+    with pytest.raises(ConfigError, match=text):
+        written(descriptors, stages)
+
+
+def test_stages_that_cannot_succeed_are_refused():
+    """No transition that one gets to leads to success."""
+    check_success([Stage((Go(FAILURE), Go(1))), Stage((Go(0), Go(SUCCESS)))])
+    for stages in ([Stage((Go(FAILURE),))], [Stage((Go(0),)), Stage((Go(SUCCESS),))], [Stage(())]):
+        with pytest.raises(ConfigError, match="leads to SUCCESS"):
+            check_success(stages)

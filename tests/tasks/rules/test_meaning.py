@@ -1,0 +1,81 @@
+"""What descriptors mean, against loops over the house's objects."""
+
+import numpy as np
+import pytest
+
+from home_mjx.houses import load_bank
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rules.house_view import house_views
+from home_mjx.tasks.rules.meaning import COLUMNS, means_on_host
+from home_mjx.tasks.rules.program import Meant, Stage, written
+from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, Word
+
+
+@pytest.fixture(scope="module")
+def bank():
+    return load_bank(None, num_houses=4)
+
+
+@pytest.fixture(scope="module")
+def views(bank):
+    return house_views(bank)
+
+
+def some_words(thing, random) -> dict[str, int]:
+    """Some words that a thing has."""
+    known = [word for word, columns in COLUMNS.items() if thing.word(columns[0]) >= 0]
+    chosen = random.permutation(len(known))[: random.integers(0, 4)]
+    return {known[i].name.lower(): thing.word(COLUMNS[known[i]][0]) for i in chosen}
+
+
+def has(thing, words: dict[str, int]) -> bool:
+    return all(
+        any(thing.word(column) == value for column in COLUMNS[Word[name.upper()]]) for name, value in words.items()
+    )
+
+
+def test_words_mean_what_has_them_all(bank, views):
+    random = np.random.default_rng(0)
+    for view in views:
+        words = [some_words(thing, random) for thing in view.things]
+        rows = np.stack([written([Meant.thing(**w)], [Stage(())])["descriptor"] for w in words])
+        found = means_on_host(bank, view.house, rows)
+        ids = np.asarray(bank.geometry.instance_object[view.house])
+        for row, wanted in enumerate(words):
+            expected = {thing.object_id for thing in view.things if has(thing, wanted)}
+            assert set(ids[found.instance[row, 0]].tolist()) == expected
+            assert not found.instance[row, 1:].any()
+
+
+def test_on_means_what_stands_on_it(bank, views):
+    checked = 0
+    for view in views:
+        for thing in view.things:
+            below = thing.word(Semantic.SUPPORTER)
+            if below < 0:
+                continue
+            row = written([Meant.thing(on=1), Meant.thing(object_id=below)], [Stage(())])["descriptor"]
+            found = means_on_host(bank, view.house, row[None])
+            ids = np.asarray(bank.geometry.instance_object[view.house])
+            expected = {other.object_id for other in view.things if other.word(Semantic.SUPPORTER) == below}
+            assert set(ids[found.instance[0, 0]].tolist()) == expected
+            checked += 1
+    assert checked > 4
+
+
+def test_rooms_by_type_and_number(bank, views):
+    for view in views:
+        for room, kind in enumerate(view.room_types.tolist()):
+            if kind < 0:
+                continue
+            rows = [
+                Meant.space(room_type=kind),
+                Meant.space(room=room),
+                Meant.space(),
+                Meant.space(room_type=kind, room=room),
+            ]
+            found = means_on_host(bank, view.house, written(rows, [Stage(())])["descriptor"][None]).room[0]
+            assert (found[0] == (view.room_types == kind)).all()
+            assert np.flatnonzero(found[1]).tolist() == np.flatnonzero(found[3]).tolist() == [room]
+            assert (found[2] == (view.room_types >= 0)).all()
+            assert found.shape[0] == NUM_DESCRIPTORS
