@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import quick_checks
 
-from home_mjx.houses import load_bank
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -85,6 +84,7 @@ def other_bank(tmp_path_factory: pytest.TempPathFactory):
 
 
 def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):
+    from home_mjx.houses import load_bank
     from home_procgen.v1.dataset import generate_dataset
 
     root = tmp_path_factory.mktemp("generated")

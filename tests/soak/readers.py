@@ -13,7 +13,6 @@ import numpy as np
 from mutations import Mutation, of_archive, of_bytes, of_json, of_json_lines, of_png, of_text
 
 from home_mjx.errors import HomeMjxError
-from home_mjx.houses import load_bank
 
 Read = Callable[[bytes], object]
 
@@ -366,6 +365,7 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
         from home_mjx.physics import PhysicsConfig
         from home_mjx.tasks.rules.house_view import house_views
         from home_mjx.tasks.suite import task_lines
+        from home_mjx.houses import load_bank
         from home_procgen.v1.dataset import generate_dataset
 
         os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
