@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from home_procgen.default_houses import generated_houses
 from tqdm import tqdm
 
 from home_mjx.datasets.registry import open_dataset
@@ -29,8 +28,7 @@ def houses(root: Path | None, count: int) -> Iterator[CompiledHouse]:
     if root is not None:
         dataset = open_dataset(root)
         yield from map(HouseCache(dataset).load, dataset.house_ids)
-    generated, ids = generated_houses(count, progress=True)
-    yield from map(HouseCache(open_dataset(generated)).load, ids)
+    yield from house_set(f"procedural:{count}").load(progress=True)
 
 
 def main() -> None:

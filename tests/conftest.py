@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import quick_checks
 
-
 ROOT = Path(__file__).resolve().parent.parent
 
 # In the environment, which JAX reads when it is first imported, so that processes started by tests have the same.

@@ -78,11 +78,7 @@ class Settings:
     @cached_property
     def house_set(self) -> HouseSet:
         """Which houses."""
-        from home_procgen.default_houses import generated_houses
-
-        if self.dataset is not None:
-            return HouseSet(self.dataset, num_houses=self.num_houses)
-        return HouseSet(*generated_houses(self.num_houses, progress=True))
+        return house_set(self.dataset or f"procedural:{self.num_houses}", num_houses=self.num_houses)
 
     @property
     def root(self) -> Path:

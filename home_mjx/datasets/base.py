@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 from home_mjx.core.files import below
 from home_mjx.datasets.joints import Joints
@@ -23,6 +23,7 @@ log = logging.getLogger(__name__)
 DEFAULT_OPTIONS = ReadOptions()
 
 
+@runtime_checkable
 class InputDigests(Protocol):
     """Digests of the files from which the houses of a dataset are compiled; part of the key of every cache entry."""
 

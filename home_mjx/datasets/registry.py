@@ -17,6 +17,7 @@ from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, UnknownNameError, did_you_mean
 
+LAYOUT = "A dataset root in SUNCG's format holds house/, room/, object/, texture/ and metadata/."
 GROUP = "home_mjx.datasets"  # entry points that open datasets by their scheme
 SCHEME = re.compile(r"([a-z][a-z0-9_+-]+):(?!//|\\)(.*)", re.DOTALL)  # two letters and more: `C:` is a drive
 
@@ -101,12 +102,12 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
         return find_format(match[1]).open(match[2])
     root = dataset_root() if name is None else name
     if root is None or not str(root):
-        hint = f"Pass a folder, a name such as `procedural:16`, or set {ROOT_VARIABLE}."
-        raise DatasetError("no dataset was given", hint=hint)
+        hint = f"Pass a folder, a name such as `procedural:16`, or set {ROOT_VARIABLE}. {LAYOUT}"
+        raise DatasetError("no dataset root was given", hint=hint)
     path = Path(os.path.abspath(Path(root).expanduser()))
     if not path.is_dir():
         kind = DatasetError if os.path.exists(path) else MissingFileError
-        raise kind("the dataset is not a folder", file=path, hint=f"Correct the path or {ROOT_VARIABLE}.")
+        raise kind("dataset root is not a folder", file=path, hint=f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}")
     for known in [*_FORMATS.values()]:
         if known.recognizes is not None and known.recognizes(path):
             return known.open(str(path))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from handmade import Furniture, shoebox, two_rooms
 from jaxtyping import Array, Float, Int
-from test_house_stream import IDS, ids_of, root, run_until  # noqa: F401  (root is a fixture)
+from streamed_houses import IDS, ids_of, run_until, write_streamed_houses
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing import pack
@@ -39,6 +39,11 @@ class MorePhysics(Physics):
 
 class MoreFinish(Finish):
     stops: Int[Array, " material"] = array("Ray bits", source="materials.mask", fill=9, dtype=np.int16)
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    return write_streamed_houses(tmp_path_factory.mktemp("stream"))
 
 
 @pytest.fixture
@@ -77,7 +82,7 @@ def test_a_declared_array_counts_as_its_houses(monkeypatch):
     assert bank_usage(houses).houses[houses[0].id] == before + 4 * bodies + 2 * materials
 
 
-def test_a_declared_array_is_exchanged_in_a_stream(more, root):  # noqa: F811
+def test_a_declared_array_is_exchanged_in_a_stream(more, root):
     with HouseStream(root, IDS, num_slots=4, headroom=2.0) as stream:
         check(stream.bank)
         run_until(stream, 5)

@@ -13,9 +13,12 @@ from home_mjx.geometry.instance_tree import top_tree
 from home_mjx.geometry.meshes import box_triangles, make_model
 from home_mjx.geometry.polygons import smallest_room
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
+from home_mjx.scene_compile.architecture.rooms import ground_floor
+from home_mjx.scene_compile.collision.barriers import lot
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import free_space
+from home_mjx.scene_compile.pipeline.assemble import AGENT_SURFACES
 from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, MaterialTable, Model, Planes, Rooms
 from home_mjx.schema.semantic import semantic_row
 
@@ -149,6 +152,9 @@ def build_house(
             name, rooms, [free_space(rooms, join([shell, boxes]), fixed=join([shell, boxes[fixed]]))]
         ),
         models={m.key: m for m in models},
+        ground_floor=ground_floor(rooms),
+        lot=lot(rooms),
+        agent_materials=material_table(AGENT_SURFACES),
         report={"levels": 1, "rooms": len(rooms.type), "objects": len(furniture)},
     )
 

@@ -28,12 +28,11 @@ def changed(package: Path, module: str) -> bool:
     "module",
     [
         "scene_compile/mjcf/export.py",
-        "scene_compile/cache/job.py",
-        "scene_compile/cache/version.py",
-        "scene_compile/cache/entry.py",
+        "houses/job.py",
+        "houses/version.py",
+        "core/array_store/entry.py",
         "bank/bank.py",
-        "datasets/procedural/build.py",
-        "datasets/suncg/digest_index.py",
+        "datasets/registry.py",
         "datasets/suncg/write/house.py",
         "datasets/suncg/validate/validate.py",
         "tasks/base/config.py",
@@ -49,9 +48,9 @@ def test_what_makes_no_entry_leaves_the_version_alone(package, module):
     [
         *("architecture/shell.py", "architecture/frame.py", "objects/doors.py", "collision/level.py"),
         *("navigation/free_space.py", "lighting/lights.py", "materials/surface.py", "semantics/engine.py"),
-        *("pipeline/levels.py", "pipeline/assemble.py", "geometry/bvh.py", "semantics/looks/color_names.csv"),
-        *("../datasets/suncg/read/house_json.py", "../datasets/shapes/wall_prism.py", "../schema/compiled.py"),
-        "cache/flatten.py",
+        *("pipeline/levels.py", "pipeline/assemble.py", "../geometry/bvh.py", "semantics/looks/color_names.csv"),
+        *("../datasets/suncg/read/house_json.py", "../geometry/wall_prisms.py", "../schema/compiled.py"),
+        "../core/array_store/flatten.py",
     ],
 )
 def test_a_changed_stage_gives_a_new_version(package, module):

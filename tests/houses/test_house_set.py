@@ -12,8 +12,9 @@ from home_mjx.datasets.splits import select_ids
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.houses import house_cache, load_bank
 from home_mjx.houses.house_cache import HouseCache
-from home_mjx.houses.house_set import HouseSet, default_houses
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.houses.job import compile_dataset
+from home_mjx.houses.load import house_set
 from home_mjx.houses.selection import HouseFilter, contents_of
 from home_mjx.houses.stream import HouseStream
 from home_mjx.scene_compile.collision.movables import MovableOptions
@@ -114,11 +115,6 @@ def test_choices_that_cannot_be_used_are_refused(root, change, message):
         load_bank(root, **change)
 
 
-def test_the_old_name_of_how_many_says_the_new_one(root):
-    with pytest.raises(ConfigError, match="num_houses"):
-        load_bank(root, limit=1)
-
-
 def test_nothing_is_chosen_twice(root):
     with pytest.raises(ConfigError, match="`split` is chosen beside a HouseSet"):
         load_bank(HouseSet(root), split="train")
@@ -142,14 +138,14 @@ def test_a_run_of_some_houses_adds_to_the_report(tmp_path, monkeypatch):
 
 def test_without_a_dataset_houses_are_generated(tmp_path, monkeypatch, root):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
-    generated = default_houses(1, split="val")
+    generated = house_set(None, num_houses=1, split="val")
     assert len(generated.house_ids) == 1
     assert select_ids(generated.house_ids, "val") == list(generated.house_ids)
     assert tmp_path in generated.opened.root.parents
     with pytest.raises(ConfigError, match="home-mjx generate"):
-        default_houses(1, where=HouseFilter())
+        house_set(None, num_houses=1, where=HouseFilter())
     monkeypatch.setenv("SUNCG_DATA_DIR", str(root))
-    assert default_houses(2).house_ids == HouseSet(root, num_houses=2).house_ids
+    assert house_set(None, num_houses=2).house_ids == HouseSet(root, num_houses=2).house_ids
 
 
 def test_a_split_without_houses_is_named_with_their_number():

@@ -7,8 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from test_bank import house_navigation, world_surfaces
-from tiny_dataset import edit_house, write_tiny_dataset
+from bank_views import house_navigation, world_surfaces
+from streamed_houses import IDS, NUM_HOUSES, NUM_SLOTS, ids_of, run_until, write_streamed_houses
+from tiny_dataset import edit_house
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
@@ -20,27 +21,10 @@ from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.env.autoreset import AutoReset
 from home_mjx.tasks.env.household import HouseholdEnv
 
-NUM_HOUSES, NUM_SLOTS = 8, 4
-IDS = tuple(f"{i:032x}" for i in range(1, NUM_HOUSES + 1))
-
 
 @pytest.fixture(scope="module")
 def root(tmp_path_factory):
-    """Houses that differ in where their table stands and in the colour of their box."""
-    root = write_tiny_dataset(tmp_path_factory.mktemp("stream"))
-    for i, house_id in enumerate(IDS):
-        if i:
-            for folder in ("house", "room"):
-                shutil.copytree(root / folder / IDS[0], root / folder / house_id)
-
-        def change(house: dict, i: int = i, house_id: str = house_id):
-            nodes = house["levels"][0]["nodes"]
-            house["id"] = house_id
-            nodes[2]["transform"][12] += 0.05 * i
-            nodes[4]["materials"] = [{"name": "a", "diffuse": f"#{20 * i + 40:02x}8000"}] * 6
-
-        edit_house(root, change, house_id)
-    return root
+    return write_streamed_houses(tmp_path_factory.mktemp("stream"))
 
 
 @pytest.fixture
@@ -49,20 +33,8 @@ def stream(root):
         yield stream
 
 
-def ids_of(bank: HouseBank) -> list[str]:
-    return [bytes(row).rstrip(b"\0").decode() for row in np.asarray(bank.house_id)]
-
-
 def drawable(bank: HouseBank) -> set[int]:
     return set(np.asarray(bank.draw).tolist())
-
-
-def run_until(stream: HouseStream, swaps: int, houses=()):
-    end = time.monotonic() + 60
-    while stream.swaps < swaps:
-        assert time.monotonic() < end
-        stream.advance(jnp.array(houses or [0], jnp.int32) if houses else jnp.zeros(0, jnp.int32))
-        time.sleep(0.005)
 
 
 def test_slots_hold_what_a_bank_would(root, stream):

@@ -19,7 +19,7 @@ import os, sys
 opened = []
 root = sys.argv[1]
 sys.addaudithook(lambda event, args: event == "open" and opened.append(args[0]))
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets import open_dataset
 from home_mjx.houses.house_cache import HouseCache
 dataset = open_dataset(root)
 houses = HouseCache(dataset)

@@ -7,7 +7,7 @@ and an attribute `version`, which is part of the cache key of houses that may us
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -22,6 +22,7 @@ UNKNOWN_BOX = np.array([[-0.25, 0.0, -0.25], [0.25, 0.5, 0.25]])  # [m], of a mo
 GREY = Material("material_0", (0.7, 0.7, 0.7), None, 1.0)
 
 
+@runtime_checkable
 class FallbackModels(Protocol):
     """A provider of meshes for missing models."""
 
