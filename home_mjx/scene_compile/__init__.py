@@ -1,6 +1,6 @@
-"""Houses to arrays: `compile_house`, the cache of compiled houses, semantics, MJCF.
+"""Compile houses to arrays: `compile_house`, the cache of compiled houses, semantics and MJCF export.
 
-Host only: nothing here loads JAX.
+Host code only; no module here imports JAX.
 """
 
 from typing import TYPE_CHECKING

@@ -1,1 +1,1 @@
-"""Compiled houses on disk: entries, the cache, the job that fills it, which houses to take."""
+"""On-disk cache of compiled houses: entries, the cache itself, the compile job and house selection."""
