@@ -1,1 +1,1 @@
-"""Meshes, boxes, polygons, bounding volume hierarchies."""
+"""Meshes, boxes, polygons and bounding volume hierarchies."""
