@@ -236,8 +236,10 @@ def _edge_distance(
 def ambient_light(sources: Sequence[Source], rooms: Rooms) -> Float[np.ndarray, "r 2 3"]:
     """Compute the uniform irradiance of each room by interreflection.
 
-    With flux F, mean reflectance p and surface A it is F / A * (p + p^2 + ...) = F / A * p / (1 - p). This is the ambient
-    term of M. F. Cohen et al., "A progressive refinement approach to fast radiosity image generation", SIGGRAPH 1988.
+    With flux F, mean reflectance p and surface A it is F / A * (p + p^2 + ...) = F / A * p / (1 - p). This is the
+    ambient term of M. F. Cohen et al., "A progressive refinement approach to fast radiosity image generation",
+    SIGGRAPH 1988.
+
     The first row is for points outside all rooms: the mean of all rooms for lamps, and half the sky for daylight.
     """
     flux = np.zeros((len(rooms.type), 2, 3))

@@ -15,8 +15,8 @@ USUAL = Contact(0.4, 0.2)  # default for materials without an entry
 
 # Friction: sliding, dry, on wood or stone, after tables of handbooks (wood 0.2 to 0.5, metal on wood 0.2 to 0.6,
 # leather on wood 0.3 to 0.5, brick on wood 0.6, rubber on concrete 0.7); glass and glaze are taken as smoother.
-# Restitution: half the value of solid balls on a hard floor, since furniture is hollow and jointed (wood 0.6, steel 0.6,
-# glass 0.66, hard plastic 0.69: The Physics Factbook). Soft materials do not bounce. The rounding is ours.
+# Restitution: half the value of solid balls on a hard floor, since furniture is hollow and jointed (wood 0.6, steel
+# 0.6, glass 0.66, hard plastic 0.69: The Physics Factbook). Soft materials do not bounce. The rounding is ours.
 CONTACTS = {
     "bricks": Contact(0.6, 0.2),
     "carpet": Contact(0.6, 0.0),

@@ -1,9 +1,10 @@
 """MuJoCo parameters of the contacts of movable objects.
 
-Contacts in MuJoCo are damped springs. In half a period of a free oscillator, a damping ratio z results in the restitution
-e = exp(-pi z / sqrt(1 - z^2)). A contact can only push, so in continuous time e would be slightly larger (Schwager and
-Poeschel 2007, "Coefficient of restitution and linear-dashpot model revisited"). With steps of half the inverse
-frequency it is e again: averaged over all phases of the step within 0.05, single bounces within 0.2, never above 1.
+Contacts in MuJoCo are damped springs. In half a period of a free oscillator, a damping ratio z results in the
+restitution e = exp(-pi z / sqrt(1 - z^2)). A contact can only push, so in continuous time e would be slightly larger
+(Schwager and Poeschel 2007, "Coefficient of restitution and linear-dashpot model revisited"). With steps of half the
+inverse frequency it is e again: averaged over all phases of the step within 0.05, single bounces within 0.2, never
+above 1.
 
 In a physics step of 0.01 s gravity adds 0.1 m/s, so that a bouncing object would never come to rest. Therefore the
 impedance of such contacts begins low: at small penetration they are soft and at least critically damped, so that slow

@@ -1,4 +1,4 @@
-"""Semantics of a house: categories, colours, materials, sizes, supports, relations, texts."""
+"""Semantics of a house: categories, colours, materials, sizes, supports, relations and descriptions."""
 
 from typing import TYPE_CHECKING
 
