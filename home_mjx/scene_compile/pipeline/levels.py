@@ -58,7 +58,10 @@ class Site:
     downstairs: Sequence[Stairs]
 
     def floors(self, step: float) -> BoxSet:
-        """Return boxes of its floors; on the lowest level, a plane replaces those up to `step` above the lowest floor [m]."""
+        """Return boxes of its floors [m].
+
+        On the lowest level, a plane replaces those up to `step` above the lowest floor.
+        """
         return self.plan.boxes(self.plan.lowest + step if self.grid == 0 else -np.inf)
 
     def raised(self, step: float) -> BoxSet:

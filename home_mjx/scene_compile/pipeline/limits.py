@@ -16,7 +16,7 @@ from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import Box, House, Object
 
-MAX_ROOMS = 300  # the most that a house of SUNCG has are 155
+MAX_ROOMS = 300  # houses of SUNCG have at most 155
 MAX_OBJECTS = 5_000  # houses of SUNCG have at most about two thousand
 MAX_TRIANGLES = 10_000_000  # sum over all placed objects; the real sample house has 100,000
 MAX_WALL = 20_000.0  # [m], total length of the walls of all rooms; 155 rooms with a perimeter of 40 m have 6 km
