@@ -76,7 +76,7 @@ class HouseCache:
             pass
         except BROKEN as error:
             broken = True
-            log.warning("corrupted cache entry %s is compiled again: %s", entry, error)
+            log.warning("broken cache entry %s is compiled again: %s", entry, error)
         return self._compile(house_id, entry, broken)
 
     def notes(self, house_id: str) -> Notes:

@@ -58,7 +58,7 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
     except FileNotFoundError:
         pass
     except BROKEN as error:
-        log.warning("corrupted cache entry %s is computed again: %s", entry, error)
+        log.warning("broken cache entry %s is computed again: %s", entry, error)
     pieces = tuple(hull for hull in map(_hull, _decompose(model, options)) if hull is not None)
     try:
         write_entry(entry, {str(i): piece for i, piece in enumerate(pieces)}, {"pieces": len(pieces)})

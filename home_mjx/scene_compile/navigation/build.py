@@ -42,7 +42,7 @@ def build_navigation(
         stairs: Stairs between the levels that agents use.
         leaves: Boxes on each level of all leaf positions. Starts and goals avoid them, but paths lead through.
         open_leaves: Boxes on each level of leaves of open doors. Starts and goals avoid cells that these cut off from
-            most of the house, since an agent that pushes the leaf away might shut the door for good.
+            most of the house: an agent that pushes the leaf away might shut the door for good.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])

@@ -63,7 +63,7 @@ def swing(
     A sliding leaf moves at most as far as in its model's open variant. Neither walls nor boxes that it touches when
     closed, such as its frame, stop it.
     Movable objects are pushed away until the leaf is wide open. Beyond that, the range ends at the first one, since it
-    would stop the leaf, and the range shall not depend on the selection of bodies.
+    would stop the leaf. The range also must not depend on the selection of bodies.
 
     Args:
         leaf: The leaf; its initial pose is coordinate 0.
