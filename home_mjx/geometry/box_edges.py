@@ -1,13 +1,13 @@
-"""Which edges of boxes have air around them."""
+"""Detection of box edges that are exposed to air, for sound diffraction."""
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.schema.edges import EDGES, edge_rows
 
-PROBE = 0.02  # [m], how far from an edge there must be air
-POINTS = np.linspace(-0.9, 0.9, 5)  # along an edge, in half lengths
-ENOUGH = 2  # of those points with air around
+PROBE = 0.02  # [m], distance of the probe points from an edge
+POINTS = np.linspace(-0.9, 0.9, 5)  # probe positions along an edge, in half lengths
+ENOUGH = 2  # minimum number of positions surrounded by air
 
 
 def exposed_edges(
@@ -16,11 +16,11 @@ def exposed_edges(
     half: Float[np.ndarray, "n 3"],
     heights: Float[np.ndarray, "r 2"],
 ) -> Bool[np.ndarray, "n edges"]:
-    """Edges around which sound can bend: those that stand out, not where boxes meet in a plane, a corner or overlap.
+    """Return the edges that can diffract sound: exposed ones, not where boxes are coplanar, form a corner or overlap.
 
     Args:
-        center: [m].
-        turn: World from box.
+        center: Box centres [m].
+        turn: Rotations from box to world.
         half: Half extents [m].
         heights: Floor and ceiling of each room [m].
 
@@ -46,7 +46,7 @@ def exposed_edges(
 
 
 def _probes(half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "edges along 3 3"]:
-    """Points in front of both faces and before the edge itself, in the box's frame."""
+    """Return points next to both faces and in front of each edge, in the box's frame."""
     found = np.zeros((EDGES, len(POINTS), 3, 3))
     for number, (along, *sides) in enumerate(edge_rows()):
         others = [axis for axis in range(3) if axis != along]

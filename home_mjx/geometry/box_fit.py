@@ -1,4 +1,4 @@
-"""A few boxes in place of a mesh: the shape of objects in the physics."""
+"""Approximation of meshes by a few boxes, as collision shapes of objects."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -10,24 +10,24 @@ from scipy.spatial import ConvexHull, QhullError
 from home_mjx.geometry.boxes import BoxSet, box_of, box_set, no_boxes
 from home_mjx.geometry.rotations import yaw_matrix
 
-CELLS = 16  # along the longest side of an object
-SMALLEST_CELL = 0.03  # [m]
-SPACING = 0.7  # of a cell, between samples: a face cannot cross a cell without a sample in it
-WASTE = 0.02  # of the object's bounding box: most empty volume that a merge may add while it is free to choose
-WELD = 1e-4  # [m]
-THINNEST = 1e-4  # [m], half of it: a leaf may end in a single point of a cell, and MuJoCo takes no empty boxes
+CELLS = 16  # maximum number of cells along the longest side of an object
+SMALLEST_CELL = 0.03  # [m], minimum cell size
+SPACING = 0.7  # distance of surface samples, as a fraction of a cell; a face cannot cross a cell without a sample
+WASTE = 0.02  # maximum empty volume that an optional merge may add, as a fraction of the bounding box
+WELD = 1e-4  # [m], corners in the same grid cell of this size are merged
+THINNEST = 1e-4  # [m], minimum half extent; MuJoCo rejects empty boxes, and a cell may hold a single point
 
 
 def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> BoxSet:
-    """At most `most` boxes of one yaw that together contain the surface and the inside of a mesh.
+    """Cover the surface and the inside of a mesh with at most `most` boxes of one yaw.
 
-    The surface is sampled into cells, what it encloses is filled (the floor closes it from below), the cells become
-    disjoint boxes, and boxes are merged, each time the pair that adds the least empty space.
+    The surface is sampled into voxels, and enclosed ones are filled (the floor closes the mesh from below). The voxels
+    are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume.
 
     Args:
-        triangles: [m].
-        yaw: Of the boxes [rad].
-        most: Number of boxes.
+        triangles: Corners of the mesh [m].
+        yaw: Yaw of the boxes [rad].
+        most: Maximum number of boxes.
     """
     turn = yaw_matrix(yaw)
     points = triangles @ turn
@@ -45,7 +45,7 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> B
 def _voxels(
     points: Float[np.ndarray, "p 3"], low: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"], counts: np.ndarray
 ) -> tuple[Bool[np.ndarray, "x y z"], Float[np.ndarray, "x y z 2 3"]]:
-    """Which cells hold points, and the bounds of those in each (inside out where there are none)."""
+    """Return the occupied cells, and the bounds of the points in each (min = inf, max = -inf in empty cells)."""
     index = np.clip(((points - low) / size).astype(int), 0, counts - 1)
     flat = np.asarray(np.ravel_multi_index(tuple(index.T), tuple(counts)))
     order = np.argsort(flat)
@@ -70,11 +70,11 @@ def _tighten(
     surface: Float[np.ndarray, "x y z 2 3"],
     occupied: Bool[np.ndarray, "x y z"],
 ) -> Float[np.ndarray, "2 3"]:
-    """Corners of a box of cells, its sides pulled in to the surface that ends in its outermost cells."""
+    """Return the corners of a box of cells, its sides moved inwards to the surface in its outermost cells."""
     inner = surface[_block(box[0], box[1])]
     tight = np.stack([inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))])
     for side, axis in np.ndindex(2, 3):
-        # Deeper than one cell there is no surface because the box is full there; and a surface may go on next door.
+        # A distance above one cell means a filled interior without surface; or the surface continues in the next cell.
         deep = abs(tight[side, axis] - edge[side, axis]) > size[axis]
         if deep or _goes_on(box, side, axis, occupied):
             tight[side, axis] = edge[side, axis]
@@ -82,7 +82,7 @@ def _tighten(
 
 
 def _goes_on(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
-    """Whether a cell beyond a side of a box holds surface."""
+    """Return whether a cell beyond a side of a box contains surface."""
     start, stop = box.copy()
     start[axis] = box[1, axis] if side else box[0, axis] - 1
     stop[axis] = start[axis] + 1
@@ -90,7 +90,7 @@ def _goes_on(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[n
 
 
 def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
-    """Points on triangles, corners among them, no farther apart than about `spacing` [m]."""
+    """Sample points on triangles, including corners, with a maximum distance of about `spacing` [m]."""
     edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
     steps = np.maximum(np.ceil(edge / spacing), 1).astype(int)
     samples = []
@@ -103,7 +103,7 @@ def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Flo
 
 
 def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]:
-    """Disjoint boxes of whole cells that cover exactly the occupied ones: first and one past the last cell."""
+    """Cover exactly the occupied cells with disjoint boxes, as first and one past the last cell."""
     left, boxes = occupied.copy(), []
     for start in np.argwhere(occupied):
         if left[tuple(start)]:
@@ -131,12 +131,12 @@ def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
 
 
 def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], most: int, waste: float) -> Int[np.ndarray, "m 2 3"]:
-    """Merges pairs of boxes into their hull, the least empty one first, to `most` and further while that adds little.
+    """Merge pairs of boxes into their hulls, least added volume first, down to `most` and further if cheap.
 
     Args:
         boxes: Minimum and maximum corners.
-        most: Largest number of boxes in the result.
-        waste: Empty volume that one further merge may add.
+        most: Maximum number of boxes in the result.
+        waste: Maximum empty volume that each further merge may add.
     """
     boxes = boxes.copy()
     while len(boxes) > 1:
@@ -156,7 +156,7 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], most: int, waste: float) -> Int
 
 
 def components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
-    """Number of the connected component of each triangle; corners at one place are one."""
+    """Return the index of the connected component of each triangle; corners at the same position are shared."""
     _, corner = np.unique(np.round(triangles.reshape(-1, 3) / WELD).astype(np.int64), axis=0, return_inverse=True)
     corner = corner.reshape(-1, 3)
     count = int(corner.max()) + 1
@@ -167,10 +167,10 @@ def components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
 
 
 def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
-    """The upright box of least footprint around points; one side lies along a side of their hull in the plan."""
+    """Return the upright box of minimum footprint around points, aligned with a side of their hull in the plan."""
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]
-    except (QhullError, ValueError):  # all on one line
+    except (QhullError, ValueError):  # all points on one line
         return box_of(points)
     side = np.roll(hull, -1, axis=0) - hull
     boxes = [box_of(points, float(yaw)) for yaw in np.arctan2(side[:, 1], side[:, 0])]

@@ -11,10 +11,10 @@ from home_mjx.schema.compiled import Colliders
 
 
 def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Principal moments of solid boxes [kg m^2]: m/3 (b^2 + c^2) with half extents b and c.
+    """Return principal moments of inertia of solid boxes [kg m^2]: m/3 (b^2 + c^2) with half extents b and c.
 
     Args:
-        mass: [kg].
+        mass: Masses [kg].
         size: Half extents [m].
     """
     square = size**2
@@ -31,12 +31,12 @@ class BoxSet:
 
     @property
     def bottom(self) -> Float[np.ndarray, " n"]:
-        """Lowest height [m]."""
+        """Minimum height of each box [m]."""
         return self.center[:, 2] - self.half[:, 2]
 
     @property
     def top(self) -> Float[np.ndarray, " n"]:
-        """Greatest height [m]."""
+        """Maximum height of each box [m]."""
         return self.center[:, 2] + self.half[:, 2]
 
     def __len__(self) -> int:
@@ -46,36 +46,36 @@ class BoxSet:
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
     def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:
-        """The boxes as the physics takes them, with the object that each stands for."""
+        """Convert the boxes to colliders of the physics, with the object id of each."""
         return Colliders(pos=self.center, quat=yaw_quat(self.yaw), size=self.half, object_id=object_id)
 
 
 def box_set(center: object, half: object, yaw: object = 0.0) -> BoxSet:
-    """Boxes of broadcastable centres, half extents and yaws."""
+    """Create boxes from broadcastable centres, half extents and yaws."""
     center = np.atleast_2d(np.asarray(center, float))
     half = np.broadcast_to(np.asarray(half, float), center.shape)
     return BoxSet(center, half.copy(), np.broadcast_to(np.asarray(yaw, float), len(center)).copy())
 
 
 def no_boxes() -> BoxSet:
-    """An empty set."""
+    """Return an empty set."""
     return BoxSet(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
 
 
 def join(sets: Iterable[BoxSet]) -> BoxSet:
-    """One set after the other."""
+    """Concatenate sets."""
     sets = [no_boxes(), *sets]
     return BoxSet(*(np.concatenate([getattr(s, name) for s in sets]) for name in ("center", "half", "yaw")))
 
 
 def distinct(boxes: BoxSet) -> BoxSet:
-    """Each of the boxes once, in their order."""
+    """Return the boxes without duplicates, in their order."""
     _, first = np.unique(np.c_[boxes.center, boxes.half, boxes.yaw], axis=0, return_index=True)
     return boxes[np.sort(first)]
 
 
 def box_of(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
-    """The smallest box around points with the given yaw."""
+    """Return the smallest box around points with the specified yaw."""
     turn = yaw_matrix(yaw)
     local = points @ turn
     low, high = local.min(axis=0), local.max(axis=0)
@@ -83,19 +83,19 @@ def box_of(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
 
 
 def turned(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet:
-    """Boxes turned about a vertical line.
+    """Rotate boxes about a vertical line.
 
     Args:
-        boxes: Where they are at angle 0.
-        angle: About +z [rad].
-        pivot: Where the line meets the plan [m].
+        boxes: Boxes at angle 0.
+        angle: Rotation about +z [rad].
+        pivot: Intersection of the line with the plan [m].
     """
     arm = boxes.center - [*pivot, 0.0]
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
 
 
 def overlap(box: BoxSet, others: BoxSet) -> Float[np.ndarray, " n"]:
-    """Depth to which one box and each of others run into one another in the plan [m]; negative: apart.
+    """Return the penetration depth in the plan of one box and each of the others [m]; negative if they are apart.
 
     By separating axes (Gottschalk et al., 1996): exact for the depth, and a lower bound of the distance.
     """
@@ -113,13 +113,13 @@ def overlap(box: BoxSet, others: BoxSet) -> Float[np.ndarray, " n"]:
 
 
 def footprint_distance(boxes: BoxSet, index: int, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-    """Distance in the plan from points to a box; 0 inside."""
+    """Return the distance in the plan from points to a box [m]; 0 inside."""
     local = (points - boxes.center[index, :2]) @ yaw_matrix(boxes.yaw[index])[:2, :2]
     outside = np.maximum(abs(local) - boxes.half[index, :2], 0)
     return np.hypot(outside[..., 0], outside[..., 1])
 
 
 def footprint(boxes: BoxSet, index: int) -> Float[np.ndarray, "4 2"]:
-    """Corners of a box in the plan, counter-clockwise."""
+    """Return the corners of a box in the plan, counter-clockwise."""
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * boxes.half[index, :2]
     return corners @ yaw_matrix(boxes.yaw[index])[:2, :2].T + boxes.center[index, :2]

@@ -1,8 +1,10 @@
-"""Bounding-volume trees over boxes and triangles, built on the host by a compiled surface-area heuristic.
+"""Bounding volume hierarchies over boxes and triangles, built on the host with the surface area heuristic in Numba.
 
-Every split between two primitives, in the order of their centres along each axis, is tried. They are sorted once; the
-parts of a range keep the order. Source: I. Wald, S. Boulos, P. Shirley, "Ray tracing deformable scenes using dynamic
-bounding volume hierarchies", ACM Transactions on Graphics 26(1), 2007, section 4.
+Every split between two primitives, sorted by their centres along each axis, is evaluated. Primitives are sorted once,
+and the parts of a range keep the order.
+
+Source: I. Wald, S. Boulos, P. Shirley, "Ray tracing deformable scenes using dynamic bounding volume hierarchies", ACM
+Transactions on Graphics 26(1), 2007, section 4.
 """
 # ruff: noqa: ANN001, ANN202  (Numba infers the types of the private functions)
 
@@ -17,27 +19,28 @@ from home_mjx.errors import CapacityError, ConfigError, DatasetError
 from home_mjx.schema.compiled import Tree
 
 NODE_COST = 2.0  # cost of visiting a node; testing a primitive costs 1
-MAX_DEPTH = 32  # levels of child links; the ray casters size their stacks by it
-MAX_LEAF = 15  # a leaf code has four bits for the count
+MAX_DEPTH = 32  # maximum levels of child links; sets the stack size of the ray casters
+MAX_LEAF = 15  # maximum primitives per leaf; a leaf code has four bits for the count
 MAX_PRIMITIVES = 1 << 27
 EMPTY = -1  # code of an empty leaf
-SLACK = 1e-6  # of the greatest coordinate, by which boxes grow: a ray may run in a face, where rounding would lose it
+# Margin of node boxes as a fraction of the largest coordinate; without it, rounding loses rays that run in a face.
+SLACK = 1e-6
 
 
 def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[Tree, Int[np.ndarray, " n"]]:
-    """A tree over boxes.
+    """Build a tree over boxes.
 
     Args:
         boxes: Minimum and maximum corners [m].
-        leaf_size: Most primitives in a leaf, 1 to 15.
+        leaf_size: Maximum number of primitives in a leaf, 1 to 15.
 
     Returns:
-        The tree, whose leaves count primitives in tree order, and `order`: `boxes[order]` is tree order.
+        The tree, whose leaves index primitives in tree order, and `order`: `boxes[order]` is tree order.
 
     Raises:
         DatasetError: A box is not finite, or its minimum exceeds its maximum.
         ConfigError: `leaf_size` is out of range.
-        CapacityError: More boxes than a leaf code can number.
+        CapacityError: There are more boxes than a leaf code can index.
 
     Example:
         >>> tree, order = build_tree(np.array([[[0.0, 0, 0], [1, 1, 1]], [[5.0, 0, 0], [6, 1, 1]]]), leaf_size=1)
@@ -53,7 +56,7 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[T
 def build_triangle_tree(
     triangles: Float[np.ndarray, "t 3 3"], leaf_size: int = 4
 ) -> tuple[Tree, Int[np.ndarray, " t"]]:
-    """A tree over triangles; see `build_tree`."""
+    """Build a tree over triangles; see `build_tree`."""
     boxes = np.stack([triangles.min(axis=1), triangles.max(axis=1)], axis=1)
     return build_tree(boxes, leaf_size)
 
@@ -79,7 +82,7 @@ def _built(bounds, leaf_size):
 @no_type_check
 def _build(bounds, leaf_size):
     n = len(bounds)
-    # The same primitives in each range, by their centres along x, y and z
+    # All three orders have the same primitives in each range, sorted by their centres along x, y and z.
     order = np.empty((3, n), np.int32)
     for axis in range(3):
         order[axis] = np.argsort(bounds[:, axis] + bounds[:, axis + 3], kind="mergesort")
@@ -87,7 +90,7 @@ def _build(bounds, leaf_size):
     box = np.empty((max(n, 1), 2, 6), np.float32)
     box[:, :, :3], box[:, :, 3:] = np.inf, -np.inf
     child = np.full((max(n, 1), 2), EMPTY, np.int32)
-    # Ranges still to be placed: first, last, parent, side, depth. The root fills side 0 or becomes node 0.
+    # Pending ranges: first, last, parent, side, depth. The root fills side 0 or becomes node 0.
     stack = np.empty((MAX_DEPTH + 2, 5), np.int32)
     _push(stack, 0, 0, n, 0, 0, -1)
     waiting, count = 1, 0
@@ -100,7 +103,7 @@ def _build(bounds, leaf_size):
             child[parent, side] = ~(first << 4 | (last - first)) if split < 0 else count
         if split >= 0:
             _push(stack, waiting, first + split, last, count, 1, depth + 1)
-            _push(stack, waiting + 1, first, first + split, count, 0, depth + 1)  # taken next: depth-first node order
+            _push(stack, waiting + 1, first, first + split, count, 0, depth + 1)  # popped next: depth-first node order
             waiting += 2
             count += 1
     return box, child, order[0], max(count, 1)
@@ -113,7 +116,7 @@ def _push(stack, slot, first, last, parent, side, depth):
     stack[slot, 2], stack[slot, 3], stack[slot, 4] = parent, side, depth
 
 
-# The loops below index scalars: in Numba a row view costs ten times the comparison that it serves.
+# The loops below index scalars, because a row view in Numba costs ten times as much as the comparison.
 
 
 @njit(cache=True)
@@ -128,7 +131,7 @@ def _bound(bounds, rows, out):
 @njit(cache=True)
 @no_type_check
 def _split(bounds, order, cost, is_left, leaf_size, depth):
-    """Splits the primitives of a range in all three orders; returns the size of the first part, -1 for a leaf."""
+    """Split the primitives of a range in all three orders; return the size of the first part, or -1 for a leaf."""
     n = order.shape[1]
     leaves = (n + leaf_size - 1) // leaf_size
     balanced_depth = int(np.ceil(np.log2(max(leaves, 1))))
@@ -148,16 +151,16 @@ def _split(bounds, order, cost, is_left, leaf_size, depth):
 @njit(cache=True)
 @no_type_check
 def _cheapest(bounds, order, cost):
-    """The axis, count of primitives on the left and cost of the best split, and the range's own half area.
+    """Return the axis, left count and cost of the best split, and half the surface area of the range.
 
-    The cost is the sum of count times half area over both parts. Of equal costs the most even split is taken.
+    The cost is the sum of count times half area over both parts. Ties are resolved in favour of the most even split.
     """
     n = order.shape[1]
     best, best_axis, best_count, area = np.inf, 0, n // 2, 0.0
     for axis in range(3):
         rows = order[axis]
         if axis < 2 and _center(bounds, rows[0], axis) == _center(bounds, rows[-1], axis):
-            continue  # no split along this axis
+            continue  # all centres are equal, so this axis has no split
         _sweep(bounds, rows[::-1], cost[1:n][::-1], False)
         area = _sweep(bounds, rows, cost[1:n], True)
         for count in range(1, n):
@@ -170,13 +173,13 @@ def _cheapest(bounds, order, cost):
 @njit(cache=True, inline="always")
 @no_type_check
 def _center(bounds, row, axis):
-    return bounds[row, axis] + bounds[row, axis + 3]  # twice that
+    return bounds[row, axis] + bounds[row, axis + 3]  # twice the centre
 
 
 @njit(cache=True)
 @no_type_check
 def _sweep(bounds, rows, cost, add):
-    """Count times half area of the first one, two, ... of some rows; returns the half area of all."""
+    """Compute count times half area of each prefix of rows, and return the half area of all rows."""
     x0, y0, z0, x1, y1, z1 = np.inf, np.inf, np.inf, -np.inf, -np.inf, -np.inf
     area = 0.0
     for k in range(len(rows)):
@@ -193,7 +196,7 @@ def _sweep(bounds, rows, cost, add):
 @njit(cache=True)
 @no_type_check
 def _part(order, axis, count, is_left):
-    """Brings the first primitives along one axis to the front of the other orders, which they keep."""
+    """Move the first primitives along one axis to the front of the other orders, without reordering either part."""
     for k in range(order.shape[1]):
         is_left[order[axis, k]] = k < count
     for other in range(3):

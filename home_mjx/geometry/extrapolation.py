@@ -1,9 +1,9 @@
-"""Distances beside the home region: close to walls, and where things stand that can be moved.
+"""Extrapolation of distance fields beyond the home region: close to walls, and at positions of movable objects.
 
 The shortest paths of the home region end at its border. Beyond it, the distance to a goal is the harmonic function with
-the border's distances (each cell has the mean of its neighbours', weighted by 1 / length), plus the way to the border.
-It has no step where the ways around a thing on either side are of different length, as the distance by way of the
-nearest cell has: that was up to 12 m between neighbouring cells of generated houses.
+the border's distances as boundary values, plus the distance to the border. Each cell has the mean of its neighbours,
+weighted by 1 / length. Unlike the distance through the nearest cell, it is continuous if the paths around an object
+differ in length. Otherwise, neighbouring cells of generated houses differed by up to 12 m.
 """
 
 from collections.abc import Sequence
@@ -27,20 +27,20 @@ def continued_fields(
     field: Float[np.ndarray, "c g"],
     cell: float,
 ) -> list[tuple[Int[np.ndarray, "_ 3"], Float[np.ndarray, "_ g"]]]:
-    """Cells that an agent can come to from the home region, and their distances to the goals.
+    """Compute the cells that an agent can reach from the home region, and their distances to the goals.
 
     Args:
-        home: The home region.
-        around: Where an agent's axis may be besides. What is in the first grid does not depend on the second, and so
-            on: an agent that brushes past a thing is not told of the way that its place would be.
-        standable: Where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
-        room: Of each cell.
-        height: Of the cells [m].
+        home: Mask of the home region.
+        around: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
+            in earlier ones, so distances next to a movable object ignore the shortcut through its position.
+        standable: Cells where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
+        room: Room of each cell.
+        height: Floor height of each cell [m].
         field: Distances of the home cells to the goals [m].
-        cell: [m].
+        cell: Cell size [m].
 
     Returns:
-        Of each grid of `around`: grid, row and column of the cells that no earlier one has; distances [m].
+        For each mask of `around`: grid, row and column of the cells not in earlier masks, and their distances [m].
     """
     found = []
     values = np.full((*home.shape, field.shape[1]), np.nan)
@@ -68,7 +68,7 @@ def _graph(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> csr_matrix:
-    """Lengths between neighbouring cells of one room, or of two where agents can stand [m]."""
+    """Return the lengths between neighbouring cells of one room, or of two rooms if both cells are standable [m]."""
     sources, targets, lengths = grid_edges(cells, height, cell)
     kept = (room[sources] == room[targets]) | (standable[sources] & standable[targets])
     half = csr_matrix((lengths[kept], (sources[kept], targets[kept])), shape=(int(cells.sum()),) * 2)
@@ -78,7 +78,10 @@ def _graph(
 def _harmonic(
     graph: csr_matrix, inner: Bool[np.ndarray, " n"], border: Bool[np.ndarray, " n"], known: Float[np.ndarray, "b g"]
 ) -> Float[np.ndarray, "e g"]:
-    """Values of the inner nodes, each the mean of its neighbours' by 1 / length, with known ones at the border."""
+    """Solve for the values of the inner nodes, each the mean of its neighbours weighted by 1 / length.
+
+    The values at the border are fixed to `known`.
+    """
     weight = graph.copy()
     weight.data = 1 / weight.data
     laplacian = (diags(np.asarray(weight.sum(axis=1)).ravel()) - weight).tocsr()[inner][:, inner]
@@ -86,13 +89,13 @@ def _harmonic(
 
 
 def nearest_numbers(number: Int[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"]) -> Int[np.ndarray, "l ny nx"]:
-    """The number of each cell, and where it has none, that of the nearest cell.
+    """Return the number of each cell or, if it has none, of the nearest cell.
 
-    That is one of the same room, else of the same level, else the one above or below the nearest on another level.
+    The nearest cell is of the same room, else of the same level, else above or below the nearest one on another level.
 
     Args:
-        number: Of the cells that have one; -1 elsewhere.
-        room: Of each cell; -1 outside.
+        number: Numbers of cells; -1 if none.
+        room: Room of each cell; -1 outside.
     """
     some = np.flatnonzero((number >= 0).any(axis=(1, 2)))
     found = [_nearest(number[some[abs(some - level).argmin()]]) for level in range(len(number))]
@@ -107,6 +110,6 @@ def nearest_numbers(number: Int[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l
 
 
 def _nearest(number: Int[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
-    """The number of the nearest cell that has one, by straight line."""
+    """Return the number of the nearest numbered cell, by straight line."""
     y, x = np.asarray(ndimage.distance_transform_edt(number < 0, return_distances=False, return_indices=True))
     return number[y, x]

@@ -8,12 +8,12 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-STEPS = ((0, 1), (1, 0), (1, 1), (1, -1))  # rows and columns to half of a cell's neighbours
+STEPS = ((0, 1), (1, 0), (1, 1), (1, -1))  # (row, column) offsets of half of a cell's 8 neighbours
 
 
 @dataclass(frozen=True)
 class Link:
-    """A way between two cells that are no neighbours, such as stairs."""
+    """A connection between two cells that are not neighbours, such as stairs."""
 
     start: tuple[int, int, int]  # grid, row, column
     end: tuple[int, int, int]
@@ -27,17 +27,17 @@ def distance_fields(
     links: Sequence[Link] = (),
     height: Float[np.ndarray, "l ny nx"] | None = None,
 ) -> Float[np.ndarray, "c g"]:
-    """Length of the shortest 8-connected path over free cells to each goal; no corner is cut.
+    """Compute the length of the shortest 8-connected path from each free cell to each goal; corners are not cut.
 
     Args:
         free: Cells that may be crossed.
         goals: Grid, row and column of each goal; free cells.
-        cell: [m].
-        links: Ways between grids; those that do not begin and end at free cells do not count.
-        height: Of the cells [m]; None: all lie equally high.
+        cell: Cell size [m].
+        links: Connections between grids; those with an end outside the free cells are ignored.
+        height: Height of the cells [m]; None: equal heights.
 
     Returns:
-        Of each free cell, in the order of the grids [m]; inf where there is no path.
+        Distances of each free cell, in the order of the grids [m]; inf if there is no path.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
     edges = [grid_edges(free, np.zeros(free.shape) if height is None else height, cell)]
@@ -51,12 +51,12 @@ def distance_fields(
 def grid_edges(
     free: Bool[np.ndarray, "l ny nx"], height: Float[np.ndarray, "l ny nx"], cell: float
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Pairs of free cells that are one step apart, each pair once, and how long the step is [m]; no corner is cut.
+    """Return each pair of adjacent free cells once, and the length of the step [m]; corners are not cut.
 
     Args:
         free: Cells that may be crossed; they are numbered in the order of the grids.
-        height: Of the cells [m].
-        cell: [m].
+        height: Height of the cells [m].
+        cell: Cell size [m].
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
     edges = [_neighbours(free, number, height, step, cell) for step in STEPS]
@@ -71,7 +71,7 @@ def _neighbours(
     step: tuple[int, int],
     cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Pairs of free cells that are one step apart, and how long it is."""
+    """Return pairs of free cells that are one step apart, and the length of the step [m]."""
     here, there = _shifted(*step)
     way = free[here] & free[there]
     if all(step):
@@ -82,16 +82,16 @@ def _neighbours(
 
 
 def _shifted(dy: int, dx: int) -> tuple[tuple, tuple]:
-    """Slices of all cells that have a neighbour (dy, dx) away, and of those neighbours."""
+    """Return slices of all cells that have a neighbour at offset (dy, dx), and of those neighbours."""
     return (slice(None), _span(0, dy), _span(0, dx)), (slice(None), _span(dy, dy), _span(dx, dx))
 
 
 def _corner(step: tuple[int, int], corner: tuple[int, int]) -> tuple:
-    """Slice of the cells `corner` away from those that have a neighbour `step` away."""
+    """Return the slice of cells at offset `corner` from those that have a neighbour at offset `step`."""
     return slice(None), _span(corner[0], step[0]), _span(corner[1], step[1])
 
 
 def _span(at: int, step: int) -> slice:
-    """Positions, shifted by `at`, that have a neighbour `step` away."""
+    """Return the positions, shifted by `at`, that have a neighbour at offset `step`."""
     low, high = max(0, -step), min(0, -step)
     return slice(low + at, high + at or None)

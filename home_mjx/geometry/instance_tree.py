@@ -1,4 +1,4 @@
-"""The tree over a house's static instances."""
+"""Bounding volume hierarchy over a house's static instances."""
 
 from collections.abc import Mapping
 
@@ -9,16 +9,16 @@ from home_mjx.geometry.bvh import build_tree
 from home_mjx.geometry.meshes import bounds, transform
 from home_mjx.schema.compiled import Instances, Model, Tree
 
-SLACK = 1e-4  # [m], by which boxes grow: rays meet an instance in its own frame, where they round differently
+SLACK = 1e-4  # [m], margin of boxes; rays intersect instances in local frames, with other rounding errors
 
 
 def top_tree(instances: Instances, models: Mapping[str, Model], doors: Int[np.ndarray, " h"] | None = None) -> Tree:
-    """A tree with one static instance per leaf; leaves hold instance indices.
+    """Build a tree with one static instance per leaf; leaves hold instance indices.
 
     Args:
-        instances: Of a house; movable bodies are left out.
-        models: By key.
-        doors: Instances that turn, left out as well.
+        instances: Instances of a house; movable bodies are omitted.
+        models: Models by key.
+        doors: Instances of door leaves, which are omitted as well; None without doors.
     """
     static = np.setdiff1d(np.flatnonzero(instances.body < 0), [] if doors is None else doors)
     boxes = np.array([instance_box(instances.pose[i], models[instances.model[i]].box) for i in static])
@@ -29,6 +29,6 @@ def top_tree(instances: Instances, models: Mapping[str, Model], doors: Int[np.nd
 
 
 def instance_box(pose: Float[np.ndarray, "3 4"], box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
-    """World bounds of a model's box [m]."""
+    """Return the world bounds of a model's box [m]."""
     corners = np.stack(np.meshgrid(*box.astype(np.float64).T), axis=-1).reshape(-1, 3)
     return bounds(transform(pose, corners))

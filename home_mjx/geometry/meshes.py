@@ -1,4 +1,4 @@
-"""Triangles: frames, boxes, library models."""
+"""Triangles: frames, boxes and library models."""
 
 import hashlib
 
@@ -11,29 +11,29 @@ from home_mjx.schema.compiled import Model
 
 
 def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " t"]:
-    """Areas of triangles [m^2]."""
+    """Return the areas of triangles [m^2]."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return np.linalg.norm(normal, axis=1) / 2
 
 
-Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # world from file axes: (x, y, z) -> (x, -z, y)
+Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # rotation from file to world axes: (x, y, z) -> (x, -z, y)
 
-# Corners of a unit cube by bits (x, y, z), and its faces as two triangles each, counter-clockwise seen from outside.
+# Corners of a cube by bits (x, y, z), and its faces as quads, counter-clockwise seen from outside.
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 FACE_NORMALS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]], float)
 
 
 def to_z_up(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Points of the dataset's frame (Y up) in the axes of the world (Z up); the house's offset is not added."""
+    """Rotate points from the dataset's axes (Y up) to the world's (Z up), without the house's offset."""
     return points @ Z_UP.T
 
 
 def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "12 3 3"]:
-    """The surface of an axis-aligned box, two triangles per face in the order of `FACE_NORMALS`.
+    """Return the surface of an axis-aligned box, two triangles per face in the order of `FACE_NORMALS`.
 
     Args:
-        center: [m].
+        center: Centre [m].
         half: Half extents [m].
     """
     corners = center + _CORNERS * half
@@ -41,24 +41,24 @@ def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) 
 
 
 def bounds(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "2 3"]:
-    """Minimum and maximum corner of points."""
+    """Return the minimum and maximum corner of points."""
     flat = points.reshape(-1, 3)
     return np.stack([flat.min(axis=0), flat.max(axis=0)])
 
 
 def transform(pose: Float[np.ndarray, "3 4"], points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Points moved by an affine map."""
+    """Apply an affine map to points."""
     return points @ pose[:, :3].T + pose[:, 3]
 
 
 def compose(outer: Float[np.ndarray, "3 4"], inner: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"]:
-    """The affine map that applies `inner`, then `outer`."""
+    """Return the affine map that applies `inner`, then `outer`."""
     linear = outer[:, :3] @ inner[:, :3]
     return np.concatenate([linear, transform(outer, inner[:, 3])[:, None]], axis=1)
 
 
 def invert(pose: Float[np.ndarray, "*b 3 4"]) -> Float[np.ndarray, "*b 3 4"]:
-    """Inverses of affine maps."""
+    """Return the inverses of affine maps."""
     linear = np.linalg.inv(pose[..., :3])
     return np.concatenate([linear, -linear @ pose[..., 3:]], axis=-1)
 
@@ -71,18 +71,18 @@ def make_model(
     part: Int[np.ndarray, " t"] | None = None,
     normal: Float[np.ndarray, "t 3 3"] | None = None,
 ) -> Model:
-    """A library model with its tree.
+    """Create a library model with its bounding volume hierarchy.
 
     Args:
         name: First part of its key; the rest is a digest of its content.
         triangles: Corners in the model's own frame, Z up [m], counter-clockwise outwards.
-        uv: Texture coordinates per corner; 0 if none.
-        slot: Material slot; 0 if none.
-        part: Semantic part; 0 if none.
-        normal: Unit normals of the corners; if none, those of `crease_normals`.
+        uv: Texture coordinates per corner; 0 if None.
+        slot: Material slot of each triangle; 0 if None.
+        part: Semantic part of each triangle; 0 if None.
+        normal: Unit normals of the corners; computed by `crease_normals` if None.
     """
     count = len(triangles)
-    # Rounded before the tree is built, so that its boxes contain exactly the numbers that rays test.
+    # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
     triangle = triangles.astype(np.float32)
     uv = np.zeros((count, 3, 2), np.float32) if uv is None else uv.astype(np.float32)
     slot = np.zeros(count, np.int32) if slot is None else slot.astype(np.int32)

@@ -1,17 +1,17 @@
-"""Normals of the corners of triangles, smooth across edges of round surfaces."""
+"""Vertex normals of triangles, smooth across edges of curved surfaces."""
 
 import numpy as np
 from jaxtyping import Float, Int
 
-CREASE = np.cos(np.deg2rad(40.0))  # sharper edges stay edges
-WELD = 1e-4  # [m]: corners nearer than this are one
-MANY = 64  # faces around a corner; with more it is a tangle of leaves, not a surface
+CREASE = np.cos(np.deg2rad(40.0))  # cosine of the crease angle; sharper edges are not smoothed
+WELD = 1e-4  # [m], corners in the same grid cell of this size are merged
+MANY = 64  # maximum faces around a smoothed corner; more indicate foliage, not a surface
 
 
 def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
-    """Unit normals of corners: the mean of the faces around each that turn by less than the crease angle.
+    """Compute unit normals of corners: the mean of adjacent faces that differ by less than the crease angle.
 
-    Faces count by their area. A face without area has zero normals.
+    Faces are weighted by area. A face without area has zero normals.
 
     Args:
         triangles: Corners, counter-clockwise outwards [m].
@@ -36,7 +36,7 @@ def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "
 
 
 def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
-    """Pairs of a corner (face * 3 + k) and a face that has a corner at the same place, itself included."""
+    """Return pairs of a corner (face * 3 + k) and a face with a corner at the same position, itself included."""
     places = np.round(triangles.reshape(-1, 3) / WELD).astype(np.int64)
     place = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
     order = np.argsort(place, kind="stable")

@@ -7,13 +7,13 @@ from home_mjx.schema.compiled import Rooms
 
 
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
-    """Area of a simple polygon [m^2], by the shoelace formula."""
+    """Return the area of a simple polygon [m^2], by the shoelace formula."""
     x, y = polygon.T
     return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2)
 
 
 def inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-    """Whether points lie inside a simple polygon, by the crossing number."""
+    """Return whether points are inside a simple polygon, by the crossing number."""
     x, y = points[..., 0], points[..., 1]
     inside = np.zeros(x.shape, bool)
     for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
@@ -24,7 +24,7 @@ def inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, 
 
 
 def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, "2"]) -> float:
-    """Distance from a point to a simple polygon [m]; 0 inside, and infinite if the polygon has no corner."""
+    """Return the distance from a point to a simple polygon [m]; 0 inside, infinite if the polygon has no corners."""
     if inside_polygon(polygon, point):
         return 0.0
     way = np.roll(polygon, -1, axis=0) - polygon
@@ -36,7 +36,7 @@ def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray,
 def smallest_room(
     rooms: Rooms, candidates: Int[np.ndarray, " r"], points: Float[np.ndarray, "*p 2"]
 ) -> Int[np.ndarray, "*p"]:
-    """Index of the smallest room that holds each point, since rooms may nest; -1 if none does."""
+    """Return the index of the smallest room that contains each point, since rooms may nest; -1 if none."""
     found = np.full(points.shape[:-1], -1, np.int32)
     for room in sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r])):
         found[inside_polygon(rooms.polygon[room], points)] = room

@@ -1,4 +1,4 @@
-"""Plane figures with straight sides, covered by few rectangles."""
+"""Covers of rectilinear figures in the plane by few rectangles."""
 
 from itertools import pairwise
 
@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 
 
 def cluster(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
-    """Sorted values; neighbours closer than `tolerance` are merged into their mean.
+    """Return the sorted values; neighbours closer than `tolerance` are merged into their mean.
 
     Example:
         >>> cluster(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
@@ -15,18 +15,18 @@ def cluster(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarr
     """
     ordered = np.unique(values)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > tolerance) + 1)
-    # The ends stay where they are, so that the figure keeps its size.
+    # The first and last value are not averaged, so that the figure keeps its size.
     middle = [float(group.mean()) for group in groups]
     return np.array([ordered[0], *middle[1:-1], ordered[-1]] if len(middle) > 1 else middle)
 
 
 def cell_centers(u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"]) -> Float[np.ndarray, "_ _ 2"]:
-    """Middle points of the cells between grid lines; row = v, column = u."""
+    """Return the centres of the cells between grid lines; row = v, column = u."""
     return np.stack(np.meshgrid((u[1:] + u[:-1]) / 2, (v[1:] + v[:-1]) / 2), axis=-1)
 
 
 def in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-    """Whether points lie in any of some triangles, of either winding."""
+    """Return whether points are in any of the triangles, of either winding."""
     a, b, c = (triangles[:, i] for i in range(3))
     sides = [_side(p, q, points[..., None, :]) for p, q in ((a, b), (b, c), (c, a))]
     inside = np.all([s >= 0 for s in sides], axis=0) | np.all([s <= 0 for s in sides], axis=0)
@@ -35,19 +35,19 @@ def in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray
 
 
 def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Twice the signed area of a triangle."""
+    """Return twice the signed area of a triangle."""
     return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])
 
 
 def cover(
     u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
 ) -> Float[np.ndarray, "r 4"]:
-    """Disjoint rectangles that cover the solid cells of a grid, grown greedily along v and then along u.
+    """Cover the solid cells of a grid with disjoint rectangles, grown greedily along v and then along u.
 
     Args:
         u: Grid lines, ascending.
         v: Grid lines, ascending.
-        solid: Cells between them; row = v, column = u.
+        solid: Mask of cells; row = v, column = u.
 
     Returns:
         Rows u0, v0, u1, v1.
@@ -64,12 +64,12 @@ def cover(
 
 
 def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, int]:
-    """One past the last row and column of the rectangle that begins at a cell."""
+    """Return one past the last row and column of the rectangle that begins at a cell."""
     top = row
     while top < left.shape[0] and left[top, column]:
         top += 1
     right = column + 1
-    # A run joins only if it is as tall as the first one; otherwise it becomes its own rectangle.
+    # A run joins only if it is as tall as the first one; otherwise it becomes a separate rectangle.
     while right < left.shape[1] and left[row:top, right].all() and not _taller(left[:, right], row, top):
         right += 1
     return top, right
@@ -80,7 +80,7 @@ def _taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
 
 
 def split(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
-    """Rectangles cut along u into equal pieces no longer than `length`."""
+    """Cut rectangles along u into equal pieces of at most `length`."""
     pieces = []
     for u0, v0, u1, v1 in rectangles:
         edges = np.linspace(u0, u1, max(int(np.ceil((u1 - u0) / length - 1e-9)), 1) + 1)

@@ -1,17 +1,17 @@
-"""Rotations on the host, in NumPy; `core.transforms` has those of the device. Angles in radians, quaternions wxyz."""
+"""Rotations in NumPy (host); `core.transforms` has the device versions. Angles in radians, quaternions wxyz."""
 
 import numpy as np
 from jaxtyping import Float
 
 
 def yaw_quat(yaw: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 4"]:
-    """Quaternions wxyz of turns about +z."""
+    """Return quaternions wxyz of rotations about +z."""
     zero = np.zeros_like(yaw)
     return np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=-1)
 
 
 def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
-    """Rotation about +z: world from turned axes.
+    """Return the rotation about +z, from rotated to world axes.
 
     Example:
         >>> yaw_matrix(np.pi / 2).round().tolist()
@@ -22,6 +22,6 @@ def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
 
 
 def plane_matrix(angle: float) -> Float[np.ndarray, "2 2"]:
-    """Rotation of the plane, counter-clockwise."""
+    """Return the counter-clockwise rotation of the plane."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])

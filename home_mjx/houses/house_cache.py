@@ -1,7 +1,7 @@
-"""Compiled houses on disk, addressed by what they were compiled from.
+"""On-disk cache of compiled houses, addressed by a hash of their inputs.
 
-Below the cache folder lies one folder per version of the format and the compiler; in it `houses/` and `models/`, since
-houses share most models. Entries are written whole or not at all, and checked by their CRCs, see `entry`.
+The cache folder has one folder per version of the format and the compiler, with subfolders `houses/` and `models/`,
+since houses share most models. Entries are written atomically and verified by their CRCs, see `entry`.
 """
 
 import hashlib
@@ -27,15 +27,15 @@ log = logging.getLogger(__name__)
 
 
 class HouseCache:
-    """Compiled houses of one dataset, from disk if nothing that they depend on has changed.
+    """Compiled houses of one dataset, loaded from disk unless one of their inputs has changed.
 
-    What houses share, such as the files of a model, is looked at once; so make a new one to see changes. Files are read
-    only if their size or times say that they may have changed, see `datasets.suncg.digest_index`.
+    Inputs that houses share, such as model files, are checked once; create a new cache to detect later changes. Files
+    are read only if their size or times indicate a change, see `datasets.suncg.digest_index`.
 
     Args:
         dataset: An open dataset.
-        options: How its houses are compiled.
-        library: Models by key that other houses have brought; new ones are added, so that houses share them.
+        options: Compile options of its houses.
+        library: Models by key, shared with other caches; new models are added.
 
     Example:
         >>> houses = HouseCache(open_dataset("datasets/demo"))  # doctest: +SKIP
@@ -49,9 +49,9 @@ class HouseCache:
         self.dataset = dataset
         self.options = replace(options, read=dataset.resolved(options.read))  # part of the key
         self.library: dict[str, Model] = {} if library is None else library
-        self.compiled = 0  # houses that were not in the cache
-        self.unwritten: OSError | None = None  # why the last one that was compiled is not in it
-        self.stand_ins: dict[str, tuple[StandIn, ...]] = {}  # of the houses that were loaded
+        self.compiled = 0  # number of houses that were not in the cache
+        self.unwritten: OSError | None = None  # error of the last write; None if it succeeded
+        self.stand_ins: dict[str, tuple[StandIn, ...]] = {}  # by id of loaded house
         self._root = str(dataset.root)
         self._inputs = dataset.inputs()
         weakref.finalize(self, self._inputs.save)
@@ -59,9 +59,9 @@ class HouseCache:
         mark_used(self._folder)
 
     def load(self, house_id: str) -> CompiledHouse:
-        """A compiled house.
+        """Return a compiled house, compiling it if it is not in the cache.
 
-        A broken entry is compiled and written again; a folder that cannot be written to only costs time.
+        A corrupted entry is compiled and written again. If the folder is not writable, each run compiles the house.
 
         Raises:
             DatasetError: The house is unknown or broken.
@@ -75,18 +75,18 @@ class HouseCache:
             pass
         except BROKEN as error:
             broken = True
-            log.warning("broken cache entry %s is made again: %s", entry, error)
+            log.warning("broken cache entry %s is compiled again: %s", entry, error)
         return self._compile(house_id, entry, broken)
 
     def notes(self, house_id: str) -> Notes:
-        """What of a compiled house is no array, such as `instances.model`; it is compiled if need be."""
+        """Return the non-array fields of a compiled house, such as `instances.model`; compile it if necessary."""
         try:
             return read_notes(self.entry(house_id))
         except BROKEN:
             return flatten(self.load(house_id), frozenset(("models",)))[1]
 
     def contents(self, house_id: str) -> HouseContents:
-        """What a filter asks about a house; it is compiled if need be, but no model is read.
+        """Return the properties of a house that a `HouseFilter` uses; compile it if necessary, without reading models.
 
         Raises:
             DatasetError: The house is unknown or broken.
@@ -100,11 +100,11 @@ class HouseCache:
             return contents_of(house.report, house.rooms, house.semantics)
 
     def textures(self, notes: Notes) -> list[str]:
-        """Paths of the images that a house shows, from its notes."""
+        """Return the absolute paths of a house's texture images, from its notes."""
         return [self._absolute(path) for path in notes["materials.texture"]]
 
     def model(self, key: str) -> Model:
-        """A library model that a compiled house names; raises as `entry.read_entry`."""
+        """Return the library model with a key; raises the errors of `entry.read_entry`."""
         return self._models((key,))[key]
 
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:
@@ -115,21 +115,25 @@ class HouseCache:
         return {key: self.library[key] for key in keys}
 
     def entry(self, house_id: str) -> Path:
-        """Where the house is in the cache, or would be."""
+        """Return the path of the house's cache entry, whether or not it exists."""
         named = repr((house_id, self.options, self.dataset.fallbacks))
         self.dataset.prepare((house_id,))
         key = hashlib.sha256(named.encode() + self._inputs.house(house_id)).hexdigest()
         return self._folder / "houses" / f"{key}{SUFFIX}"
 
     def _read(self, house_id: str, entry: Path) -> CompiledHouse:
-        """Raises `FileNotFoundError` if there is no entry, or an image that it shows or lacks is not as it was."""
+        """Read a house from its entry.
+
+        Raises:
+            FileNotFoundError: There is no entry, a used texture has changed, or a missing one has been added.
+        """
         arrays, notes = read_entry(entry)
         textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(entry)
         stand_ins = tuple(StandIn(**item) for item in notes.pop("stand_ins"))
         if any(item.kind == "texture" and self._inputs.has_texture(item.name) for item in stand_ins):
-            raise FileNotFoundError(entry)  # what else has arrived gives another key
+            raise FileNotFoundError(entry)  # other added files change the key
         models = self._models(notes["instances.model"])
         house = rebuild(CompiledHouse, arrays, notes, models=models)
         check_house(house, house_id)
@@ -153,7 +157,7 @@ class HouseCache:
         return replace(compiled, models=models)
 
     def _write(self, house: CompiledHouse, stand_ins: Sequence[StandIn], entry: Path, broken: bool) -> None:
-        """Writes those of the house's models that are not there yet, or all to mend what is broken; then the house."""
+        """Write the house's missing models, or all of them if the entry was corrupted, and then the house."""
         claim(self._folder)
         for key, model in house.models.items():
             path = self._model_path(key)
@@ -167,14 +171,14 @@ class HouseCache:
         write_entry(entry, arrays, notes)
 
     def _relative(self, path: str) -> str:
-        """A texture's path as it is kept: datasets may move."""
+        """Return a texture's path relative to the dataset, since datasets may move."""
         root = self.dataset.root
         return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
 
     def _absolute(self, path: str) -> str:
-        plain = path[:1] != "/" and ".." not in path and "\\" not in path  # what can lead nowhere else
+        plain = path[:1] != "/" and ".." not in path and "\\" not in path  # stays below the root
         if not plain and below(self.dataset.root, self.dataset.root, path) is None:
-            raise ValueError(f"a texture lies outside of the dataset: {path!s:.80}")
+            raise ValueError(f"texture is outside the dataset: {path!s:.80}")
         return os.path.join(self._root, path) if path else ""
 
     def _model_path(self, key: str) -> Path:
@@ -187,13 +191,13 @@ def load_compiled(
     options: CompileOptions = DEFAULT_OPTIONS,
     library: dict[str, Model] | None = None,
 ) -> CompiledHouse:
-    """One compiled house; for several, `HouseCache` looks at what they share once.
+    """Return one compiled house; for several, `HouseCache` checks shared inputs only once.
 
     Args:
         dataset: An open dataset.
-        house_id: Which house.
-        options: How to compile it.
-        library: Models by key that other houses have brought; new ones are added, so that houses share them.
+        house_id: Id of the house.
+        options: Compile options.
+        library: Models by key, shared with other calls; new models are added.
 
     Raises:
         DatasetError: The house is unknown or broken.

@@ -1,4 +1,4 @@
-"""Which houses of which dataset, and how they are compiled: said once, taken by bank, stream, job and command line."""
+"""Selection of houses of a dataset and their compile options, shared by bank, stream, job and command line."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -22,19 +22,19 @@ from home_mjx.schema.compiled import CompiledHouse
 
 @dataclass(frozen=True)
 class HouseSet:
-    """Houses of a dataset, and how they are compiled.
+    """Houses of a dataset, and their compile options.
 
     Attributes:
         dataset: Root folder, an open dataset, or a name such as `procedural:16?seed=0&version=2`; None: the dataset
             that `SUNCG_DATA_DIR` names.
-        ids: Which houses, in this order; None: all, in the order of the dataset.
-        split: Only houses of `train`, `val` or `test`; None: of all.
-        where: Only houses that have all this.
-        num_houses: The first so many of what is left; None: all.
-        options: How they are compiled.
+        ids: House ids, in this order; None: all, in the order of the dataset.
+        split: Restrict to `train`, `val` or `test`; None: all.
+        where: Restrict to houses that this filter accepts; None: all.
+        num_houses: Maximum number of houses, taken from the start of the selection; None: all.
+        options: Compile options.
 
     Raises:
-        ConfigError: An option cannot be used.
+        ConfigError: An option is invalid.
 
     Example:
         >>> beds = HouseSet("houses", split="train", where=HouseFilter(categories=("bed",)))
@@ -55,7 +55,7 @@ class HouseSet:
         if has_scheme(self.dataset):
             _ = self.opened  # refuses a wrong name now
         if isinstance(self.ids, str):
-            raise ConfigError(f"`ids` must be several ids, got `{self.ids}`", hint="One alone is written [id].")
+            raise ConfigError(f"`ids` must be a sequence of ids, got `{self.ids}`", hint="Write a single id as [id].")
         if self.ids is not None:
             object.__setattr__(self, "ids", tuple(self.ids))
         if self.split is not None:
@@ -68,11 +68,11 @@ class HouseSet:
 
     @classmethod
     def of(cls, houses: "HouseSet | Dataset | str | Path | None", **choice: Any) -> "HouseSet":
-        """A set from what functions that need houses take.
+        """Convert the `houses` argument of a function to a set.
 
         Args:
             houses: A `HouseSet`, or a dataset.
-            **choice: The other fields. Beside a `HouseSet` only those that are None or the default are allowed.
+            **choice: Other fields. Next to a `HouseSet`, only None and default values are allowed.
 
         Raises:
             ConfigError: A choice is made twice.
@@ -86,7 +86,7 @@ class HouseSet:
 
     @cached_property
     def opened(self) -> Dataset:
-        """The dataset.
+        """The open dataset.
 
         Raises:
             DatasetError: There is none.
@@ -95,7 +95,7 @@ class HouseSet:
 
     @property
     def is_whole(self) -> bool:
-        """Whether it is every house of the dataset."""
+        """True if the set has every house of the dataset."""
         return (
             self.ids is None
             and self.split is None
@@ -106,7 +106,7 @@ class HouseSet:
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
-        """Ids of the houses, in order. With `where` houses that are not in the cache are compiled.
+        """Ids of the houses, in order. With `where`, houses that are not in the cache are compiled.
 
         Raises:
             ConfigError: No house is left.
@@ -115,11 +115,11 @@ class HouseSet:
         return self._checked(tuple(self._choose(self.open_cache(), progress=False)))
 
     def open_cache(self) -> HouseCache:
-        """A new cache of the dataset's compiled houses, compiled as the set says."""
+        """Return a new cache of the dataset's compiled houses, with the set's compile options."""
         return HouseCache(self.opened, self.options)
 
     def load(self, progress: bool = False) -> list[CompiledHouse]:
-        """The compiled houses, in order; those that are not in the cache are compiled. They share their models.
+        """Return the compiled houses, in order, with shared models; houses that are not in the cache are compiled.
 
         Args:
             progress: Show a progress bar.
@@ -135,7 +135,7 @@ class HouseSet:
         return list(self._checked(houses))
 
     def _choose(self, cache: HouseCache, progress: bool) -> Iterator[str]:
-        """Ids of the houses, and no more of the others looked at than need be."""
+        """Yield the ids of the selected houses, checking no more houses against `where` than necessary."""
         known = self.opened.house_ids if self.ids is None else self.ids
         found = (i for i in known if self.split is None or split_of(i) == self.split)
         candidates = islice(found, self.num_houses) if self.where is None else found

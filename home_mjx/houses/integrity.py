@@ -1,6 +1,6 @@
-"""Whether what was read from disk can be used: its indices point to what there is, and its poses are numbers.
+"""Integrity checks of records read from disk: indices are in range and poses are finite.
 
-Native code follows these indices without looking; a tree that pointed elsewhere, or in a circle, would end the process.
+Native code follows these indices without bounds checks; an invalid or cyclic tree would crash the process.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,28 +15,35 @@ LEAF_BITS, LEAF_MASK = 4, 15
 
 
 def check_models(models: Mapping[str, Model]) -> None:
-    """Raises `ValueError` unless they are the models of their keys, each with a tree over its triangles."""
+    """Validate that models have their keys and that each tree matches its triangles.
+
+    Raises:
+        ValueError: A key, tree or material slot is invalid.
+    """
     for key, model in models.items():
         if model.key != key:
-            raise ValueError(f"model is {model.key!s:.80}")
+            raise ValueError(f"model has the key {model.key!s:.80}")
     check_trees([model.tree for model in models.values()], [len(model.triangle) for model in models.values()])
     if models and np.concatenate([model.slot for model in models.values()]).min(initial=0) < 0:
-        raise ValueError("a model has triangles of no material")
+        raise ValueError("a model has triangles without a material")
 
 
 def check_house(house: CompiledHouse, house_id: str) -> None:
-    """Raises `ValueError` unless it is the house of that id, its models sound and its indices in range.
+    """Validate a house: its id, its tree, finite poses and indices in range.
 
     Args:
-        house: With its models.
-        house_id: Which it should be.
+        house: Compiled house with its models.
+        house_id: Expected id.
+
+    Raises:
+        ValueError: One of these checks fails.
     """
     if house.id != house_id:
-        raise ValueError(f"house is {house.id!s:.80}")
+        raise ValueError(f"house has the id {house.id!s:.80}")
     instances, count, rows = house.instances, len(house.instances.model), len(house.materials.texture)
     check_trees([house.top], [count])
     if not np.isfinite(instances.pose).all():
-        raise ValueError("an instance has a pose that is no number")
+        raise ValueError("an instance has a pose that is not finite")
     slots = {key: int(model.slot.max(initial=0)) for key, model in house.models.items()}
     _check_range("instances.material", instances.material, 0, rows)
     _check_range("instances.material", instances.material + np.array([slots[key] for key in instances.model]), 0, rows)
@@ -48,20 +55,23 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
 
 
 def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
-    """Raises `ValueError` unless all are trees of at most `MAX_DEPTH` levels, over primitives that there are.
+    """Validate that trees have at most `MAX_DEPTH` levels and refer to existing primitives.
 
-    All at once: houses have many small trees.
+    All trees are checked at once, since houses have many small ones.
 
     Args:
-        trees: Any arrays of the right shapes.
-        primitives: How many each is over.
+        trees: Trees with arrays of the right shapes.
+        primitives: Number of primitives of each tree.
+
+    Raises:
+        ValueError: A tree is invalid.
 
     Example:
         >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[~(0 << 4 | 2), -1]]))], primitives=[2])
         >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[0, -1]]))], primitives=[2])
         Traceback (most recent call last):
         ...
-        ValueError: a tree is too deep, or leads back
+        ValueError: a tree is too deep, or has a cycle
     """
     if not trees:
         return
@@ -70,25 +80,25 @@ def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
         raise ValueError("a tree has no root")
     code, first = np.concatenate([tree.child for tree in trees]).ravel(), np.cumsum(counts) - counts
     if np.any(np.maximum.reduceat(code, 2 * first) >= counts):
-        raise ValueError("a tree leads to nodes that there are not")
+        raise ValueError("a tree refers to missing nodes")
     leaf, inner = ~code, code >= 0
     if np.any(np.maximum.reduceat(((leaf >> LEAF_BITS) + (leaf & LEAF_MASK)) * ~inner, 2 * first) > primitives):
-        raise ValueError("a tree leads to primitives that there are not")
+        raise ValueError("a tree refers to missing primitives")
     link = np.flatnonzero(inner)
     target = code[link] + np.repeat(first, np.add.reduceat(inner, 2 * first, dtype=np.intp))
     _check_levels(link >> 1, target, int(counts.sum()))
 
 
 def _check_levels(node: Int[np.ndarray, " n"], below: Int[np.ndarray, " n"], count: int) -> None:
-    """Walks up from all nodes at once: from each, `MAX_DEPTH` steps lead out of its tree."""
+    """Walk up from all nodes at once; `MAX_DEPTH` steps must lead above the root of each tree."""
     if np.bincount(below).max(initial=0) > 1:
-        raise ValueError("a tree leads to a node twice")
-    above = np.full(count + 1, count)  # roots are below what is no node, and that is below itself
+        raise ValueError("a tree refers to a node twice")
+    above = np.full(count + 1, count)  # the extra entry is the parent of all roots and of itself
     above[below] = node
-    for _ in range(MAX_DEPTH.bit_length() - 1):  # it is a power of two
+    for _ in range(MAX_DEPTH.bit_length() - 1):  # MAX_DEPTH is a power of two
         above = above.take(above)
     if np.any(above != count):
-        raise ValueError("a tree is too deep, or leads back")
+        raise ValueError("a tree is too deep, or has a cycle")
 
 
 def _check_range(name: str, values: Int[np.ndarray, " n"], least: int, below: int) -> None:

@@ -1,4 +1,4 @@
-"""Compiles the houses of a whole dataset into the cache, on this machine or on many; no house can stop the run."""
+"""Job that compiles the houses of a dataset into the cache, locally or on a cluster; no house can stop the run."""
 
 import os
 import time
@@ -31,7 +31,7 @@ from home_mjx.houses.report import (
 from home_mjx.houses.version import prepare_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 
-MODELS_KEPT = 1000  # in the memory of a worker
+MODELS_KEPT = 1000  # maximum number of models in the memory of a worker
 
 
 def compile_dataset(
@@ -46,33 +46,33 @@ def compile_dataset(
     options: CompileOptions = DEFAULT_OPTIONS,
     progress: bool = False,
 ) -> CompileSummary:
-    """Compiles houses into the cache, where `load_bank` finds them.
+    """Compile houses into the cache, from which `load_bank` loads them.
 
-    Every house is written whole or not at all and is then noted in the report, one JSON object a line. So a run may be
-    killed at any moment: the next one goes on where it ended.
+    Every house is written atomically and then added to the report, one JSON object per line. A run may be killed at any
+    time; with `resume` the next one skips the finished houses.
 
     Args:
         root: Folder of the dataset, an open one, or a `HouseSet`; None: the dataset that `SUNCG_DATA_DIR` names.
-        ids: Which houses; all by default.
-        split: Only houses of this split.
-        workers: Processes on this machine.
-        resume: Skip houses that an earlier run has noted as done and that are in the cache, without looking at their
-            files again.
-        report: Where to note what became of each house; by default in the cache folder. A run of some
-            houses adds to it.
+        ids: House ids; None: all.
+        split: Restrict to one split; None: all.
+        workers: Number of processes on this machine.
+        resume: Skip houses that an earlier report lists as done and that are in the cache, without checking their
+            input files again.
+        report: File for the outcome of each house; None: a file in the cache folder. A run over a subset of the
+            houses appends to it.
         scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
             cache folder. Needs the extra `distributed`.
-        options: How to compile.
+        options: Compile options.
         progress: Show a progress bar.
 
     Returns:
-        Counts; houses that failed are told of in the report.
+        Counts; the report lists the errors of failed houses.
 
     Raises:
-        DatasetError: There is no dataset, or it has no such house.
-        ConfigError: The cache folder or the report cannot be written to, something else than a report is in its place,
-            there are no workers, a scheduler was given and it does not answer or the extra is not installed, or houses
-            are to be chosen by what is in them, which is only known once they are compiled.
+        DatasetError: There is no dataset, or it does not have one of the houses.
+        ConfigError: The cache folder or the report is not writable, or another file has the report's name. `workers` is
+            below 1. The scheduler does not answer or its extra is not installed. The `HouseSet` has a `where` filter,
+            which needs compiled houses.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
@@ -99,7 +99,7 @@ def compile_dataset(
     incomplete = fixed = 0
     with (
         outcomes(task, left, workers, scheduler) as found,
-        # After the scheduler: nothing is lost from an old report if there is none.
+        # Opened after the scheduler, so that an old report is not truncated if there is none.
         journal(path, append=resume or not houses.is_whole) as note,
         tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
     ):
@@ -119,17 +119,17 @@ def _prepare() -> None:
     try:
         prepare_folder()
     except OSError as error:
-        message = f"cache folder cannot be written to: {error.strerror}"
-        raise ConfigError(message, file=cache_folder(), hint=f"Set {CACHE_VARIABLE} to a folder of yours.") from None
+        message = f"cache folder is not writable: {error.strerror}"
+        raise ConfigError(message, file=cache_folder(), hint=f"Set {CACHE_VARIABLE} to a writable folder.") from None
 
 
 def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: str) -> CompileOutcome:
-    """Sees to it that a house is in the cache; whatever goes wrong is part of the outcome.
+    """Ensure that a house is in the cache; errors are returned as part of the outcome.
 
     Args:
         dataset: The dataset.
-        options: How to compile.
-        run: Name of the run, in which what houses share is looked at once per process.
+        options: Compile options.
+        run: Name of the run; each process checks shared inputs once per run.
         house_id: The house.
     """
     begin = time.perf_counter()
@@ -144,9 +144,9 @@ def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: s
             _houses.cache_clear()
         path = houses.entry(house_id)
         if not path.is_file():
-            raise unwritable("compiled house", path, houses.unwritten or OSError("it is gone"), FREE)
+            raise unwritable("compiled house", path, houses.unwritten or OSError("file has been removed"), FREE)
         entry = str(path.relative_to(cache_folder()))
-    except Exception as problem:  # one house of 45,000 must not stop the run, whatever is wrong with it
+    except Exception as problem:  # one broken house of 45,000 must not stop the run
         status, error = FAILED, described(problem)
     return CompileOutcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry, stand_ins, fixed)
 

@@ -1,4 +1,4 @@
-"""Where the houses of a job are compiled: in this process, in several, or on a Dask cluster."""
+"""Executors of a compile job: this process, worker processes, or a Dask cluster."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
@@ -10,19 +10,19 @@ from home_mjx.core.workers import worker_pool
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.houses.report import FAILED, CompileOutcome, described
 
-CONNECT_SECONDS = 10  # that a scheduler has to answer
+CONNECT_SECONDS = 10  # timeout for connecting to a scheduler
 
 Task = Callable[[str], CompileOutcome]
 
 
 @contextmanager
 def outcomes(task: Task, ids: Sequence[str], workers: int, scheduler: str | None) -> Iterator[Iterator[CompileOutcome]]:
-    """What becomes of houses, as they are done.
+    """Yield an iterator over the outcomes of houses, in order of completion.
 
     Args:
         task: Compiles a house; it never raises.
         ids: The houses.
-        workers: Processes on this machine.
+        workers: Number of processes on this machine.
         scheduler: Address of a Dask scheduler whose workers are used instead.
 
     Raises:
@@ -42,7 +42,7 @@ def _as_they_come(executor: Any, task: Task, ids: Sequence[str]) -> Iterator[Com
     for future in as_completed(futures):
         try:
             yield future.result()
-        except Exception as problem:  # its worker died, or the cluster lost it
+        except Exception as problem:  # the worker died, or the cluster lost the task
             yield CompileOutcome(futures[future], FAILED, 0.0, described(problem))
 
 
@@ -62,7 +62,7 @@ def _dask(scheduler: str) -> Iterator[Any]:
 
 
 def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[CompileOutcome]:
-    """Outcomes from worker processes; a house that kills its worker, as one that needs too much memory, has failed."""
+    """Yield outcomes from worker processes; a house that kills its worker, for example by lack of memory, fails."""
     left = dict.fromkeys(ids)
     while left:
         with worker_pool(min(workers, len(left))) as pool:
@@ -72,7 +72,7 @@ def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[Comp
                     outcome = future.result()
                     del left[outcome.id]
                     yield outcome
-        # If the pool broke, one of the first that are left did it: pools work in order.
+        # Pools process tasks in order, so if the pool broke, one of the first remaining houses caused it.
         for house_id in list(left)[:workers]:
             del left[house_id]
             yield _alone(task, house_id)
@@ -83,5 +83,5 @@ def _alone(task: Task, house_id: str) -> CompileOutcome:
         try:
             return pool.submit(task, house_id).result()
         except BrokenProcessPool:
-            death = MemoryError("the process that compiled the house died, as for lack of memory")
+            death = MemoryError("the process that compiled the house died, possibly for lack of memory")
             return CompileOutcome(house_id, FAILED, 0.0, described(death))

@@ -1,4 +1,4 @@
-"""What became of the houses of a job: one JSON object a line; a kill cuts at most the last."""
+"""Report of a compile job: one JSON object per line and house; a kill truncates at most the last line."""
 
 import hashlib
 import json
@@ -15,24 +15,24 @@ from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.houses.version import version_folder
 from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
-FREE = "Free some space and start it again with --resume: what is done stays."
+FREE = "Free some space and start it again with --resume: finished houses are kept."
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
-BEGINNING = b'{"id": "'  # of every line
-KINDS = {"id": str, "status": str, "entry": str | None}  # of what is read in a line
+BEGINNING = b'{"id": "'  # first bytes of every line
+KINDS = {"id": str, "status": str, "entry": str | None}  # types of the fields that are read
 
 
 @dataclass(frozen=True)
 class CompileOutcome:
-    """What became of one house; a line of the report.
+    """Outcome of compiling one house; a line of the report.
 
     Attributes:
         id: The house.
-        status: `compiled`, `cached` (it was there already) or `failed`.
-        seconds: How long it took.
-        error: Of a failed house: kind, message, file, element and hint.
-        entry: Where it is, below the cache folder; None if it failed.
-        stand_ins: What was taken in place of what the dataset lacks, a line each.
-        fixed: How many objects could move and do not, being more than `MovableOptions.max_bodies`.
+        status: `compiled`, `cached` (it was in the cache already) or `failed`.
+        seconds: Wall-clock time [s].
+        error: Type, message, file, element and hint of the error; None unless it failed.
+        entry: Path below the cache folder; None if it failed.
+        stand_ins: Descriptions of the fallbacks for missing parts of the dataset.
+        fixed: Number of movable objects that stay fixed because they exceed `MovableOptions.max_bodies`.
     """
 
     id: str
@@ -46,7 +46,7 @@ class CompileOutcome:
 
 @dataclass(frozen=True)
 class CompileSummary:
-    """What became of a dataset: counts of houses, and where the report is."""
+    """Result of a compile job: counts of houses, and the path of the report."""
 
     compiled: int
     cached: int
@@ -54,18 +54,18 @@ class CompileSummary:
     skipped: int  # done in an earlier run
     seconds: float
     report: Path
-    incomplete: int = 0  # compiled or cached, with stand-ins for what the dataset lacks
-    fixed: int = 0  # objects of all houses that could move and do not, being more than `MovableOptions.max_bodies`
+    incomplete: int = 0  # houses with fallbacks for missing parts of the dataset
+    fixed: int = 0  # movable objects of all houses that exceed `MovableOptions.max_bodies` and stay fixed
 
 
 def report_path(root: Path, options: CompileOptions) -> Path:
-    """Where it is noted what became of each house of a dataset."""
+    """Return the default path of the report for a dataset and options."""
     name = hashlib.sha256(repr((str(root), options)).encode()).hexdigest()[:16]
     return version_folder() / "reports" / f"{name}.jsonl"
 
 
 def described(problem: Exception) -> dict[str, str | None]:
-    """An error as a line of the report has it: type, message, file, element and hint."""
+    """Convert an error to its form in the report: type, message, file, element and hint."""
     if isinstance(problem, HomeMjxError):
         where = {"file": problem.file, "element": problem.element, "hint": problem.hint}
         return {"type": type(problem).__name__, "message": problem.message, **where}
@@ -73,38 +73,38 @@ def described(problem: Exception) -> dict[str, str | None]:
 
 
 def done_houses(lines: list[dict[str, Any]]) -> set[str]:
-    """Houses that the lines of a report say are in the cache, and that are."""
+    """Return the ids of the houses that are done according to the report and whose entries exist."""
     entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
     return {house_id for house_id, entry in entries.items() if entry and _is_there(entry)}
 
 
 def _is_there(entry: str) -> bool:
-    """The end of an entry's archive is looked at: one that was cut off has lost it."""
+    """Return whether an entry exists with an intact end of its archive; a truncated one lacks it."""
     try:
         return is_zipfile(cache_folder() / entry)
-    except ValueError:  # no name of a file
+    except ValueError:  # not a valid file name
         return False
 
 
 def earlier_lines(path: Path) -> list[dict[str, Any]]:
-    """What an earlier run has noted; a file that is no report is refused, so that it is not written over."""
+    """Return the lines of an earlier report; raise if the file is not a report, so that it is not overwritten."""
     try:
         lines = read_report(path)
         is_other = not lines and path.is_file() and not all(map(_may_be_cut, path.read_bytes().splitlines()))
     except OSError as error:
         raise ConfigError(f"report cannot be read: {error.strerror}", file=path, hint="Name a new file.") from None
     if is_other:
-        raise ConfigError("there is a file that is no report", file=path, hint="Name a new file.")
+        raise ConfigError("file exists and is not a report", file=path, hint="Name a new file.")
     return lines
 
 
 def _may_be_cut(line: bytes) -> bool:
-    """Whether a line can be what is left of one that a killed run was writing."""
+    """Return whether a line can be a truncated line of a killed run."""
     return line.startswith(BEGINNING) or BEGINNING.startswith(line)
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:
-    """The lines of a report; what else is there, such as a line that a killed run left half written, is passed over."""
+    """Return the valid lines of a report; skip others, such as one truncated by a kill."""
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
     found = []
     for line in lines:
@@ -119,17 +119,20 @@ def read_report(path: Path) -> list[dict[str, Any]]:
 
 @contextmanager
 def journal(path: Path, append: bool) -> Iterator[Callable[[CompileOutcome], None]]:
-    """Notes outcomes in a report; each is one write, so that a kill cuts at most the last line."""
+    """Open a report and yield a function that appends one outcome.
+
+    Each outcome is one write, so that a kill truncates at most the last line.
+    """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         if not append:
             path.write_bytes(b"")
-        report = path.open("ab", buffering=0)  # two runs into one report do not write over each other's lines
+        report = path.open("ab", buffering=0)  # two runs that share a report do not overwrite each other's lines
     except OSError as error:
         raise ConfigError(f"report cannot be written: {error.strerror}", file=path, hint="Name a new file.") from None
     with report as file:
         if append and path.stat().st_size:
-            file.write(b"\n")  # the last line may be cut
+            file.write(b"\n")  # the last line may be truncated
 
         def note(outcome: CompileOutcome) -> None:
             try:

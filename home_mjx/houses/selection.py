@@ -1,4 +1,4 @@
-"""Houses chosen by what is in them."""
+"""Selection of houses by their contents."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,18 +14,18 @@ from home_mjx.schema.categories import COARSE, FINE
 from home_mjx.schema.compiled import CompiledHouse, Rooms
 from home_mjx.schema.semantic import Semantic
 
-Range = tuple[float, float]  # least and most, both allowed
+Range = tuple[float, float]  # minimum and maximum, both inclusive
 
 
 @dataclass(frozen=True)
 class HouseFilter:
-    """What a house must have; None allows anything.
+    """Required properties of a house; None allows any value.
 
     Attributes:
         levels: Number of levels.
         rooms: Number of rooms, of all levels.
-        area: Floor area of all rooms [m^2]; where rooms nest, it counts twice.
-        categories: Fine or coarse categories, of each of which it must have an object.
+        area: Floor area of all rooms [m^2]; the overlap of nested rooms counts twice.
+        categories: Fine or coarse categories; the house must have an object of each.
 
     Example:
         >>> HouseFilter(levels=(1, 1), rooms=(3, 8), categories=("bed", "toilet"))
@@ -42,14 +42,14 @@ class HouseFilter:
         for name in ("levels", "rooms", "area"):
             limits = getattr(self, name)
             if limits is not None and not _is_range(limits):
-                raise ConfigError(f"`{name}` must be (least, most), got {limits}")
+                raise ConfigError(f"`{name}` must be (minimum, maximum), got {limits}")
 
     def accepts(self, house: CompiledHouse) -> bool:
-        """Whether a house has all that."""
+        """Return whether a compiled house has all required properties."""
         return self.fits(contents_of(house.report, house.rooms, house.semantics))
 
     def fits(self, contents: "HouseContents") -> bool:
-        """Whether all that is in what a house has."""
+        """Return whether contents meet all requirements."""
         sizes = ((contents.levels, self.levels), (contents.rooms, self.rooms), (contents.area, self.area))
         met = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
         return met and set(self.categories) <= contents.categories
@@ -57,7 +57,7 @@ class HouseFilter:
 
 @dataclass(frozen=True)
 class HouseContents:
-    """What a `HouseFilter` asks about.
+    """Properties of a house that a `HouseFilter` tests.
 
     Attributes:
         levels: Number of levels.
@@ -73,12 +73,12 @@ class HouseContents:
 
 
 def contents_of(report: Mapping[str, int], rooms: Rooms, semantics: Int[np.ndarray, "q columns"]) -> HouseContents:
-    """What a filter asks about a compiled house; its models are not needed.
+    """Return the filter properties of a compiled house; its models are not needed.
 
     Args:
-        report: Its counts.
-        rooms: Its rooms.
-        semantics: Its semantic rows.
+        report: Counts of the house.
+        rooms: Rooms of the house.
+        semantics: Semantic rows of the house.
     """
     area = sum(polygon_area(polygon) for polygon in rooms.polygon)
     return HouseContents(report["levels"], len(rooms.type), area, _categories(semantics))

@@ -1,4 +1,4 @@
-"""The cache's folders: one for each version of the format and of the compiler; old ones go."""
+"""Version folders of the cache, one per version of the format and the compiler; unused ones are removed."""
 
 import contextlib
 import functools
@@ -15,7 +15,7 @@ from home_mjx.core.paths import cache_folder
 
 FORMAT = 8
 PACKAGE = Path(__file__).parents[1]
-# What makes an entry: a change of any of these makes all houses anew. A test holds it against the imports.
+# Code that determines an entry; changing any of it recompiles all houses. A test compares this list with the imports.
 COMPILER = (
     "core/array_store/flatten.py",
     "core/color.py",
@@ -50,24 +50,24 @@ COMPILER = (
 )
 VERSION_FOLDER = re.compile(r"v\d+-[0-9a-f]{12}")
 DISCARDED = ".discarded-"
-KEEP_SECONDS = 30 * 24 * 3600.0  # that an unused version's folder is kept
+KEEP_SECONDS = 30 * 24 * 3600.0  # time until an unused version folder is removed
 
 log = logging.getLogger(__name__)
 
 
 def version_folder() -> Path:
-    """Where entries of this version lie."""
+    """Return the folder of entries of this version."""
     return cache_folder() / version()
 
 
 @functools.cache
 def version() -> str:
-    """Name of this version."""
+    """Return the name of this version."""
     return version_of(PACKAGE)
 
 
 def version_of(package: Path) -> str:
-    """Name of the format and of the code that makes entries, so that a changed compiler never meets old ones.
+    """Return the format number and a hash of the compiler's code, so that a changed compiler never reads old entries.
 
     Args:
         package: Folder of `home_mjx`.
@@ -79,20 +79,20 @@ def version_of(package: Path) -> str:
 
 
 def compiler_files(root: Path = PACKAGE) -> list[Path]:
-    """Code and tables of `COMPILER`, in order."""
+    """Return the files of `COMPILER`, code and tables, sorted."""
     named = [root / name for name in COMPILER]
     found = [path for place in named for path in (place.rglob("*") if place.is_dir() else (place,))]
     return sorted(path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
 
 
 def mark_used(folder: Path) -> None:
-    """Notes on a version's folder, if there is one, that it is in use."""
-    with contextlib.suppress(OSError):  # not there yet, or someone else's
+    """Update the modification time of a version folder, if it exists, to mark it as used."""
+    with contextlib.suppress(OSError):  # the folder does not exist yet, or belongs to another user
         os.utime(folder)
 
 
 def claim(folder: Path) -> None:
-    """Makes a version's folder; with a new version, those that were not used for a month go."""
+    """Create a version folder; if it is new, remove folders of versions that were not used for a month."""
     if folder.is_dir():
         return
     folder.mkdir(parents=True, exist_ok=True)
@@ -103,20 +103,20 @@ def claim(folder: Path) -> None:
 
 
 def discard(folder: Path) -> None:
-    """Removes a folder of the cache; renamed first, so that nobody meets it half removed."""
+    """Remove a folder of the cache; it is renamed first, so that no process sees it half removed."""
     hidden = folder.with_name(DISCARDED + folder.name.removeprefix(DISCARDED))
     try:
         folder.replace(hidden)
         shutil.rmtree(hidden)
-    except OSError as error:  # another process may be at it
-        log.warning("old cache folder %s is not removed: %s", folder, error)
+    except OSError as error:  # another process may be removing it
+        log.warning("old cache folder %s was not removed: %s", folder, error)
 
 
 def prepare_folder() -> None:
-    """Makes the folder of this version, and removes what killed writers have left in it.
+    """Create the folder of this version, and remove files left by killed writers.
 
     Raises:
-        OSError: It cannot be written to.
+        OSError: The folder is not writable.
     """
     folder = version_folder()
     claim(folder)

@@ -1,20 +1,20 @@
-"""The agent and its contacts as MJCF: shared by exported houses and by the physics template."""
+"""Agents and their contacts as MJCF, shared by exported houses and the physics template."""
 
 import xml.etree.ElementTree as ET
 
 from home_mjx.schema.agent import Body
 
-# What strikes at speed v goes v T / e deep, T the time constant: 4 cm at 5 m/s, and out again within a control step.
-# With 0.05 s light things that were thrown stayed deep in furniture for several steps. The price: a friction pyramid
-# lifts what slides, and a light box that is pushed at 1 m/s hops by 12 mm instead of 9 (friction 0.4).
+# An impact at speed v penetrates by v T / e, where T is the time constant: 4 cm at 5 m/s, resolved within a control
+# step. With T = 0.05 s, thrown light objects stayed deep inside furniture for several steps. The price: the friction
+# pyramid lifts sliding objects. A light box that is pushed at 1 m/s hops by 12 mm instead of 9 (friction 0.4).
 TIME_CONSTANT = 0.02  # [s]
-SOLREF = f"{TIME_CONSTANT} 1"  # of agents, of ends of doors' ways, and of what does not bounce, see `contact`
-# Impedance of all contacts and limits: least, greatest, and width of the curve between [m]; MuJoCo's defaults.
+SOLREF = f"{TIME_CONSTANT} 1"  # for agents, door limits and contacts without restitution, see `contact`
+# Impedance of all contacts and limits: minimum, maximum, and width of the transition [m]; MuJoCo's defaults.
 SOLIMP = (0.9, 0.95, 0.001)
 
 
 def solimp() -> str:
-    """`SOLIMP` as an attribute.
+    """Return `SOLIMP` as an MJCF attribute.
 
     Example:
         >>> solimp()
@@ -23,18 +23,18 @@ def solimp() -> str:
     return " ".join(map(str, SOLIMP))
 
 
-# What makes an agent's contacts frictionless, whatever it touches.
+# Geom attributes that make all contacts of an agent frictionless.
 FRICTIONLESS = {"condim": "1", "priority": "2", "solref": SOLREF, "solimp": solimp()}
 
 
 def add_agent(world: ET.Element, shape: Body, name: str, **capsule: str) -> ET.Element:
-    """Adds an agent: a capsule on three slides and a yaw hinge, so its joint positions are x, y, z and yaw.
+    """Add an agent: a capsule on three slides and a yaw hinge, so its joint positions are x, y, z and yaw.
 
     Args:
         world: The `worldbody` element.
-        shape: Its size and mass.
+        shape: Size and mass of the agent.
         name: Name of body and capsule; joints are `<name>_x`, `_y`, `_z` and `_yaw`.
-        **capsule: More attributes of the capsule.
+        **capsule: Additional attributes of the capsule.
 
     Returns:
         The body element.
@@ -49,6 +49,6 @@ def add_agent(world: ET.Element, shape: Body, name: str, **capsule: str) -> ET.E
 
 
 def add_motors(actuator: ET.Element, name: str) -> None:
-    """Adds an agent's motors: force along world x and y [N], torque about z [N m]."""
+    """Add an agent's motors: force along world x and y [N], torque about z [N m]."""
     for joint in ("x", "y", "yaw"):
         ET.SubElement(actuator, "motor", name=f"{name}_{joint}", joint=f"{name}_{joint}")

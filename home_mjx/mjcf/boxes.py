@@ -10,12 +10,12 @@ from home_mjx.mjcf.agent import SOLIMP
 from home_mjx.mjcf.contact import contact_numbers
 from home_mjx.schema.compiled import Doors
 
-COLLIDER = "3"  # group, hidden by the viewer at first
-# Leaves touch agents and movable objects, but neither one another nor what is fixed: their range keeps them from it.
+COLLIDER = "3"  # geom group of colliders, hidden by default in the viewer
+# Leaves collide with agents and movable objects, but not with each other or static geoms: their range prevents that.
 MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
 ONLY_MOVING = {"contype": "2", "conaffinity": "0"}
-DOOR_DRAG = 1.5  # [1/s], of a hinge or rail: the part of its speed that a leaf loses per second
-BODY_PRIORITY = "1"  # a movable object's numbers decide about its contacts; agents have more, what is fixed has none
+DOOR_DRAG = 1.5  # [1/s], decay rate of a leaf's speed: damping of the hinge or rail per inertia or mass
+BODY_PRIORITY = "1"  # contact priority of movable objects; above static geoms (0), below agents (2)
 
 
 def numbers(values: Float[np.ndarray, "..."]) -> str:
@@ -24,10 +24,10 @@ def numbers(values: Float[np.ndarray, "..."]) -> str:
 
 
 def body_surface(friction: float, ratio: float, timestep: float) -> dict[str, str]:
-    """Attributes of a movable object's geoms: its own numbers decide its contacts.
+    """Return the contact attributes of a movable object's geoms, which take priority over static geoms.
 
     Args:
-        friction: Sliding.
+        friction: Coefficient of sliding friction.
         ratio: Damping ratio, see `materials.contact.damping_ratio`.
         timestep: Length of a physics step [s].
     """
@@ -38,25 +38,25 @@ def body_surface(friction: float, ratio: float, timestep: float) -> dict[str, st
 
 
 def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:
-    """Adds a collision box of half extents `size` [m]."""
+    """Add a collision box of half extents `size` [m]."""
     look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
     ET.SubElement(parent, "geom", look | more, name=name, type="box", size=numbers(size))
 
 
 def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
-    """Adds a convex piece as a collision geom."""
+    """Add a convex piece as a collision geom."""
     look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
     ET.SubElement(parent, "geom", look | more, name=name, type="mesh", mesh=mesh, mass="0")
 
 
 def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
-    """Adds the body of a leaf, on a hinge through the body's origin or on a rail.
+    """Add the body of a door leaf, on a hinge through the body's origin or on a rail.
 
     Args:
         world: The `worldbody` element.
         doors: All leaves.
-        row: Which of them.
-        name: Of body, joint and geom.
+        row: Row of the leaf.
+        name: Name of body, joint and geom.
 
     Returns:
         The body and its origin [m].
@@ -69,7 +69,7 @@ def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.E
         joint = {"type": "slide", "axis": numbers(np.array([*doors.slide[row], 0.0])), "range": numbers(limits)}
     else:
         joint = {"type": "hinge", "axis": "0 0 1", "range": numbers(np.rad2deg(limits))}
-        moved = inertia[2] + doors.mass[row] * (arm @ arm)  # Steiner's theorem
+        moved = inertia[2] + doors.mass[row] * (arm @ arm)  # parallel axis theorem
     damping = f"{DOOR_DRAG * moved:.9g}"
     ET.SubElement(element, "joint", joint, name=name, limited="true", damping=damping, armature="0")
     place = {"pos": numbers(arm), "quat": numbers(doors.quat[row])}

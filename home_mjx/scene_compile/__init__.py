@@ -1,6 +1,6 @@
 """Compiler from houses to arrays: `compile_house`, semantics, MJCF.
 
-Host only: nothing here loads JAX.
+Host code only; no module here imports JAX.
 """
 
 from home_mjx.scene_compile.collision.colliders import ColliderOptions

@@ -1,22 +1,22 @@
-"""How things slide and bounce: friction and restitution by kind of material."""
+"""Contact properties by kind of material: sliding friction and restitution."""
 
 import math
 from typing import NamedTuple
 
 
 class Contact(NamedTuple):
-    """How a movable object touches others."""
+    """Contact properties of a movable object."""
 
-    friction: float  # sliding, of Coulomb
-    restitution: float  # part of its speed with which it comes back from what it hits
+    friction: float  # coefficient of sliding (Coulomb) friction
+    restitution: float  # ratio of the speeds after and before an impact
 
 
-USUAL = Contact(0.4, 0.2)  # of any other material
+USUAL = Contact(0.4, 0.2)  # default for materials without an entry
 
 # Friction: sliding, dry, on wood or stone, after tables of handbooks (wood 0.2 to 0.5, metal on wood 0.2 to 0.6,
 # leather on wood 0.3 to 0.5, brick on wood 0.6, rubber on concrete 0.7); glass and glaze are taken as smoother.
-# Restitution: half of what solid balls have on a hard floor (wood 0.6, steel 0.6, glass 0.66, hard plastic 0.69: The
-# Physics Factbook), since furniture is hollow and jointed; what is soft does not bounce. The rounding is ours.
+# Restitution: half the value of solid balls on a hard floor, since furniture is hollow and jointed (wood 0.6, steel
+# 0.6, glass 0.66, hard plastic 0.69: The Physics Factbook). Soft materials do not bounce. The rounding is ours.
 CONTACTS = {
     "bricks": Contact(0.6, 0.2),
     "carpet": Contact(0.6, 0.0),
@@ -41,19 +41,19 @@ CONTACTS = {
     "wallpaper": Contact(0.4, 0.0),
     "wood": Contact(0.4, 0.3),
 }
-# Coarse categories whose material is not what they touch with: furniture stands on feet of wood, toys are of rubber.
+# Coarse categories whose contact material differs from their surface: furniture has wooden feet, toys are of rubber.
 ON_WOODEN_FEET = ("bed", "bench_chair", "chair", "ottoman", "sofa", "storage_bench")
 RUBBER = Contact(0.7, 0.6)
-HEAVY = 5.0  # [kg]: what weighs more does not bounce; its joints take up the blow
+HEAVY = 5.0  # [kg], maximum mass with restitution; the joints of heavier objects absorb impacts
 
 
 def contact_of(kind: str, coarse: str, mass: float) -> Contact:
-    """Friction and restitution of an object.
+    """Return the friction and restitution of an object.
 
     Args:
-        kind: What most of its surface is made of, one of `MATERIAL_KINDS`, or "".
-        coarse: Its coarse category.
-        mass: [kg]
+        kind: Kind of material with the largest surface, one of `MATERIAL_KINDS`, or "".
+        coarse: Coarse category.
+        mass: Mass [kg].
 
     Example:
         >>> contact_of("glass", "vase", 1.0), contact_of("textile", "sofa", 40.0)
@@ -65,10 +65,10 @@ def contact_of(kind: str, coarse: str, mass: float) -> Contact:
 
 
 def damping_ratio(restitution: float) -> float:
-    """The damping ratio z of a contact that throws back with e = exp(-pi z / sqrt(1 - z^2)), see `mjcf.contact`.
+    """Return the damping ratio z of a contact with restitution e = exp(-pi z / sqrt(1 - z^2)), see `mjcf.contact`.
 
     Args:
-        restitution: e, in [0, 1).
+        restitution: Restitution e, in [0, 1).
 
     Example:
         >>> damping_ratio(0.0), round(damping_ratio(0.5), 3)

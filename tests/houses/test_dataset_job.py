@@ -223,7 +223,7 @@ def test_a_full_disk_is_said_with_the_file_that_it_lacks(houses):
 def test_a_file_that_is_no_report_is_kept(houses, tmp_path, content, resume):
     path = tmp_path / "notes.txt"
     path.write_bytes(content)
-    with pytest.raises(ConfigError, match="no report"):
+    with pytest.raises(ConfigError, match="not a report"):
         compile_dataset(houses[0], report=path, resume=resume)
     assert path.read_bytes() == content
 

@@ -72,7 +72,7 @@ def test_filters(options, fits):
 def test_wrong_filters_are_refused():
     with pytest.raises(ConfigError, match="Did you mean `bed`"):
         HouseFilter(categories=("bedd",))
-    with pytest.raises(ConfigError, match="least, most"):
+    with pytest.raises(ConfigError, match="minimum, maximum"):
         HouseFilter(rooms=(3, 2))
 
 

@@ -1,4 +1,4 @@
-"""Host records to plain arrays and back, without pickle."""
+"""Conversion of host records to plain arrays and back, without pickle."""
 
 import dataclasses
 import functools
@@ -10,16 +10,16 @@ import numpy as np
 
 T = TypeVar("T")
 Arrays = dict[str, np.ndarray]
-Notes = dict[str, Any]  # what JSON can hold
+Notes = dict[str, Any]  # JSON-serializable values
 
 
 def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -> tuple[Arrays, Notes]:
-    """Fields of a dataclass and of those in it by dotted name: arrays, and the rest as JSON values.
+    """Flatten a dataclass and nested ones to arrays and JSON values, by dotted name.
 
     Args:
         record: A dataclass of arrays, strings, numbers, tuples of arrays or of strings, and such dataclasses.
-        skip: Fields that are left out.
-        prefix: Of the names.
+        skip: Names of fields to omit.
+        prefix: Prefix of the names.
     """
     arrays: Arrays = {}
     notes: Notes = {}
@@ -42,14 +42,14 @@ def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -
 
 
 def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: Notes, prefix: str = "", **given: Any) -> T:
-    """The record that `flatten` took apart.
+    """Rebuild a record from the output of `flatten`.
 
     Args:
-        cls: Its class.
-        arrays: By dotted name.
-        notes: By dotted name.
-        prefix: Of the names.
-        given: Fields that were left out.
+        cls: Class of the record.
+        arrays: Arrays by dotted name.
+        notes: JSON values by dotted name.
+        prefix: Prefix of the names.
+        given: Values of the fields that were skipped.
 
     Raises:
         KeyError: A field is missing.
@@ -77,7 +77,7 @@ def _numbered(cls: type) -> dict[str, int]:
 
 
 def _numbers(hints: Iterable[Any]) -> dict[str, int]:
-    """Lengths of axes by name: those that are numbers."""
+    """Return the axis lengths that are numeric in the hints, by axis name."""
     return {axis: int(axis) for hint in hints for axis in _axes(hint) if axis.isdigit()}
 
 
@@ -96,7 +96,7 @@ def _from_note(name: str, note: Any, hint: Any, arrays: Mapping[str, np.ndarray]
 
 
 def _checked(array: np.ndarray, hint: Any, name: str, lengths: dict[str, int]) -> np.ndarray:
-    """The array, if its type is the hint's, and axes of one name in a record are of one length."""
+    """Return the array if its dtype fits the hint and axes of the same name in a record have equal lengths."""
     axes, shape = _axes(hint), array.shape
     fits = len(axes) == len(shape) and _fits(array.dtype, hint)
     for axis, n in zip(axes, shape, strict=False):
@@ -108,7 +108,7 @@ def _checked(array: np.ndarray, hint: Any, name: str, lengths: dict[str, int]) -
 
 @functools.cache
 def _axes(hint: Any) -> tuple[str, ...]:
-    """Names of axes, see `_numbers`."""
+    """Return the axis names of a hint, see `_numbers`."""
     return tuple(hint.dim_str.split())
 
 

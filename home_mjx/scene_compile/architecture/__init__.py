@@ -1,1 +1,1 @@
-"""Rooms, walls, floors, ceilings, and the planes that mirror sound."""
+"""Rooms, walls, floors and ceilings of a house, and reflection planes for room acoustics."""

@@ -1,4 +1,4 @@
-"""The world frame of a house, and its rooms in it."""
+"""World frame of a house, with its rooms in that frame."""
 
 from dataclasses import dataclass
 
@@ -12,12 +12,12 @@ from home_mjx.schema.house import House
 
 @dataclass(frozen=True)
 class Frame:
-    """A house, and where it lies in the world frame (Z up, metres).
+    """A house with its rooms in the world frame (Z up, metres).
 
     Attributes:
-        house: What the dataset says.
-        offset: Added to Z-up file coordinates [m].
-        rooms: Outlines, floors and ceilings in the world frame.
+        house: House as read from the dataset.
+        offset: Translation added to Z-up file coordinates [m].
+        rooms: Outlines, floor heights and ceiling heights in the world frame.
     """
 
     house: House
@@ -26,7 +26,7 @@ class Frame:
 
 
 def find_frame(house: House) -> Frame:
-    """The frame of a house: the middle of its ground floor's rooms is at x = y = 0.
+    """Return the world frame of a house, with the centre of its ground-floor rooms at x = y = 0.
 
     Raises:
         DatasetError: The house has no room with a mesh.

@@ -1,4 +1,4 @@
-"""Rectangles that mirror sound: walls, floors and ceilings as seen from their rooms, each once."""
+"""Rectangular planes for specular sound reflections: walls, floors and ceilings, without duplicates."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,24 +12,24 @@ from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import Shell, ShellPart, Wall, has_room_behind, inner_normal
 from home_mjx.schema.compiled import Planes, Rooms
 
-SNAP = 0.06  # [m]: corners of neighbouring rooms that differ by less are one
-SAME_PLANE = 0.06  # [m]: walls may be slightly oblique
-LEAST = 0.2  # [m], edge of a rectangle worth a reflection
+SNAP = 0.06  # [m], corners of neighbouring rooms closer than this are merged
+SAME_PLANE = 0.06  # [m], maximum distance between planes that are merged; walls may be slightly oblique
+LEAST = 0.2  # [m], minimum edge of a reflecting rectangle, and minimum overlap of two that are merged
 
 
 @dataclass(frozen=True)
 class Rectangle:
-    """One mirror; `u` runs along it and `v` is its other side."""
+    """One reflecting rectangle, spanned by `u` and `v`."""
 
     center: Float[np.ndarray, "3"]  # [m]
     normal: Float[np.ndarray, "3"]
     u: Float[np.ndarray, "3"]  # [m], half extent vectors
     v: Float[np.ndarray, "3"]
-    slot: int  # of the architecture
+    slot: int  # material slot of the architecture
 
 
 def build_planes(house: Shell, rooms: Rooms) -> Planes:
-    """Mirrors of a house.
+    """Build the reflection planes of a house.
 
     Args:
         house: Its architecture, whose slots are the first rows of the house's material table.
@@ -41,7 +41,7 @@ def build_planes(house: Shell, rooms: Rooms) -> Planes:
         _wall(p, -inner_normal(p, rooms), int(house.backing[i]), rooms) for i, p in walls if has_room_behind(p, rooms)
     ]
     found = _merge_walls(_large(inner))
-    # The far side of a wall counts where no room claims it as its own, as where a room lies in another.
+    # The far side of a wall is added only if no room has it as an inner side, for example around a nested room.
     found += [wall for wall in _merge_walls(_large(outer)) if not any(_overlap(wall, other) for other in found)]
     found += _large(r for kind in ("floor", "ceiling") for r in _flat(house, rooms, kind))
     return Planes(
@@ -62,7 +62,7 @@ def _rows(vectors: Iterable[np.ndarray]) -> Float[np.ndarray, "p 3"]:
 
 
 def _wall(part: Wall, normal: Float[np.ndarray, "3"], slot: int, rooms: Rooms) -> Rectangle:
-    """One side of a wall, from the floor to the ceiling of its room."""
+    """Return one side of a wall, from the floor to the ceiling of its room."""
     slab = part.slab
     side = slab.high if slab.to_world(np.array([0.0, 1.0, 0.0])) @ normal > 0 else slab.low
     low, high = rooms.floor[part.room], rooms.ceiling[part.room]
@@ -72,7 +72,7 @@ def _wall(part: Wall, normal: Float[np.ndarray, "3"], slot: int, rooms: Rooms) -
 
 
 def _merge_walls(walls: Sequence[Rectangle]) -> list[Rectangle]:
-    """One rectangle for those that overlap in one plane, as where a room lies in another, so none reflects twice."""
+    """Merge coplanar rectangles that overlap, as around nested rooms, so that no surface reflects twice."""
     merged: list[Rectangle] = []
     for wall in walls:
         twin = next((i for i, other in enumerate(merged) if _overlap(wall, other)), None)
@@ -92,7 +92,7 @@ def _overlap(a: Rectangle, b: Rectangle) -> bool:
 
 
 def _hull(a: Rectangle, b: Rectangle) -> Rectangle:
-    """The rectangle around two in one plane; the longer one says what it is made of."""
+    """Return the rectangle around two coplanar ones; the longer one sets the material slot."""
     direction = a.u / np.linalg.norm(a.u)
     along = np.array([[(r.center - a.center) @ direction, abs(r.u @ direction)] for r in (a, b)])
     low, high = (along[:, 0] - along[:, 1]).min(), (along[:, 0] + along[:, 1]).max()
@@ -104,7 +104,7 @@ def _hull(a: Rectangle, b: Rectangle) -> Rectangle:
 
 
 def _flat(house: Shell, rooms: Rooms, kind: str) -> list[Rectangle]:
-    """Floors or ceilings; where rooms nest, the smallest one has the place."""
+    """Return the rectangles of floors or ceilings; where rooms nest, the smallest room owns the area."""
     found = []
     for part, slot in zip(house.parts, house.facing, strict=True):
         if part.kind == kind:
@@ -115,7 +115,10 @@ def _flat(house: Shell, rooms: Rooms, kind: str) -> list[Rectangle]:
 
 
 def _plan_rectangles(house: Shell, rooms: Rooms, part: ShellPart) -> list[tuple[Float[np.ndarray, "4"], float]]:
-    """Rectangles of the plan (u0, v0, u1, v1 in the room's own direction) that are nearest to this room alone."""
+    """Return the rectangles (u0, v0, u1, v1) and yaw that cover the plan area owned by this room.
+
+    `u` and `v` are plan coordinates along the room's longest wall [m].
+    """
     walls = [p.slab for p in house.parts if isinstance(p, Wall) and p.room == part.room]
     yaw = max(walls, key=lambda s: s.length).yaw if walls else 0.0
     turn = yaw_matrix(yaw)[:2, :2]

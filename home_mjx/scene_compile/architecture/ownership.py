@@ -1,7 +1,7 @@
-"""Floors and ceilings of rooms that overlap: each place belongs to one room, the smallest that holds it.
+"""Assignment of overlapping floor and ceiling areas to rooms: the smallest room owns each point.
 
-This is the rule of `smallest_room`, by which navigation, collision and sound go. Real houses often nest rooms, with
-floors in one plane: without the rule rays would hit the one or the other, as they round.
+This is the rule of `smallest_room`, which navigation, collision and sound use as well. Real houses often nest rooms
+with coplanar floors. Without the rule, rounding would decide which of the floors a ray hits.
 """
 
 from collections.abc import Sequence
@@ -14,22 +14,22 @@ from home_mjx.geometry.polygons import polygon_area
 from home_mjx.geometry.slabs import grow, simplify, triangulate
 from home_mjx.schema.compiled import Rooms
 
-STRIP = 0.05  # [m]: floors reach 2 cm beyond the middle of their walls; strips of two such margins stay
-LEAST = 0.01  # [m^2], of an overlap that counts
-SLIVER = 1e-7  # [m^2]: smaller pieces are dropped
-LEVEL = 0.7  # least vertical part of a normal
+STRIP = 0.05  # [m], overlaps up to this width are ignored: floors extend 2 cm beyond the middle of their walls
+LEAST = 0.01  # [m^2], minimum area of an overlap that is removed
+SLIVER = 1e-7  # [m^2], pieces smaller than this are dropped
+LEVEL = 0.7  # minimum vertical component of a floor's or ceiling's unit normal
 
 Polygon = Float[np.ndarray, "_ 2"]
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """Triangles of a surface after it was cut.
+    """Triangles of a surface after clipping.
 
     Attributes:
-        triangles: [m].
-        uv: Texture coordinates of their corners.
-        source: From which triangle each comes.
+        triangles: Corners [m].
+        uv: Texture coordinates of the corners.
+        source: Index of the original triangle.
     """
 
     triangles: Float[np.ndarray, "t 3 3"]
@@ -38,11 +38,11 @@ class Pieces:
 
 
 def owners_before(room: int, others: Sequence[int], rooms: Rooms) -> list[list[Polygon]]:
-    """Outlines, as triangles, of the rooms to which places of a room belong that they share with it.
+    """Return triangulated outlines of the smaller rooms that own parts of this room's area.
 
     Args:
         room: Index of the room.
-        others: Rooms of its level that have such a surface, too.
+        others: Rooms of the same level that have a surface of the same kind.
         rooms: Outlines.
     """
     here = np.flatnonzero(rooms.level == rooms.level[room]).tolist()
@@ -54,7 +54,7 @@ def owners_before(room: int, others: Sequence[int], rooms: Rooms) -> list[list[P
 
 
 def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
-    """A polygon with its sides moved outwards, as triangles; nothing if it crosses itself then."""
+    """Triangulate a polygon after offsetting its sides outwards; empty if it then intersects itself."""
     try:
         corners = simplify(polygon)
         grown = corners if outset == 0 else grow(corners, outset)
@@ -64,13 +64,13 @@ def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
 
 
 def _shared(a: Sequence[Polygon], b: Sequence[Polygon]) -> float:
-    """The area that two sets of triangles have in common [m^2]."""
+    """Return the area of the intersection of two sets of triangles [m^2]."""
     area = sum(polygon_area(piece) for piece in a)
     return area - sum(polygon_area(piece) for piece in _without(a, b))
 
 
 def _without(pieces: Sequence[Polygon], cutters: Sequence[Polygon]) -> list[Polygon]:
-    """Convex polygons less some triangles: each is cut along the sides of each triangle."""
+    """Subtract triangles from convex polygons by clipping along each triangle's sides."""
     left = list(pieces)
     for cutter in cutters:
         (x0, y0), (x1, y1), (x2, y2) = cutter
@@ -80,7 +80,7 @@ def _without(pieces: Sequence[Polygon], cutters: Sequence[Polygon]) -> list[Poly
 
 
 def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
-    """What of a convex polygon is outside of a counter-clockwise triangle, as convex polygons."""
+    """Return the part of a convex polygon outside a counter-clockwise triangle, as convex polygons."""
     if (piece.max(axis=0) <= cutter.min(axis=0)).any() or (piece.min(axis=0) >= cutter.max(axis=0)).any():
         return [piece]
     found, inside = [], piece
@@ -96,7 +96,7 @@ def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
 
 
 def _clip(polygon: Polygon, side: Float[np.ndarray, " n"]) -> Polygon:
-    """The part of a convex polygon where a linear function, given at its corners, is not negative."""
+    """Return the part of a convex polygon where a linear function, sampled at its corners, is not negative."""
     corners = []
     for i, (here, value) in enumerate(zip(polygon, side, strict=True)):
         before, earlier = polygon[i - 1], side[i - 1]
@@ -113,13 +113,13 @@ def cut_surface(
     toward: float,
     owners: Sequence[list[Polygon]],
 ) -> Pieces:
-    """A slab whose seen side has lost the places of other rooms; a slab that would lose all of it is kept.
+    """Remove the areas of other rooms from the visible side of a slab; keep a slab that would lose all of it.
 
     Args:
-        triangles: Of the slab [m].
+        triangles: Corners of the slab [m].
         uv: Their texture coordinates.
-        toward: 1 if it is seen from above, -1 from below.
-        owners: Of `owners_before`.
+        toward: 1 if the slab is seen from above, -1 from below.
+        owners: Output of `owners_before`.
     """
     cutters = [triangle for owner in owners for triangle in owner]
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -141,7 +141,7 @@ def cut_surface(
 def _fan(
     piece: Polygon, triangle: Float[np.ndarray, "3 3"], uv: Float[np.ndarray, "3 2"]
 ) -> tuple[Float[np.ndarray, "n 3 3"], Float[np.ndarray, "n 3 2"]]:
-    """A piece of a triangle as triangles of the same plane, winding and texture coordinates."""
+    """Triangulate a piece of a triangle, with the plane, winding and texture coordinates of the original."""
     weight = np.linalg.solve(np.vstack([triangle[:, :2].T, np.ones(3)]), np.vstack([piece.T, np.ones(len(piece))])).T
     order = np.array([[0, k, k + 1] for k in range(1, len(piece) - 1)])
     order = order[[polygon_area(piece[k]) > SLIVER / 100 for k in order]]

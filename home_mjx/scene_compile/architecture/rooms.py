@@ -1,4 +1,4 @@
-"""Rooms of a house: outlines and heights, from their meshes."""
+"""Rooms of a house: outlines and heights, derived from their meshes."""
 
 import numpy as np
 from jaxtyping import Float
@@ -12,22 +12,22 @@ from home_mjx.schema.house import House, Mesh, Room
 
 
 def ground_floor(rooms: Rooms) -> float:
-    """Height of the floor of the lowest level that has rooms [m]."""
+    """Return the floor height of the lowest level that has rooms [m]."""
     return float(rooms.floor[rooms.level == rooms.level.min()].min())
 
 
 def triangles_of(mesh: Mesh, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "f 3 3"]:
-    """A room's mesh in the world frame [m]."""
+    """Return the triangles of a room's mesh in the world frame [m]."""
     return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces] + offset
 
 
 def house_rooms(house: House) -> list[tuple[int, Room]]:
-    """Level index and room, in file order."""
+    """Return (level index, room) pairs in file order."""
     return [(level.index, room) for level in house.levels for room in level.rooms]
 
 
 def ground_offset(house: House) -> Float[np.ndarray, "3"]:
-    """Offset of Z-up file coordinates that puts the middle of the ground floor's rooms at x = y = 0.
+    """Return the offset of Z-up file coordinates that puts the centre of the ground-floor rooms at x = y = 0.
 
     Raises:
         DatasetError: The house has no room with a mesh.
@@ -46,11 +46,11 @@ def ground_offset(house: House) -> Float[np.ndarray, "3"]:
 
 
 def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> Rooms:
-    """Outlines, floors and ceilings of all rooms.
+    """Extract outlines, floor heights and ceiling heights of all rooms.
 
     Args:
         house: The house.
-        offset: Added to Z-up file coordinates [m].
+        offset: Translation added to Z-up file coordinates [m].
     """
     found = house_rooms(house)
     polygons, heights = zip(*(_measure(room, offset) for _, room in found), strict=True)
@@ -65,7 +65,7 @@ def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> Rooms:
 
 
 def _measure(room: Room, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
-    """Outline and heights; visible parts replace hidden ones."""
+    """Return the outline and the (floor, ceiling) heights of a room; missing meshes are replaced by the others."""
     meshes = (room.floor, room.ceiling, room.walls)
     floor, ceiling, walls = (None if m is None else triangles_of(m, offset) for m in meshes)
     parts = [p for p in (floor, ceiling, walls) if p is not None]

@@ -1,4 +1,4 @@
-"""Walls, floors, ceilings and grounds of a house as one model with a semantic part per surface."""
+"""Walls, floors, ceilings and grounds of a house as one model with one semantic part per surface."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -18,46 +18,46 @@ from home_mjx.schema.compiled import Model, Rooms
 from home_mjx.schema.house import House, Mesh
 from home_mjx.schema.semantic import semantic_row
 
-PROBE = 0.15  # [m] beyond a wall: where rooms are looked for
-SKIN = 0.01  # [m]: surfaces deeper than this inside a wall are hidden
-LAYER_GAP = 0.12  # [m]: slabs nearer than this above one another are one, such as a ceiling and the floor upon it
+PROBE = 0.15  # [m], distance beyond a wall of the points that are tested against room outlines
+SKIN = 0.01  # [m], surfaces deeper than this inside a wall count as hidden
+LAYER_GAP = 0.12  # [m], slabs with a smaller vertical gap are one partition, such as a ceiling and the floor above
 
 
 @dataclass(frozen=True)
 class ShellPart:
-    """One surface of the architecture in the world frame: a floor, a ceiling, a ground, or a wall of one room."""
+    """One architectural surface in the world frame: a floor, a ceiling, a ground, or a wall of one room."""
 
     kind: str  # floor, ceiling, wall or ground
-    room: int  # -1 for grounds
+    room: int  # room index; -1 for grounds
     level: int
     mesh: Mesh
-    faces: Int[np.ndarray, " f"]  # rows of the mesh
+    faces: Int[np.ndarray, " f"]  # face indices of the mesh
     triangles: Float[np.ndarray, "f 3 3"]  # [m]
 
 
 @dataclass(frozen=True)
 class Wall(ShellPart):
-    """Both layers of a room's wall."""
+    """A wall of one room, with its inner and outer layers."""
 
     slab: Slab
 
 
 @dataclass(frozen=True)
 class Shell:
-    """Instance 0 of a house."""
+    """Architecture of a house; its instance 0."""
 
     parts: tuple[ShellPart, ...]
-    partition: Int[np.ndarray, " q"]  # of each part
+    partition: Int[np.ndarray, " q"]  # physical wall or slab of each part
     model: Model
-    surfaces: tuple[SurfaceMaterial, ...]  # by slot of the model
-    facing: Int[np.ndarray, " q"]  # slot of most of each part's area on the side of its room
-    backing: Int[np.ndarray, " q"]  # and on the other side
+    surfaces: tuple[SurfaceMaterial, ...]  # indexed by slot of the model
+    facing: Int[np.ndarray, " q"]  # slot with the largest area on each part's inner side
+    backing: Int[np.ndarray, " q"]  # slot with the largest area on the outer side
     semantics: Int[np.ndarray, "q columns"]
     num_meshes: int
 
 
 def build_shell(frame: Frame) -> Shell:
-    """Walls, floors, ceilings and grounds of a house in the world frame."""
+    """Build the walls, floors, ceilings and grounds of a house in the world frame."""
     house, rooms = frame.house, frame.rooms
     parts = tuple(_parts(house, frame.offset))
     partition = partitions(parts)
@@ -104,7 +104,7 @@ def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offse
 
 
 def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: Rooms) -> Pieces:
-    """The triangles of a part; floors and ceilings without the places that belong to another room."""
+    """Return the triangles of a part; floors and ceilings without the areas owned by other rooms."""
     uv = part.mesh.uv[part.faces]
     owners = []
     if part.kind in ("floor", "ceiling"):
@@ -116,7 +116,7 @@ def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: Rooms) -> Pieces:
 
 
 def partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
-    """A number per physical wall or slab: copies of one wall in neighbouring rooms share theirs."""
+    """Return the index of the physical wall or slab of each part; copies in neighbouring rooms share one."""
     leader = list(range(len(parts)))
     for i, a in enumerate(parts):
         for j in range(i):
@@ -148,7 +148,7 @@ def _unite(leader: list[int], i: int, j: int) -> None:
 
 
 def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], rooms: Rooms) -> list[str]:
-    """Acoustic category of each part; copies of one wall have the same, so both sides transmit alike."""
+    """Return the acoustic category of each part; copies of one wall share it, so transmission is symmetric."""
     numbered = zip(parts, partition, strict=True)
     inner = {int(p) for part, p in numbered if isinstance(part, Wall) and _is_inner(part, rooms)}
     walls = ["wall" if p in inner else "outer_wall" for p in partition]
@@ -156,14 +156,14 @@ def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], ro
 
 
 def _is_inner(part: Wall, rooms: Rooms) -> bool:
-    """Whether there are rooms on both sides of most of a wall."""
+    """Return whether rooms are on both sides of at least half of a wall."""
     polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
     between = _indoors(part.slab, -1, polygons) & _indoors(part.slab, 1, polygons)
     return bool(between.mean() >= 0.5)
 
 
 def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Bool[np.ndarray, " p"]:
-    """Whether points along a wall, a little beyond one of its sides, lie in any of some rooms."""
+    """Return whether points along a wall, `PROBE` beyond one of its sides, are inside any of the polygons."""
     edge = slab.high[1] + PROBE if side > 0 else slab.low[1] - PROBE
     along = np.linspace(slab.low[0], slab.high[0], 13)[1:-1]
     points = slab.to_world(np.stack([along, np.full_like(along, edge), np.zeros_like(along)], axis=-1))[:, :2]
@@ -171,7 +171,10 @@ def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]
 
 
 def _slots(parts: Sequence[ShellPart], categories: Sequence[str]) -> tuple[list[SurfaceMaterial], list[np.ndarray]]:
-    """Surfaces by slot of the joint model, and each part's slots; a slot is a material of a mesh in one category."""
+    """Return the surfaces by slot of the joint model, and the slots of each part's faces.
+
+    A slot is one material of one mesh in one acoustic category.
+    """
     first: dict[tuple[int, int, str], int] = {}
     surfaces, slots = [], []
     for part, category in zip(parts, categories, strict=True):
@@ -195,7 +198,7 @@ def _row(part: ShellPart, partition: int) -> Int[np.ndarray, " columns"]:
 
 
 def inner_normal(part: ShellPart, rooms: Rooms) -> Float[np.ndarray, "3"]:
-    """The direction in which the part faces its room."""
+    """Return the unit direction from the part into its room."""
     if not isinstance(part, Wall):
         return np.array([0.0, 0.0, -1.0 if part.kind == "ceiling" else 1.0])
     polygon = [rooms.polygon[part.room]]
@@ -204,7 +207,7 @@ def inner_normal(part: ShellPart, rooms: Rooms) -> Float[np.ndarray, "3"]:
 
 
 def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
-    """The slot of most of the area that is seen from a side."""
+    """Return the slot with the largest visible area on one side of a part."""
     normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
     height = (part.triangles @ toward).min(axis=1)
     surface = height > height.max() - SKIN
@@ -212,7 +215,7 @@ def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[n
 
 
 def has_room_behind(part: Wall, rooms: Rooms) -> bool:
-    """Whether there is a room, whichever, beyond most of a wall's far side."""
+    """Return whether any room is beyond at least half of a wall's outer side."""
     polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
     away = part.slab.to_world(np.array([0.0, 1.0, 0.0])) @ inner_normal(part, rooms) < 0
     return bool(_indoors(part.slab, 1 if away else -1, polygons).mean() >= 0.5)

@@ -1,4 +1,4 @@
-"""Walls as upright slabs: their frame, extents and solid parts."""
+"""Walls as upright slabs: local frame, extents and solid boxes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,35 +11,35 @@ from home_mjx.geometry.rectangles import cell_centers, cluster, cover, in_triang
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.geometry.wall_groups import direction_across
 
-SNAP = 0.03  # [m]: copies of one opening in neighbouring walls differ by less
+SNAP = 0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ by less
 
 
 @dataclass(frozen=True)
 class Slab:
-    """An upright slab; local axes are along it, across it, up."""
+    """An upright slab; local axes are along, across and up."""
 
-    yaw: float  # [rad], of the axis along it
-    low: Float[np.ndarray, "3"]  # [m], local
-    high: Float[np.ndarray, "3"]
-    faces: Float[np.ndarray, "f 3 3"]  # [m], local: triangles of the two large sides
+    yaw: float  # [rad], direction of the local x axis
+    low: Float[np.ndarray, "3"]  # [m], local minimum corner
+    high: Float[np.ndarray, "3"]  # [m], local maximum corner
+    faces: Float[np.ndarray, "f 3 3"]  # [m], local triangles of the two large sides
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length of the slab [m]."""
         return float(self.high[0] - self.low[0])
 
     @property
     def middle(self) -> float:
-        """Coordinate of the middle plane across the slab [m], local."""
+        """Local coordinate of the middle plane across the slab [m]."""
         return float((self.low[1] + self.high[1]) / 2)
 
     def to_world(self, local: Float[np.ndarray, "*p 3"]) -> Float[np.ndarray, "*p 3"]:
-        """Points in the world."""
+        """Transform points from the local to the world frame."""
         return local @ yaw_matrix(self.yaw).T
 
 
 def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
-    """The frame of a wall: across it is where its area faces."""
+    """Fit the local frame of a wall; the across axis is the dominant direction of its face normals."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
     area = np.linalg.norm(normal, axis=1)
     across = direction_across(normal[:, :2], area)
@@ -47,7 +47,7 @@ def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
 
 
 def slab_along(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3"]) -> Slab:
-    """The slab of a known direction around triangles."""
+    """Return the slab with the specified yaw around triangles."""
     turn = yaw_matrix(yaw)
     local = triangles @ turn
     facing = abs((normal @ turn)[:, 1]) > 0.7 * np.linalg.norm(normal, axis=1)
@@ -56,13 +56,13 @@ def slab_along(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[
 
 
 def same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
-    """Whether two slabs are copies of one physical wall, or overlap as its continuation.
+    """Return whether two slabs are copies of one physical wall, or one overlaps the other as its continuation.
 
     Args:
         a: A slab.
         b: Another.
-        gap: Largest distance between their middle planes [m].
-        overlap: Least common length [m], more than what walls run into one another at corners.
+        gap: Maximum distance between their middle planes [m].
+        overlap: Minimum common length [m]; larger than the overlap of walls at corners.
     """
     if abs(np.sin(a.yaw - b.yaw)) > 0.03 or min(a.high[2], b.high[2]) - max(a.low[2], b.low[2]) < 0.5:
         return False
@@ -73,11 +73,11 @@ def same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool
 
 
 def wall_boxes(slabs: Sequence[Slab], longest: float) -> BoxSet:
-    """Boxes that fill one physical wall except for its openings.
+    """Fill one physical wall, except for its openings, with boxes.
 
     Args:
-        slabs: Its prisms: copies of neighbouring rooms, inner and outer layers.
-        longest: Largest length of a box [m].
+        slabs: Prisms of the wall: copies in neighbouring rooms, inner and outer layers.
+        longest: Maximum length of a box [m].
     """
     main = max(slabs, key=lambda s: s.length)
     turn = yaw_matrix(main.yaw)

@@ -1,1 +1,1 @@
-"""Boxes that stop bodies, and which objects can be pushed."""
+"""Collision boxes of static geometry, and selection of movable objects."""

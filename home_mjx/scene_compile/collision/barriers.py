@@ -1,4 +1,4 @@
-"""Invisible boxes that keep agents in the rooms of a house, where no wall, window or shut door does."""
+"""Invisible boxes that keep agents inside the rooms, wherever no wall, window or shut door closes a gap."""
 
 from collections.abc import Sequence
 
@@ -13,37 +13,37 @@ from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.navigation.free_space import clearance
 from home_mjx.schema.compiled import Rooms
 
-CELL = 0.05  # [m], of the grid on which gaps are found
-MOST_CELLS = 1 << 22  # of the grid: those of larger houses, 100 m x 100 m, are coarser
-AROUND = 1.0  # [m], of the grid beyond the rooms
-# [m] from boxes: cells nearer to them are closed. The axis of an agent of radius 0.1 m that is pressed 3 cm into boxes
-# keeps 7 cm from them, and half of the diagonal of a cell from its centre.
+CELL = 0.05  # [m], grid cell used to find gaps
+MOST_CELLS = 1 << 22  # maximum number of grid cells; houses larger than about 100 m x 100 m use coarser cells
+AROUND = 1.0  # [m], margin of the grid around the rooms
+# [m], cells with a smaller distance to boxes are closed. The axis of an agent of radius 0.1 m that is pressed 3 cm into
+# boxes keeps 7 cm from them, and half of the diagonal of a cell from its centre.
 PASSES = 0.035
-STANDS = 0.1  # [m]: only those parts of rooms count in which there is so much space around a place
-CLIMBS = 0.5  # [m] above the floor: what ends lower keeps nobody in
-REACHES = 1.5  # [m]: nor does what begins higher
-BETWEEN = 0.2  # [m]: rooms that are less than twice this apart have no outdoors between them
-POCKET = 0.3  # [m]: a place that is nowhere farther than this from a room leads nowhere
+STANDS = 0.1  # [m], minimum clearance; connected parts of rooms without a cell of this clearance are ignored
+CLIMBS = 0.5  # [m] above the floor; boxes that end lower do not block agents
+REACHES = 1.5  # [m] above the floor; boxes that begin higher do not block agents
+BETWEEN = 0.2  # [m], gaps between rooms of less than twice this width count as indoors
+POCKET = 0.3  # [m], outdoor parts that stay within this distance of rooms are dead ends and ignored
 BAND = 2  # [cells], thickness of a barrier
-THIN = 0.1  # [m], half of the most that a barrier may be thick where it bends
-HEIGHT = 2.0  # [m] above the highest floor, at least
-FENCE_AWAY, FENCE_HALF = 2.0, 0.05  # [m], from the rooms, and half its thickness
+THIN = 0.1  # [m], maximum half thickness of a box; thicker ones follow a bend and are cut
+HEIGHT = 2.0  # [m], minimum height of barriers above the highest floor
+FENCE_AWAY, FENCE_HALF = 2.0, 0.05  # [m], distance of the fence from the rooms, and half its thickness
 
 
 def find_barriers(
     rooms: Rooms, level: int, static: BoxSet, passages: Sequence[Float[np.ndarray, "4 2"]], longest: float
 ) -> BoxSet:
-    """Boxes that close every gap between a level's rooms and the outdoors.
+    """Return boxes that close every gap between a level's rooms and the outdoors.
 
-    On a fine grid, outdoors is where an agent could walk to from far outside all rooms. Its cells beside those of
-    rooms are filled, whatever they belong to: open outer doors, arches, garages, missing walls.
+    On a fine grid, the outdoors are the cells from which an agent could walk to a point far outside all rooms. Outdoor
+    cells next to room cells are filled, regardless of cause: open outer doors, arches, garages or missing walls.
 
     Args:
         rooms: Outlines and heights.
         level: Level index.
-        static: Boxes that stay where they are, shut doors among them.
-        passages: Footprints of ways between rooms, and of stairs [m]: these are indoors.
-        longest: Most length of a barrier [m].
+        static: Boxes that do not move, including shut doors.
+        passages: Footprints of ways between rooms, and of stairs [m]; these are indoors.
+        longest: Maximum length of a barrier [m].
     """
     here = np.flatnonzero(rooms.level == level)
     points = np.concatenate([rooms.polygon[r] for r in here])
@@ -70,36 +70,36 @@ def find_barriers(
 
 
 def _indoors(room: Bool[np.ndarray, "ny nx"], cell: float) -> Bool[np.ndarray, "ny nx"]:
-    """Rooms, and what lies between them."""
+    """Return the cells of rooms and of the gaps between them."""
     grown = _distance(room, cell) <= BETWEEN
     return room | (_distance(~grown, cell) > BETWEEN)
 
 
 def _distance(cells: Bool[np.ndarray, "ny nx"], cell: float) -> Float[np.ndarray, "ny nx"]:
-    """Distance of every cell to the nearest of some [m]."""
+    """Return the distance of every cell to the nearest of the selected cells [m]."""
     return np.asarray(ndimage.distance_transform_edt(~cells)) * cell
 
 
 def _parts_with(cells: Bool[np.ndarray, "ny nx"], wanted: Bool[np.ndarray, "ny nx"]) -> Bool[np.ndarray, "ny nx"]:
-    """The connected parts of some cells that hold a wanted one."""
+    """Return the connected parts of cells that contain a wanted cell."""
     part = _parts(cells)
     return cells & np.isin(part, part[cells & wanted])
 
 
 def _parts(cells: Bool[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
-    """Number of the connected part of each cell, corners count; 0 elsewhere."""
+    """Return the index of the 8-connected part of each cell, from 1; 0 elsewhere."""
     part = np.zeros(cells.shape, np.int32)
     ndimage.label(cells, np.ones((3, 3)), output=part)
     return part
 
 
 def _boxes(band: Float[np.ndarray, "n 4 2"], heights: tuple[float, float], longest: float) -> BoxSet:
-    """Thin upright boxes, in any direction, that together hold cells; a bent band of these is cut into straight ones.
+    """Cover cells with thin upright boxes of any yaw; a curved band is cut into straight pieces.
 
     Args:
         band: Corners of the cells [m].
-        heights: Where the boxes begin and end [m].
-        longest: Most length of a box [m].
+        heights: Bottom and top of the boxes [m].
+        longest: Maximum length of a box [m].
     """
     corners = band.reshape(-1, 2)
     box = narrowest_box(np.concatenate([np.c_[corners, np.full(len(corners), z)] for z in heights]))
@@ -113,7 +113,7 @@ def _boxes(band: Float[np.ndarray, "n 4 2"], heights: tuple[float, float], longe
 
 
 def lot(rooms: Rooms) -> Float[np.ndarray, "2 2"]:
-    """Least and greatest x and y of the rectangle that the fence encloses [m].
+    """Return the minimum and maximum corner of the rectangle that the fence encloses [m].
 
     Args:
         rooms: Outlines.
@@ -123,12 +123,12 @@ def lot(rooms: Rooms) -> Float[np.ndarray, "2 2"]:
 
 
 def within_reach(box: Float[np.ndarray, "2 3"], rooms: Rooms) -> bool:
-    """Whether anything of a box is within the fence around the rooms, and below their highest ceiling.
+    """Return whether a box overlaps the volume inside the fence and below the highest ceiling.
 
-    Nobody can touch what is wholly beyond, such as neighbours' houses, or the roof.
+    Agents cannot touch anything else, such as neighbouring houses or the roof.
 
     Args:
-        box: Its least and its greatest corner [m].
+        box: Minimum and maximum corner [m].
         rooms: Outlines and heights.
     """
     (low, high), ((x0, y0), (x1, y1)) = box, lot(rooms)
@@ -137,7 +137,7 @@ def within_reach(box: Float[np.ndarray, "2 3"], rooms: Rooms) -> bool:
 
 
 def fence(rooms: Rooms) -> BoxSet:
-    """Four boxes around all rooms: what gets out in spite of all stays on the lot.
+    """Return four boxes around all rooms, which stop anything that leaves the rooms despite the barriers.
 
     Args:
         rooms: Outlines and heights.

@@ -1,4 +1,4 @@
-"""Which objects move: what stands or lies free on a floor or on other objects."""
+"""Selection of the movable objects: portable categories that rest freely on a floor or on other objects."""
 
 from collections.abc import Mapping, Sequence
 
@@ -17,16 +17,20 @@ def choose_movables(
     rooms: Rooms,
     options: MovableOptions,
 ) -> tuple[list[Candidate], list[int], int]:
-    """The objects that become bodies, lightest first; ids of those that do not stand free; and how many are too many.
+    """Select the objects that become bodies.
 
-    What carries other objects is a body only if all of these are: nothing is left hanging in the air.
+    An object that carries others is a body only if all of its loads are bodies, so that nothing is left in the air.
 
     Args:
         objects: All objects of the house.
-        static: Boxes of each object while it cannot be moved, by object id.
-        fixed: Boxes that stay where they are, whichever objects move.
-        rooms: For the heights of their floors.
+        static: Boxes of each object while it is fixed, by object id.
+        fixed: Boxes that never move, whichever objects are selected.
+        rooms: Floor heights.
         options: Limits.
+
+    Returns:
+        The selected objects, lightest first; ids of candidates that are not free to move; number of free candidates
+        beyond `max_bodies`.
     """
     loads = loads_of(objects, options.reach)
     everything = join([fixed, *static.values()])
@@ -35,7 +39,7 @@ def choose_movables(
     candidates = sorted(resting, key=lambda c: (c.mass, c.item.object_id))
     standing = settle(candidates, loads, static, fixed, options)
     ids = set(_first(standing, loads, options.max_bodies))
-    # Those that are left over are obstacles with boxes of their own, which may reach a little farther.
+    # The remaining objects are obstacles with their own boxes, which may be slightly larger.
     chosen = settle([c for c in candidates if c.item.object_id in ids], loads, static, fixed, options)
     free_ids = {c.item.object_id for c in standing}
     stuck = [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
@@ -49,10 +53,13 @@ def _candidate(item: PlacedObject, rooms: Rooms, options: MovableOptions) -> Can
 
 
 def _first(standing: Sequence[Candidate], loads: Mapping[int, Sequence[int]], most: int) -> list[int]:
-    """Ids of the lightest objects; what carries others comes after the heaviest of them, so all of them are in."""
+    """Return the ids of the lightest objects.
+
+    An object sorts by the heaviest of itself and its loads, so all of its loads are included as well.
+    """
     mass: dict[int, float] = {}
     for c in reversed(carriers_first(standing, loads)):
         own = c.item.object_id
         mass[own] = max([c.mass, *(mass.get(i, 0.0) for i in loads.get(own, ()))])
-    # Sorting is stable, and what lies on others is counted before them.
+    # Sorting is stable, and loads precede their carriers in the reversed order.
     return sorted(mass, key=lambda i: mass[i])[:most]

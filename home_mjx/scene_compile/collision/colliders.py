@@ -17,26 +17,26 @@ from home_mjx.scene_compile.architecture.slabs import wall_boxes
 from home_mjx.scene_compile.objects.doorways import PORTALS
 from home_mjx.scene_compile.objects.place import PlacedObject
 
-SOFT = ("curtain", "rug")  # an agent walks through or over them
-FITTING = 0.2  # [m]: handles and hinges of a door are smaller
-SILL = 0.04  # [m]: what of a door lies lower above the floor is its sill, which an agent steps over
-LEAF_HEIGHT = 1.0  # [m], least of a door's leaf
-LEAST_PIECE, MOST_BOXES = 0.1, 256  # [m] of a wall; of an object: finer ones fill the memory and say no more
-LEAF_TURN = np.deg2rad(3.0)  # from which on a leaf counts as open
+SOFT = ("curtain", "rug")  # categories without colliders: agents walk through or over them
+FITTING = 0.2  # [m], parts of a door up to this size are handles or hinges and get no box
+SILL = 0.04  # [m] above the floor; parts of a door below this are its sill, which agents step over
+LEAF_HEIGHT = 1.0  # [m], minimum height of a door leaf
+LEAST_PIECE, MOST_BOXES = 0.1, 256  # [m], minimum wall piece; maximum boxes per object; finer ones waste memory
+LEAF_TURN = np.deg2rad(3.0)  # minimum angle of an open leaf to its wall
 
 
 @dataclass(frozen=True)
 class ColliderOptions:
-    """How collision boxes are made.
+    """Options of collision boxes.
 
     Attributes:
-        height: Boxes that begin higher above the level's floor are left out [m].
-        step: Boxes that end lower above the level's floor are left out [m].
-        wall_length: Most length of one piece of a wall [m].
-        boxes_per_object: Most boxes that stand for one object.
+        height: Boxes that begin higher above the level's floor are omitted [m].
+        step: Boxes that end lower above the level's floor are omitted [m].
+        wall_length: Maximum length of one piece of a wall [m].
+        boxes_per_object: Maximum number of boxes per object.
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is out of range.
     """
 
     height: float = 2.0
@@ -52,7 +52,7 @@ class ColliderOptions:
 
 
 def wall_colliders(shell: Shell, options: ColliderOptions) -> BoxSet:
-    """Every physical wall of all levels once, solid except for its openings."""
+    """Return boxes of each physical wall of all levels, solid except for its openings."""
     walls: dict[int, list] = {}
     for part, partition in zip(shell.parts, shell.partition, strict=True):
         if isinstance(part, Wall):
@@ -61,14 +61,14 @@ def wall_colliders(shell: Shell, options: ColliderOptions) -> BoxSet:
 
 
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
-    """The boxes that stand for one object that cannot be moved, and those of open leaves of unknown hinge, one each.
+    """Return the boxes of one fixed object, and one box for each of its open leaves without a known hinge.
 
-    Leaves that turn on their hinges have none here.
+    Leaves with a known hinge are not included.
 
     Args:
         item: The object.
         floor: Height of the level's floor [m].
-        options: How many boxes, and how high.
+        options: Number and height limits of boxes.
     """
     boxes, leaves = no_boxes(), []
     if item.info.coarse == "window":
@@ -83,7 +83,7 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
 
 @dataclass(frozen=True)
 class _Shape:
-    """A model as it stands in a house, but not where: equal shapes have equal boxes."""
+    """A model with its scale and tilt but without position and yaw; equal shapes have equal boxes."""
 
     key: str
     linear: bytes
@@ -91,15 +91,15 @@ class _Shape:
 
 
 def _shape(item: PlacedObject) -> _Shape:
-    """The shape of an object, without the leaves of a door whose hinges are known."""
-    # Rounded for the triangles, too: else boxes would hang on which of nearly equal shapes a process meets first.
+    """Return the shape of an object, without the leaves of a door whose hinges are known."""
+    # The triangles use the rounded matrix too; otherwise cached boxes would depend on the order of nearly equal shapes.
     linear = np.round(yaw_matrix(-item.yaw) @ item.pose[:, :3], 6) + 0.0
     return _Shape(item.main.key, linear.tobytes(), item.main.triangle.astype(np.float64) @ linear.T)
 
 
 @lru_cache(maxsize=1 << 12)
 def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
-    """Boxes of a shape and of its open leaves; `sill` is None for what is no door."""
+    """Return boxes of a shape and of its open leaves; `sill` is None for objects other than doors."""
     if sill is None:
         return fit_boxes(shape.triangles, 0.0, most), ()
     return door_boxes(shape.triangles, sill, most)
@@ -110,12 +110,14 @@ def _place(boxes: BoxSet, item: PlacedObject) -> BoxSet:
 
 
 def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
-    """Frame and open leaves of a door; a leaf gets a box along itself, so that the way stays as free as it looks.
+    """Return boxes of the frame and of the open leaves of a door.
+
+    Each leaf gets one box along its own direction, so that the passage is as wide as it appears.
 
     Args:
         triangles: The door, its wall along x [m].
-        sill: What ends lower is left out [m].
-        most: Number of boxes for the frame.
+        sill: Triangles that end lower are omitted [m].
+        most: Maximum number of boxes for the frame.
     """
     part = components(triangles)
     frame, leaves = [], []
@@ -136,20 +138,20 @@ def _is_open_leaf(box: BoxSet) -> bool:
 
 
 def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> BoxSet:
-    """The boxes that something on a floor at this height [m] can touch."""
+    """Return the boxes that an agent or object on a floor at this height can touch."""
     return boxes[(boxes.top > floor + options.step) & (boxes.bottom < floor + options.height)]
 
 
 def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], gain: float = 0.5) -> list[BoxSet]:
-    """The open leaves that may stay in the way: one that cuts off a part of the house is left out.
+    """Return the open leaves that keep their boxes; a leaf that cuts off a part of the house is omitted.
 
-    SUNCG's open doors stand half open and are often caught between furniture. Someone who lives there would push the
-    leaf aside; one whose hinge is not known is seen and heard but not felt, as every door is in HoME.
+    SUNCG's open doors are half open and often blocked by furniture; a resident would push the leaf aside. An omitted
+    leaf without a known hinge is visible and audible but has no collider, as all doors in HoME.
 
     Args:
         leaves: One box each.
-        free_area: Size of the largest free region with some leaves in the way [m^2].
-        gain: Least area that a leaf must cut off to be left out [m^2].
+        free_area: Function from leaf boxes to the area of the largest free region [m^2].
+        gain: Minimum area that a leaf must cut off to be omitted [m^2].
     """
     if not leaves:
         return []
@@ -163,7 +165,7 @@ def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], floa
 
 
 def not_hidden(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
-    """All boxes but those that lie in another one: nothing can touch them."""
+    """Return a mask of the boxes that are not contained in another box, since contained ones cannot be touched."""
     kept = np.ones(len(boxes), bool)
     corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)
     for i in range(len(boxes)):

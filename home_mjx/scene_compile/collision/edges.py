@@ -1,4 +1,4 @@
-"""Edges from which one could fall: where a floor ends without a wall. Each gets an invisible barrier."""
+"""Invisible barriers along floor edges with a drop and without a wall."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from home_mjx.geometry.boxes import BoxSet, box_set, footprint_distance, join
 from home_mjx.scene_compile.collision.floors import SLAB, FloorPlan, top_under
 from home_mjx.scene_compile.objects.stairs import Stairs
 
-STEP_DOWN = 0.3  # [m]: from a floor that ends lower above the next one nobody falls
+STEP_DOWN = 0.3  # [m], drops up to this height need no barrier
 RAIL = 1.1  # [m], height of a barrier
 THICKNESS = 0.06  # [m], of a barrier
-SPACING = 0.05  # [m], of the points at which an edge is looked at
-OUTSIDE = 0.05  # [m] beyond an edge, where one would fall
-WALL_REACH = 0.08  # [m] from an edge to the wall that closes it: outlines of rooms run in or beside walls
+SPACING = 0.05  # [m], maximum distance of the points at which an edge is tested
+OUTSIDE = 0.05  # [m], distance beyond an edge at which the drop is measured
+WALL_REACH = 0.08  # [m], maximum distance from an edge to the wall that closes it; outlines run in or beside walls
 
 
 @dataclass(frozen=True)
@@ -23,10 +23,10 @@ class Edge:
     """A straight edge of a floor.
 
     Attributes:
-        start: One end [m].
-        end: The other.
+        start: First end [m].
+        end: Second end [m].
         out: Unit direction away from the floor.
-        height: Of the floor [m].
+        height: Height of the floor [m].
     """
 
     start: Float[np.ndarray, "2"]
@@ -36,18 +36,18 @@ class Edge:
 
     @property
     def points(self) -> Float[np.ndarray, "n 2"]:
-        """Points along it, no farther apart than `SPACING` [m], its ends left out."""
+        """Points along the edge, at most `SPACING` apart, without its ends [m]."""
         count = max(int(np.ceil(np.linalg.norm(self.end - self.start) / SPACING)), 1)
         return self.start + (np.arange(count) + 0.5)[:, None] / count * (self.end - self.start)
 
     def part(self, first: int, last: int) -> "Edge":
-        """The part around a range of its points."""
+        """Return the part of the edge around a range of its points."""
         way = (self.end - self.start) / len(self.points)
         return Edge(self.start + first * way, self.start + last * way, self.out, self.height)
 
     @property
     def barrier(self) -> BoxSet:
-        """An upright box just beyond the edge; a little longer, so that barriers meet at corners."""
+        """Upright box just beyond the edge; slightly longer, so that barriers meet at corners."""
         way = self.end - self.start
         length = float(np.linalg.norm(way))
         middle = (self.start + self.end) / 2 + self.out * THICKNESS / 2
@@ -59,13 +59,13 @@ class Edge:
 def edge_barriers(
     plans: Sequence[FloorPlan], floors: BoxSet, stairs: Sequence[Stairs], walls: BoxSet, ground: float
 ) -> BoxSet:
-    """Barriers along all edges over a drop that no wall closes.
+    """Return barriers along all edges that have a drop and are not closed by a wall.
 
     Args:
         plans: Floors of the levels.
-        floors: Their boxes.
-        stairs: On which one walks down.
-        walls: What closes an edge: walls, windows, barriers that are there.
+        floors: Boxes of these floors.
+        stairs: Stairs, which close the drop at their head.
+        walls: Boxes that close an edge: walls, windows, existing barriers.
         ground: Height of the plane below everything [m].
     """
     found = []
@@ -76,7 +76,7 @@ def edge_barriers(
 
 
 def _edges(plan: FloorPlan) -> Iterator[Edge]:
-    """Straight runs of cell sides with a floor on one side and a drop on the other."""
+    """Yield straight runs of cell sides with a floor on one side and a drop on the other."""
     padded = np.pad(plan.height, 1, constant_values=-np.inf)
     lines = plan.u, plan.v
     for axis in (0, 1):  # across u, then across v
@@ -93,7 +93,7 @@ def _edges(plan: FloorPlan) -> Iterator[Edge]:
 def _along(
     plan: FloorPlan, at: float, stops: Float[np.ndarray, " n"], height: Float[np.ndarray, " m"], axis: int, side: int
 ) -> Iterator[Edge]:
-    """The edges on one line: of neighbouring cells with one height."""
+    """Yield the edges on one grid line, each along neighbouring cells of equal height."""
     breaks = np.flatnonzero(np.concatenate([[True], height[1:] != height[:-1], [True]]))
     for first, last in zip(breaks[:-1].tolist(), breaks[1:].tolist(), strict=True):
         if np.isfinite(height[first]):
@@ -113,7 +113,7 @@ def _over_a_drop(edge: Edge, floors: BoxSet, stairs: Sequence[Stairs], ground: f
 
 
 def _closed(edge: Edge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
-    """Whether something as high as a railing stands on each point."""
+    """Return whether a box as high as a railing closes each point of the edge."""
     closed = np.zeros(len(edge.points), bool)
     for i in np.flatnonzero((walls.bottom < edge.height + RAIL / 2) & (walls.top > edge.height + RAIL / 2)).tolist():
         closed |= footprint_distance(walls, i, edge.points) < WALL_REACH
@@ -121,6 +121,6 @@ def _closed(edge: Edge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
 
 
 def _runs(edge: Edge, wanted: Bool[np.ndarray, " n"]) -> list[Edge]:
-    """The parts of an edge whose points are wanted."""
+    """Return the parts of an edge whose points are wanted."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], wanted, [False]]).astype(int)))
     return [edge.part(int(first), int(last)) for first, last in ends.reshape(-1, 2)]

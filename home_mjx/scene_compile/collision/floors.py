@@ -1,4 +1,4 @@
-"""Floors as collision boxes: the rooms of a level with doorways between them, and with holes where stairs come up."""
+"""Floors as collision boxes: rooms of a level and doorways between them, with holes above stairs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,23 +14,23 @@ from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Rooms
 
 SLAB = 0.15  # [m], thickness of a floor
-SNAP = 0.01  # [m]: corners nearer than this lie on one line
-SLANTED = 0.02  # [m]: an edge that strays less from a line along it is straight
-PARALLEL = 0.01  # [rad]
-STRIP = 0.1  # [m], greatest width of the strips along an edge that is slanted
+SNAP = 0.01  # [m], grid lines closer than this are merged
+SLANTED = 0.02  # [m], edges that deviate less than this from a grid direction count as straight
+PARALLEL = 0.01  # [rad], maximum deviation of edges that count as parallel or perpendicular
+STRIP = 0.1  # [m], maximum width of the strips along a slanted edge
 
 Polygon = Float[np.ndarray, "_ 2"]
 
 
 @dataclass(frozen=True)
 class FloorPlan:
-    """The floors of one level as cells between lines of the plan, turned so that most walls run along these.
+    """Floors of one level as cells of an irregular grid, whose yaw aligns it with most walls.
 
     Attributes:
-        yaw: Of the lines [rad].
-        u: Lines across the first axis [m], ascending.
-        v: Lines across the second.
-        height: Floor of each cell [m], row = v; -inf where there is none.
+        yaw: Direction of the first axis [rad].
+        u: Grid lines along the first axis [m], ascending.
+        v: Grid lines along the second axis [m], ascending.
+        height: Floor height of each cell [m], row = v; -inf if the cell has no floor.
         lowest: Height of the level's lowest floor [m].
     """
 
@@ -41,14 +41,14 @@ class FloorPlan:
     lowest: float
 
     def world(self, local: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p 2"]:
-        """Points of the turned plan in the world."""
+        """Transform points from the plan's axes to the world."""
         return local @ plane_matrix(self.yaw).T
 
     def boxes(self, above: float = -np.inf) -> BoxSet:
-        """The floors as boxes, as high as the level's lowest floor and `SLAB` more.
+        """Return the floors as boxes that extend to `SLAB` below the level's lowest floor.
 
         Args:
-            above: Floors that are no higher are left out [m].
+            above: Floors at or below this height are omitted [m].
         """
         found = []
         for height in np.unique(self.height[self.height > above]).tolist():
@@ -63,7 +63,7 @@ class FloorPlan:
 def _fewest(
     u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
 ) -> Float[np.ndarray, "r 4"]:
-    """The cover by rectangles, grown along either axis first, that has fewer of them."""
+    """Return the smaller of two rectangle covers, grown along either axis first."""
     upright, lying = cover(u, v, solid), cover(v, u, solid.T)[:, [1, 0, 3, 2]]
     return min(upright, lying, key=len)
 
@@ -71,14 +71,14 @@ def _fewest(
 def plan_floors(
     rooms: Rooms, level: int, doorways: Sequence[Float[np.ndarray, "4 2"]], stairs: Sequence[Stairs], grid: int
 ) -> FloorPlan:
-    """The floors of a level: of each room, of doorways that lie between rooms, and the top treads of stairs.
+    """Return the floor plan of a level: rooms, doorways between rooms, and the top treads of stairs.
 
     Args:
         rooms: Outlines and floors.
         level: Level index.
         doorways: Footprints of its doors [m].
-        stairs: Of the house.
-        grid: The level's grid.
+        stairs: Stairs of the house.
+        grid: Index of the level's grid.
     """
     here = np.flatnonzero(rooms.level == level)
     holes = [outline for s in stairs if s.upper == grid for outline in s.well]
@@ -106,16 +106,16 @@ def _nearest_floor(rooms: Rooms, here: Int[np.ndarray, " r"], point: Float[np.nd
 
 
 def _main_direction(outlines: Sequence[Polygon]) -> float:
-    """Direction along or across which most of the edges run [rad], from -45 to 45 degrees."""
+    """Return the direction parallel or perpendicular to most of the edges [rad], from -45 to 45 degrees."""
     edge = np.concatenate([np.roll(p, -1, axis=0) - p for p in outlines])
     length, yaw = np.hypot(*edge.T), np.arctan2(edge[:, 1], edge[:, 0])
-    stray = abs(np.sin(2 * (yaw[:, None] - yaw))) / 2  # of a direction from being along or across another
+    stray = abs(np.sin(2 * (yaw[:, None] - yaw))) / 2  # sine of the deviation from parallel or perpendicular
     best = int(np.argmax((length * (stray < PARALLEL)).sum(axis=1) + 1e-6 * length))
     return float((yaw[best] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
 
 
 def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float[np.ndarray, " nv"]]:
-    """Lines through all corners, and through points along slanted edges."""
+    """Return grid lines through all corners, and through points along slanted edges."""
     points = []
     for outline in outlines:
         for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
@@ -127,7 +127,7 @@ def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float
 
 
 def top_under(boxes: BoxSet, points: Float[np.ndarray, "p 2"], most: float) -> Float[np.ndarray, " p"]:
-    """Height of the highest box under each point that ends no higher than `most` [m]; -inf where there is none."""
+    """Return the height of the highest box under each point with a top of at most `most` [m]; -inf if none."""
     height = np.full(len(points), -np.inf)
     for i in np.flatnonzero(boxes.top <= most).tolist():
         local = (points - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]

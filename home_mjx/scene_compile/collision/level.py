@@ -1,4 +1,4 @@
-"""One level of a house: its collision boxes, which objects move, and where an agent can stand between them."""
+"""Collision boxes of one level, with the obstacles that remain for agents."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ from home_mjx.schema.compiled import Colliders
 
 @dataclass(frozen=True)
 class LooseLeaf:
-    """The box of an open leaf whose hinge is not known: it stays as it stands, or is not felt."""
+    """Box of an open leaf without a known hinge: static, or without a collider."""
 
     object_id: int
     box: BoxSet
@@ -28,13 +28,13 @@ class LooseLeaf:
 
 @dataclass(frozen=True)
 class LevelBoxes:
-    """What may be in an agent's way on a level.
+    """Possible obstacles on a level.
 
     Attributes:
-        walls: Of the architecture.
-        objects: Of each object while it cannot be moved, by object id.
-        loose: Open leaves whose hinges are not known.
-        hinged: Leaves that turn, as placed.
+        walls: Boxes of the architecture.
+        objects: Boxes of each object while it is fixed, by object id.
+        loose: Open leaves without a known hinge.
+        hinged: Boxes of leaves that turn, in their initial pose.
     """
 
     walls: BoxSet
@@ -44,18 +44,18 @@ class LevelBoxes:
 
     @property
     def fixed(self) -> BoxSet:
-        """Walls and all leaves: what stays where it is, whichever objects move."""
+        """Walls and all leaves, which never move, whichever objects are movable."""
         return join([self.walls, *(leaf.box for leaf in self.loose), self.hinged])
 
 
 def level_boxes(walls: BoxSet, objects: Sequence[PlacedObject], floor: float, options: ColliderOptions) -> LevelBoxes:
-    """The boxes that something on a floor can touch.
+    """Return the boxes that agents or objects on a floor can touch.
 
     Args:
-        walls: Of the architecture.
-        objects: Those that may reach into the level.
+        walls: Boxes of the architecture.
+        objects: Objects that may extend into the level.
         floor: Height of the level's floor [m].
-        options: How boxes are fitted.
+        options: Options of box fitting.
     """
     fitted = {o.object_id: object_colliders(o, floor, options) for o in objects}
     loose = [LooseLeaf(i, leaf) for i, (_, leaves) in fitted.items() for leaf in leaves]
@@ -69,12 +69,12 @@ def level_boxes(walls: BoxSet, objects: Sequence[PlacedObject], floor: float, op
 
 @dataclass(frozen=True)
 class Obstacles:
-    """What is in an agent's way on a level.
+    """Obstacles of agents on a level.
 
     Attributes:
-        boxes: All that may be.
-        moving: Objects that can be pushed; their boxes stand where the objects do.
-        felt: Leaves of unknown hinge that leave the way free.
+        boxes: All possible obstacles.
+        moving: Movable objects; their boxes are in their initial pose.
+        felt: Leaves without a known hinge that keep their colliders, since they leave the way free.
         barriers: Invisible boxes that keep agents in the rooms.
     """
 
@@ -85,33 +85,33 @@ class Obstacles:
 
     @property
     def standing(self) -> dict[int, BoxSet]:
-        """Boxes of the objects that stay, by object id."""
+        """Boxes of the fixed objects, by object id."""
         moving = {c.item.object_id for c in self.moving}
         return {i: boxes for i, boxes in self.boxes.objects.items() if i not in moving}
 
     @property
     def static(self) -> BoxSet:
-        """Every box that stays where it is; the barriers are the last."""
+        """All static boxes; the barriers are last."""
         return join([self.boxes.walls, self.things])
 
     @property
     def things(self) -> BoxSet:
-        """These boxes without walls."""
+        """All static boxes except walls."""
         return join([*self.standing.values(), *(leaf.box for leaf in self.felt), self.barriers])
 
     @property
     def all(self) -> BoxSet:
-        """Every box, also of what can be pushed; leaves that turn can be pushed open and are left out."""
+        """All boxes, including movable objects; hinged leaves are omitted, since agents can push them open."""
         return join([self.static, *(c.box for c in self.moving)])
 
 
 def find_obstacles(boxes: LevelBoxes, moving: Sequence[Candidate], free_area: Callable[[BoxSet], float]) -> Obstacles:
-    """What is in the way: everything but the leaves of unknown hinge that cut off a part of the level.
+    """Return all obstacles except leaves without a known hinge that cut off a part of the level.
 
     Args:
-        boxes: All that may be in the way.
-        moving: Objects that can be pushed.
-        free_area: Size of the largest free region between some boxes [m^2].
+        boxes: All possible obstacles.
+        moving: Movable objects.
+        free_area: Function from boxes to the area of the largest free region between them [m^2].
     """
     around = Obstacles(boxes, moving).all
     kept = passable_leaves([leaf.box for leaf in boxes.loose], lambda leaves: free_area(join([around, leaves])))
@@ -119,12 +119,12 @@ def find_obstacles(boxes: LevelBoxes, moving: Sequence[Candidate], free_area: Ca
 
 
 def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, unseen: BoxSet) -> Colliders:
-    """The boxes of all levels that stay, without those that lie in others; the invisible ones are the last.
+    """Return the static boxes of all levels, without contained ones; invisible boxes are last.
 
     Args:
-        levels: What is in the way on each.
-        floors: Of all levels.
-        unseen: Fences, railings and guards; barriers of the levels come before them.
+        levels: Obstacles of each level.
+        floors: Floor boxes of all levels.
+        unseen: Fences, railings and guards; the levels' barriers precede them.
     """
     objects, loose = (
         by_object([level.standing for level in levels]),
@@ -140,7 +140,7 @@ def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, unseen: BoxSet
 
 
 def by_object(levels: Sequence[Mapping[int, BoxSet]]) -> dict[int, BoxSet]:
-    """Boxes by object id: those that something on any of the levels can touch."""
+    """Return the boxes of each object on all levels, by object id, without duplicates."""
     found: dict[int, list[BoxSet]] = {}
     for level in levels:
         for object_id, boxes in level.items():

@@ -1,4 +1,4 @@
-"""Objects that can be moved: their categories, limits, and bodies, one box each."""
+"""Movable objects: categories, limits, and bodies with one box each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -14,7 +14,7 @@ from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.house import Object
 
-# Categories of what stands or lies somewhere without being fixed to the house.
+# Categories of objects that are not attached to the house.
 MOVABLE_COARSE = {
     *("bed", "bench_chair", "books", "candle", "cart", "chair", "clock", "computer", "decoration", "desk", "dresser"),
     *("dressing_table", "kitchenware", "magazines", "music", "ottoman", "pillow", "plant", "shelving", "shoes"),
@@ -35,15 +35,15 @@ FIXED_FINE = {"bunker_bed", "chair_set", "drumset", "fish_tank", "piano"}
 
 @dataclass(frozen=True)
 class MovableOptions:
-    """Which objects become bodies.
+    """Criteria for objects that become bodies.
 
     Attributes:
-        max_bodies: Most bodies of a house; the lightest objects go first.
-        reach: An object stands on a floor, or lies on what is below it, if it ends within this of it [m].
-        shrink: Most that each side of its box may be drawn in to stand free [m].
-        seat: Least height of a box whose top is lowered to fit under something, as a chair's under a table [m].
-        largest: Longest edge of a movable object [m].
-        smallest: Shortest edge of a movable object [m]: sheets and plates stay where they are.
+        max_bodies: Maximum number of bodies per house; the lightest objects are selected first.
+        reach: Maximum vertical gap between an object and the floor or object that supports it [m].
+        shrink: Maximum reduction of each side of the object's box to avoid overlaps [m].
+        seat: Minimum height of a box whose top is lowered to fit under something, such as a chair under a table [m].
+        largest: Maximum longest edge of a movable object [m].
+        smallest: Minimum shortest edge of a movable object [m]; sheets and plates stay fixed.
 
     Raises:
         ConfigError: A value is not a number of its range.
@@ -72,11 +72,14 @@ class Candidate:
     item: PlacedObject
     box: BoxSet
     mass: float  # [kg]
-    floor: float | None  # [m], height of the floor that it stands on; None: something else carries it
+    floor: float | None  # [m], height of the supporting floor; None: another object supports it
 
 
 def may_move(item: PlacedObject, options: MovableOptions) -> bool:
-    """By category and size: what is built in or stands outside stays; what hangs on a wall is left out later."""
+    """Return whether an object is movable by category and size, and is inside a room.
+
+    Objects that hang on walls are excluded later, since nothing supports them.
+    """
     if not isinstance(item.node, Object) or item.room < 0 or item.info.fine in FIXED_FINE:
         return False
     if item.info.coarse not in MOVABLE_COARSE and item.info.fine not in MOVABLE_FINE:
@@ -86,7 +89,7 @@ def may_move(item: PlacedObject, options: MovableOptions) -> bool:
 
 
 def make_bodies(chosen: Sequence[Candidate]) -> Bodies:
-    """Bodies of the chosen objects, in the given order."""
+    """Return bodies of the selected objects, in the same order."""
     box = join(c.box for c in chosen)
     quat = yaw_quat(box.yaw)
     frames = [np.c_[yaw_matrix(y), c] for y, c in zip(box.yaw, box.center, strict=True)]

@@ -1,4 +1,4 @@
-"""Stairs as collision boxes: slopes to walk on, a piece of floor at their head, guards beside and below them."""
+"""Colliders of stairs: slopes to walk on, a floor piece at the head, guards beside and below."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,20 +13,20 @@ from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Colliders, Ramps
 
 DEPTH = 0.2  # [m], thickness of a slope
-BACK = 0.05  # [m], thickness of the wall below its head
-BELOW_HEAD = 0.4  # [m], from there to the top of that wall: nobody on a slope of up to 60 degrees meets it
-SILL = 0.12  # [m], depth of the piece of floor at its head
-HEADROOM = 2.1  # [m]: under a slope that is higher above the foot of its stairs agents can walk
-NEAR_EDGE = 0.3  # [m] from a landing's edge to the end of a slope that meets it there
-NARROW = 0.05  # [m]: gaps that are smaller stay open
+BACK = 0.05  # [m], thickness of the wall below the head of a slope
+BELOW_HEAD = 0.4  # [m], distance from the head down to the top of that wall; clear of agents on slopes up to 60 degrees
+SILL = 0.12  # [m], depth of the floor piece at the head of a slope
+HEADROOM = 2.1  # [m], minimum height of a slope above the foot of its stairs for agents to walk under it
+NEAR_EDGE = 0.3  # [m], maximum distance between a landing's edge and the end of an adjoining slope
+NARROW = 0.05  # [m], gaps up to this width get no guard
 
 
 def make_ramps(stairs: Sequence[Stairs], first_row: int) -> Ramps:
-    """The slopes of stairs: boxes whose upper sides join the floors at both ends.
+    """Return the slopes of stairs as boxes whose upper sides join the floors at both ends.
 
     Args:
-        stairs: Of the house.
-        first_row: Row of the first of them in the house's colliders.
+        stairs: Stairs of the house.
+        first_row: Row of the first slope in the house's colliders.
     """
     slopes = [slope for one in stairs for slope in one.slopes]
     if not slopes:
@@ -41,7 +41,7 @@ def make_ramps(stairs: Sequence[Stairs], first_row: int) -> Ramps:
     return Ramps(
         object_id=np.array([one.object_id for one in stairs for _ in one.slopes], np.int32),
         pos=middle - normal * DEPTH / 2,
-        quat=np.stack([cy * cp, -sy * sp, cy * sp, sy * cp], axis=-1),  # turned about z, after being tilted about y
+        quat=np.stack([cy * cp, -sy * sp, cy * sp, sy * cp], axis=-1),  # rotation about z after a tilt about y
         size=np.stack([length / 2, width / 2, np.full(len(slopes), DEPTH / 2)], axis=-1),
         slope=angle,
         up=up,
@@ -50,25 +50,25 @@ def make_ramps(stairs: Sequence[Stairs], first_row: int) -> Ramps:
 
 
 def with_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
-    """The boxes and, as the last ones, those of ramps."""
+    """Append the boxes of ramps to the colliders."""
     return Colliders(
         *(np.concatenate([getattr(colliders, n), getattr(ramps, n)]) for n in ("pos", "quat", "size", "object_id"))
     )
 
 
 def guards(stairs: Sequence[Stairs]) -> BoxSet:
-    """Boxes along open sides of stairs, up to a railing over the next floor, and walls below their heads."""
+    """Return boxes along open sides of stairs, up to a railing above the next floor, and walls below their heads."""
     return join(box for one in stairs for box in (*_guards(one), *_wall_below_head(one)))
 
 
 def sills(stairs: Sequence[Stairs]) -> BoxSet:
-    """Pieces of the upper floors at the heads of stairs, to which floors beside slanted edges reach inexactly."""
+    """Return floor pieces at the heads of stairs, which close the gaps left by slanted floor edges."""
     heads = [one.slopes[-1] for one in stairs]
     return join(_between(s, (s.run, s.run + SILL), (-s.width / 2, s.width / 2), s.high - SLAB, s.high) for s in heads)
 
 
 def _guards(stairs: Stairs) -> Iterator[BoxSet]:
-    """Down to the floor where nobody walks below."""
+    """Yield guards beside slopes and landings, down to the floor unless agents can walk below."""
     for i, slope in enumerate(stairs.slopes):
         high, half = slope.high + RAIL, slope.width / 2
         low = stairs.low if slope.low < stairs.low + HEADROOM else slope.low - DEPTH
@@ -81,7 +81,7 @@ def _guards(stairs: Stairs) -> Iterator[BoxSet]:
 
 
 def _wall_below_head(stairs: Stairs) -> Iterator[BoxSet]:
-    """What keeps agents from coming below the last slope from behind; not where other stairs come out there."""
+    """Yield a wall that keeps agents from entering below the last slope from behind, unless other stairs exit there."""
     head = stairs.slopes[-1]
     half = head.width / 2
     if not stairs.stacked:
@@ -89,7 +89,7 @@ def _wall_below_head(stairs: Stairs) -> Iterator[BoxSet]:
 
 
 def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:
-    """Boxes around a landing, but not across the ways onto it, given by their edges [m]."""
+    """Yield boxes around a landing, except across the ways onto it, which are specified by their edges [m]."""
     for a, b in zip(landing.outline, np.roll(landing.outline, -1, axis=0), strict=True):
         length = float(np.linalg.norm(b - a))
         along, out = (b - a) / length, np.array([(b - a)[1], -(b - a)[0]]) / length
@@ -104,14 +104,14 @@ def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float
 
 
 def _outside(stops: Sequence[float]) -> list[tuple[float, float]]:
-    """The parts of a range, given by its ends, that are in none of the ranges that follow."""
+    """Return the parts of the range (first two stops) outside the ranges that follow."""
     taken = sorted(zip(stops[2::2], stops[3::2], strict=True))
     edges = [stops[0], *(value for pair in taken for value in pair), stops[1]]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > NARROW]
 
 
 def _between(slope: Slope, along: tuple[float, float], across: tuple[float, float], low: float, high: float) -> BoxSet:
-    """An upright box between distances from the foot, along the way up and to its left, and between heights [m]."""
+    """Return an upright box between distances from the foot: along the slope, to its left, and in height [m]."""
     left = np.array([-slope.up[1], slope.up[0]])
     middle = slope.foot + np.mean(along) * slope.up + np.mean(across) * left
     half = [np.ptp(along) / 2, np.ptp(across) / 2, (high - low) / 2]

@@ -1,4 +1,4 @@
-"""Puts movable objects onto what carries them, free of everything around: a box each, drawn in a little if need be."""
+"""Placement of movable objects on their supports, with boxes shrunk to clear all obstacles."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,18 +11,18 @@ from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions
 from home_mjx.scene_compile.objects.place import PlacedObject
 
-GAP = 0.03  # [m]: what ends lower above the underside of another object stands beside it, not on it
-LEVEL = 0.002  # [m]: upper sides that differ by less carry an object together
-REST = 0.3  # of the half extents of a box, around its middle: what carries it must lie below all of this
-TOUCH = 2e-4  # [m]: boxes that overlap by less in height only touch
+GAP = 0.03  # [m], an object with a lower underside above that of another object is beside it, not on it
+LEVEL = 0.002  # [m], maximum height difference of upper sides that support an object together
+REST = 0.3  # fraction of a box's half extents; the support must cover this central region
+TOUCH = 2e-4  # [m], boxes with a smaller vertical overlap only touch
 
 
 def loads_of(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[int]]:
-    """Ids of the objects that lie on or in each object, by its id; by their bounding boxes.
+    """Return the ids of the objects on or in each object, by its id, from their bounding boxes.
 
     Args:
         objects: All objects of a house.
-        reach: An object lies on another up to this above it [m].
+        reach: Maximum gap between an object and the top of the object that supports it [m].
     """
     boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
     loads: dict[int, list[int]] = {}
@@ -36,13 +36,13 @@ def loads_of(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[in
 
 
 def carriers_first(candidates: Sequence[Candidate], loads: Mapping[int, Sequence[int]]) -> list[Candidate]:
-    """The candidates in their order, but each after those that carry it."""
+    """Sort the candidates so that each follows those that support it; the order is otherwise kept."""
     carriers = {load: {i for i, on in loads.items() if load in on} for load in {j for on in loads.values() for j in on}}
     depth: dict[int, int] = {}
 
     def depth_of(object_id: int) -> int:
         if object_id not in depth:
-            depth[object_id] = 0  # two objects in one another: neither is below
+            depth[object_id] = 0  # ends the recursion for two objects inside each other
             depth[object_id] = 1 + max((depth_of(i) for i in carriers.get(object_id, ())), default=-1)
         return depth[object_id]
 
@@ -56,13 +56,13 @@ def settle(
     fixed: BoxSet,
     options: MovableOptions,
 ) -> list[Candidate]:
-    """The candidates that rest and touch nothing else, with the boxes that do; the others stay where they are.
+    """Return the candidates that rest without touching anything else, with adjusted boxes; the others stay fixed.
 
     Args:
-        candidates: Objects that may become bodies, those that may draw others in first.
-        loads: Ids of what lies on or in each object.
-        static: Boxes of each object while it cannot be moved, by object id.
-        fixed: Boxes that stay.
+        candidates: Objects that may become bodies, by precedence: later boxes shrink to clear earlier ones.
+        loads: Ids of the objects on or in each object.
+        static: Boxes of each object while it is fixed, by object id.
+        fixed: Boxes that never move.
         options: Limits.
     """
     height = {c.item.object_id: float(c.item.box.bottom[0]) for c in candidates}
@@ -73,14 +73,14 @@ def settle(
         standing, failed = _stand(moving, loads, around, options)
         if not failed:
             return standing
-        # Those that failed are obstacles now, so the rest must be looked at again.
+        # Those that failed are obstacles now, so the others are tested again.
         moving = [c for c in moving if c.item.object_id not in failed]
 
 
 def _bears_on_top(
     carrier: Candidate, loads: Mapping[int, Sequence[int]], height: Mapping[int, float], reach: float
 ) -> bool:
-    """Whether all that an object carries can move and lies on its top: one box has no shelves."""
+    """Return whether all loads of an object are movable and on its top; a single box has no shelves."""
     top = float(carrier.item.box.top[0])
     return all(abs(height.get(i, np.inf) - top) <= reach for i in loads.get(carrier.item.object_id, ()))
 
@@ -88,7 +88,7 @@ def _bears_on_top(
 def _stand(
     moving: Sequence[Candidate], loads: Mapping[int, Sequence[int]], around: BoxSet, options: MovableOptions
 ) -> tuple[list[Candidate], set[int]]:
-    """Those of the candidates that stand, and ids of those that cannot; what these carry is in neither."""
+    """Return the candidates that rest, and ids of those that fail; loads of failed ones are in neither."""
     ids = {c.item.object_id for c in moving}
     standing: list[Candidate] = []
     failed: set[int] = set()
@@ -106,13 +106,13 @@ def _stand(
 
 
 def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
-    """The box with its underside at a height: moved there or, to keep its top where it is, stretched."""
+    """Return the box with its underside at a height: moved or, to keep its top in place, stretched."""
     top = float(box.top[0]) if stretch else base + 2 * float(box.half[0, 2])
     return box_set([*box.center[0, :2], (base + top) / 2], [*box.half[0, :2], (top - base) / 2], box.yaw)
 
 
 def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
-    """Height of the upper sides that carry a box [m]; None if they do not reach well around below its middle."""
+    """Return the height of the upper sides that support a box [m]; None if they do not cover its central region."""
     points = box.center[0, :2] + (REST * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, 0]]) * box.half[0, :2]) @ (
         yaw_matrix(box.yaw[0])[:2, :2].T
     )
@@ -125,7 +125,7 @@ def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
 
 
 def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "n p"]:
-    """Whether each point is in the footprint of each box."""
+    """Return whether each point is in the footprint of each box."""
     away = points - boxes.center[:, None, :2]
     c, s = np.cos(boxes.yaw)[:, None], np.sin(boxes.yaw)[:, None]
     along, across = c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]
@@ -133,7 +133,7 @@ def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "
 
 
 def _draw_in(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
-    """The box drawn in until it is `gap` away from every obstacle; None if the limits do not allow it."""
+    """Reduce the box until it is `gap` away from every obstacle; return None if the limits do not allow it."""
     low, high = -box.half[0].copy(), box.half[0].copy()
     for i in _near(box, obstacles):
         now = _cut(box, low, high)
@@ -153,7 +153,7 @@ def _draw_in(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float
 def _draw_side(
     box: BoxSet, obstacles: BoxSet, index: int, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], gap: float
 ) -> None:
-    """Moves the one of four sides that has the shortest way to get clear of an obstacle."""
+    """Move the side with the shortest distance to clear an obstacle; updates `low` or `high` in place."""
     corners = (footprint(obstacles, index) - box.center[0, :2]) @ yaw_matrix(box.yaw[0])[:2, :2]
     ways = np.array([high[:2] - corners.min(axis=0), corners.max(axis=0) - low[:2]])
     side, axis = divmod(int(ways.argmin()), 2)
@@ -164,13 +164,13 @@ def _draw_side(
 
 
 def _cut(box: BoxSet, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> BoxSet:
-    """The part of a box between two corners in its own frame."""
+    """Return the part of a box between two corners in its own frame."""
     center = box.center[0] + yaw_matrix(box.yaw[0]) @ ((low + high) / 2)
     return box_set(center, (high - low) / 2, box.yaw[0])
 
 
 def _near(box: BoxSet, obstacles: BoxSet) -> list[int]:
-    """Rows of the obstacles whose bounding circles and heights overlap those of a box."""
+    """Return the rows of the obstacles whose bounding circles and heights overlap those of a box."""
     apart = np.linalg.norm(obstacles.center[:, :2] - box.center[0, :2], axis=1)
     reach = np.linalg.norm(obstacles.half[:, :2], axis=1) + np.linalg.norm(box.half[0, :2])
     level = (obstacles.bottom < box.top[0] - TOUCH) & (obstacles.top > box.bottom[0] + TOUCH)

@@ -1,1 +1,1 @@
-"""Lights and glossy surfaces of a house."""
+"""Light sources and glossy surfaces of a house."""

@@ -1,4 +1,4 @@
-"""Gloss of surfaces: from the MTL, else from the kind of material; and which of them are mirrors."""
+"""Gloss of surfaces, from the MTL file or else the kind of material, and detection of mirrors."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,8 +9,8 @@ from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.house import Box, Material, Mesh
 from home_mjx.schema.lighting import Gloss
 
-SPECULAR_MAX = 0.2  # MTL files have up to 1 beside a full diffuse colour: more light than arrives
-# Specular reflectance and Blinn-Phong exponent by kind of material, for slots without them in the MTL.
+SPECULAR_MAX = 0.2  # MTL files have up to 1 in addition to a full diffuse colour, which violates energy conservation
+# Specular reflectance and Blinn-Phong exponent by kind of material, for slots whose MTL has neither.
 KIND_GLOSS: Mapping[str, tuple[float, float]] = {
     "ceramic": (0.12, 120.0),
     "facing stone": (0.04, 30.0),
@@ -31,12 +31,12 @@ def gloss_table(
     models: Mapping[str, Mesh],
     first: Sequence[int],
 ) -> Gloss:
-    """Gloss of the material rows of a house.
+    """Return the gloss of the material rows of a house.
 
     Args:
-        surfaces: By row.
-        objects: The house's objects.
-        models: Their meshes by key, as the dataset has them.
+        surfaces: Surfaces by row.
+        objects: Objects of the house.
+        models: Their meshes by key, as read from the dataset.
         first: First row of each object.
     """
     gloss = Gloss.matt(len(surfaces))
@@ -57,7 +57,7 @@ def _from_mtl(gloss: Gloss, row: int, material: Material) -> None:
 
 
 def _mirrors(item: PlacedObject) -> list[int]:
-    """The slots of a mirror that mirror: those named so, else the largest plain opaque one."""
+    """Return the reflecting slots of a mirror: those named so, else the largest opaque one without texture."""
     if item.info.coarse != "mirror":
         return []
     plain = [i for i, s in enumerate(item.surfaces) if s.opacity == 1 and not s.texture]

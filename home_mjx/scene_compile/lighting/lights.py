@@ -1,4 +1,4 @@
-"""The lights of a house: lamps from the dataset's light table, and the sky through windows."""
+"""Light sources of a house: lamps from the dataset's light table, and daylight through windows."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,25 +15,25 @@ from home_mjx.schema.compiled import ARCHITECTURE, Rooms
 from home_mjx.schema.house import Box, Light, Metadata, base_model
 from home_mjx.schema.lighting import REFLECTANCE, LightTable
 
-OPENINGS = ("window", "door", "garage_door")  # coarse and fine categories whose glass lets daylight in
-NEAR = 0.6  # [m]: lights of one lamp closer than this are merged
-ALIKE = 0.9  # cosine between the directions of merged lights
-PROBE = 0.5  # [m] from a window, where it is asked whether there is a room
-DROP = 0.05  # [m] of a room's own light below its ceiling
-PANEL = 0.5  # [m], its edges
-POINT = -2.0  # cosine that every direction exceeds
+OPENINGS = ("window", "door", "garage_door")  # coarse and fine categories whose glass transmits daylight
+NEAR = 0.6  # [m], lights of one lamp closer than this are merged
+ALIKE = 0.9  # minimum cosine of the angle between the directions of merged lights
+PROBE = 0.5  # [m], distance from a window of the points that are tested for a room
+DROP = 0.05  # [m], distance of an added room light below the ceiling
+PANEL = 0.5  # [m], edge length of an added room light
+POINT = -2.0  # cutoff of point lights: every direction exceeds this cosine
 
 
 @dataclass(frozen=True)
 class LightOptions:
-    """Which lights a house has besides those of its lamps and windows.
+    """Options of lights that are added to lamps and windows.
 
     Attributes:
-        room_power: Light for each square metre of a room without a lamp, from a panel under the middle of its
-            ceiling [W/m^2]; many rooms of SUNCG have none. 0: such rooms have only daylight.
+        room_power: Power per floor area of an added light panel, under the ceiling centre of each room without a
+            lamp [W/m^2]; many rooms of SUNCG have none. 0: such rooms have only daylight.
 
     Raises:
-        ConfigError: It is no such number.
+        ConfigError: `room_power` is not a number of at least 0.
     """
 
     room_power: float = 3.0
@@ -44,10 +44,10 @@ class LightOptions:
 
 @dataclass(frozen=True)
 class Source:
-    """One row of a `LightTable`, and all that it gives off."""
+    """One light source: a row of a `LightTable`, with its total flux."""
 
     pos: Float[np.ndarray, "3"]
-    flux: Float[np.ndarray, "3"]  # [W], or [m^2 sr] of daylight: times the sky's radiance
+    flux: Float[np.ndarray, "3"]  # [W]; daylight [m^2 sr], to be multiplied by the sky's radiance
     instance: int
     room: int
     axis_u: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
@@ -60,7 +60,7 @@ class Source:
 
     @property
     def intensity(self) -> Float[np.ndarray, "3"]:
-        """Per steradian along `direction`: the flux over the integral of the profile over all directions."""
+        """Radiant intensity along `direction` per steradian: flux divided by the integral of the angular profile."""
         low = max(self.cutoff, 0.0 if self.exponent else -1.0)
         share = 2 * np.pi * (1 - low * abs(low) ** self.exponent) / (self.exponent + 1)
         return self.flux / share
@@ -72,13 +72,13 @@ def build_lights(
     metadata: Metadata,
     options: LightOptions,
 ) -> LightTable:
-    """The lights of a house.
+    """Build the light table of a house.
 
     Args:
-        objects: In the world frame.
-        rooms: In the world frame.
-        metadata: Holds the lights of the models.
-        options: Lights that are added.
+        objects: Objects in the world frame.
+        rooms: Rooms in the world frame.
+        metadata: Lights of the models.
+        options: Options of added lights.
     """
     found = [s for o in objects for s in (*lamp_sources(o, metadata), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}
@@ -99,7 +99,7 @@ _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cu
 
 
 def lamp_sources(item: PlacedObject, metadata: Metadata) -> Iterator[Source]:
-    """The lights of a lamp, in its model's frame; those close together are merged, so that a chandelier counts once."""
+    """Yield the lights of a lamp in its model's frame; close ones are merged, so that a chandelier is one light."""
     if isinstance(item.node, Box):
         return
     known = metadata.lights
@@ -127,7 +127,7 @@ def _alike(a: Light, b: Light) -> bool:
 
 
 def _aim(light: Light) -> Float[np.ndarray, "3"]:
-    """Unit direction, Z up."""
+    """Return the unit direction, Z up."""
     direction = np.array(light.direction or (0.0, -1.0, 0.0), float)
     return to_z_up(direction / max(np.linalg.norm(direction), 1e-9))
 
@@ -149,7 +149,7 @@ def _cutoff(light: Light) -> float:
 
 
 def _daylight(item: PlacedObject, rooms: Rooms) -> Iterator[Source]:
-    """The sky as seen through the glass of a window between a room and the open."""
+    """Yield the daylight source of a window's glass, if the window is between a room and the outdoors."""
     if {item.info.fine, item.info.coarse}.isdisjoint(OPENINGS):
         return
     surfaces = item.surfaces
@@ -158,7 +158,7 @@ def _daylight(item: PlacedObject, rooms: Rooms) -> Iterator[Source]:
         return
     low, high = bounds(item.model.triangle[glass].astype(np.float64))
     stretch = np.linalg.norm(item.pose[:, :3], axis=0)
-    thin = int(np.argmin(((high - low) * stretch)[:2]))  # windows stand upright: their normal is level
+    thin = int(np.argmin(((high - low) * stretch)[:2]))  # windows are upright, so their normal is horizontal
     across = 1 - thin
     normal = np.eye(3)[thin]
     facing = _inward(item, (low + high) / 2, normal, rooms)
@@ -187,7 +187,7 @@ def _daylight(item: PlacedObject, rooms: Rooms) -> Iterator[Source]:
 def _inward(
     item: PlacedObject, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: Rooms
 ) -> tuple[int, int] | None:
-    """The side of a window on which there is a room, and that room; None if there is one on both sides or on none."""
+    """Return the side of a window with a room (1 or -1) and the room; None unless exactly one side has a room."""
     center = transform(item.pose, middle)
     out = item.pose[:, :3] @ normal
     out = out / np.linalg.norm(out)
@@ -200,7 +200,7 @@ def _inward(
 
 
 def _room_source(rooms: Rooms, room: int, options: LightOptions) -> Source:
-    """A panel under the ceiling that shines down, for a room without a lamp."""
+    """Return a panel light under the ceiling that shines down, for a room without a lamp."""
     polygon = rooms.polygon[room]
     x, y = middle_of(polygon)
     power = options.room_power * polygon_area(polygon)
@@ -211,7 +211,7 @@ def _room_source(rooms: Rooms, room: int, options: LightOptions) -> Source:
 
 
 def middle_of(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.ndarray, "2"]:
-    """The point of a grid over a polygon that lies farthest from its edges, inside."""
+    """Return the grid point inside a polygon with the maximum distance from its edges."""
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -220,7 +220,7 @@ def middle_of(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.nd
         return (low + high) / 2
     ends = zip(polygon, np.roll(polygon, -1, axis=0), strict=True)
     away = np.min([_edge_distance(points, a, b) for a, b in ends], axis=0)
-    # Of equals, as along a corridor, the one nearest to the middle.
+    # Ties, as along a corridor, are resolved in favour of the point nearest to the middle.
     score = away - 1e-3 * np.linalg.norm(points - (low + high) / 2, axis=1)
     return points[np.argmax(score)]
 
@@ -234,11 +234,13 @@ def _edge_distance(
 
 
 def ambient_light(sources: Sequence[Source], rooms: Rooms) -> Float[np.ndarray, "r 2 3"]:
-    """Irradiance by what the surfaces of each room reflect, alike everywhere: reflected light is reflected again.
+    """Compute the uniform irradiance of each room by interreflection.
 
-    With flux F, mean reflectance p and surface A it is F / A * (p + p^2 + ...) = F / A * p / (1 - p): the ambient term
-    of M. F. Cohen et al., "A progressive refinement approach to fast radiosity image generation", SIGGRAPH 1988. In no
-    room there is the mean of all rooms by lamps, and half the sky by day.
+    With flux F, mean reflectance p and surface A it is F / A * (p + p^2 + ...) = F / A * p / (1 - p). This is the
+    ambient term of M. F. Cohen et al., "A progressive refinement approach to fast radiosity image generation",
+    SIGGRAPH 1988.
+
+    The first row is for points outside all rooms: the mean of all rooms for lamps, and half the sky for daylight.
     """
     flux = np.zeros((len(rooms.type), 2, 3))
     for s in sources:
@@ -251,7 +253,7 @@ def ambient_light(sources: Sequence[Source], rooms: Rooms) -> Float[np.ndarray, 
 
 
 def _surface(rooms: Rooms, room: int) -> float:
-    """Floor, ceiling and walls [m^2]."""
+    """Return the area of floor, ceiling and walls [m^2]."""
     polygon = rooms.polygon[room]
     around = np.linalg.norm(polygon - np.roll(polygon, -1, axis=0), axis=1).sum()
     height = max(float(rooms.ceiling[room] - rooms.floor[room]), 1.0)

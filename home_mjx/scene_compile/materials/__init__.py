@@ -1,1 +1,1 @@
-"""Materials for light and for sound."""
+"""Optical, acoustic and contact properties of materials."""

@@ -1,7 +1,7 @@
 """Acoustic properties of surfaces: absorption, scattering and transmission per octave, by texture and category.
 
-Absorption coefficients are those of Vorländer, Auralization, 2008 (source V in the table, through Pyroomacoustics'
-copy; the rows of HoME are among them) and of Resonance Audio (source R); transmission losses are handbook values of
+Absorption coefficients are from Vorländer, Auralization, 2008 (source V in the table, through Pyroomacoustics'
+copy; the rows of HoME are among them) and from Resonance Audio (source R). Transmission losses are handbook values of
 partitions. Values at 8 kHz that the sources lack repeat the 4 kHz ones.
 """
 
@@ -16,7 +16,7 @@ from jaxtyping import Float
 
 from home_mjx.schema.compiled import BANDS
 
-# Row of the absorption table by texture family or material kind, wherever the surface is.
+# Row of the absorption table by texture family or material kind, independent of the category.
 FAMILY_ROWS = {
     "beam": "wood_1.6cm",
     "bricks": "brick_bare",
@@ -52,7 +52,7 @@ FAMILY_ROWS = {
     "wood": "wood_1.6cm",
 }
 
-# Row of the absorption table by category, for surfaces whose texture says nothing.
+# Row of the absorption table by category, for surfaces without an entry for their texture.
 CATEGORY_ROWS = {
     "wall": "gypsum_board",
     "outer_wall": "brickwork",
@@ -78,17 +78,17 @@ CATEGORY_ROWS = {
     "shower": "ceramic_tiles",
 }
 
-# Cloth on these is upholstery or a hanging, not a picture of cloth.
+# Categories whose cloth textures are upholstery, not a printed pattern.
 UPHOLSTERED = ("sofa", "armchair", "chaisse_lounge", "ottoman", "pillow", "bed", "baby_bed", "single_bed", "double_bed")
-# Paint and wallpaper change little: the row of the category counts.
+# Texture families that barely change absorption; the row of the category is used.
 FACINGS = ("", "default", "wallp", "wallpaper", "paint")
 CLOTH = ("linen", "textile", "leather")
-# What textures mean only where people walk.
+# Rows of texture families on floors only.
 FLOOR_ROWS = {"wood": "stage_floor", "solo": "stage_floor", "textile": "carpet_thin", "linen": "carpet_thin"}
 SLOT_WORDS = {"glass": "glass_3mm", "mirror": "glass_3mm", "chrome": "metal", "metal": "metal", "steel": "metal"}
 
-# Row of the transmission table by category. A house has one kind of partition per category, whatever faces it, so
-# that what a wall lets through does not depend on the side that sound comes from.
+# Row of the transmission table by category. A house has one kind of partition per category, independent of its
+# surface material, so that transmission through a wall is the same in both directions.
 PARTITION_ROWS = {
     "wall": "stud_wall",
     "outer_wall": "brick_4_inch",
@@ -100,24 +100,24 @@ PARTITION_ROWS = {
     "garage_door": "metal_door",
 }
 
-SMOOTH, UNEVEN, DEEP = 0.01, 0.05, 0.3  # [m], depth of the structure that scatters
+SMOOTH, UNEVEN, DEEP = 0.01, 0.05, 0.3  # [m], structure depths for scattering
 STRUCTURE_DEPTH = {
     **dict.fromkeys((*PARTITION_ROWS, "mirror", "picture_frame", "whiteboard", "rug"), SMOOTH),
     **dict.fromkeys(("shelving", "bookshelf", "plant"), DEEP),
 }
-DETOUR = 0.1  # [m], by which sound lengthens its way to pass around a piece of furniture
+DETOUR = 0.1  # [m], path difference of sound that bends around a piece of furniture
 SPEED_OF_SOUND = 343.2  # [m/s], at 20 degrees Celsius
 
 
 @functools.cache
 def absorption_table() -> Mapping[str, Float[np.ndarray, " bands"]]:
-    """Random-incidence absorption coefficients per octave by name, energy fractions 0..1."""
+    """Return random-incidence absorption coefficients per octave by name, energy fractions 0..1."""
     return _read_table("acoustic_absorption.csv")
 
 
 @functools.cache
 def transmission_loss_table() -> Mapping[str, Float[np.ndarray, " bands"]]:
-    """Transmission loss of partitions per octave by name [dB]."""
+    """Return transmission loss of partitions per octave by name [dB]."""
     return _read_table("acoustic_transmission_loss.csv")
 
 
@@ -130,7 +130,7 @@ def _read_table(name: str) -> Mapping[str, Float[np.ndarray, " bands"]]:
 
 
 def scattering(depth: float) -> Float[np.ndarray, " bands"]:
-    """Scattering coefficients per octave of a structure `depth` metres deep, by the rule of the BRAS benchmark.
+    """Return scattering coefficients per octave of a structure `depth` metres deep, by the rule of the BRAS benchmark.
 
     s(f) = 0.5 sqrt(depth / wavelength), within [0.05, 0.99].
     """
@@ -139,7 +139,7 @@ def scattering(depth: float) -> Float[np.ndarray, " bands"]:
 
 
 def detour_transmission(detour: float) -> Float[np.ndarray, " bands"]:
-    """Energy fraction per octave that passes around an obstacle, by Maekawa's insertion loss 10 lg(3 + 20 N).
+    """Return the energy fraction per octave that bends around an obstacle, by Maekawa's insertion loss 10 lg(3 + 20 N).
 
     N = 2 detour / wavelength is the Fresnel number.
     """
@@ -148,7 +148,7 @@ def detour_transmission(detour: float) -> Float[np.ndarray, " bands"]:
 
 
 def absorption_name(texture_family: str, category: str, slot_name: str = "") -> str:
-    """Name of the absorption row that `acoustic_row` takes.
+    """Return the name of the absorption row that `acoustic_row` uses.
 
     Example:
         >>> absorption_name("wallp", "wall"), absorption_name("textile", "sofa"), absorption_name("wood", "floor")
@@ -170,18 +170,18 @@ def absorption_name(texture_family: str, category: str, slot_name: str = "") -> 
 def acoustic_row(
     texture_family: str, category: str, slot_name: str = ""
 ) -> tuple[Float[np.ndarray, " bands"], Float[np.ndarray, " bands"], Float[np.ndarray, " bands"]]:
-    """Acoustic properties of a surface, per octave 125 .. 8000 Hz.
+    """Return the acoustic properties of a surface, per octave 125 .. 8000 Hz.
 
     Args:
         texture_family: Texture name without numbers, such as "wallp" or "prkt", or a material kind such as
-            "wallpaper"; "" or an unknown one leaves it to the category.
+            "wallpaper"; "" or an unknown name falls back to the category.
         category: Fine or coarse category of the object, or "wall", "outer_wall", "floor", "ceiling", "ground".
         slot_name: Name of the material slot, such as "glass" or "chrome".
 
     Returns:
-        Absorption, scattering and transmission, energy fractions 0..1. Absorption includes what is transmitted and is
-        never below it. Partitions transmit as in their table row; everything else transmits the
-        energy that passes around it, see `detour_transmission`.
+        Absorption, scattering and transmission, energy fractions 0..1. Absorption includes the transmitted energy and
+        is never below it. Partitions transmit according to their table row; other surfaces transmit the energy that
+        bends around them, see `detour_transmission`.
     """
     absorption = absorption_table()[absorption_name(texture_family, category, slot_name)]
     depth = STRUCTURE_DEPTH.get(category, UNEVEN)

@@ -1,4 +1,4 @@
-"""Material rows of a house: for light from MTL and overrides, for sound from the kind of material."""
+"""Material rows of a house: optics from MTL files and overrides, acoustics from the kind of material."""
 
 import os
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from home_mjx.schema.house import Material
 from home_mjx.schema.material_kinds import material_kind
 
 WHITE = (1.0, 1.0, 1.0)
-CLEAR = 0.05  # below this opacity a surface is invisible
+CLEAR = 0.05  # surfaces with a lower opacity are invisible
 
 
 @dataclass(frozen=True)
@@ -24,13 +24,13 @@ class SurfaceMaterial:
     opacity: float = 1.0
     texture: str = ""  # absolute path
     kind: str = ""  # one of MATERIAL_KINDS
-    family: str = ""  # of the texture, for sound; falls back to the kind
+    family: str = ""  # texture family, for acoustics; falls back to the kind
     category: str = ""  # fine category, or "wall", "outer_wall", "floor", "ceiling", "ground"
-    name: str = ""  # of the slot
+    name: str = ""  # name of the slot
 
 
 def override(base: Material, change: Material | None) -> Material:
-    """A slot of an MTL with the overrides of house.json."""
+    """Apply the overrides of house.json to a slot of an MTL file."""
     if change is None:
         return base
     return Material(
@@ -43,7 +43,7 @@ def override(base: Material, change: Material | None) -> Material:
 
 
 def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMaterial:
-    """Resolves a slot of an object of the given categories.
+    """Resolve a material slot of an object with the specified categories.
 
     Args:
         material: The slot after overrides.
@@ -63,7 +63,11 @@ def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMater
 
 
 def ray_mask(item: SurfaceMaterial) -> Ray:
-    """Which rays a surface stops: glass stops sound and is seen but lets light pass; leaves let sound pass."""
+    """Return the ray types that a surface intersects.
+
+    Translucent surfaces such as glass intersect camera and sound rays but transmit light. Invisible ones intersect only
+    sound rays, and plants all except sound rays.
+    """
     if item.opacity < CLEAR:
         return Ray.SOUND
     mask = Ray.CAMERA | Ray.SOUND if item.opacity < 1 else Ray.ALL
@@ -71,7 +75,7 @@ def ray_mask(item: SurfaceMaterial) -> Ray:
 
 
 def material_table(surfaces: Sequence[SurfaceMaterial]) -> MaterialTable:
-    """One row per surface."""
+    """Return a material table with one row per surface."""
     sound = [acoustic_row(s.family, s.category, s.name) for s in surfaces]
     absorption, scattering, transmission = np.array(sound).reshape(-1, 3, NUM_BANDS).transpose(1, 0, 2)
     return MaterialTable(
@@ -87,13 +91,13 @@ def material_table(surfaces: Sequence[SurfaceMaterial]) -> MaterialTable:
 
 @dataclass
 class SurfaceRows:
-    """Rows of a house while they are collected; instances with equal slots share rows."""
+    """Collector of a house's material rows; instances with equal slots share rows."""
 
     surfaces: list[SurfaceMaterial] = field(default_factory=list)
     _first: dict[tuple[SurfaceMaterial, ...], int] = field(default_factory=dict)
 
     def add(self, slots: Sequence[SurfaceMaterial]) -> int:
-        """First row of these slots."""
+        """Add the slots unless they exist, and return their first row."""
         key = tuple(slots)
         if key not in self._first:
             self._first[key] = len(self.surfaces)

@@ -1,17 +1,17 @@
-"""How much of a house is of materials that nothing tells: neither the name of a texture nor the category."""
+"""Share of a house's surfaces whose material neither a texture name nor the category determines."""
 
 import numpy as np
 
 from home_mjx.schema.compiled import CompiledHouse
 
-TOLERABLE = 0.2  # share of the area
+TOLERABLE = 0.2  # maximum share of the area
 
 
 def unknown_share(house: CompiledHouse) -> float:
-    """Share of the area of all surfaces whose material is the default of its category, or of everything.
+    """Return the share of the total surface area whose material is the category's or the global default.
 
     Args:
-        house: As compiled, movable things where they are placed.
+        house: Compiled house; movable objects are in their initial pose.
 
     Example:
         >>> unknown_share(house) > TOLERABLE  # doctest: +SKIP

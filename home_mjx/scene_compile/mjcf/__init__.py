@@ -1,4 +1,4 @@
-"""A compiled house as a full MuJoCo model with its meshes and textures.
+"""Compiled house as a full MuJoCo model with meshes and textures.
 
 `home_mjx.scene_compile` exports `export_mjcf` and `to_mjcf`.
 """

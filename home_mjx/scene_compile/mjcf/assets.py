@@ -13,11 +13,11 @@ from home_mjx.mjcf.boxes import numbers
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.schema.compiled import CompiledHouse, Model
 
-LEAST_AREA = 1e-12  # [m^2]: smaller triangles are dropped; MuJoCo refuses meshes made of such triangles
+LEAST_AREA = 1e-12  # [m^2], smaller triangles are dropped; MuJoCo rejects meshes of only such triangles
 
 
 class MjcfAssets:
-    """Collects the meshes, textures and materials of a house's geoms; each is stored once.
+    """Collector of the meshes, textures and materials of a house's geoms; each is stored once.
 
     Attributes:
         files: Content by path relative to the MJCF file.
@@ -34,12 +34,12 @@ class MjcfAssets:
 
     @property
     def element(self) -> ET.Element:
-        """The MJCF element; never without a material, since MJX's ray caster fails on that."""
+        """MJCF `asset` element; it always has a material, since MJX's ray caster fails without one."""
         self.material(0)
         return self._element
 
     def material(self, row: int) -> str:
-        """Name of the material of a row of the house's table."""
+        """Return the name of the material of a row of the house's table, adding it if necessary."""
         if row not in self._materials:
             table = self._house.materials
             name = self._materials[row] = f"material{row}"
@@ -50,7 +50,10 @@ class MjcfAssets:
         return self._materials[row]
 
     def mesh(self, model: Model, slot: int, stretch: Float[np.ndarray, "3 3"]) -> str | None:
-        """Name of the mesh of one material slot of a model, scaled, mirrored or sheared; None if it has no area."""
+        """Return the name of the mesh of one material slot of a model after a stretch; None if it has no area.
+
+        The stretch scales, mirrors or shears the mesh.
+        """
         key = (model.key, slot, tuple(np.round(stretch, 6).ravel() + 0.0))
         if key not in self._meshes:
             self._meshes[key] = self._add_mesh(model, slot, stretch)
@@ -68,12 +71,12 @@ class MjcfAssets:
         name = f"{safe_name(model.key)}_{slot}_{len(self._meshes)}"
         file = f"meshes/{name}.obj"
         self.files[file] = obj_bytes(triangle[solid], uv[solid])
-        # A shell has a legal inertia even if the mesh is open or flat; the geoms have no mass anyway.
+        # A shell has a valid inertia even if the mesh is open or flat; the geoms have no mass.
         ET.SubElement(self._element, "mesh", name=name, file=file, inertia="shell")
         return name
 
     def pieces(self, model: Model, stretch: Float[np.ndarray, "3 3"]) -> list[str]:
-        """Names of the convex pieces of a model, scaled, mirrored or sheared.
+        """Return the names of the convex pieces of a model after a stretch, which scales, mirrors or shears it.
 
         Raises:
             ConfigError: As `convex_pieces`.
@@ -101,10 +104,10 @@ class MjcfAssets:
 
 
 def obj_bytes(triangle: Float[np.ndarray, "t 3 3"], uv: Float[np.ndarray, "t 3 2"]) -> bytes:
-    """An OBJ file of a triangle soup; equal corners are merged."""
+    """Return an OBJ file of a triangle soup; equal corners are merged."""
     vertex, corner = np.unique(triangle.reshape(-1, 3).astype(np.float32), axis=0, return_inverse=True)
     coordinate, corner_uv = np.unique(uv.reshape(-1, 2).astype(np.float32), axis=0, return_inverse=True)
-    if len(vertex) < 4:  # MuJoCo wants at least four
+    if len(vertex) < 4:  # MuJoCo requires at least four vertices
         vertex = np.concatenate([vertex, np.repeat(vertex[:1], 4 - len(vertex), axis=0)])
     face = np.stack([corner.reshape(-1, 3), corner_uv.reshape(-1, 3)], axis=-1).reshape(-1, 6) + 1
     out = io.BytesIO()
@@ -115,7 +118,7 @@ def obj_bytes(triangle: Float[np.ndarray, "t 3 3"], uv: Float[np.ndarray, "t 3 2
 
 
 def png_bytes(path: Path) -> bytes:
-    """An image file, converted to PNG.
+    """Convert an image file to PNG.
 
     Raises:
         DatasetError: As in `open_texture`.
@@ -128,5 +131,5 @@ def png_bytes(path: Path) -> bytes:
 
 
 def safe_name(text: str) -> str:
-    """The text with all characters replaced that a file name cannot have."""
+    """Replace all characters except letters, digits, hyphens and underscores, so that the text is a valid file name."""
     return re.sub(r"[^A-Za-z0-9_-]", "_", text)

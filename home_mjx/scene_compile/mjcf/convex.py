@@ -1,7 +1,7 @@
-"""Models as convex pieces, for collision with their shape; needs the extra `exact`.
+"""Convex decomposition of models, for exact collision shapes; needs the extra `exact`.
 
-CoACD (Wei et al., 2022, "Approximate convex decomposition for 3D meshes with collision-aware concavity and tree
-search") does the work. It takes seconds per model, so pieces are kept in the cache folder.
+The decomposition is by CoACD (Wei et al., 2022, "Approximate convex decomposition for 3D meshes with collision-aware
+concavity and tree search"). It takes seconds per model, so pieces are stored in the cache folder.
 """
 
 import hashlib
@@ -20,8 +20,8 @@ from home_mjx.geometry.meshes import bounds
 from home_mjx.schema.compiled import Model
 
 Piece = Float[np.ndarray, "f 3 3"]
-VERSION = 1  # raise it whenever the same options would give other pieces
-THINNEST = 1e-3  # [m]: MuJoCo refuses hulls of thinner pieces
+VERSION = 1  # increment whenever equal options would produce different pieces
+THINNEST = 1e-3  # [m], minimum thickness of a piece; MuJoCo rejects thinner hulls
 
 log = logging.getLogger(__name__)
 
@@ -31,9 +31,9 @@ class ConvexOptions:
     """Options of the decomposition.
 
     Attributes:
-        threshold: Remaining concavity, as a share of the model's size (see CoACD).
-        max_pieces: Most pieces of a model.
-        seed: Of CoACD's tree search.
+        threshold: Maximum remaining concavity, as a share of the model's size (see CoACD).
+        max_pieces: Maximum number of pieces per model.
+        seed: Seed of CoACD's tree search.
     """
 
     threshold: float = 0.1
@@ -42,7 +42,7 @@ class ConvexOptions:
 
 
 def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tuple[Piece, ...]:
-    """Convex pieces of a model as triangles of their hulls, in its own frame [m]; none for what is flat.
+    """Return the hulls of a model's convex pieces as triangles in its own frame [m]; empty for flat models.
 
     Raises:
         ConfigError: CoACD is not installed.
@@ -58,7 +58,7 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
     except FileNotFoundError:
         pass
     except BROKEN as error:
-        log.warning("broken cache entry %s is made again: %s", entry, error)
+        log.warning("broken cache entry %s is computed again: %s", entry, error)
     pieces = tuple(hull for hull in map(_hull, _decompose(model, options)) if hull is not None)
     try:
         write_entry(entry, {str(i): piece for i, piece in enumerate(pieces)}, {"pieces": len(pieces)})
@@ -73,7 +73,7 @@ def _entry(model: Model, options: ConvexOptions) -> Path:
 
 
 def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "_ 3"]]:
-    """Corners of the pieces; the whole model is one piece if CoACD fails."""
+    """Return the corners of the pieces; the whole model is one piece if CoACD fails."""
     try:
         import coacd
     except ImportError as error:
@@ -88,7 +88,7 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
             coacd.Mesh(vertices, corner.reshape(-1, 3).astype(np.int32)),
             threshold=options.threshold,
             max_convex_hull=options.max_pieces,
-            # Half of CoACD's defaults or less: as many pieces, in 5 s per model instead of 30 s.
+            # At most half of CoACD's defaults: equally many pieces, in 5 s per model instead of 30 s.
             resolution=1000,
             mcts_iterations=60,
             mcts_nodes=10,
@@ -96,13 +96,13 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
             seed=options.seed,
         )
     except RuntimeError as error:
-        log.warning("%s is one convex piece: %s", model.key, error)
+        log.warning("%s becomes a single convex piece: %s", model.key, error)
         return [vertices]
     return _squeeze([np.asarray(corners, float) for corners, _ in found], bounds(vertices)) or [vertices]
 
 
 def _squeeze(pieces: list[Float[np.ndarray, "_ 3"]], box: Float[np.ndarray, "2 3"]) -> list[Float[np.ndarray, "_ 3"]]:
-    """The pieces stretched to the model's own box: CoACD wraps a mesh in a skin, half a voxel thick."""
+    """Scale the pieces to the model's bounding box, since CoACD adds a skin of half a voxel."""
     if not pieces:
         return []
     skin = bounds(np.concatenate(pieces))
@@ -110,13 +110,13 @@ def _squeeze(pieces: list[Float[np.ndarray, "_ 3"]], box: Float[np.ndarray, "2 3
 
 
 def _hull(corners: Float[np.ndarray, "v 3"]) -> Piece | None:
-    """Triangles of the convex hull, counter-clockwise outwards; None if it is flat."""
+    """Return the triangles of the convex hull, counter-clockwise outwards; None if it is flat."""
     try:
         hull = ConvexHull(corners)
     except (QhullError, ValueError):
         return None
     triangles, normal = corners[hull.simplices], hull.equations[:, :3]
-    # The narrowest extent along any of the hull's own normals.
+    # The minimum extent along the hull's face normals.
     across = (corners @ normal.T).max(axis=0) - (corners @ normal.T).min(axis=0)
     if across.min() < THINNEST:
         return None

@@ -1,4 +1,4 @@
-"""A compiled house as a full MJCF model: for MuJoCo's viewer, and as the reference of the batched physics."""
+"""Export of a compiled house as a full MJCF model, for MuJoCo's viewer and as the reference of the batched physics."""
 
 import json
 import xml.etree.ElementTree as ET
@@ -27,11 +27,11 @@ from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.schema.contact_materials import USUAL, damping_ratio
 from home_mjx.schema.semantic import Semantic
 
-USUAL_FRICTION = f"{USUAL.friction} 0.005 0.0001"  # of what has no friction of its own
+USUAL_FRICTION = f"{USUAL.friction} 0.005 0.0001"  # default friction of geoms
 FILE, OVERLAPS = "house.xml", "overlaps.json"
-EYE_HEIGHT = Body().eye_height  # [m], of the cameras of rooms
+EYE_HEIGHT = Body().eye_height  # [m], height of the room cameras above the floor
 NYU40_CEILING, ROOF = 22, COARSE.index("roof")
-VISUAL, CEILING = "2", "4"  # the viewer shows groups 0 to 2 at first
+VISUAL, CEILING = "2", "4"  # geom groups; the viewer shows groups 0 to 2 by default
 
 
 def to_mjcf(
@@ -43,28 +43,28 @@ def to_mjcf(
     restitution: float | None = None,
     collision: str = "box",
 ) -> tuple[str, dict[str, bytes]]:
-    """MJCF of a house and the files that it refers to.
+    """Return the MJCF of a house and the files that it refers to.
 
-    Every object is a body `object<id>` with its visual meshes (group 2; ceilings and roofs are in group 4, so that one
-    can look in from above). Movable ones have a free joint, a mass and one box or convex pieces (group 3); a leaf of a
-    door is a body `object<id>_leaf<instance>`; one that turns is on a hinge of the same name. Static boxes and the
-    floor plane belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a
-    faint one from above.
+    Every object is a body `object<id>` with visual meshes in group 2. Ceilings and roofs are in group 4, so that they
+    can be hidden to look in from above. Movable objects have a free joint, a mass and one box or convex pieces
+    (group 3). A door leaf is a body `object<id>_leaf<instance>`, with a hinge or slide joint of the same name. Static
+    boxes and the floor plane belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights:
+    `lamp<i>`, and a faint directional one from above.
 
     Args:
         house: A compiled house.
         agent: Adds an agent at the first start point, with motors (see `mjcf_agent`).
-        timestep: [s]
-        friction: Sliding friction of all movable objects; None: of each by its material. Agents have none.
-        restitution: Part of their speed with which movable objects bounce; None: by material.
-        collision: `box` or `exact`, which has convex pieces in place of objects' boxes. What then stands in something
-            is moved by up to 5 cm or left out of contact with it; the file `overlaps.json` lists it.
+        timestep: Length of a physics step [s].
+        friction: Sliding friction of all movable objects; None: by material. Agents are frictionless.
+        restitution: Restitution of all movable objects; None: by material.
+        collision: `box` or `exact`, which has convex pieces in place of objects' boxes. Objects that then overlap
+            others are moved by up to 5 cm, or their contact is excluded; the file `overlaps.json` lists them.
 
     Returns:
-        The XML and file contents by relative path, as `mujoco.MjModel.from_xml_string` takes them.
+        The XML and file contents by relative path, as `mujoco.MjModel.from_xml_string` expects them.
 
     Raises:
-        ConfigError: `exact` without the extra of that name, an unknown kind of collision, or a useless timestep.
+        ConfigError: `exact` without the extra of that name, an unknown kind of collision, or an invalid timestep.
         DatasetError: A texture cannot be read.
 
     Example:
@@ -106,11 +106,11 @@ def to_mjcf(
 
 
 def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, collision: str = "box") -> Path:
-    """Writes a house to `<folder>/<house id>/house.xml`, with meshes and textures: everything or nothing.
+    """Write a house to `<folder>/<house id>/house.xml`, with meshes and textures, atomically.
 
     Args:
         house: A compiled house.
-        folder: Made if missing; an older export of the same house is replaced.
+        folder: Created if missing; an older export of the same house is replaced.
         agent: As in `to_mjcf`.
         collision: As in `to_mjcf`.
 
@@ -118,12 +118,12 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, c
         Path of the MJCF file.
 
     Raises:
-        ConfigError: Something other than an export is at that place, or it cannot be written.
+        ConfigError: The target exists and is not an export, or it cannot be written.
     """
     xml, files = to_mjcf(house, agent=agent, collision=collision)
     target = Path(folder) / safe_name(house.id)
     if target.exists() and not (target / FILE).is_file():
-        raise ConfigError("there is something else than an exported house", file=target, hint="Choose another folder")
+        raise ConfigError("folder exists and is not an exported house", file=target, hint="Choose another folder")
     try:
         replace_folder(target, {**files, FILE: xml.encode()})
     except OSError as error:
@@ -132,7 +132,9 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, c
 
 
 def split_linear(linear: Float[np.ndarray, "3 3"]) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]]:
-    """A rotation and the stretch before it: diagonal, negative in x for mirrors; sheared parts are all stretch.
+    """Split a linear map into a rotation and a preceding diagonal stretch, negative in x for mirrored maps.
+
+    A sheared map is returned as the stretch, with the identity as the rotation.
 
     Example:
         >>> split_linear(np.diag([2.0, 1.0, -1.0]))[1]
@@ -156,10 +158,10 @@ def _quat(rotation: Float[np.ndarray, "3 3"]) -> str:
 
 
 def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
-    """Floor plane, light and cameras."""
+    """Add the floor plane, a light and cameras."""
     floor = ground_floor(house.rooms)
     ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER)
-    # Without shadows light passes the ceilings.
+    # Without shadows, since ceilings would block the light.
     ET.SubElement(world, "light", type="directional", dir="0.3 0.2 -1", castshadow="false", diffuse="0.4 0.4 0.4")
     bounds = _plot(house)
     middle, size = bounds.mean(axis=0), np.ptp(bounds, axis=0)
@@ -171,7 +173,7 @@ def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
 
 
 def _plot(house: CompiledHouse) -> Float[np.ndarray, "2 3"]:
-    """The box around the house [m]; gardens and neighbours are beyond."""
+    """Return the bounding box of the house without gardens and neighbours [m]."""
     (x0, y0), (x1, y1) = lot(house.rooms)
     return np.clip(house.box, [x0, y0, -np.inf], [x1, y1, np.inf])
 
@@ -181,7 +183,7 @@ def _looking_along_x() -> dict[str, str]:
 
 
 def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> None:
-    """All colliders but, if exact, those of objects, which have their own here; stairs are ramps all the same."""
+    """Add all colliders; with `exact` without those of objects, except the ramps of stairs."""
     boxes, ramps = house.colliders, set(house.ramps.collider.tolist())
     for i, (pos, quat, size) in enumerate(zip(boxes.pos, boxes.quat, boxes.size, strict=True)):
         if not exact or boxes.object_id[i] < 0 or i in ramps:
@@ -196,7 +198,7 @@ def _add_instance(
     exact: bool,
     touches: Sequence[dict[str, str]],
 ) -> None:
-    """Adds one instance: the architecture, a static object, or a movable one."""
+    """Add one instance: the architecture, a static object, a movable object or a door leaf."""
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
     name = instance_name(house, instance)
     pose = house.instances.pose[instance]
@@ -222,12 +224,12 @@ def _add_instance(
 
 
 def _solid_objects(house: CompiledHouse) -> set[int]:
-    """Ids of the objects that can be touched, but no stairs: agents climb the ramps over them."""
+    """Return the ids of objects with colliders, except stairs, on which agents climb ramps."""
     return set(house.colliders.object_id.tolist()) - set(house.ramps.object_id.tolist()) - {-1}
 
 
 def instance_name(house: CompiledHouse, instance: int) -> str:
-    """Name of an instance's body; the leaves of a door follow its frame."""
+    """Return the name of an instance's body; the leaves of a door follow its frame."""
     owner = house.instances.object_id
     if instance == ARCHITECTURE:
         return "architecture"
@@ -253,7 +255,7 @@ def _add_pieces(
     stretch: Float[np.ndarray, "3 3"],
     **more: str,
 ) -> int:
-    """Adds the convex pieces of an instance; how many there are."""
+    """Add the convex pieces of an instance, and return their number."""
     meshes = assets.pieces(house.models[house.instances.model[instance]], stretch)
     for i, mesh in enumerate(meshes):
         add_piece(element, f"piece{instance}_{i}", mesh, **more)
@@ -268,7 +270,7 @@ def _add_visuals(
     stretch: Float[np.ndarray, "3 3"],
     **place: str,
 ) -> None:
-    """Adds one mesh geom per material slot; roofs are shown with the ceilings."""
+    """Add one mesh geom per material slot; roofs are in the group of ceilings."""
     model = house.models[house.instances.model[instance]]
     first = int(house.instances.material[instance])
     for slot in np.unique(model.slot).tolist():
@@ -287,7 +289,7 @@ def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
 
 
 def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: Body) -> None:
-    """Adds an agent, frictionless towards everything, and a keyframe in which it stands at the first start point."""
+    """Add an agent without friction, and a keyframe with the agent at the first start point."""
     body = add_agent(world, shape, "agent0", group=COLLIDER, **FRICTIONLESS, **MEETS_LEAVES)
     eye = f"0 0 {shape.eye_height - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)

@@ -1,4 +1,4 @@
-"""The lamps of a house as MJCF lights."""
+"""Lamps of a house as MJCF lights."""
 
 import xml.etree.ElementTree as ET
 
@@ -9,17 +9,17 @@ from home_mjx.geometry.meshes import transform
 from home_mjx.mjcf.boxes import numbers
 from home_mjx.schema.compiled import CompiledHouse
 
-MOST = 64  # MuJoCo draws at most 100 lights; the strongest are kept
-BRIGHTEST = 0.7  # diffuse colour of the strongest lamp: MuJoCo's lights have no unit
-ATTENUATION = "1 0 0.15"  # half as bright 2.6 m away
+MOST = 64  # maximum number of lamps, strongest first; MuJoCo renders at most 100 lights
+BRIGHTEST = 0.7  # diffuse colour of the strongest lamp, since MuJoCo's lights have no unit
+ATTENUATION = "1 0 0.15"  # half intensity at 2.6 m
 
 
 def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
-    """Adds a light per lamp, `lamp<i>`: spots where the dataset has spots, else points; without shadows.
+    """Add a light per lamp, `lamp<i>`: spots for spots of the dataset, else points; without shadows.
 
     Args:
         world: The `worldbody` element.
-        house: The house; daylight and lights of movable lamps do not move.
+        house: The house; daylight is omitted, and lights of movable lamps are static.
     """
     lights = house.lights
     scale = BRIGHTEST / max(float(lights.intensity[~lights.daylight].max(initial=0)), 1e-9)
@@ -44,7 +44,7 @@ def _strongest(house: CompiledHouse) -> Int[np.ndarray, " n"]:
 
 
 def _shape(aim: Float[np.ndarray, "3"], exponent: float, cutoff: float) -> dict[str, str]:
-    """Attributes of a spot, or of a point light, which MuJoCo takes for a spot of 180 degrees."""
+    """Return the attributes of a spot or point light."""
     if cutoff < -1:
         return {"type": "point"}
     angle = np.rad2deg(np.arccos(np.clip(cutoff, -1, 1)))

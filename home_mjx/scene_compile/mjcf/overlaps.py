@@ -1,6 +1,6 @@
-"""Movable objects that overlap something when a house is loaded: moved a little, or their contact is disabled."""
+"""Resolution of initial overlaps of movable objects: a small shift, or an excluded contact."""
 
-# MuJoCo names its types lazily, where pyright does not find them.
+# MuJoCo defines its types lazily, where pyright does not find them.
 # pyright: reportAttributeAccessIssue=false
 
 import xml.etree.ElementTree as ET
@@ -13,20 +13,20 @@ from jaxtyping import Float
 
 from home_mjx.mjcf.boxes import numbers
 
-FARTHEST = 0.05  # [m], that an object is moved
-DEPTH = 1e-3  # [m]: deeper contacts are overlaps
-ROUNDS = 20
+FARTHEST = 0.05  # [m], maximum shift of an object
+DEPTH = 1e-3  # [m], contacts with a larger penetration are overlaps
+ROUNDS = 20  # maximum number of shifts per object
 
 
 def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str, Any]]:
-    """Puts every free body of a model onto the floor and out of overlaps, by at most 5 cm.
+    """Move every free body of a model onto the floor and out of overlaps, by at most 5 cm.
 
     Args:
-        root: The `mujoco` element; positions of bodies are changed and pairs that stay in touch excluded.
+        root: The `mujoco` element; body positions are changed and remaining overlaps are excluded from contact.
         files: The files that it refers to.
 
     Returns:
-        Per body that was moved or has exclusions: `object`, `shift` [m] and `excluded`, the other bodies' names.
+        For each body that was moved or has exclusions: `object`, `shift` [m] and `excluded`, the names of other bodies.
     """
     model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"), dict(files))
     data = mujoco.MjData(model)
@@ -49,11 +49,14 @@ def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str
 
 
 def _onto_floor(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Float[np.ndarray, "3"]:
-    """The way down or up that puts the lowest point of a body's colliders onto the floor plane; none for others."""
+    """Move a body vertically so that the lowest point of its colliders is on the floor plane, and return the shift.
+
+    The shift is zero if it would exceed `FARTHEST`.
+    """
     mujoco.mj_kinematics(model, data)
     floor = model.geom("floor").pos[2]
     shift = np.array([0.0, 0.0, floor - _lowest(model, data, body)])
-    shift[2] = shift[2] if abs(shift[2]) <= FARTHEST else 0.0  # it lies on something else
+    shift[2] = shift[2] if abs(shift[2]) <= FARTHEST else 0.0  # another object supports it
     _put(model, data, body, shift)
     return shift
 
@@ -79,7 +82,7 @@ def _solid_geoms(model: mujoco.MjModel, body: int) -> list[int]:
 def _apart(
     model: mujoco.MjModel, data: mujoco.MjData, body: int, shift: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "3"]:
-    """The shift with which a body is clear of everything; the given one if there is none within reach."""
+    """Return the shift that clears a body from all overlaps; the input shift if none is within reach."""
     way = shift.copy()
     for _ in range(ROUNDS):
         mujoco.mj_forward(model, data)
@@ -111,7 +114,7 @@ def _bodies(model: mujoco.MjModel, contact: Any) -> tuple[int, int]:
 
 
 def _is_overlap(model: mujoco.MjModel, contact: Any) -> bool:
-    """Deep, and not with the floor, onto which bodies were put."""
+    """Return whether a contact is deep and not with the floor, onto which bodies were moved."""
     return bool(contact.dist < -DEPTH and model.geom("floor").id not in contact.geom)
 
 

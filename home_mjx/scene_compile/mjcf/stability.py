@@ -1,6 +1,6 @@
-"""Whether a house is at rest: how far its movable objects drift untouched."""
+"""Stability test of a house: drift of its movable objects without external forces."""
 
-# MuJoCo names its types lazily, where pyright does not find them.
+# MuJoCo defines its types lazily, where pyright does not find them.
 # pyright: reportAttributeAccessIssue=false
 
 from collections.abc import Mapping
@@ -10,15 +10,15 @@ import numpy as np
 
 
 def rest_drift(xml: str, files: Mapping[str, bytes], seconds: float = 10.0) -> dict[str, float]:
-    """Steps a model in MuJoCo and measures how far its free bodies move.
+    """Simulate a model in MuJoCo and measure the drift of its free bodies.
 
     Args:
-        xml: As from `to_mjcf`.
-        files: As from `to_mjcf`.
-        seconds: Simulated time.
+        xml: XML from `to_mjcf`.
+        files: Files from `to_mjcf`.
+        seconds: Simulated time [s].
 
     Returns:
-        The largest distance from where each free body was put, at any time [m]; inf if the simulation blew up.
+        Maximum distance of each free body from its initial position [m]; inf if the simulation diverged.
 
     Example:
         >>> rest_drift(*to_mjcf(house))  # doctest: +SKIP

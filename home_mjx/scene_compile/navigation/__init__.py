@@ -1,1 +1,1 @@
-"""Where agents can stand and walk: free space, regions, portals, stairs, distances."""
+"""Navigation meshes as grids: free space, regions, portals, stairs and geodesic distances."""

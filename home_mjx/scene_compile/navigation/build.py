@@ -1,4 +1,4 @@
-"""Navigation of a house on the free space of its levels: regions, portals, starts, goals, geodesic distances."""
+"""Navigation data of a house from the free space of its levels: regions, portals, starts, goals, geodesic distances."""
 
 import hashlib
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Fringe, Navigation, Rooms
 
 DEFAULT_OPTIONS = NavigationOptions()
-LEVEL_APART = 1000  # [cells], between levels where goals are spread
+LEVEL_APART = 1000  # [cells], distance between adjacent levels when goals are spread
 
 
 def build_navigation(
@@ -31,18 +31,18 @@ def build_navigation(
     leaves: Sequence[BoxSet] = (),
     open_leaves: Sequence[BoxSet] = (),
 ) -> Navigation:
-    """Regions, portals, starts, goals and distance fields on the free space of a house.
+    """Compute regions, portals, starts, goals and distance fields on the free space of a house.
 
     Args:
-        house_id: Seeds the draw of starts and goals.
-        rooms: For the heights of their floors.
-        spaces: Where an agent can stand on each level that has rooms, the lowest first; there it can stand somewhere.
-        options: Counts.
-        doorways: Of each level; none by default.
-        stairs: Between the levels, on which agents walk.
-        leaves: Boxes of each level where leaves may stand: no start and no goal is in them, but ways lead through.
-        open_leaves: Boxes of each level where leaves stand while doors are open: no start and no goal is where they cut
-            it off from most of the house. Whoever pushed them out of the way might shut them for good.
+        house_id: Seeds the sampling of starts and goals.
+        rooms: Floor heights.
+        spaces: Free space of each level that has rooms, lowest first; each must have standable cells.
+        options: Counts and sizes.
+        doorways: Doorways of each level; empty: none.
+        stairs: Stairs between the levels that agents use.
+        leaves: Boxes on each level of all leaf positions. Starts and goals avoid them, but paths lead through.
+        open_leaves: Boxes on each level of leaves of open doors. Starts and goals avoid cells that these cut off from
+            most of the house: an agent that pushes the leaf away might shut the door for good.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
@@ -89,7 +89,7 @@ def _beside_leaves(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """The cells of the home region where no leaf may stand; all of them if there are no others."""
+    """Return the cells of the home region without a possible leaf position, or all cells if every cell has one."""
     reach, found = options.agent_radius + options.margin, home.copy()
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
         heights = (options.step, options.agent_height)
@@ -105,7 +105,7 @@ def _cut_off(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """The cells of the home region from which no way leads to most of it but through a leaf of an open door."""
+    """Return the cells of the home region that leaves of open doors cut off from its main part."""
     free, heights = home.copy(), (options.step, options.agent_height)
     for cells, space, boxes in zip(free, spaces, leaves, strict=False):
         floor, radius = rooms.floor[space.room], options.agent_radius
@@ -117,7 +117,7 @@ def _cut_off(
 def _fringe(
     spaces: Sequence[FreeSpace], home: Bool[np.ndarray, "l ny nx"], field: Float[np.ndarray, "c g"], cell: float
 ) -> Fringe:
-    """The cells beside the home region, and which cell counts in each; distances as `field` has them [m]."""
+    """Return the cells next to the home region and the nearest valid cell of each cell; `field` is in metres."""
     grids = ("narrow", "enterable", "standable", "room", "height")
     *around, standable, room, height = (np.stack([getattr(s, name) for s in spaces]) for name in grids)
     parts = continued_fields(home, around, standable, room, height, field, cell)
@@ -129,7 +129,7 @@ def _fringe(
 
 
 def _stored(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:
-    """Distances [m] as they are kept; those beyond 163 m are kept as that."""
+    """Quantize distances [m] to their stored form; values above 163 m are clipped."""
     steps = np.minimum(np.round(distance / FIELD_UNIT), FIELD_FAR - 1)
     return np.where(np.isfinite(distance), steps, FIELD_FAR).astype(np.uint16)
 
@@ -141,7 +141,7 @@ def _place(
     cells: Int[np.ndarray, "n 3"],
     shift: Float[np.ndarray, "n 2"],
 ) -> Float[np.ndarray, "n 3"]:
-    """Cells as points in the world, on the floor of their room."""
+    """Convert cells to world points on the floor of their room."""
     _, row, column = cells.T
     z = rooms.floor[room[tuple(cells.T)]]
     return np.stack([space.x[column] + shift[:, 0], space.y[row] + shift[:, 1], z], axis=-1)
@@ -150,7 +150,7 @@ def _place(
 def _spread_goals(
     free: Bool[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"], count: int, rng: np.random.Generator
 ) -> Int[np.ndarray, "g 3"]:
-    """Cells of goals: the rooms in turn, in each the one of some random cells that is farthest from earlier goals."""
+    """Sample goal cells from the rooms in turn, each the candidate farthest from earlier goals."""
     order = rng.permutation(np.unique(room[free]))
     goals = np.empty((count, 3), np.int64)
     for g in range(count):

@@ -1,4 +1,4 @@
-"""Where an agent can stand on a level: its grid, rooms and free cells."""
+"""Free space of agents on a level: its grid, rooms and free cells."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,18 +17,18 @@ from home_mjx.schema.compiled import Rooms
 
 @dataclass(frozen=True)
 class NavigationOptions:
-    """How free space is found.
+    """Options of free space and sampling.
 
     Attributes:
         cell: Edge of a grid cell [m].
-        agent_radius: [m].
-        agent_height: [m].
-        margin: Clearance beyond the radius [m]: starts are drawn up to half of it from their cell's centre.
-        step: Obstacles lower than this above the floor do not count [m].
-        num_starts: Start points drawn.
-        num_goals: Goals, each with a distance field.
-        climb: Whether agents take stairs: then starts and goals lie on all levels that stairs join; otherwise stairs
-            are obstacles, and starts and goals lie on the ground floor.
+        agent_radius: Radius of the agent [m].
+        agent_height: Height of the agent [m].
+        margin: Clearance beyond the radius [m]; starts are jittered by up to half of it from their cell's centre.
+        step: Obstacles that end lower above the floor are ignored [m].
+        num_starts: Number of sampled start points.
+        num_goals: Number of goals, each with a distance field.
+        climb: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False, stairs
+            are obstacles, and starts and goals are on the ground floor.
     """
 
     cell: float = 0.1
@@ -51,22 +51,22 @@ class NavigationOptions:
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """The grid of one level before anything is drawn on it; all levels of a house have the same extent."""
+    """Grid of one level without sampled points; all levels of a house have the same extent."""
 
     level: int
     origin: Float[np.ndarray, "2"]  # [m], corner of cell (0, 0)
-    x: Float[np.ndarray, " nx"]  # [m], of cell centres
+    x: Float[np.ndarray, " nx"]  # [m], cell centres
     y: Float[np.ndarray, " ny"]
     room: Int[np.ndarray, "ny nx"]
     standable: Bool[np.ndarray, "ny nx"]
-    narrow: Bool[np.ndarray, "ny nx"]  # where its axis may be without the margin
-    enterable: Bool[np.ndarray, "ny nx"]  # also where things stand that can be moved
-    height: Float[np.ndarray, "ny nx"]  # [m], of the floor or ramp in a room; anything elsewhere
+    narrow: Bool[np.ndarray, "ny nx"]  # cells that the agent's axis can enter without the margin
+    enterable: Bool[np.ndarray, "ny nx"]  # the same if movable objects are absent
+    height: Float[np.ndarray, "ny nx"]  # [m], floor or ramp height in a room; undefined elsewhere
     on_ramp: Bool[np.ndarray, "ny nx"]
 
     @cached_property
     def free(self) -> Bool[np.ndarray, "ny nx"]:
-        """The largest connected region of it."""
+        """Largest connected region of standable cells."""
         labels = np.zeros(self.standable.shape, np.int32)
         ndimage.label(self.standable, output=labels)
         sizes = np.bincount(labels.ravel())
@@ -84,17 +84,17 @@ def free_space(
     downstairs: Sequence[Stairs] = (),
     fixed: BoxSet | None = None,
 ) -> FreeSpace:
-    """Rooms of a level, and where in them an agent can stand.
+    """Compute the rooms of a level and their standable cells.
 
     Args:
         rooms: Outlines and floors.
         obstacles: Upright boxes [m].
-        passages: Footprints of doorways, interior as well where rooms leave a gap between them [m].
+        passages: Footprints of doorways, which count as indoors if rooms leave a gap between them [m].
         options: Sizes.
-        level: Level index; None for the lowest that has rooms.
-        upstairs: Stairs that begin here.
-        downstairs: Stairs that end here.
-        fixed: Obstacles that cannot be moved; None: none can.
+        level: Level index; None: the lowest that has rooms.
+        upstairs: Stairs that begin on this level.
+        downstairs: Stairs that end on this level.
+        fixed: Obstacles that cannot be moved; None: all obstacles are fixed.
     """
     level = int(rooms.level.min()) if level is None else level
     here = np.flatnonzero(rooms.level == level)
@@ -104,7 +104,7 @@ def free_space(
     height, on_ramp, owned = rooms.floor[room], np.zeros(room.shape, bool), np.zeros(room.shape, bool)
     points = np.stack(np.meshgrid(x, y), axis=-1)
     for stairs, end, here in _shares(upstairs, downstairs, points, options.cell):
-        # Under the head of stairs that others come out of there is a floor, or the other stairs.
+        # If other stairs exit under the head of these stairs, the area below is floor or belongs to the other stairs.
         over = here if stairs.stacked and end == 0 else stairs.contains(points)
         mine = here | (over & ~owned)
         room, height = np.where(mine, stairs.room[end], room), np.where(mine, stairs.surface(points), height)
@@ -113,7 +113,7 @@ def free_space(
     heights = options.step, options.agent_height
     away = clearance(obstacles, height, x, y, heights, reach)
     inside, sure = (room >= 0) & (owned | ~on_ramp), away >= reach
-    # An agent's axis may be beside the cell's centre.
+    # An agent's axis may be up to half a cell from the cell's centre.
     near = max(options.agent_radius - options.cell / 2, 0)
     narrow = inside & (sure | (away > near))
     enterable = (
@@ -125,11 +125,11 @@ def free_space(
 def _shares(
     upstairs: Sequence[Stairs], downstairs: Sequence[Stairs], points: Float[np.ndarray, "ny nx 2"], cell: float
 ) -> Iterator[tuple[Stairs, int, Bool[np.ndarray, "ny nx"]]]:
-    """Stairs of a level, the end at which they meet it, and which cells over them belong to it.
+    """Yield the stairs of a level, the end (0 foot, 1 head) on this level, and the cells that belong to the level.
 
-    Both levels have the cells around the split, where one goes on in the other. Where stairs come out under others,
-    cells have one surface only: the lower one up to the split, and beyond a gap the upper one, which the next level
-    has that much farther down.
+    Both levels include the cells around the split between their grids. If stairs exit under others, each cell has only
+    one surface: the lower one up to the split and, beyond a gap, the upper one. The next level then includes more of
+    the upper stairs.
     """
     under = any(stairs.stacked for stairs in upstairs)
     below = [
@@ -148,7 +148,7 @@ def _shares(
 def _grid(
     polygons: Sequence[Float[np.ndarray, "_ 2"]], cell: float
 ) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]]:
-    """Corner of the grid and the coordinates of its cell centres."""
+    """Return the corner of the grid and the coordinates of its cell centres."""
     points = np.concatenate(list(polygons))
     origin = np.floor(points.min(axis=0) / cell) * cell
     nx, ny = np.ceil((points.max(axis=0) - origin) / cell).astype(int)
@@ -179,15 +179,15 @@ def clearance(
     heights: tuple[float, float],
     reach: float,
 ) -> Float[np.ndarray, "ny nx"]:
-    """Distance from every cell's centre to the nearest obstacle at the height of an agent, as far as it matters [m].
+    """Compute the distance from every cell centre to the nearest obstacle within a height range [m].
 
     Args:
         obstacles: Upright boxes.
-        floor: Height of the floor of each cell's own room [m]: rooms may lie at different heights, or lack a floor.
-        x: Of the cells' centres [m].
-        y: The same.
-        heights: Above the floor, between which obstacles count [m].
-        reach: Distances up to this are exact [m], greater ones at least as great as this.
+        floor: Floor height of each cell [m]; rooms may have different heights, or no floor.
+        x: x of the cell centres [m].
+        y: y of the cell centres [m].
+        heights: Height range above the floor in which obstacles count [m].
+        reach: Distances up to this are exact; greater ones are only at least this [m].
     """
     found = np.full((len(y), len(x)), np.inf)
     low, high = obstacles.bottom, obstacles.top

@@ -1,23 +1,23 @@
-"""The error of a house in which an agent can stand nowhere: it says what took the space."""
+"""Error for a house without standable cells, which reports the areas that walls and furniture take."""
 
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions
 
 HINTS = {
-    "floor": "Give every room a floor whose faces look up.",
-    "walls": "Give every wall a mesh group of its own: `home-mjx inspect --validate` finds walls that are too thick.",
-    "furniture": "Take furniture out, use a smaller agent, or leave this house out.",
+    "floor": "Ensure that every room has a floor whose faces point up.",
+    "walls": "Put every wall in a mesh group of its own: `home-mjx inspect --validate` finds walls that are too thick.",
+    "furniture": "Remove furniture, use a smaller agent, or leave this house out.",
 }
 
 
 def nowhere_to_stand(between_walls: FreeSpace, options: NavigationOptions) -> DatasetError:
-    """An error with the area of the floor, and how much of it walls and then furniture take.
+    """Return an error with the area of the floor and the areas that walls and furniture take.
 
-    An area counts as taken where the axis of an agent would be too near.
+    An area counts as taken if the axis of an agent would be too close to an obstacle.
 
     Args:
-        between_walls: Where an agent could stand if walls were all that is in the way.
-        options: Size of the agent and of a cell.
+        between_walls: Free space with walls as the only obstacles.
+        options: Sizes of the agent and of a cell.
     """
     floor, furniture = (float(m.sum()) * options.cell**2 for m in (between_walls.room >= 0, between_walls.standable))
     walls = floor - furniture

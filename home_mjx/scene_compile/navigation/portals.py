@@ -1,4 +1,4 @@
-"""Where rooms meet: doors, openings without one, and stairs; and which room leads to which."""
+"""Portals between rooms: doors, openings and stairs; and the number of portals between rooms."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ from home_mjx.schema.compiled import PortalKind, Portals, Rooms
 
 NO_LEAF = (-1, -1)
 
-# As the fields of Portals.
+# The fields of Portals.
 Row = tuple[tuple[int, int], tuple[float, float, float], float, PortalKind, tuple[int, int]]
 
 
@@ -27,15 +27,15 @@ def find_portals(
     doorways: Sequence[Sequence[Doorway]],
     stairs: Sequence[tuple[Stairs, float]] = (),
 ) -> Portals:
-    """Portals of all levels.
+    """Find the portals of all levels.
 
     Args:
         rooms: Outlines and floors.
-        room: Room of each cell; -1 none.
-        standable: Where an agent's axis may be.
+        room: Room of each cell; -1 if none.
+        standable: Cells where agents can stand.
         centres: x and y of the cells [m].
-        doorways: Of each level.
-        stairs: Of the house, and the width of each that an agent's axis can cross, 0 if none [m].
+        doorways: Doorways of each level.
+        stairs: Stairs of the house, each with the width that an agent's axis can cross [m]; 0 if none.
     """
     rows: list[Row] = []
     for grid, doors in enumerate(doorways):
@@ -57,7 +57,7 @@ def _crossings(
     standable: Bool[np.ndarray, "ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[Row]:
-    """One row per place where an agent can step from one room into another."""
+    """Return one row per place where an agent can step from one room into another."""
     x, y = np.meshgrid(*centres)
     inside = np.where(standable, room, -1)
     pairs, points = [], []
@@ -89,13 +89,13 @@ def _inside(door: Doorway, row: Row) -> bool:
 
 
 def _named(row: Row, doors: Sequence[Doorway]) -> Row:
-    """The row as a door if it lies in a doorway."""
+    """Return the row as a door if it is inside a doorway."""
     door = next((door for door in doors if _inside(door, row)), None)
     return row if door is None else (*row[:3], PortalKind.DOOR, door.leaf)
 
 
 def _closed(rooms: Rooms, doors: Sequence[Doorway]) -> list[Row]:
-    """Doors that agents cannot pass: blocked, or to the outside."""
+    """Return rows of doors that agents cannot pass: blocked, or to the outside."""
     rows: list[Row] = []
     for door in doors:
         a, b = door.room
@@ -111,10 +111,10 @@ def _stairs(stairs: Stairs, width: float) -> Row:
 
 
 def room_hops(portals: Portals, num_rooms: int) -> Int[np.ndarray, "r r"]:
-    """Least number of portals on the way from room to room; -1 where there is none.
+    """Return the minimum number of portals on the way from room to room; -1 if there is no way.
 
     Args:
-        portals: Those that agents can pass count.
+        portals: Portals; only passable ones count.
         num_rooms: Number of rooms.
     """
     passed = portals.room[(portals.width > 0) & (portals.room[:, 0] >= 0)]

@@ -10,21 +10,21 @@ from scipy.sparse.csgraph import connected_components
 
 from home_mjx.geometry.geodesic import Link
 
-IN_LEVEL = np.array([np.zeros((3, 3)), [[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.zeros((3, 3))])  # four neighbours
+IN_LEVEL = np.array([np.zeros((3, 3)), [[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.zeros((3, 3))])  # 4-connected
 
 
 def label_regions(
     standable: Bool[np.ndarray, "l ny nx"], links: Sequence[Link], cell: float
 ) -> tuple[Int[np.ndarray, "l ny nx"], Float[np.ndarray, " n"]]:
-    """Regions, and their areas: first the one with most of the lowest level, then the larger before the smaller.
+    """Label connected regions: first the largest part of the lowest level, then by decreasing area.
 
     Args:
-        standable: Where an agent's axis may be, the lowest level first.
-        links: Ways between cells that join their regions.
-        cell: [m].
+        standable: Cells where agents can stand, lowest level first.
+        links: Connections between cells that join their regions.
+        cell: Cell size [m].
 
     Returns:
-        Region of each cell, -1 where nobody can stand; area of each region [m^2].
+        Region of each cell, -1 if not standable; area of each region [m^2].
     """
     patch = np.zeros(standable.shape, np.int32)
     count = int(ndimage.label(standable, IN_LEVEL, output=patch))  # pyright: ignore[reportArgumentType]
@@ -44,6 +44,6 @@ def label_regions(
 
 
 def _count(merged: Int[np.ndarray, " p"], patch: Int[np.ndarray, "*s"], number: int) -> Int[np.ndarray, " n"]:
-    """Cells of each region."""
+    """Count the cells of each region."""
     cells = np.bincount(patch.ravel(), minlength=len(merged) + 1)[1:]
     return np.bincount(merged, weights=cells, minlength=number).astype(np.int64)

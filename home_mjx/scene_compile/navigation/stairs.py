@@ -1,4 +1,4 @@
-"""Ways from level to level: the cells over a slope at which one grid goes on in the next."""
+"""Links between levels: cells over stairs at which one grid continues in the next."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from home_mjx.geometry.geodesic import Link
 from home_mjx.scene_compile.objects.stairs import Stairs
 
-NOTHING = 1e-4  # [m], length of a link from a cell to itself, as far as a graph can have it
+NOTHING = 1e-4  # [m], length of a link between copies of a cell; sparse graphs cannot store zero
 
 
 def stair_links(
@@ -17,12 +17,12 @@ def stair_links(
     height: Float[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[list[Link]]:
-    """Of each of the stairs the cells that are free in the grids of both its levels.
+    """Return for each of the stairs links at the cells that are free in the grids of both levels.
 
     Args:
-        stairs: Of the house.
-        standable: Where an agent's axis may be.
-        height: Of the cells [m]: over stairs that are above one another, the grids may have different ones.
+        stairs: Stairs of the house.
+        standable: Cells where agents can stand.
+        height: Height of the cells [m]; where stairs are above one another, the grids may differ.
         centres: x and y of the cells [m].
     """
     points = np.stack(np.meshgrid(*centres), axis=-1)

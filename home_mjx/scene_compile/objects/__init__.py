@@ -1,1 +1,1 @@
-"""Objects in the house: placed, weighed, doors cut into frame and leaves."""
+"""Objects of a house: placement, mass, and doors split into frame and leaves."""

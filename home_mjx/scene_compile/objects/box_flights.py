@@ -1,4 +1,4 @@
-"""Stairs that an author has piled up from Box nodes: boxes that adjoin and whose tops rise step by step."""
+"""Detection of stairs built from Box nodes: adjoining boxes whose tops rise step by step."""
 
 from collections.abc import Sequence
 
@@ -10,21 +10,23 @@ from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.house import Box
 
-STEP = (0.05, 0.42)  # [m] from a step's top to the next one's
-ADJOIN = 0.06  # [m] between two steps in the plan
-EDGE = (0.1, 5.0)  # [m], of a step: others are rails, platforms and floors
-LEAST = 4  # steps
-ABOVE = 0.3  # [m], of the last step above the upper floor
+STEP = (0.05, 0.42)  # [m], minimum and maximum rise of a step
+ADJOIN = 0.06  # [m], maximum gap between adjoining steps in the plan
+EDGE = (0.1, 5.0)  # [m], minimum and maximum edge of a step; other boxes are rails, platforms and floors
+LEAST = 4  # minimum number of steps
+ABOVE = 0.3  # [m], maximum height of the last step above the upper floor
 
 
 def box_flights(
     objects: Sequence[PlacedObject], level: int, floor: Float[np.ndarray, " l"]
 ) -> list[list[PlacedObject]]:
-    """Boxes of a level that may be stairs to the next one, the lowest first; whether they are, their treads will tell.
+    """Return groups of boxes on a level that may be stairs to the next one, each sorted by height.
+
+    These are candidates only; the detection of treads decides whether they are stairs.
 
     Args:
-        objects: Of the house.
-        level: Index of the level on which they stand.
+        objects: Objects of the house.
+        level: Index of the lower level.
         floor: Heights of its floor and of those above [m].
     """
     low, high = floor[0] + STEP[0], floor[1] + ABOVE
@@ -48,7 +50,7 @@ def _is_step(item: PlacedObject) -> bool:
 
 
 def _follow(boxes: Sequence[PlacedObject]) -> Bool[np.ndarray, "n n"]:
-    """Which boxes adjoin in the plan, one of them a step above the other."""
+    """Return for each pair of boxes whether they adjoin in the plan and differ by one step in height."""
     turn = yaw_matrix(boxes[0].yaw)
     corners = [item.triangles.reshape(-1, 3) @ turn for item in boxes]
     low, high = np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])

@@ -1,4 +1,4 @@
-"""Doors taken apart: a frame that stays, and leaves that turn on their hinges or slide."""
+"""Doors split into a static frame and leaves that turn on hinges or slide on rails."""
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -14,24 +14,24 @@ from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.compiled import Model
 
-WIDE = np.pi / 2  # [rad]: every door opens at least as far; SUNCG's stand half open
-LEAN = 1e-3  # most that a hinge may lean, and that the plan may be stretched
+WIDE = np.pi / 2  # [rad], minimum opening angle of every door; SUNCG's open variants are only half open
+LEAN = 1e-3  # maximum tilt of a hinge, and maximum non-uniform stretch in the plan
 
 
 @dataclass(frozen=True)
 class HingedPart:
-    """A leaf of a door in its model's frame: its hinge or its direction, and how far it turns or slides."""
+    """A door leaf in its model's frame: its hinge or rail, and its range."""
 
     model: Model
     pivot: Float[np.ndarray, "2"]  # [m]
-    closed: float  # [rad] or [m], from where it is shown
-    wide: float
-    slide: Float[np.ndarray, "2"]  # unit direction; 0: it turns
+    closed: float  # [rad] or [m], relative to the pose shown
+    wide: float  # [rad] or [m], wide open, relative to the pose shown
+    slide: Float[np.ndarray, "2"]  # unit direction; 0: the leaf turns
 
 
 @dataclass(frozen=True)
 class DoorModel:
-    """A door as it is shown and its other state; equal keys have equal parts."""
+    """A door in the variant that is shown and in the other one; equal keys have equal parts."""
 
     key: str
     other_path: Path
@@ -42,7 +42,7 @@ class DoorModel:
 
 @lru_cache(maxsize=256)
 def take_apart(door: DoorModel) -> tuple[Model, tuple[HingedPart, ...]]:
-    """The frame and the leaves; the whole door and none where no hinge was found."""
+    """Return the frame and the leaves of a door; the whole door and no leaves if no hinge is found."""
     hinges = find_hinges(door.shown.triangle.astype(np.float64), door.other)
     frame = ~np.any([hinge.leaf for hinge in hinges], axis=0)
     if not hinges or not frame.any():
@@ -63,7 +63,7 @@ def _cut_out(model: Model, kept: Bool[np.ndarray, " t"], name: str) -> Model:
 
 
 def keeps_hinges(pose: Float[np.ndarray, "3 4"]) -> bool:
-    """Whether vertical lines stay vertical and circles around them round."""
+    """Return whether a pose keeps vertical lines vertical and horizontal circles circular."""
     linear = pose[:, :3] / np.linalg.norm(pose[:, 0])
     upright = np.abs([*linear[:2, 2], *linear[2, :2]]).max() <= LEAN
     return bool(upright and np.abs(linear[:2, :2].T @ linear[:2, :2] - np.eye(2)).max() <= LEAN)
@@ -71,28 +71,28 @@ def keeps_hinges(pose: Float[np.ndarray, "3 4"]) -> bool:
 
 @dataclass(frozen=True)
 class Leaf:
-    """A leaf in the world."""
+    """A door leaf in the world frame."""
 
     instance: int
     pivot: Float[np.ndarray, "2"]  # [m]
-    closed: float  # [rad] about +z or [m], from where it stands
-    wide: float
-    box: BoxSet  # as it stands
-    slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))  # unit direction; 0: it turns
+    closed: float  # [rad] about +z or [m], relative to the initial pose
+    wide: float  # [rad] or [m], wide open, relative to the initial pose
+    box: BoxSet  # in the initial pose
+    slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))  # unit direction; 0: the leaf turns
 
     @property
     def slides(self) -> bool:
-        """Whether it slides; or else it turns."""
+        """True if the leaf slides, False if it turns."""
         return bool(self.slide.any())
 
     def box_at(self, way: float) -> BoxSet:
-        """Its box, moved from where it stands by an angle [rad] or, if it slides, a distance [m]."""
+        """Return its box moved from the initial pose by an angle [rad] or, for a sliding leaf, a distance [m]."""
         if not self.slides:
             return turned(self.box, way, self.pivot)
         return replace(self.box, center=self.box.center + way * np.array([*self.slide, 0.0]))
 
     def pose_at(self, way: float, pose: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"]:
-        """A pose of its instance, moved likewise."""
+        """Apply the same motion to a pose of its instance."""
         if self.slides:
             return pose + np.c_[np.zeros((3, 3)), way * np.array([*self.slide, 0.0])]
         turn, line = yaw_matrix(way), np.array([*self.pivot, 0.0])
@@ -100,10 +100,10 @@ class Leaf:
 
 
 def place_leaf(leaf: HingedPart, pose: Float[np.ndarray, "3 4"], instance: int) -> Leaf:
-    """A leaf of an object at a pose; in a mirrored one it turns the other way round, in a larger one it slides farther.
+    """Place a leaf in the world; mirrored poses reverse its rotation, and scaled ones scale its sliding distance.
 
     Args:
-        leaf: In its model's frame.
+        leaf: Leaf in its model's frame.
         pose: World from model [m].
         instance: Its instance in the house.
     """
@@ -117,7 +117,7 @@ def place_leaf(leaf: HingedPart, pose: Float[np.ndarray, "3 4"], instance: int) 
 
 
 def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
-    """The narrowest box around the largest piece of a leaf, so without its handles, in the world."""
+    """Return the narrowest box around the largest connected piece of a leaf, without handles, in the world."""
     triangles = transform(pose, leaf.triangle.astype(np.float64))
     piece = components(triangles)
     boxes = [narrowest_box(triangles[piece == p].reshape(-1, 3)) for p in np.unique(piece)]

@@ -1,4 +1,4 @@
-"""Doorways: where doors and arches lead, and which of them lead outdoors."""
+"""Doorways: footprints of doors and arches, and the rooms that they join."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,9 +12,9 @@ from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 
 PORTALS = ("door", "garage_door", "arch")
-DEPTH = 0.15  # [m], of a doorway to either side of its wall's middle plane
-BESIDE = 0.35  # [m] from the middle of a doorway: there a room begins on either side
-MAX_LEAVES = 2  # of one doorway
+DEPTH = 0.15  # [m], depth of a doorway on either side of its wall's middle plane
+BESIDE = 0.35  # [m], distance from the middle of a doorway to the test points for rooms on either side
+MAX_LEAVES = 2  # maximum number of leaves of one doorway
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Doorway:
         footprint: As wide as the door, `DEPTH` to both sides of its wall; the first edge is along the wall [m].
         level: Level index.
         room: Room on either side; -1 outdoors.
-        leaf: Rows of the house's Doors, the largest leaves first; -1 none.
+        leaf: Rows of the house's Doors, the largest leaves first; -1 if none.
     """
 
     footprint: Float[np.ndarray, "4 2"]
@@ -35,12 +35,12 @@ class Doorway:
 
     @property
     def leads_outdoors(self) -> bool:
-        """Whether there is no room on one side."""
+        """True if one side has no room."""
         return min(self.room) < 0
 
 
 def find_doorways(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Doorway]:
-    """The doorways of all levels.
+    """Find the doorways of all levels.
 
     Args:
         objects: All objects of the house; rows of its Doors are the leaves that turn, in this order.
@@ -56,7 +56,7 @@ def find_doorways(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Doorway
 
 
 def shut_outer_doors(objects: Sequence[PlacedObject], rooms: Rooms) -> list[PlacedObject]:
-    """The objects, hinged doors that lead outdoors closed for good: agents stay in the rooms."""
+    """Return the objects with all hinged doors to the outdoors permanently shut, so that agents stay in the rooms."""
     return [replace(o, is_shut=True) if o.hinged and _doorway(o, rooms).leads_outdoors else o for o in objects]
 
 

@@ -1,7 +1,7 @@
-"""Hinges and rails of doors, found by comparing a model's open and closed variant.
+"""Detection of door hinges and rails by comparison of a model's open and closed variant.
 
-SUNCG says of a door only that it stands open (the base model) or closed (its `_0` variant). What is the same in both is
-the frame; what has turned about a vertical line, or has been shifted along itself, is a leaf.
+SUNCG only has an open (the base model) and a closed variant (`_0`) of each door. Parts that are equal in both are the
+frame. Parts that turn about a vertical line, or move along their own plane, are leaves.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,28 +14,28 @@ from scipy.spatial import KDTree
 from home_mjx.geometry.box_fit import components, narrowest_box, sample_surface
 from home_mjx.geometry.rotations import plane_matrix
 
-SAME = 2e-3  # [m]: surfaces nearer than this are one
-JOINED = 0.03  # [m]: parts of a leaf, such as its handles, are nearer to one another than this
-SPACING = 0.05  # [m], of the points that stand for a surface
-FINEST = SPACING / 4  # [m], of those that it is compared with
-LEAST_TURN = np.deg2rad(5.0)
-LEAST_SLIDE = 0.1  # [m]
-ASKEW = 0.1  # greatest sine of the angle between a sliding leaf and its way
-TIE = 0.02  # most by which the shares of fits that are equally good differ
-MAX_POINTS = 3_000_000  # that stand for a variant; doors of real houses take some ten thousand
-MAX_PARTS = 300  # that move; each is compared with all others
-LEAST_SHARE = 0.9  # of a leaf's points that must lie on the other variant's surface once it is turned
+SAME = 2e-3  # [m], corners closer than this are equal in both variants
+JOINED = 0.03  # [m], maximum distance between parts of one leaf, such as its panel and handles
+SPACING = 0.05  # [m], distance of sample points on the moving surface
+FINEST = SPACING / 4  # [m], distance of sample points on the target surface
+LEAST_TURN = np.deg2rad(5.0)  # minimum rotation of a turning leaf
+LEAST_SLIDE = 0.1  # [m], minimum translation of a sliding leaf
+ASKEW = 0.1  # maximum sine of the angle between a sliding leaf and its translation
+TIE = 0.02  # fits whose shares differ by at most this from the best are considered equal
+MAX_POINTS = 3_000_000  # maximum sample points of a variant; doors of real houses need some ten thousand
+MAX_PARTS = 300  # maximum number of moving components, since all pairs are compared
+LEAST_SHARE = 0.9  # minimum share of a moved leaf's points on the other variant's surface
 
 
 @dataclass(frozen=True)
 class Hinge:
-    """A leaf of a door and the vertical line that it turns about, or the rail that it slides along.
+    """A door leaf with the vertical axis that it turns about, or the rail that it slides along.
 
     Attributes:
-        leaf: Triangles of the model that belong to it.
-        pivot: Where the line meets the plan, in the model's frame [m]; of what slides, any point of the leaf.
-        turn: How far the leaf must turn about +z, or slide, to stand as in the other variant [rad] or [m].
-        slide: Unit direction in the plan to there; 0: it turns.
+        leaf: Mask of the model's triangles.
+        pivot: Intersection of the axis with the plan, in the model's frame [m]; any point of a sliding leaf.
+        turn: Rotation about +z, or sliding distance, to the other variant's position [rad] or [m].
+        slide: Unit direction in the plan to that position; 0: the leaf turns.
     """
 
     leaf: Bool[np.ndarray, " t"]
@@ -45,7 +45,7 @@ class Hinge:
 
 
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
-    """The hinges of a door as it is shown; none where nothing turns or slides, or of no real door's size.
+    """Find the hinges of a door; empty if no part turns or slides, or the size is implausible for a door.
 
     Args:
         shown: Triangles of the variant that is shown, Z up [m].
@@ -70,7 +70,7 @@ def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3
 
 
 def _is_of_a_door(triangles: Float[np.ndarray, "t 3 3"]) -> bool:
-    """Whether so few points stand for a variant that they can be compared: a wrong unit would make billions."""
+    """Return whether a variant is small enough to be sampled; a wrong unit would need billions of points."""
     edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
     return bool(((edge / FINEST + 1) ** 2).sum() / 2 < MAX_POINTS)
 
@@ -83,7 +83,7 @@ def _moved(triangles: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 
 def _moved_parts(
     triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], other: Float[np.ndarray, "s 3 3"]
 ) -> list[int]:
-    """The components that have a corner where the other variant has none."""
+    """Return the components with a corner that the other variant does not have."""
     away = KDTree(other.reshape(-1, 3)).query(triangles.reshape(-1, 3))[0].reshape(-1, 3).max(axis=1)
     return [int(p) for p in np.unique(part) if away[part == p].max() > SAME]
 
@@ -91,7 +91,7 @@ def _moved_parts(
 def _leaves(
     triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], moved: Bool[np.ndarray, " t"]
 ) -> Iterator[Bool[np.ndarray, " t"]]:
-    """Groups of moved components that touch: a leaf with its panels and handles."""
+    """Yield groups of moved components that touch: a leaf with its panels and handles."""
     names = np.unique(part[moved])
     trees = [KDTree(_sample(triangles[part == name], JOINED / 2)) for name in names]
     group = np.arange(len(names))
@@ -106,7 +106,7 @@ def _leaves(
 def _move_onto(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
-    """Pivot, turn and slide, as of `Hinge`, that put a leaf onto a surface; None if it does not fit there."""
+    """Return the pivot, turn and slide (see `Hinge`) that move a leaf onto a surface; None if it does not fit."""
     points, tree = _sample(leaf, SPACING), KDTree(_sample(target, FINEST))
     guesses = list(_guesses(leaf, target))
     fits = [_refine(points, tree, *guess) for guess in guesses]
@@ -115,9 +115,9 @@ def _move_onto(
         (g, (a, s)) for g, (share, a, s) in zip(guesses, fits, strict=True) if share >= max(best - TIE, LEAST_SHARE)
     ]
     straight = [guess[1] for guess, fit in good if max(abs(guess[0]), abs(fit[0])) < LEAST_TURN]
-    if straight:  # it slides, as far as its box; a plain leaf fits end to end as well
+    if straight:  # a sliding leaf: use the shift between boxes, the smallest if several targets fit
         return _slide(points, min(straight, key=lambda shift: float(np.linalg.norm(shift))))
-    # The point that stays: (1 - R) p = shift. A plain leaf fits several ways, but hangs on its own edge.
+    # The fixed point p satisfies (1 - R) p = shift. A symmetric leaf fits several ways; the hinge is on its own edge.
     found = [(np.linalg.solve(np.eye(2) - plane_matrix(angle), shift), angle) for _, (angle, shift) in good]
     nearest = min(found, key=lambda f: np.linalg.norm(points[:, :2] - f[0], axis=1).min(), default=None)
     return None if nearest is None else (*nearest, np.zeros(2))
@@ -126,7 +126,10 @@ def _move_onto(
 def _slide(
     points: Float[np.ndarray, "p 3"], shift: Float[np.ndarray, "2"]
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
-    """Of a leaf that has been shifted along itself; None for anything else, such as a board taken out of its frame."""
+    """Return the result of `_move_onto` for a leaf shifted along itself; None for others.
+
+    An example of others is a board that was taken out of its frame.
+    """
     way = float(np.linalg.norm(shift))
     box = narrowest_box(points)
     across = plane_matrix(-float(box.yaw[0]))[int(box.half[0, 0] >= box.half[0, 1])] @ shift
@@ -138,7 +141,7 @@ def _slide(
 def _guesses(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> Iterator[tuple[float, Float[np.ndarray, "2"]]]:
-    """Turns and shifts that put the leaf's largest component onto one like it, any side to the front."""
+    """Yield rotations and shifts that align the leaf's largest component with each similar one, in 4 orientations."""
     big = _largest(leaf)
     source = narrowest_box(big.reshape(-1, 3))
     part = components(target)
@@ -160,7 +163,11 @@ def _largest(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "l 3 3"
 def _refine(
     points: Float[np.ndarray, "p 3"], tree: KDTree, angle: float, shift: Float[np.ndarray, "2"], rounds: int = 20
 ) -> tuple[float, float, Float[np.ndarray, "2"]]:
-    """Iterated closest points in the plan (Besl and McKay, 1992): share of points on the surface, turn, shift."""
+    """Refine a motion by iterated closest points in the plan (Besl and McKay, 1992).
+
+    Returns:
+        Share of points on the surface, turn, shift.
+    """
     before = None
     for _ in range(rounds):
         _, nearest = tree.query(_put(points, angle, shift))
@@ -173,7 +180,7 @@ def _refine(
 
 
 def _sample(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
-    """Points of a surface, thinned out where its triangles are smaller than their distance [m]."""
+    """Sample points of a surface, at most one per grid cell of size `spacing` [m]."""
     points = sample_surface(triangles, spacing)
     return points[np.unique(np.floor(points / spacing), axis=0, return_index=True)[1]]
 
@@ -183,7 +190,7 @@ def _put(points: Float[np.ndarray, "p 3"], angle: float, shift: Float[np.ndarray
 
 
 def _fit(source: Float[np.ndarray, "p 2"], target: Float[np.ndarray, "p 2"]) -> tuple[float, Float[np.ndarray, "2"]]:
-    """The rigid motion of the plane of least squares (Kabsch, 1976)."""
+    """Return the least-squares rigid motion of the plane (Kabsch, 1976)."""
     middle, goal = source.mean(axis=0), target.mean(axis=0)
     a, b = source - middle, target - goal
     angle = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))

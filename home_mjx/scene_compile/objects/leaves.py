@@ -1,4 +1,4 @@
-"""Leaves of doors in the world: how far they can turn or slide, and the table of them."""
+"""Door leaves in the world: their range of motion, and their table."""
 
 from collections.abc import Sequence
 
@@ -10,27 +10,27 @@ from home_mjx.geometry.rotations import yaw_quat
 from home_mjx.scene_compile.objects.doors import Leaf
 from home_mjx.schema.compiled import Doors
 
-AREAL_DENSITY = 8.0  # [kg/m^2] of leaf: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
-LEAF_MASS = (5.0, 60.0)  # [kg]
-CLEARANCE = 0.01  # [m], that a leaf keeps from what it could run into
-STEP = np.deg2rad(1.0)  # in which a leaf is turned to find how far it can: its free edge moves by 1.4 cm
-SLIDE_STEP = 0.01  # [m]
-EXACT = 1e-6  # [rad] or [m], by which what is reached may be exceeded
-MOST_OPEN = np.pi  # [rad], from closed
-AJAR = np.deg2rad(60.0)  # from closed: a leaf that opens farther leaves the way free
-SLIDE_AJAR = 0.5  # [m], of a leaf that slides
+AREAL_DENSITY = 8.0  # [kg/m^2], mass per leaf area: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
+LEAF_MASS = (5.0, 60.0)  # [kg], minimum and maximum mass of a leaf
+CLEARANCE = 0.01  # [m], minimum distance of a leaf from obstacles
+STEP = np.deg2rad(1.0)  # angle increment of the range search; the free edge moves by 1.4 cm
+SLIDE_STEP = 0.01  # [m], distance increment of the range search
+EXACT = 1e-6  # [rad] or [m], tolerance of the maximum range
+MOST_OPEN = np.pi  # [rad], maximum opening angle
+AJAR = np.deg2rad(60.0)  # minimum opening angle of a leaf that leaves the way free
+SLIDE_AJAR = 0.5  # [m], the same for a sliding leaf
 
 
 def make_doors(
     leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
 ) -> Doors:
-    """The table of a house's leaves.
+    """Build the table of a house's leaves.
 
     Args:
-        leaves: Those that turn or slide.
-        static: What they cannot run into.
-        walls: What else stops those that turn; others slide into it. None by default.
-        movable: What could move, as it stands; see `swing`. None by default.
+        leaves: Leaves that turn or slide.
+        static: Obstacles of all leaves.
+        walls: Additional obstacles of turning leaves; sliding leaves may enter walls. None: no walls.
+        movable: Boxes of movable objects in their initial pose; see `swing`. None: no movable objects.
     """
     if not leaves:
         return Doors.none()
@@ -55,24 +55,24 @@ def make_doors(
 def swing(
     leaf: Leaf, static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
 ) -> tuple[float, float]:
-    """The coordinates between which a leaf can move: from closed to where its box comes too near to another one.
+    """Return the range of motion of a leaf, from closed to the first obstacle.
 
-    A leaf has the frame and the wall beside it within its clearance when it is closed. Into such boxes it may reach
-    by its own thickness further than when closed, as much as turning about a hinge at its edge takes.
-    If the leaf stands free as placed, the range reaches at least there, whatever is between.
-    A sliding leaf goes as far as in its model's open variant at most. Walls do not stop it, nor does what it touches
-    when it is closed, such as its frame.
-    What could move is pushed out of the way until the leaf is wide open. Whatever stands there, beyond that the leaf
-    turns no farther than up to it: it would be stopped by it, and how far it turns shall not depend on what is a body.
+    When closed, a leaf has the frame and the wall beside it within its clearance. Compared to the closed pose, it may
+    penetrate such boxes further by its own thickness, since turning about a hinge at its edge requires it.
+    If the leaf is free in its initial pose, the range includes that pose, regardless of obstacles in between.
+    A sliding leaf moves at most as far as in its model's open variant. Neither walls nor boxes that it touches when
+    closed, such as its frame, stop it.
+    Movable objects are pushed away until the leaf is wide open. Beyond that, the range ends at the first one, since it
+    would stop the leaf. The range also must not depend on the selection of bodies.
 
     Args:
-        leaf: As it stands, at coordinate 0.
-        static: What it cannot run into.
+        leaf: The leaf; its initial pose is coordinate 0.
+        static: Obstacles.
         walls: See `make_doors`.
         movable: See `make_doors`.
 
     Returns:
-        Least and greatest angle [rad] or way [m]; one of them is the closed one.
+        Minimum and maximum angle [rad] or distance [m]; one of them is the closed pose.
     """
     around = static if leaf.slides or walls is None else join([static, walls])
     near = around[_within_reach(leaf, around)]
@@ -94,7 +94,7 @@ def swing(
 
 
 def _up_to(leaf: Leaf, end: float, movable: BoxSet) -> float:
-    """How far a leaf that could turn to an angle does: from wide open until it comes near to what could move."""
+    """Return the end of the range clipped at the first movable object beyond the wide-open pose."""
     beyond, opens = abs(end - leaf.closed) - abs(leaf.wide - leaf.closed), float(np.sign(leaf.wide - leaf.closed))
     if beyond <= 0:
         return end
@@ -107,7 +107,7 @@ def _up_to(leaf: Leaf, end: float, movable: BoxSet) -> float:
 
 
 def _within_reach(leaf: Leaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
-    """Which boxes a leaf can come near to wherever it is."""
+    """Return a mask of the boxes that a leaf can approach in any pose."""
     ends = [leaf.box_at(leaf.closed), leaf.box_at(leaf.wide)] if leaf.slides else [leaf.box]
     corners = np.concatenate([footprint(box, 0) for box in ends])
     reach = np.linalg.norm(corners - leaf.pivot, axis=1).max() + CLEARANCE
@@ -116,11 +116,11 @@ def _within_reach(leaf: Leaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
 
 
 def ajar_leaves(leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = None) -> BoxSet:
-    """Boxes of the leaves that cannot be opened far enough to leave the way free, opened as far as they can be.
+    """Return boxes of the leaves whose range is too small to leave the way free, at their maximum opening.
 
     Args:
-        leaves: Those that turn or slide.
-        static: What they cannot run into.
+        leaves: Leaves that turn or slide.
+        static: Obstacles of all leaves.
         walls: See `make_doors`.
     """
     found = []

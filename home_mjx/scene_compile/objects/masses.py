@@ -1,4 +1,4 @@
-"""How heavy furniture is: a shell of its material, kept within what such furniture usually weighs; how it slides."""
+"""Mass and contact properties of furniture: shells of their material, clipped to the mass range of the category."""
 
 import numpy as np
 from jaxtyping import Float
@@ -7,9 +7,9 @@ from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.contact_materials import Contact, contact_of
 
-# Mass per area of visible surface [kg/m^2] = density times thickness; boards have two sides, so half their thickness.
+# Mass per visible surface area [kg/m^2]: density times thickness; boards have two sides, so half their thickness.
 # Densities are handbook values (particle board 700, steel 7850, glass 2500, stoneware 2400, granite 2700,
-# polypropylene 910 kg/m^3); thicknesses are our choice of what furniture is built from.
+# polypropylene 910 kg/m^3); thicknesses are our estimates for typical furniture.
 AREAL_DENSITY = {
     "bricks": 1900 * 0.02,
     "carpet": 2.0,
@@ -32,9 +32,9 @@ AREAL_DENSITY = {
     "tile": 2400 * 0.006,
     "wood": 700 * 0.009,
 }
-USUAL_DENSITY = 5.0  # [kg/m^2], of anything else
+USUAL_DENSITY = 5.0  # [kg/m^2], default for other materials
 
-# Least and most mass [kg] by category: our estimates from everyday furniture; no dataset of weights was at hand.
+# Minimum and maximum mass [kg] by category: our estimates from everyday furniture, since we had no dataset of masses.
 MASS_RANGES = {
     "armchair": (10.0, 40.0),
     "bed": (30.0, 120.0),
@@ -64,28 +64,28 @@ MASS_RANGES = {
     "wardrobe_cabinet": (60.0, 250.0),
     "washer": (50.0, 80.0),
 }
-USUAL_RANGE = (0.5, 100.0)  # [kg]
+USUAL_RANGE = (0.5, 100.0)  # [kg], default for other categories
 
 
 def mass_range(fine: str, coarse: str) -> tuple[float, float]:
-    """Least and most mass of a category [kg]."""
+    """Return the minimum and maximum mass of a category [kg]."""
     return MASS_RANGES.get(fine) or MASS_RANGES.get(coarse) or USUAL_RANGE
 
 
 def object_mass(item: PlacedObject) -> float:
-    """Mass of an object [kg]: areas times areal densities of its materials, within the range of its category."""
+    """Return the mass of an object [kg]: areas times areal densities, clipped to the range of its category."""
     areal = [AREAL_DENSITY.get(s.kind, USUAL_DENSITY) for s in item.surfaces]
     low, high = mass_range(item.info.fine, item.info.coarse)
     return float(np.clip(slot_areas(item) @ areal, low, high))
 
 
 def slot_areas(item: PlacedObject) -> Float[np.ndarray, " s"]:
-    """Area of each material slot of an object [m^2]."""
+    """Return the area of each material slot of an object [m^2]."""
     return np.bincount(item.model.slot, surface_areas(item.triangles), minlength=len(item.slots))
 
 
 def object_contact(item: PlacedObject, mass: float) -> Contact:
-    """Friction and restitution of an object of this mass [kg]: those of the material that covers most of it."""
+    """Return the friction and restitution of an object of a mass [kg], by the material with the largest area."""
     kinds = [surface.kind for surface in item.surfaces]
     names, row = np.unique(kinds, return_inverse=True)
     area = np.bincount(row, slot_areas(item))

@@ -16,11 +16,12 @@ from home_mjx.scene_compile.objects.doors import DoorModel, HingedPart, Leaf, ke
 from home_mjx.schema.compiled import ARCHITECTURE, Model, Rooms
 from home_mjx.schema.house import Box, Level, Material, Mesh, Metadata, ModelInfo, Object
 
-UPRIGHT = 1e-3  # most that the vertical axis of an object may lean while it still counts as turned about it only
-STRAY = 1.0  # [m]: what is farther from a room than this is not in it, whatever the file says
-ROOFED = 1.0  # [m], least height of a room; the "ceiling" of a balcony is its floor
+UPRIGHT = 1e-3  # maximum tilt of an object that counts as rotated about the vertical axis only
+STRAY = 1.0  # [m], maximum distance of an object from a room that lists it
+ROOFED = 1.0  # [m], minimum height of a room with a ceiling; the "ceiling" of a balcony is its floor
 PLAIN = Material("box", diffuse=(0.8, 0.8, 0.8), opacity=1.0)
-# Slot of each face of a Box (-x, +x, -y, +y, -z, +z in the world): GAPS's order is +y, -y, -x, +x, +z, -z in the file.
+# Material slot of each face of a Box (-x, +x, -y, +y, -z, +z in the world); GAPS orders +y, -y, -x, +x, +z, -z in the
+# file.
 BOX_SLOTS = (2, 3, 4, 5, 1, 0)
 
 
@@ -31,15 +32,15 @@ class PlacedObject:
     node: Object | Box
     info: ModelInfo
     model: Model
-    main: Model  # the whole object, or of a door whose hinges are known what stays
-    hinged: tuple[HingedPart, ...]  # leaves of a door, in their model's frame
-    slots: tuple[Material, ...]  # of its mesh, after overrides
+    main: Model  # the whole object; for doors with known hinges, the frame
+    hinged: tuple[HingedPart, ...]  # door leaves in their model's frame
+    slots: tuple[Material, ...]  # material slots of the mesh, after overrides
     pose: Float[np.ndarray, "3 4"]  # world from model [m]
     object_id: int
     level: int
-    room: int  # -1 in none
-    instance: int  # of the first of its parts; the others follow it
-    is_shut: bool = False  # its leaves are closed and do not turn
+    room: int  # room index; -1 if none
+    instance: int  # instance of its first part; the others follow
+    is_shut: bool = False  # leaves are closed and do not turn
 
     @cached_property
     def triangles(self) -> Float[np.ndarray, "t 3 3"]:
@@ -48,19 +49,19 @@ class PlacedObject:
 
     @cached_property
     def yaw(self) -> float:
-        """Direction of the model's x axis in the plan [rad]; 0 if the object leans."""
+        """Direction of the model's x axis in the plan [rad]; 0 if the object is tilted."""
         across, up = self.pose[:, 0], self.pose[:, 2]
         lean = max(np.hypot(*up[:2]) / np.linalg.norm(up), abs(across[2]) / np.linalg.norm(across))
         return 0.0 if lean > UPRIGHT else float(np.arctan2(across[1], across[0]))
 
     @cached_property
     def box(self) -> BoxSet:
-        """The upright box around the object in its own direction."""
+        """Upright box around the object, aligned with its yaw."""
         return box_of(self.triangles.reshape(-1, 3), self.yaw)
 
     @cached_property
     def leaves(self) -> tuple[Leaf, ...]:
-        """The leaves of a door that turn, in the order of its parts."""
+        """Leaves of a door that turn, in the order of its parts."""
         return () if self.is_shut else self._leaves
 
     @cached_property
@@ -74,23 +75,23 @@ class PlacedObject:
 
     @property
     def parts(self) -> tuple[Model, ...]:
-        """What of it moves as one: the main part and the leaves of a door; each is an instance."""
+        """Rigid parts, one instance each: the main part and the leaves of a door."""
         return (self.main, *(leaf.model for leaf in self.hinged))
 
     @property
     def poses(self) -> tuple[Float[np.ndarray, "3 4"], ...]:
-        """World from model of each part [m]."""
+        """Pose of each part, world from model [m]."""
         angles = [leaf.closed if self.is_shut else 0.0 for leaf in self._leaves]
         return (self.pose, *(leaf.pose_at(a, self.pose) for leaf, a in zip(self._leaves, angles, strict=True)))
 
     @property
     def surfaces(self) -> tuple[SurfaceMaterial, ...]:
-        """Material slots."""
+        """Resolved surface of each material slot."""
         return tuple(surface_material(slot, self.info.fine, self.info.coarse) for slot in self.slots)
 
 
 def place_objects(frame: Frame, metadata: Metadata) -> list[PlacedObject]:
-    """Every object and box of a house in file order.
+    """Place every object and box of a house, in file order.
 
     Args:
         frame: The house, and its rooms in the world frame.
@@ -138,26 +139,26 @@ def _parts(
 
 
 def _num_nodes(level: Level) -> int:
-    """Length of the level's node list in the file, as far as its nodes could be read."""
+    """Return the length of the level's node list in the file, from the nodes that could be read."""
     nodes = (*level.rooms, *level.objects, *level.boxes, *level.grounds, *level.unknown)
     return max((node.index + 1 for node in nodes), default=0)
 
 
 def library_model(key: str, mesh: Mesh) -> Model:
-    """A mesh as a library model, Z up."""
+    """Convert a mesh to a library model, Z up."""
     normal = None if mesh.normal is None else to_z_up(mesh.normal)
     return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal)
 
 
 def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
-    """Triangles of a mesh, Z up [m]."""
+    """Return the triangles of a mesh, Z up [m]."""
     return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
 
 
 def unit_cube() -> Model:
-    """The model of Box nodes: edges of 1 m around the origin, one slot and the whole texture per face.
+    """Return the model of Box nodes: edges of 1 m around the origin, one slot and the whole texture per face.
 
-    On the four walls textures stand upright, left to right as seen from outside.
+    Textures of the four vertical faces are upright, and run left to right as seen from outside.
     """
     triangles = box_triangles(np.zeros(3), np.full(3, 0.5))
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -184,10 +185,10 @@ def _slots(node: Object | Box, models: Mapping[str, Mesh]) -> tuple[Material, ..
 
 
 def _room(node: Object | Box, level: Level, rooms: Rooms, center: Float[np.ndarray, "3"]) -> int:
-    """The smallest room that lists the node and is near it, else the smallest one that its middle is in; -1 if none.
+    """Return the smallest nearby room that lists the node, else the smallest room that contains its centre; -1 if none.
 
-    Lists come first since the middle of an open door, or of what hangs on a wall, may be in the room behind. What is
-    above a room's ceiling, as roofs are, is not in it.
+    Lists have priority, since the centre of an open door or of an object on a wall may be in the room behind. Objects
+    above a room's ceiling, such as roofs, are not in it.
     """
     here = np.flatnonzero(rooms.level == level.index)
     listed = [int(r) for r, room in zip(here, level.rooms, strict=True) if node.index in room.members]

@@ -1,4 +1,4 @@
-"""Slopes: what stands for the steps of a flight of stairs, and flat for a landing."""
+"""Slopes: inclined rectangles that replace the steps of a flight of stairs, or flat ones for landings."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,15 +11,15 @@ from home_mjx.geometry.rotations import yaw_matrix
 
 @dataclass(frozen=True)
 class Slope:
-    """A rectangle in the plan, that rises evenly along its length or is flat.
+    """A rectangle in the plan with a constant grade; flat for a landing.
 
     Attributes:
         foot: Middle of its lower edge [m].
-        yaw: Direction uphill, or of the way across a landing [rad].
+        yaw: Direction uphill, or across a landing [rad].
         run: Length in the plan [m].
-        width: [m].
+        width: Width [m].
         low: Height at its foot [m].
-        high: At its head [m].
+        high: Height at its head [m].
     """
 
     foot: Float[np.ndarray, "2"]
@@ -36,7 +36,7 @@ class Slope:
 
     @property
     def angle(self) -> float:
-        """[rad], above the horizontal."""
+        """Inclination above the horizontal [rad]."""
         return float(np.arctan2(self.high - self.low, self.run))
 
     @property
@@ -46,29 +46,29 @@ class Slope:
 
     @cached_property
     def outline(self) -> Float[np.ndarray, "4 2"]:
-        """In the plan [m], counter-clockwise: the edges are the right side, the head, the left side and the foot."""
+        """Corners in the plan [m], counter-clockwise; edges: right side, head, left side, foot."""
         return self.part(0.0, self.run)
 
     def part(self, start: float, end: float) -> Float[np.ndarray, "4 2"]:
-        """The part between two distances from the foot, in the plan [m]."""
+        """Return the corners of the part between two distances from the foot, in the plan [m]."""
         half = self.width / 2
         corners = np.array([[start, -half], [end, -half], [end, half], [start, half]])
         return self.foot + corners @ yaw_matrix(self.yaw)[:2, :2].T
 
     def along(self, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-        """Distance from the foot along the way up [m]."""
+        """Return the distance of points from the foot, along the uphill direction [m]."""
         return (points - self.foot) @ self.up
 
     def contains(self, points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-        """Whether points are over the slope."""
+        """Return whether points are over the slope."""
         along, across = self.along(points), (points - self.foot) @ [-self.up[1], self.up[0]]
         return (along >= 0) & (along <= self.run) & (abs(across) <= self.width / 2)
 
     def surface(self, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-        """Height under points; beyond its ends that of the end [m]."""
+        """Return the height under points [m]; constant beyond its ends."""
         return self.low + (self.high - self.low) * np.clip(self.along(points) / self.run, 0, 1)
 
     def turned(self, yaw: float) -> "Slope":
-        """The slope in a frame that is turned about the vertical axis through the origin [rad]."""
+        """Return the slope rotated about the vertical axis through the origin [rad]."""
         foot = yaw_matrix(yaw)[:2, :2] @ self.foot
         return Slope(foot, self.yaw + yaw, self.run, self.width, self.low, self.high)

@@ -1,4 +1,4 @@
-"""Stairs: which levels they join, and the even slopes that stand for their steps."""
+"""Stairs between levels, and the slopes that replace their steps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,27 +16,27 @@ from home_mjx.scene_compile.objects.treads import find_path, tread_triangles
 from home_mjx.schema.compiled import BELOW_FLOOR, Rooms
 
 CATEGORY = "stairs"
-NEAR_FLOOR = 0.6  # [m]: stairs that end farther from a floor do not lead to it
-BESIDE = 0.2  # [m] from either end of stairs to the rooms that they join
+NEAR_FLOOR = 0.6  # [m], maximum vertical distance between an end of stairs and the floor that it leads to
+BESIDE = 0.2  # [m], distance beyond either end of stairs of the test points for rooms
 
 Polygon = Float[np.ndarray, "_ 2"]
 
 
 @dataclass(frozen=True)
 class Stairs:
-    """Stairs between two levels, as slopes that follow each other.
+    """Stairs between two levels, as a sequence of slopes.
 
     Attributes:
-        object_id: Of the stairs, of those made of boxes that of the first box.
-        lower: Index of the grid at its foot.
-        upper: Of the one at its head.
+        object_id: Id of the stairs; for stairs built from boxes, of the first box.
+        lower: Index of the grid at the foot.
+        upper: Index of the grid at the head.
         room: Rooms at foot and head.
-        slopes: From the foot to the head; landings are flat ones.
-        top: What is left of the top tread beyond the last slope, as high as the upper floor [m].
-        well: What of the upper level's floor is open over the stairs [m].
+        slopes: From the foot to the head; landings are flat.
+        top: Remaining polygons of the top tread beyond the last slope, at the height of the upper floor [m].
+        well: Polygons of the opening in the upper level's floor [m].
         level_floor: Height of the lowest floor of the upper level [m].
-        object_ids: Of everything that they are made of.
-        stacked: Whether other stairs, from the level below, come out under their head.
+        object_ids: Ids of all objects that form the stairs.
+        stacked: True if other stairs, from the level below, exit under their head.
     """
 
     object_id: int
@@ -57,35 +57,35 @@ class Stairs:
 
     @property
     def high(self) -> float:
-        """Of that at the head [m]."""
+        """Height of the floor at the head [m]."""
         return self.slopes[-1].high
 
     @property
     def width(self) -> float:
-        """Of the narrowest slope [m]."""
+        """Width of the narrowest slope [m]."""
         return min(slope.width for slope in self.slopes)
 
     @cached_property
     def outlines(self) -> tuple[Float[np.ndarray, "4 2"], ...]:
-        """Of the slopes in the plan [m]."""
+        """Outlines of the slopes in the plan [m]."""
         return tuple(slope.outline for slope in self.slopes)
 
     def contains(self, points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-        """Whether points are over the stairs."""
+        """Return whether points are over the stairs."""
         return np.any([slope.contains(points) for slope in self.slopes], axis=0)
 
     def surface(self, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-        """Height of the highest slope under each point [m]; -inf beside the stairs."""
+        """Return the height of the highest slope under each point [m]; -inf beside the stairs."""
         heights = [np.where(slope.contains(points), slope.surface(points), -np.inf) for slope in self.slopes]
         return np.max(heights, axis=0)
 
     def reaches(self, points: Float[np.ndarray, "*p 2"], end: int, margin: float) -> Bool[np.ndarray, "*p"]:
-        """Which points over the stairs belong to the lower (0) or the upper (1) level.
+        """Return whether points are over the stairs and belong to the lower (0) or the upper (1) level.
 
         Args:
-            points: In the plan [m].
+            points: Points in the plan [m].
             end: 0 or 1.
-            margin: By which both levels reach beyond where one goes on in the other, along the way [m].
+            margin: Overlap of both levels beyond the split between them, along the way [m].
         """
         surface, split = self.surface(points), self.level_floor - BELOW_FLOOR
         found = np.zeros(surface.shape, bool)
@@ -99,12 +99,12 @@ class Stairs:
 def find_stairs(
     objects: Sequence[PlacedObject], rooms: Rooms, level: Sequence[int], floor: Float[np.ndarray, " l"]
 ) -> list[Stairs]:
-    """The stairs that lead from one level to the next: models of that category, and flights of Box nodes.
+    """Find the stairs between adjacent levels: models of that category, and flights of Box nodes.
 
     Args:
-        objects: Of the house.
+        objects: Objects of the house.
         rooms: Outlines and floors.
-        level: Level index of each grid, the lowest first.
+        level: Level index of each grid, lowest first.
         floor: Height of each grid's floor [m].
     """
     models = [[item] for item in objects if item.info.coarse == CATEGORY and item.level in level[:-1]]
@@ -117,7 +117,7 @@ def find_stairs(
 def _stairs(
     parts: Sequence[PlacedObject], rooms: Rooms, lower: int, level: Sequence[int], floor: Float[np.ndarray, " l"]
 ) -> Stairs | None:
-    """Stairs made of one object, or of boxes."""
+    """Return stairs formed by one object, or by boxes; None if they join no two rooms."""
     triangles, yaw = np.concatenate([item.triangles for item in parts]), parts[0].yaw
     treads = tread_triangles(triangles)
     low, high = float(triangles[..., 2].min()), float(treads[..., 2].max(initial=-np.inf))
@@ -147,7 +147,7 @@ def _stairs(
 
 
 def _comes_out(below: Stairs, above: Stairs) -> bool:
-    """Whether stairs end on the level where others begin, under the last slope of those."""
+    """Return whether stairs end on the level where others begin, under the last slope of the others."""
     last, head = below.slopes[-1], above.slopes[-1]
     way = last.foot + last.run * last.up - head.foot
     along, aside = float(way @ head.up), abs(float(way @ np.array([-head.up[1], head.up[0]])))

@@ -1,7 +1,7 @@
-"""Treads of stairs: straight flights with landings between them, or one even curve.
+"""Detection of treads of stairs: straight flights with landings between them, or one curve of constant rise.
 
-A tread is what faces up at one height. Flights are told apart by their landings, which are larger than treads. What is
-neither straight nor a curve, such as stairs with wedge-shaped treads in a corner, is not known.
+A tread is an upward surface at one height. Flights are separated by their landings, which are larger than treads.
+Stairs that are neither straight nor a curve, such as those with winders in a corner, are not supported.
 """
 
 from collections.abc import Sequence
@@ -14,44 +14,44 @@ from home_mjx.geometry.box_fit import sample_surface
 from home_mjx.geometry.rotations import plane_matrix
 from home_mjx.scene_compile.objects.slopes import Slope
 
-FLAT = 0.95  # least vertical part of the normal of a tread
-STRAIGHT = 0.95  # least correlation of the treads' heights with the way along them: less in stairs that turn
-ASIDE = 0.35  # of their width, by which the middles of the treads of a straight flight lie beside each other
-STEEPEST = 60.0  # [degrees]: steeper ones are ladders
-BEFORE, LANDING = 0.3, 0.4  # [m] that a slope may begin before its stairs, and end before their end
-LEAST_TOP = 0.01  # [m], of a top tread beyond a slope
-SPACING, CELL = 0.04, 0.05  # [m], of the points that stand for treads, and of the cells in which the highest counts
-SAME = 0.03  # [m]: heights that differ by less are one tread's
-SMALL, LARGE = 0.3, 1.8  # times the usual area: less is no tread, more a landing
-HIGHEST = 0.4  # [m], rise of a step
-ADJOIN = 0.25  # [m] between a landing and the treads next to it
-LEAST_TREADS = 4  # of a curve
-LEAST_TURN = 0.05  # [rad], from tread to tread of a curve
-ROUND = 0.15  # greatest part of its radius by which a curve's treads stray from a circle
-FULL = np.deg2rad(330)  # to which curves are climbed: beyond, one end would be above the other
-INNER = 0.4  # of the outer radius: nearer to the middle curves are too steep
-SECTOR = np.deg2rad(20.0)  # greatest that one slope stands for
-BUMP, AXIS = 0.03, 0.1  # [m], greatest step between two slopes of a curve, so far from its edges as an agent's axis is
+FLAT = 0.95  # minimum vertical component of a tread's unit normal
+STRAIGHT = 0.95  # minimum correlation between height and position of the treads of a straight flight
+ASIDE = 0.35  # maximum lateral spread of the tread centres of a straight flight, as a fraction of their width
+STEEPEST = 60.0  # [degrees], maximum inclination; steeper objects are ladders
+BEFORE, LANDING = 0.3, 0.4  # [m], maximum offset of a slope's start from the first tread; of its end from the last
+LEAST_TOP = 0.01  # [m], minimum length of a top tread beyond a slope
+SPACING, CELL = 0.04, 0.05  # [m], distance of sample points on treads, and cells in which only the highest are used
+SAME = 0.03  # [m], heights that differ by less belong to one tread
+SMALL, LARGE = 0.3, 1.8  # minimum area of a tread and of a landing, relative to the median
+HIGHEST = 0.4  # [m], maximum rise of a step
+ADJOIN = 0.25  # [m], maximum gap between a landing and the adjacent treads
+LEAST_TREADS = 4  # minimum number of treads of a curve
+LEAST_TURN = 0.05  # [rad], minimum angle from tread to tread of a curve
+ROUND = 0.15  # maximum relative deviation of a curve's treads from its radius
+FULL = np.deg2rad(330)  # maximum angle of a curve; beyond it, one end would be above the other
+INNER = 0.4  # minimum inner radius relative to the outer one; curves are too steep near the centre
+SECTOR = np.deg2rad(20.0)  # maximum angle of a curve per slope
+BUMP, AXIS = 0.03, 0.1  # [m], maximum step between two slopes of a curve, at this distance from its edges
 
 Polygon = Float[np.ndarray, "_ 2"]
-Slopes = tuple[list[Slope], list[Polygon], list[Polygon]]  # slopes, the top tread's rest, the well: see `stairs.Stairs`
+Slopes = tuple[list[Slope], list[Polygon], list[Polygon]]  # slopes, remaining top tread and well, see `stairs.Stairs`
 
 
 @dataclass(frozen=True)
 class Run:
-    """Treads that follow each other straight, in a frame turned by `yaw`: height = `offset` + `grade` * x."""
+    """Consecutive straight treads in a frame rotated by `yaw`: height = `offset` + `grade` * x."""
 
     yaw: float
     grade: float
     offset: float
-    first: float  # [m], x of its begin
+    first: float  # [m], x of its start
     last: float
-    right: float  # [m], y of its sides
+    right: float  # [m], y of its right side
     left: float
 
     @classmethod
     def of(cls, line: tuple[int, float, float], points: Float[np.ndarray, "n 2"]) -> "Run":
-        """From the line through its treads and all points of these."""
+        """Create a run from the line through its treads and all of their points."""
         axis, rise, offset = line
         yaw = axis * np.pi / 2 + (np.pi if rise < 0 else 0.0)
         local = points @ plane_matrix(yaw)
@@ -59,35 +59,35 @@ class Run:
         return cls(float(yaw), abs(rise), offset, first, last, right, left)
 
     def place(self, along: float) -> Float[np.ndarray, "2"]:
-        """The middle at a distance along it [m]."""
+        """Return the middle of the run at a distance along it [m]."""
         return plane_matrix(self.yaw) @ [along, (self.left + self.right) / 2]
 
     def start(self, low: float) -> float:
-        """Where its slope leaves the floor [m]."""
+        """Return the position where its slope leaves the floor [m]."""
         return float(np.clip((low - self.offset) / self.grade, self.first - BEFORE, self.first + BEFORE))
 
     def end(self, high: float) -> float:
-        """Where its slope reaches the floor [m]."""
+        """Return the position where its slope reaches the floor [m]."""
         return float(np.clip((high - self.offset) / self.grade, self.last - LANDING, self.last))
 
     def slope(self, start: float, end: float, low: float, high: float) -> Slope:
-        """Between two distances along it, from height to height [m]."""
+        """Return the slope between two positions along it and two heights [m]."""
         return Slope(self.place(start), self.yaw, end - start, self.left - self.right, low, high)
 
 
 @dataclass(frozen=True)
 class Flights:
-    """Straight flights with a landing between each two; of a landing its height and its corners [m]."""
+    """Straight flights with a landing between each pair; a landing has a height and corners [m]."""
 
     runs: Sequence[Run]
     landings: Sequence[tuple[float, Float[np.ndarray, "4 2"]]]
 
     def ends(self, beside: float) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-        """Points so far before the first tread and beyond the last [m]."""
+        """Return the points at a distance before the first tread and beyond the last [m]."""
         return self.runs[0].place(self.runs[0].first - beside), self.runs[-1].place(self.runs[-1].last + beside)
 
     def slopes(self, low: float, high: float) -> Slopes:
-        """Slopes from floor to floor [m]; between landings they go from edge to edge."""
+        """Return slopes from floor to floor [m]; between landings they extend from edge to edge."""
         heights, found = [low, *(height for height, _ in self.landings), high], []
         for i, run in enumerate(self.runs):
             start = run.start(low) if i == 0 else _extent(self.landings[i - 1][1], run.yaw)[1][0]
@@ -103,7 +103,7 @@ class Flights:
 
     @property
     def joined(self) -> bool:
-        """Whether flights begin and end at their landings."""
+        """True if flights begin and end at their landings."""
         gaps = [run.last - _extent(box, run.yaw)[0][0] for run, (_, box) in zip(self.runs, self.landings, strict=False)]
         gaps += [
             run.first - _extent(b, run.yaw)[1][0] for run, (_, b) in zip(self.runs[1:], self.landings, strict=True)
@@ -112,39 +112,39 @@ class Flights:
 
 
 def _extent(corners: Float[np.ndarray, "4 2"], yaw: float) -> tuple[list[float], list[float]]:
-    """Least and greatest x and y in a frame that is turned by `yaw`."""
+    """Return the minimum and maximum (x, y) in a frame rotated by `yaw`."""
     local = corners @ plane_matrix(yaw)
     return local.min(axis=0).tolist(), local.max(axis=0).tolist()
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Treads around a vertical axis: height = `offset` + `rise` * angle, which is counted in the `sense` uphill."""
+    """Treads around a vertical axis: height = `offset` + `rise` * angle; `sense` is the direction uphill."""
 
     center: Float[np.ndarray, "2"]  # [m]
-    inner: float  # [m], radius
-    outer: float
-    sense: float  # 1: counter-clockwise
-    first: float  # [rad], where its treads begin
+    inner: float  # [m], inner radius
+    outer: float  # [m], outer radius
+    sense: float  # 1 counter-clockwise, -1 clockwise
+    first: float  # [rad], start of its treads
     last: float
     rise: float  # [m/rad]
     offset: float  # [m]
 
     @property
     def radius(self) -> float:
-        """Of its middle [m]."""
+        """Radius of the middle line [m]."""
         return (self.inner + self.outer) / 2
 
     def point(self, angle: float, radius: float) -> Float[np.ndarray, "2"]:
-        """Of the plan [m]."""
+        """Return the point at an angle and radius in the plan [m]."""
         return self.center + radius * np.array([np.cos(self.sense * angle), np.sin(self.sense * angle)])
 
     def yaw(self, angle: float) -> float:
-        """Direction uphill [rad]."""
+        """Return the direction uphill [rad]."""
         return self.sense * (angle + np.pi / 2)
 
     def ends(self, beside: float) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-        """Points so far before the first tread and beyond the last [m]."""
+        """Return the points at a distance before the first tread and beyond the last [m]."""
         found = []
         for angle, way in ((self.first, -beside), (self.last, beside)):
             up = np.array([np.cos(self.yaw(angle)), np.sin(self.yaw(angle))])
@@ -152,7 +152,7 @@ class Curve:
         return found[0], found[1]
 
     def slopes(self, low: float, high: float) -> Slopes:
-        """Slopes from floor to floor [m], so many that an agent can step from one to the next."""
+        """Return slopes from floor to floor [m], enough for agents to step from one to the next."""
         before, landing = BEFORE / self.radius, LANDING / self.radius
         start = float(np.clip((low - self.offset) / self.rise, self.first - before, self.first + before))
         end = float(np.clip((high - self.offset) / self.rise, self.last - landing, self.last))
@@ -168,14 +168,14 @@ class Curve:
         return found, top, [np.array([self.center, *arc])]
 
     def _slope(self, middle: float, step: float, low: float, grade: float) -> Slope:
-        """A sector, out to its corners; `low` is the height where it begins on the middle line."""
+        """Return the slope of a sector, out to its corners; `low` is the height at its start on the middle line."""
         yaw, half = self.yaw(middle), self.outer * np.tan(step / 2)
         height = low + self.radius * step / 2 * grade
         foot = self.point(middle, self.radius) - half * np.array([np.cos(yaw), np.sin(yaw)])
         return Slope(foot, yaw, 2 * half, self.outer - self.inner, height - half * grade, height + half * grade)
 
     def _cut(self, slope: Slope, step: float, begins: bool) -> Slope:
-        """The first or last slope, which begins or ends with the middle line at the height of the floor."""
+        """Cut the first or last slope, so that it begins or ends on the middle line at the height of the floor."""
         beyond = (self.outer - self.radius) * np.tan(step / 2) + self.radius * (np.tan(step / 2) - step / 2)
         foot = slope.foot + beyond * slope.up if begins else slope.foot
         low, high = (beyond, 0.0) if begins else (0.0, beyond)
@@ -186,17 +186,17 @@ class Curve:
 
 
 def tread_triangles(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 3 3"]:
-    """Every triangle on which one can stand."""
+    """Return the triangles on which an agent can stand."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return triangles[normal[:, 2] > FLAT * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)]
 
 
 def find_path(triangles: Float[np.ndarray, "t 3 3"], treads: Float[np.ndarray, "n 3 3"]) -> Flights | Curve | None:
-    """The way up stairs; None if it is not known, or too steep.
+    """Return the path up stairs; None if it is not supported, or too steep.
 
     Args:
-        triangles: All of the stairs, straight flights along x or y [m].
-        treads: Those on which one can stand.
+        triangles: All triangles of the stairs; straight flights are along x or y [m].
+        treads: Triangles on which an agent can stand.
     """
     if not len(treads):
         return None
@@ -213,7 +213,7 @@ def find_path(triangles: Float[np.ndarray, "t 3 3"], treads: Float[np.ndarray, "
 
 
 def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]:
-    """Points of each height, from below, of which nothing is above another one."""
+    """Return the sample points of each tread, sorted by height, without points below other ones."""
     points = sample_surface(treads, SPACING)
     _, cell = np.unique(np.floor(points[:, :2] / CELL), axis=0, return_inverse=True)
     highest = np.full(cell.max() + 1, -np.inf)
@@ -224,12 +224,12 @@ def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]
 
 
 def _areas(steps: Sequence[Float[np.ndarray, "_ 3"]]) -> Int[np.ndarray, " s"]:
-    """Cells of each tread."""
+    """Return the area of each tread, in cells."""
     return np.array([len(np.unique(np.floor(step[:, :2] / CELL), axis=0)) for step in steps])
 
 
 def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> Flights | None:
-    """Straight flights with landings; None if there are no landings, or what is between them is not straight."""
+    """Return straight flights with landings; None if there are no flights, or they are not straight or not joined."""
     area = _areas(steps)
     large = np.flatnonzero(area > LARGE * np.median(area))
     between = [k for k in large.tolist() if 0 < k < len(steps) - 1]
@@ -248,7 +248,7 @@ def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray
 
 
 def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> Curve | None:
-    """A curve of less than a full turn; its circle is that of least squares (Kåsa, 1976)."""
+    """Return a curve of less than a full turn, its circle by least squares (Kåsa, 1976); None if it does not fit."""
     x, y = middle[:, :2].T
     (a, b, _), *_ = np.linalg.lstsq(np.c_[2 * x, 2 * y, np.ones(len(x))], x * x + y * y, rcond=None)
     center = np.array([a, b])
@@ -269,7 +269,11 @@ def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, 
 
 
 def _line(middle: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]) -> tuple[int, float, float] | None:
-    """The line height = rise * (way) + offset through treads: axis of the way, rise, offset; None if they turn."""
+    """Fit the line height = rise * position + offset to treads; None if they turn or are too steep.
+
+    Returns:
+        Axis of the position, rise and offset.
+    """
     away = middle - np.average(middle, axis=0, weights=weight)
     spread = np.einsum("n,na,nb->ab", weight, away, away)
     with np.errstate(divide="ignore", invalid="ignore"):

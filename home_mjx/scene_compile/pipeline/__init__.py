@@ -1,1 +1,1 @@
-"""The stages of the compiler, in order."""
+"""Stages of the compiler, in order."""

@@ -1,4 +1,4 @@
-"""The last stage: what the others have found, as one `CompiledHouse`."""
+"""Last stage of the compiler: assembly of all results into one `CompiledHouse`."""
 
 from collections.abc import Mapping, Sequence
 
@@ -33,14 +33,14 @@ def assemble(
     lights: LightTable,
     semantics: Int[np.ndarray, "q columns"],
 ) -> CompiledHouse:
-    """The house as rays see it, bodies feel it, and agents find their way in it.
+    """Assemble the compiled house from the results of all stages.
 
     Args:
-        frame: Where it lies.
+        frame: World frame and rooms.
         shell: Instance 0.
         objects: The other instances.
-        levels: What stops bodies.
-        navigation: Where agents can stand.
+        levels: Colliders, bodies and doors.
+        navigation: Navigation data.
         surfaces: Materials.
         lights: Lamps and windows.
         semantics: Rows of the shell's parts and of the objects.
@@ -74,7 +74,7 @@ def assemble(
 
 
 def _instances(shell: Shell, objects: Sequence[PlacedObject], first_row: Sequence[int], bodies: Bodies) -> Instances:
-    """One instance per part of an object; the parts share its materials and meaning."""
+    """Return one instance per part of an object; its parts share material and semantic rows."""
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     parts = [(i, o, part) for i, o in enumerate(objects) for part in o.parts]
     poses = [pose for o in objects for pose in o.poses]
@@ -94,7 +94,7 @@ def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarr
 
 
 def _report(frame: Frame, shell: Shell, objects: Sequence[PlacedObject], levels: Levels) -> dict[str, int]:
-    """Counts: of the input as it is and of what became of it."""
+    """Return counts of the input and of the compiled house."""
     house = frame.house
     return {
         "levels": len(house.levels),

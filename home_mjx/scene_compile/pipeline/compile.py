@@ -1,4 +1,4 @@
-"""From a house as the dataset says it to the arrays that the engines need."""
+"""Compiler from a house as read from the dataset to the arrays of the engines."""
 
 from dataclasses import dataclass, field
 from typing import get_type_hints
@@ -27,7 +27,7 @@ from home_mjx.schema.house import House, Metadata
 
 @dataclass(frozen=True)
 class CompileOptions:
-    """How a house is read and compiled; part of the cache's key. `compile_house` gets houses that are read already."""
+    """Options of reading and compiling a house; part of the cache key. `compile_house` ignores `read`."""
 
     navigation: NavigationOptions = field(default_factory=NavigationOptions)
     colliders: ColliderOptions = field(default_factory=ColliderOptions)
@@ -45,15 +45,15 @@ DEFAULT_OPTIONS = CompileOptions()
 
 
 def compile_house(house: House, metadata: Metadata, options: CompileOptions = DEFAULT_OPTIONS) -> CompiledHouse:
-    """Compiles one house: Z up, its ground floor's rooms around x = y = 0.
+    """Compile one house: Z up, its ground-floor rooms centred at x = y = 0.
 
     Args:
-        house: What the dataset says.
+        house: House as read from the dataset.
         metadata: Categories of its models.
         options: Sizes, counts and limits.
 
     Raises:
-        DatasetError: The house has no room with a mesh, nowhere to stand, or is larger than `limits` allow.
+        DatasetError: The house has no room with a mesh or no standable cell, or exceeds the `limits`.
 
     Example:
         >>> dataset = open_dataset("datasets/demo")  # doctest: +SKIP
@@ -67,7 +67,7 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
 
 
 def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> CompiledHouse:
-    """The stages of the compiler, in order; each is one record."""
+    """Run the stages of the compiler in order; each returns one record."""
     frame = find_frame(house)
     shell = build_shell(frame)
     objects = shut_outer_doors(place_objects(frame, metadata), frame.rooms)

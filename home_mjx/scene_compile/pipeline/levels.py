@@ -1,4 +1,4 @@
-"""The levels of a house: what stops bodies on them, on what they stand, and where agents can stand."""
+"""Levels of a house: colliders, floors, doors, movable bodies and free space."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -37,16 +37,16 @@ from home_mjx.schema.compiled import Bodies, Colliders, Doors, Ramps, Rooms
 
 @dataclass(frozen=True)
 class Site:
-    """A level that has rooms, before anything is known of what is in the way there.
+    """Inputs of a level that has rooms, before its obstacles are computed.
 
     Attributes:
-        grid: Its number among those that have rooms, the lowest first.
+        grid: Index among the levels that have rooms, lowest first.
         number: Level index.
-        plan: Its floors.
-        objects: Those that may reach into it, but no stairs that agents climb.
-        doorways: Of its doors.
-        upstairs: Stairs that begin here.
-        downstairs: Stairs that end here.
+        plan: Floor plan.
+        objects: Objects that may extend into the level, without stairs that agents climb.
+        doorways: Doorways of its doors.
+        upstairs: Stairs that begin on this level.
+        downstairs: Stairs that end on this level.
     """
 
     grid: int
@@ -58,29 +58,32 @@ class Site:
     downstairs: Sequence[Stairs]
 
     def floors(self, step: float) -> BoxSet:
-        """Boxes of its floors; those that are no more than a step above the ground floor's plane are that plane [m]."""
+        """Return boxes of its floors [m].
+
+        On the lowest level, a plane replaces those up to `step` above the lowest floor.
+        """
         return self.plan.boxes(self.plan.lowest + step if self.grid == 0 else -np.inf)
 
     def raised(self, step: float) -> BoxSet:
-        """Boxes of the floors to which one cannot step up from the level's lowest floor."""
+        """Return boxes of the floors more than `step` above the level's lowest floor [m]."""
         return self.plan.boxes(self.plan.lowest + step)
 
 
 @dataclass(frozen=True)
 class Levels:
-    """What stops bodies in a house, and where agents can stand.
+    """Colliders, bodies, doors and free space of a house.
 
     Attributes:
-        spaces: Free space of each level that has rooms, the lowest first.
-        doorways: Of each of these levels.
-        leaves: Boxes of the leaves of each of these levels that turn, as placed, closed and wide open.
-        open_leaves: The same, wide open alone.
-        stairs: Between them, that agents climb.
-        colliders: Static boxes of all levels; the last are barriers, a fence of four boxes, and the ramps.
-        ramps: The slopes of the stairs.
-        bodies: Objects that can be moved.
+        spaces: Free space of each level that has rooms, lowest first.
+        doorways: Doorways of each of these levels.
+        leaves: Boxes on each of these levels of leaves that turn: initial, closed and wide open.
+        open_leaves: The same, only wide open.
+        stairs: Stairs between them that agents climb.
+        colliders: Static boxes of all levels; barriers, a fence of four boxes and the ramps are last.
+        ramps: Slopes of the stairs.
+        bodies: Movable objects.
         doors: Leaves that turn, of all levels.
-        stuck: Ids of objects that could be moved if they stood free.
+        stuck: Ids of objects of movable categories that are not free to move.
         report: Counts.
     """
 
@@ -105,18 +108,18 @@ def build_levels(
     movables: MovableOptions,
     navigation: NavigationOptions,
 ) -> Levels:
-    """What stops bodies on each level of a house, and where agents can stand.
+    """Compute the colliders, bodies, doors and free space of all levels of a house.
 
     Args:
         frame: Rooms.
         shell: Walls.
-        objects: Of all levels.
-        colliders: How boxes are fitted.
-        movables: What can be moved.
-        navigation: Size of an agent and of a cell.
+        objects: Objects of all levels.
+        colliders: Options of box fitting.
+        movables: Criteria for movable objects.
+        navigation: Sizes of an agent and of a cell.
 
     Raises:
-        DatasetError: The house is too large, see `limits`, or an agent can stand nowhere on its ground floor.
+        DatasetError: The house exceeds the `limits`, or its ground floor has no standable cell.
     """
     check_levels(frame, shell, navigation.cell)
     rooms, walls = frame.rooms, wall_colliders(shell, colliders)
@@ -161,14 +164,14 @@ def build_levels(
 
 
 def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> list[Site]:
-    """The levels that have rooms, the lowest first; objects of other levels reach into the ground floor only.
+    """Return the levels that have rooms, lowest first; the ground floor includes objects of other levels.
 
-    Objects out of reach are on none.
+    Objects out of reach of agents are omitted.
 
     Args:
         rooms: Outlines and floors.
-        objects: Of all levels.
-        climb: Whether agents take stairs.
+        objects: Objects of all levels.
+        climb: True if agents use stairs.
     """
     numbers = np.unique(rooms.level).tolist()
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
@@ -200,7 +203,7 @@ def _obstacles(
     colliders: ColliderOptions,
     navigation: NavigationOptions,
 ) -> Obstacles:
-    """What is in the way on a level, and barriers where it ends without a wall outdoors."""
+    """Return the obstacles of a level, with barriers where it has gaps to the outdoors."""
     sides = join([guards([*site.upstairs, *site.downstairs]), site.raised(colliders.step)])
 
     def free_area(around: BoxSet) -> float:
@@ -216,7 +219,7 @@ def _obstacles(
 def _space(
     site: Site, around: BoxSet, rooms: Rooms, options: NavigationOptions, fixed: BoxSet | None = None
 ) -> FreeSpace:
-    """Where an agent can stand on a level between some boxes, of which some cannot be moved (None: all)."""
+    """Compute the free space of a level between boxes, of which `fixed` cannot be moved (None: all are fixed)."""
     gaps = [doorway.footprint for doorway in site.doorways]
     return free_space(rooms, around, gaps, options, site.number, site.upstairs, site.downstairs, fixed)
 
@@ -229,7 +232,7 @@ def _spaces(
     colliders: ColliderOptions,
     options: NavigationOptions,
 ) -> list[FreeSpace]:
-    """Where an agent can stand on each level; stairs lead past what is on the next one."""
+    """Compute the free space of each level; obstacles of all levels count, since stairs lead past the next level."""
     around, fixed = (
         distinct(join([*boxes, rails])) for boxes in zip(*((o.all, o.static) for o in obstacles), strict=True)
     )
@@ -243,7 +246,7 @@ def _spaces(
 
 
 def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int, all_angles: bool = True) -> BoxSet:
-    """The leaves of a level that turn, each as placed, closed and wide open, or wide open alone."""
+    """Return boxes of a level's leaves that turn: initial, closed and wide open, or only wide open."""
     leaves = [(o.level, leaf) for o in objects for leaf in o.leaves]
     angles = zip(leaves, np.clip(0, doors.low, doors.high), doors.closed, doors.wide, strict=True)
     used = slice(0 if all_angles else 2, None)

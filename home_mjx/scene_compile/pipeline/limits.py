@@ -1,7 +1,7 @@
-"""How large a house may be: far beyond any real one, and small enough that compiling it takes minutes and gigabytes.
+"""Maximum size of a house: far above real houses, and small enough for minutes and gigabytes of compilation.
 
 The time of some steps grows with the square of the number of rooms or objects, and the navigation grid with the area.
-`check_counts` guards the whole compiler, `check_levels` the stage that cuts walls into pieces and rooms into cells.
+`check_counts` protects the whole compiler, `check_levels` the stage that cuts walls into pieces and rooms into cells.
 """
 
 from collections.abc import Iterator
@@ -16,19 +16,19 @@ from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import Box, House, Object
 
-MAX_ROOMS = 300  # the most that a house of SUNCG has are 155
-MAX_OBJECTS = 5_000  # the largest houses of SUNCG have about two thousand
-MAX_TRIANGLES = 10_000_000  # of all objects as placed; the real sample house has 100,000
-MAX_WALL = 20_000.0  # [m], of all walls, those of each room counted; 155 rooms of 40 m around make 6 km
-MAX_CELLS = 1 << 20  # of the navigation grids: 100 m x 100 m of cells of 0.1 m
-HINT = "Leave this house out, or set the `valid` of what it does not need to 0."
+MAX_ROOMS = 300  # houses of SUNCG have at most 155
+MAX_OBJECTS = 5_000  # houses of SUNCG have at most about two thousand
+MAX_TRIANGLES = 10_000_000  # sum over all placed objects; the real sample house has 100,000
+MAX_WALL = 20_000.0  # [m], total length of the walls of all rooms; 155 rooms with a perimeter of 40 m have 6 km
+MAX_CELLS = 1 << 20  # total cells of the navigation grids: 100 m x 100 m with cells of 0.1 m
+HINT = "Leave this house out, or set `valid` to 0 for nodes that it does not need."
 
 
 def check_counts(house: House) -> None:
-    """Refuses a house of too many rooms, objects or triangles.
+    """Reject a house with too many rooms, objects or triangles.
 
     Raises:
-        DatasetError: With the first node that is too many.
+        DatasetError: A limit is exceeded; the error names the first node beyond it.
     """
     rooms = [room for _, room in house_rooms(house)]
     _refuse_beyond(house, MAX_ROOMS, "rooms", [(room.path, 1) for room in rooms])
@@ -47,15 +47,15 @@ def _refuse_beyond(house: House, most: int, what: str, counts: list[tuple[str, i
 
 
 def check_levels(frame: Frame, shell: Shell, cell: float) -> None:
-    """Refuses a house whose rooms reach over more than a navigation grid can have, or of longer walls than any has.
+    """Reject a house whose rooms extend beyond the maximum navigation grid, or whose walls are too long.
 
     Args:
-        frame: Its rooms, the middle of the ground floor at the origin.
-        shell: Its walls.
-        cell: Edge of a cell [m].
+        frame: Rooms, with the centre of the ground floor at the origin.
+        shell: Walls.
+        cell: Cell size [m].
 
     Raises:
-        DatasetError: With the room that reaches farthest, or that of the longest wall.
+        DatasetError: A limit is exceeded; the error names the farthest room, or that of the longest wall.
     """
     _check_extent(frame.house, frame.rooms, cell)
     _check_walls(frame.house, shell)
@@ -77,7 +77,7 @@ def _check_extent(house: House, rooms: Rooms, cell: float) -> None:
 
 
 def _check_walls(house: House, shell: Shell) -> None:
-    """Walls are cut into pieces, every one of which is compared with all."""
+    """Reject walls that are too long, since they are cut into pieces that are compared pairwise."""
     lengths = [(part.slab.length, part.room) for part in shell.parts if isinstance(part, Wall)]
     total = sum(length for length, _ in lengths)
     if total <= MAX_WALL:
@@ -93,7 +93,7 @@ def _check_walls(house: House, shell: Shell) -> None:
 
 @contextmanager
 def blaming(house: House) -> Iterator[None]:
-    """Adds the house's file to errors that name none."""
+    """Add the house's file to errors without one."""
     try:
         yield
     except DatasetError as error:

@@ -1,4 +1,4 @@
-"""The surfaces of a house: rows of materials for light and sound, their gloss, and the planes that mirror sound."""
+"""Surfaces of a house: material rows, their gloss, and reflection planes for sound."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from home_mjx.schema.lighting import Gloss
 
 @dataclass(frozen=True)
 class Surfaces:
-    """How a house looks and sounds.
+    """Optical and acoustic properties of a house's surfaces.
 
     Attributes:
-        materials: Rows; those of the shell are the first.
+        materials: Material rows; those of the shell are first.
         first_row: First row of each object.
-        gloss: Of the rows.
-        planes: Rectangles that mirror sound.
+        gloss: Gloss of each row.
+        planes: Rectangles that reflect sound.
     """
 
     materials: MaterialTable
@@ -31,7 +31,7 @@ class Surfaces:
 
 
 def build_surfaces(frame: Frame, shell: Shell, objects: Sequence[PlacedObject]) -> Surfaces:
-    """Materials of the shell and of all objects; objects with equal materials share their rows."""
+    """Build the material rows of the shell and of all objects; objects with equal materials share rows."""
     rows = SurfaceRows()
     rows.add(shell.surfaces)
     first = [rows.add(o.surfaces) for o in objects]

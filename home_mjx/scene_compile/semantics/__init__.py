@@ -1,4 +1,4 @@
-"""Semantics of a house: categories, colours, materials, sizes, supports, relations, texts."""
+"""Semantics of a house: categories, colours, materials, sizes, supports, relations and descriptions."""
 
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics

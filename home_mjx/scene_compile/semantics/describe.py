@@ -1,4 +1,4 @@
-"""Texts about objects, from their records."""
+"""Text descriptions of objects, from their semantic records."""
 
 from collections.abc import Sequence
 
@@ -6,13 +6,13 @@ from home_mjx.errors import UnknownNameError
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
 
-NAMELESS = ("empty", "unknown")  # fine categories that are not nouns for objects
-MOST_NEIGHBOURS = 3
+NAMELESS = ("empty", "unknown")  # fine categories that are replaced by "object"
+MOST_NEIGHBOURS = 3  # maximum number of neighbours in a description
 HOLDS = {"floor": "stands on the floor", "wall": "is on the wall", "ceiling": "hangs from the ceiling", "": "is"}
 
 
 def short_text(size: str, look: Appearance, category: str) -> str:
-    """Size unless normal, CSS colours, fine category and materials known from textures, in HoME's wording.
+    """Return size unless normal, CSS colours, fine category, and materials if textures determine them, as in HoME.
 
     Args:
         size: One of `SIZES`, or "".
@@ -31,21 +31,21 @@ def short_text(size: str, look: Appearance, category: str) -> str:
 
 
 def describe_object(house: HouseSemantics, object_id: int) -> str:
-    """Two or three sentences: category, size, place and neighbours of an object.
+    """Return two or three sentences: category, size, position and neighbours of an object.
 
     Args:
-        house: Where the object is.
+        house: Semantics of the house.
         object_id: One of `house.by_id`.
 
     Raises:
-        UnknownNameError: There is no such object.
+        UnknownNameError: The house does not have this object.
 
     Example:
         >>> describe_object(meaning, 46)  # doctest: +SKIP
         'A gray sofa made of leather, 1.31 m wide, 1.01 m deep and 0.80 m high. It stands on the floor in the bedroom …'
     """
     if object_id not in house.by_id:
-        raise UnknownNameError(f"house has no object {object_id}", hint="`by_id` has all.")
+        raise UnknownNameError(f"house has no object {object_id}", hint="`by_id` lists all objects.")
     item = house.by_id[object_id]
     width, depth, height = (2 * item.box.half[0]).tolist()
     x, y, z = item.position

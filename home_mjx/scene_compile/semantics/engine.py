@@ -1,4 +1,4 @@
-"""The semantic engine: describes everything in a house."""
+"""Semantic engine: describes all rooms, surfaces and objects of a house."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,12 +34,12 @@ DEFAULT_OPTIONS = SemanticOptions()
 
 
 def house_semantics(house: House, metadata: Metadata, options: SemanticOptions = DEFAULT_OPTIONS) -> HouseSemantics:
-    """Categories, rooms, colours, materials, sizes, supports and relations of everything in a house.
+    """Compute categories, rooms, colours, materials, sizes, supports and relations of all objects in a house.
 
     Args:
-        house: What the dataset says.
+        house: House as read from the dataset.
         metadata: Categories and sizes of its models.
-        options: How colours, materials and sizes are decided.
+        options: Rules for colours, materials and sizes.
 
     Raises:
         DatasetError: The house has no room with a mesh, or a texture cannot be read.
@@ -61,14 +61,14 @@ def describe_house(
     metadata: Metadata,
     options: SemanticOptions = DEFAULT_OPTIONS,
 ) -> HouseSemantics:
-    """As `house_semantics`, of a house that is already built in the world frame.
+    """Compute the same as `house_semantics` for a house that is already built in the world frame.
 
     Args:
         frame: The house, and its rooms in the world frame.
         shell: Its architecture.
         objects: Its objects.
         metadata: Categories and sizes of its models.
-        options: How colours, materials and sizes are decided.
+        options: Rules for colours, materials and sizes.
     """
     house, rooms = frame.house, frame.rooms
     sizes, supports, looks = size_table(metadata), find_supports(objects, rooms), _Looks(options)
@@ -87,13 +87,13 @@ def describe_house(
 
 @dataclass(frozen=True)
 class _Looks:
-    """Appearances of a house, each computed once: chairs come in fours, and the walls of a room share their paper."""
+    """Cache of the appearances in a house, since chairs and the walls of a room often share theirs."""
 
     options: SemanticOptions
     found: dict[Hashable, Appearance] = field(default_factory=dict)
 
     def of(self, key: Hashable, skin: Skin) -> Appearance:
-        """The appearance of a skin; equal keys mean equal skins."""
+        """Return the appearance of a skin; equal keys must have equal skins."""
         if key not in self.found:
             self.found[key] = _look(skin, self.options)
         return self.found[key]
@@ -129,7 +129,7 @@ def _object(
     item: PlacedObject, support: Support, house: House, rooms: Rooms, sizes: SizeTable, looks: _Looks
 ) -> ObjectSemantics:
     skin = _skin(item, house, looks.options)
-    stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # areas follow from it, whichever way the object faces
+    stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # determines the areas, independent of rotation
     look = looks.of((item.model.key, skin.surfaces, stretch.tobytes()), skin)
     size = sizes.as_home(item.info) if looks.options.size == "home" else sizes.by_log_volume(_volume(item), item.info)
     return ObjectSemantics(
@@ -160,22 +160,22 @@ def _skin(item: PlacedObject, house: House, options: SemanticOptions) -> Skin:
 
 def _look(skin: Skin, options: SemanticOptions) -> Appearance:
     if skin.area.sum() <= 0:
-        # A mesh of lines and points has no surface to weigh by.
+        # A mesh of lines and points has zero area, so all triangles get equal weights.
         skin = replace(skin, area=np.ones_like(skin.area))
     return home_appearance(skin, options) if options.color == "home" else appearance(skin, options)
 
 
 def _volume(item: PlacedObject) -> float:
-    """Of the model's own box as scaled [m^3]; a flat one counts as a millimetre thick."""
+    """Return the volume of the model's scaled bounding box [m^3]; a flat one counts as 1 mm thick."""
     edges = np.ptp(item.model.box.astype(np.float64), axis=0) * np.linalg.norm(item.pose[:, :3], axis=0)
     return float(np.maximum(edges, 1e-3).prod())
 
 
 def room_type(rooms: Rooms, room: int) -> str:
-    """Label of a room, by index; `unknown` where there is none.
+    """Return the label of a room; `unknown` for no room or no label.
 
     Args:
-        rooms: Of the house.
+        rooms: Rooms of the house.
         room: Room index; -1 for none.
     """
     kind = int(rooms.type[room]) if room >= 0 else -1

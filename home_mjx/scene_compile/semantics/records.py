@@ -10,10 +10,10 @@ Record = dict[str, Any]
 
 
 def house_record(house: HouseSemantics) -> Record:
-    """Rooms, parts, objects and the relations that hold from everywhere.
+    """Return rooms, parts, objects and the relations that are independent of a viewpoint.
 
     Args:
-        house: Its semantics.
+        house: Semantics of the house.
     """
     return {
         "id": house.id,

@@ -1,4 +1,4 @@
-"""Spatial relations of objects: on, in, next to; for an observer left of, right of, in front of, behind."""
+"""Spatial relations of objects: on, in, next to; and, for an observer, left of, right of, in front of, behind."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ from jaxtyping import Int
 from home_mjx.geometry.boxes import BoxSet, footprint, footprint_distance
 from home_mjx.scene_compile.semantics.supports import Support
 
-NEXT_TO = 0.5  # [m] between the footprints of neighbours
-APART = 0.1  # [m]: objects closer to one line of sight are neither left nor right of each other
-WIDEST = np.deg2rad(135)  # between two objects; no view contains a greater angle
+NEXT_TO = 0.5  # [m], maximum distance between the footprints of neighbours
+APART = 0.1  # [m], minimum distance across or along the line of sight for a relation
+WIDEST = np.deg2rad(135)  # maximum angle between two objects; no field of view is larger
 OPPOSITE = {"left of": "right of", "in front of": "behind"}
 
 
 @dataclass(frozen=True)
 class Relation:
-    """One object and another, by object id: `subject` is on, in, next to, left of … `object`."""
+    """Relation between two objects, by object id: `subject` is on, in, next to, left of … `object`."""
 
     subject: int
     predicate: str
@@ -26,11 +26,11 @@ class Relation:
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """Position of an observer.
+    """Position and heading of an observer.
 
     Attributes:
-        x: In the world [m].
-        y: In the world [m].
+        x: World x [m].
+        y: World y [m].
         heading: Direction of view about +z, 0 along +x [rad].
     """
 
@@ -39,7 +39,7 @@ class Viewpoint:
     heading: float = 0.0
 
     def side(self, point: Sequence[float]) -> str:
-        """On which side of the observer a point is: `ahead`, `left`, `behind` or `right`, a quarter of the circle each.
+        """Return the quadrant of a point relative to the observer: `ahead`, `left`, `behind` or `right`.
 
         Args:
             point: World x and y [m]; further numbers are ignored.
@@ -55,16 +55,16 @@ class Viewpoint:
 def relations_at_rest(
     ids: Sequence[int], boxes: BoxSet, places: Int[np.ndarray, "o 2"], supports: Sequence[Support]
 ) -> tuple[Relation, ...]:
-    """Relations that hold for every observer.
+    """Return the relations that are independent of the observer.
 
-    `on` and `in` are those of the supports; `next to` holds both ways for objects of one room whose footprints are at
-    most `NEXT_TO` apart, that reach into a common height, and of which neither is on or in the other.
+    `on` and `in` follow from the supports. `next to` is symmetric. It relates objects of one room with footprints at
+    most `NEXT_TO` apart and overlapping heights, unless one is on or in the other.
 
     Args:
         ids: Object ids.
         boxes: Their upright boxes.
-        places: Level and room of each.
-        supports: What holds each.
+        places: Level and room of each object.
+        supports: Support of each object.
     """
     held = [
         Relation(i, "in", s.container) if s.container >= 0 else Relation(i, "on", s.supporter)
@@ -82,7 +82,7 @@ def relations_at_rest(
 
 
 def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> list[int]:
-    """Later objects of the same room that are next to one."""
+    """Return later objects of the same room that are next to an object."""
     reach = np.hypot(boxes.half[:, 0], boxes.half[:, 1])
     apart = np.hypot(*(boxes.center[:, :2] - boxes.center[index, :2]).T)
     near = (places == places[index]).all(axis=1) & (places[:, 1] >= 0) & (apart < reach + reach[index] + NEXT_TO)
@@ -92,7 +92,7 @@ def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> li
 
 
 def gap(boxes: BoxSet, a: int, b: int) -> float:
-    """Distance between the footprints of two boxes [m]; 0 where a corner or the middle of one lies in the other."""
+    """Return the distance between the footprints of two boxes [m]; 0 if a corner or centre of one is in the other."""
     ends = [np.concatenate([footprint(boxes, i), boxes.center[i : i + 1, :2]]) for i in (a, b)]
     return float(min(footprint_distance(boxes, b, ends[0]).min(), footprint_distance(boxes, a, ends[1]).min()))
 
@@ -100,16 +100,16 @@ def gap(boxes: BoxSet, a: int, b: int) -> float:
 def relations_seen(
     ids: Sequence[int], boxes: BoxSet, places: Int[np.ndarray, "o 2"], viewpoint: Viewpoint
 ) -> tuple[Relation, ...]:
-    """One relation each way for every two objects of a room, as an observer sees them.
+    """Return both relations of each pair of objects of a room, relative to an observer.
 
-    Of the two distances between their middles, across the line of sight (mean range times difference of bearings) and
-    along it (difference of ranges), the greater decides: left of or right of, else in front of (nearer) or behind. Of
-    objects on opposite sides of the observer, or at its own place, nothing is said.
+    Two distances between their centres are compared: across the line of sight (mean range times difference of bearings)
+    and along it (difference of ranges). The larger one decides: left of or right of, else in front of (nearer) or
+    behind. Pairs on opposite sides of the observer, or at its position, are omitted.
 
     Args:
         ids: Object ids.
         boxes: Their upright boxes.
-        places: Level and room of each.
+        places: Level and room of each object.
         viewpoint: The observer.
 
     Example:
@@ -129,13 +129,13 @@ def relations_seen(
 
 
 def _pairs(places: Int[np.ndarray, "o 2"]) -> list[tuple[int, int]]:
-    """Pairs of objects of one room."""
+    """Return pairs of objects of one room."""
     together = (places[:, None] == places).all(axis=-1) & (places[:, 1] >= 0)
     return [(int(a), int(b)) for a, b in np.argwhere(np.triu(together, 1))]
 
 
 def _order(a: int, b: int, leftward: float, nearer: float) -> list[Relation]:
-    """Both relations of a pair; none if their middles coincide."""
+    """Return both relations of a pair; empty if their centres coincide."""
     across = abs(leftward) >= abs(nearer)
     way, predicate = (leftward, "left of") if across else (nearer, "in front of")
     if abs(way) < APART:

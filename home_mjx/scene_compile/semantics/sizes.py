@@ -1,4 +1,4 @@
-"""Whether an object is small or large for its category, compared with the models in the dataset's tables."""
+"""Size classes of objects relative to their category, from the models in the dataset's tables."""
 
 import math
 from collections import defaultdict
@@ -11,10 +11,10 @@ from jaxtyping import Float
 from home_mjx.schema.house import Metadata, ModelInfo
 
 SIZES = ("tiny", "small", "normal", "large", "huge")
-LIMITS = (-2.0, -1.0, 1.0, 2.0)  # standard deviations between them, HoME's
+LIMITS = (-2.0, -1.0, 1.0, 2.0)  # [standard deviations], limits between size classes, as in HoME
 NORMAL = SIZES.index("normal")
-MIN_PEERS = 5  # models of a category that a comparison needs
-MIN_SPREAD = 0.1  # of log volume: less than 10 % does not count as a difference
+MIN_PEERS = 5  # minimum number of models of a category for a comparison
+MIN_SPREAD = 0.1  # minimum standard deviation of log volume; differences below 10 % are ignored
 HOME_FRONT = (0.0, 0.0, 1.0)
 
 
@@ -24,13 +24,13 @@ class SizeTable:
 
     fine: dict[str, Float[np.ndarray, " _"]]
     coarse: dict[str, Float[np.ndarray, " _"]]
-    home: dict[str, Float[np.ndarray, " _"]]  # by coarse category, of models that face +z
+    home: dict[str, Float[np.ndarray, " _"]]  # by coarse category, only models that face +z
 
     def by_log_volume(self, volume: float, info: ModelInfo) -> str:
-        """One of `SIZES` by the logarithm of volume, since volumes differ by factors; "" if there are too few peers.
+        """Return one of `SIZES` by the logarithm of volume, since volumes differ by factors; "" with too few peers.
 
         Args:
-            volume: Of the object as placed [m^3].
+            volume: Volume of the object as placed [m^3].
             info: Its categories.
         """
         for peers in (self.fine.get(info.fine), self.coarse.get(info.coarse)):
@@ -40,7 +40,7 @@ class SizeTable:
         return ""
 
     def as_home(self, info: ModelInfo) -> str:
-        """HoME's tag, which never was `tiny`; "" for models that it could not compare.
+        """Return the size class by HoME's rule, which is never `tiny`; "" for models that it could not compare.
 
         Args:
             info: The model's row.
@@ -56,10 +56,10 @@ class SizeTable:
 
 
 def size_table(metadata: Metadata) -> SizeTable:
-    """The volumes of all models.
+    """Collect the volumes of all models.
 
     Args:
-        metadata: The dataset's tables; models without a box, or with a flat one, are no peers.
+        metadata: The dataset's tables; models without a box, or with a flat one, are ignored.
     """
     sized = [(info, math.prod(info.dims)) for info in metadata.models.values() if info.dims is not None]
     solid = [(info, volume) for info, volume in sized if volume > 0]

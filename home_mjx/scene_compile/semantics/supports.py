@@ -1,4 +1,4 @@
-"""Supports of objects: the floor, a wall, the ceiling, or another object that it stands on or is in."""
+"""Supports of objects: the floor, a wall, the ceiling, or another object that carries or contains it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,19 +13,20 @@ from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 
 SUPPORTS = ("floor", "wall", "ceiling", "object")
-TOUCH = 0.05  # [m]: SUNCG's furniture hovers or sinks by as much
-SOLE = 0.02  # [m]: points this close to the lowest one touch the support
-RESTING = 0.5  # least share of these points that another object carries
-MAX_POINTS = 64
-MAX_BEARERS = 32  # that are looked at: those below the most of an object
-WALL_REACH = 0.12  # [m] from a room's outline, which runs inside the wall, to what touches the wall
-HUNG_REACH = 0.15  # [m], the same for what nothing else holds: real pictures and lamps hang up to 5.5 cm off the wall
-CEILING_REACH = 0.1  # [m]
-OUTLINE_STEP = 0.1  # [m] between points of a room's outline …
-MAX_STEPS = 1_000  # … of which an edge has no more
-INSIDE = 0.9  # least part of an object's box that lies in that of what it is in
+TOUCH = 0.05  # [m], maximum gap or penetration of a contact; SUNCG's furniture hovers or sinks by this much
+SOLE = 0.02  # [m], points up to this above the lowest one touch the support
+RESTING = 0.5  # minimum share of these points that the supporting object carries
+MAX_POINTS = 64  # maximum number of these points
+MAX_BEARERS = 32  # maximum number of tested supporters, by decreasing overlap in the plan
+WALL_REACH = 0.12  # [m], maximum distance from an object at a wall to the room's outline, which is inside the wall
+HUNG_REACH = 0.15  # [m], the same without another support: pictures and lamps hang up to 5.5 cm off the wall
+CEILING_REACH = 0.1  # [m], maximum distance from an object's top to the ceiling that it hangs from
+OUTLINE_STEP = 0.1  # [m], distance between sample points of a room's outline
+MAX_STEPS = 1_000  # maximum number of these points per edge
+INSIDE = 0.9  # minimum share of an object's box inside the box of its container
 
-# In or in front of the wall, even if they reach the floor; on the wall, even if something is below.
+# OPENINGS are in or in front of the wall, even if they reach the floor. WALL_HUNG objects are on the wall, even if
+# something is below.
 OPENINGS = {"arch", "curtain", "door", "garage_door", "window"}
 WALL_HUNG = {"air_conditioner", "hanging_kitchen_cabinet", "mirror", "picture_frame", "whiteboard"}
 CEILING_HUNG = {"ceiling_fan", "chandelier"}
@@ -38,19 +39,19 @@ CONTAINERS = {
 
 @dataclass(frozen=True)
 class Support:
-    """The support of one object."""
+    """Support of one object."""
 
-    kind: str = ""  # one of SUPPORTS; "" if nothing near does
+    kind: str = ""  # one of SUPPORTS; "" if none
     supporter: int = -1  # object id of the object that it is on
     container: int = -1  # object id of the container that it is in
 
 
 def find_supports(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Support]:
-    """The support of each object.
+    """Return the support of each object.
 
     Args:
         objects: All objects of a house.
-        rooms: Its rooms.
+        rooms: Rooms of the house.
     """
     boxes = join(o.box for o in objects)
     limits = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
@@ -88,7 +89,7 @@ def _support(
 
 
 def _heights(item: PlacedObject, rooms: Rooms) -> tuple[float, float]:
-    """Floor and ceiling of an object's room [m]; outdoors, the lowest floor of its level and no ceiling."""
+    """Return the floor and ceiling of an object's room [m]; outdoors, the lowest floor of its level and infinity."""
     if item.room >= 0:
         return float(rooms.floor[item.room]), float(rooms.ceiling[item.room])
     floors = rooms.floor[rooms.level == item.level]
@@ -96,7 +97,7 @@ def _heights(item: PlacedObject, rooms: Rooms) -> tuple[float, float]:
 
 
 def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
-    """Points along the walls of a level."""
+    """Return points along the walls of a level."""
     points = [np.zeros((0, 2))]
     for start in (p for p, at in zip(rooms.polygon, rooms.level, strict=True) if at == level):
         for a, b in zip(start, np.roll(start, -1, axis=0), strict=True):
@@ -106,7 +107,7 @@ def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _bearer(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """The object whose upper sides lie under most of the lowest points of another; -1 if none carries enough."""
+    """Return the object whose upper sides carry the largest share of another's lowest points; -1 if below `RESTING`."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + TOUCH) & (limits[:, 1, 2] > low[2] - TOUCH)
@@ -123,14 +124,14 @@ def _bearer(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarra
 
 
 def _soles(item: PlacedObject) -> Float[np.ndarray, "p 3"]:
-    """Some of the lowest points of an object."""
+    """Return a sample of the lowest points of an object."""
     points = item.triangles.reshape(-1, 3)
     points = np.unique(points[points[:, 2] < points[:, 2].min() + SOLE].round(4), axis=0)
     return points[np.linspace(0, len(points) - 1, min(len(points), MAX_POINTS)).astype(int)]
 
 
 def _borne(points: Float[np.ndarray, "p 3"], below: PlacedObject, top: float) -> Bool[np.ndarray, " p"]:
-    """Whether an upper side of an object is within `TOUCH` of each point, vertically, and below `top`."""
+    """Return whether an upper side of an object is within `TOUCH` of each point, vertically, and below `top`."""
     triangles = below.triangles
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal *= np.sign(np.linalg.det(below.pose[:, :3]))  # a mirrored model is inside out
@@ -150,7 +151,7 @@ def _barycentric(
     b: Float[np.ndarray, "t 2"],
     c: Float[np.ndarray, "t 2"],
 ) -> Float[np.ndarray, "p t 3"]:
-    """Weights of the corners of triangles in the plan."""
+    """Return the barycentric weights of points in triangles, in the plan."""
     u, v, w = b - a, c - a, point - a
     whole = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     second = (w[..., 0] * v[:, 1] - w[..., 1] * v[:, 0]) / whole
@@ -159,7 +160,7 @@ def _barycentric(
 
 
 def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """The smallest container whose box holds an object's; -1 if none does."""
+    """Return the smallest container whose box contains most of an object's box; -1 if none."""
     middle, volume = boxes.center[index], boxes.half.prod(axis=1)
     around = (limits[:, 0] <= middle).all(axis=1) & (limits[:, 1] >= middle).all(axis=1) & (volume > volume[index])
     holding = [
@@ -171,7 +172,7 @@ def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limit
 
 
 def _held(boxes: BoxSet, inner: int, outer: int) -> float:
-    """Part of a box that lies in another, by its extent along the sides of that one."""
+    """Return the share of a box that is inside another, by extents along the sides of the other."""
     turn = yaw_matrix(boxes.yaw[outer] - boxes.yaw[inner])
     half = abs(turn) @ boxes.half[inner]
     middle = yaw_matrix(boxes.yaw[outer]).T @ (boxes.center[inner] - boxes.center[outer])

@@ -1,4 +1,4 @@
-"""Semantics as numbers for the device; `vocabulary` has their names."""
+"""Semantics as integer rows for the device; `vocabulary` maps them to names."""
 
 from collections.abc import Sequence
 
@@ -16,13 +16,13 @@ from home_mjx.schema.semantic import Semantic, semantic_row
 def semantic_rows(
     shell: Shell, objects: Sequence[PlacedObject], bodies: Bodies, meaning: HouseSemantics
 ) -> Int[np.ndarray, "q columns"]:
-    """The semantic rows of a house: one per part of its shell, then one per object. Columns: `Semantic`.
+    """Return the semantic rows of a house: one per part of its shell, then one per object. Columns: `Semantic`.
 
     Args:
         shell: Walls, floors and ceilings.
-        objects: In the world frame.
-        bodies: Those of them that can be pushed.
-        meaning: What the semantic engine says of all of them, in the same order.
+        objects: Objects in the world frame.
+        bodies: Movable bodies.
+        meaning: Output of the semantic engine, in the same order.
     """
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     rows = [shell.semantics, *(_object_row(o, body.get(o.instance, -1))[None] for o in objects)]
@@ -30,7 +30,7 @@ def semantic_rows(
 
 
 def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
-    """What the file says of an object."""
+    """Return the columns of an object that follow from the dataset."""
     info = item.info
     return semantic_row(
         info.fine,
@@ -44,11 +44,11 @@ def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
 
 
 def with_meaning(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.ndarray, "q c"]:
-    """The rows of a house with the columns that the semantic engine fills.
+    """Return the rows of a house with the columns of the semantic engine filled in.
 
     Args:
         rows: One per part of the architecture, then one per object.
-        house: What the engine says of them, in the same order.
+        house: Output of the semantic engine, in the same order.
     """
     rows = rows.copy()
     for row, item in zip(rows, (*house.parts, *house.objects), strict=True):
@@ -62,7 +62,7 @@ def with_meaning(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.
 
 
 def _fill_look(row: Int[np.ndarray, " c"], item: ObjectSemantics | PartSemantics) -> None:
-    """Room type, first material and first colours of each level."""
+    """Write room type, first material and first colours of each level into a row."""
     row[Semantic.ROOM_TYPE] = number_of(Semantic.ROOM_TYPE, item.room_type)
     row[Semantic.MATERIAL] = number_of(Semantic.MATERIAL, next(iter(item.look.materials), ""))
     for level, first in FIRST_COLOR.items():

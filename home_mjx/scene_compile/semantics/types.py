@@ -16,7 +16,7 @@ UNKNOWN = "unknown"
 
 @dataclass(frozen=True)
 class RoomSemantics:
-    """One room.
+    """Semantics of one room.
 
     Attributes:
         index: Position in the house.
@@ -33,7 +33,7 @@ class RoomSemantics:
 
 @dataclass(frozen=True)
 class PartSemantics:
-    """One surface of the architecture: a floor, a ceiling, a ground, or a wall of one room.
+    """Semantics of one architectural surface: a floor, a ceiling, a ground, or a wall of one room.
 
     Attributes:
         index: Semantic part, which is also its row in the house's semantic table.
@@ -42,8 +42,8 @@ class PartSemantics:
         room_type: First label of the room, or `unknown`.
         level: Level index.
         partition: Physical wall or slab.
-        look: Colours and materials of the side that its room sees.
-        area: Of that side [m^2].
+        look: Colours and materials of the side that faces its room.
+        area: Area of that side [m^2].
         description: Short text, such as `white wall made of wallpaper`.
     """
 
@@ -60,7 +60,7 @@ class PartSemantics:
 
 @dataclass(frozen=True)
 class ObjectSemantics:
-    """One object or box.
+    """Semantics of one object or box.
 
     Attributes:
         object_id: Node index in file order over all levels, as in the instance image.
@@ -69,13 +69,13 @@ class ObjectSemantics:
         fine: One of the 187 fine v1 categories, or one of v2.
         coarse: Coarse category.
         nyu40: NYUv2-40 class.
-        room: Room index; -1 outside of every room.
+        room: Room index; -1 outside all rooms.
         room_type: First label of the room, or `unknown`.
         level: Level index.
-        box: The upright box around it, in the world [m, rad].
+        box: Upright box around it, in the world [m, rad].
         look: Colours and materials.
-        size: One of `SIZES` within its category; "" if there is nothing to compare with.
-        support: What holds it.
+        size: One of `SIZES` within its category; "" without models to compare with.
+        support: Support of the object.
         description: Short text, such as `small linen coffee table made of wood`.
     """
 
@@ -96,7 +96,7 @@ class ObjectSemantics:
 
     @property
     def position(self) -> tuple[float, float, float]:
-        """Middle of its box in the world [m]."""
+        """Centre of its box in the world [m]."""
         x, y, z = self.box.center[0].tolist()
         return x, y, z
 
@@ -106,10 +106,10 @@ class HouseSemantics:
     """Semantics of one house.
 
     Attributes:
-        id: The house.
-        rooms: In file order.
+        id: House id.
+        rooms: Rooms in file order.
         parts: Surfaces of the architecture, in the order of their rows.
-        objects: In file order.
+        objects: Objects in file order.
     """
 
     id: str
@@ -124,19 +124,19 @@ class HouseSemantics:
 
     @property
     def outside(self) -> tuple[ObjectSemantics, ...]:
-        """Objects that are in no room."""
+        """Objects outside all rooms."""
         return tuple(item for item in self.objects if item.room < 0)
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
-        """Relations on, in and next to: the same for every observer."""
+        """Relations on, in and next to, which are independent of the observer."""
         return relations_at_rest(self._ids, self._boxes, self._places, [item.support for item in self.objects])
 
     def relations_seen_from(self, viewpoint: Viewpoint) -> tuple[Relation, ...]:
-        """Which objects of one room are left of, right of, in front of and behind which, as an agent sees them.
+        """Return the relations left of, right of, in front of and behind, relative to an observer.
 
         Args:
-            viewpoint: Where the agent is; which way it looks does not matter.
+            viewpoint: Position of the observer; its heading is not used.
         """
         return relations_seen(self._ids, self._boxes, self._places, viewpoint)
 
@@ -150,5 +150,5 @@ class HouseSemantics:
 
     @property
     def _places(self) -> np.ndarray:
-        """A number for each object that two of one room share."""
+        """Level and room of each object."""
         return np.array([(item.level, item.room) for item in self.objects]).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""Names of the numbers in the semantic table."""
+"""Vocabularies of the semantic table: names of its integers."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -14,13 +14,13 @@ from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 from home_mjx.schema.semantic import Semantic
 
-MAX_COLORS = 3  # columns of each level
+MAX_COLORS = 3  # number of columns per level of colour names
 FIRST_COLOR = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
 
 
 @cache
 def vocabularies() -> Mapping[Semantic, tuple[str, ...]]:
-    """Names by number, for each column that has names.
+    """Return the names by number, for each column that has names.
 
     Example:
         >>> vocabularies()[Semantic.SIZE]
@@ -46,10 +46,10 @@ def _numbers(column: Semantic) -> Mapping[str, int]:
 
 
 def number_of(column: Semantic, name: str) -> int:
-    """Number of a name in a column; -1 for "" and "unknown".
+    """Return the number of a name in a column; -1 for "" and "unknown".
 
     Args:
-        column: One that has names.
+        column: A column that has names.
         name: Such as `wood` in `Semantic.MATERIAL`.
 
     Raises:
@@ -65,7 +65,7 @@ def number_of(column: Semantic, name: str) -> int:
 
 
 def names_of(row: Int[np.ndarray, " c"]) -> dict[str, str | int]:
-    """A row of the semantic table by name of the column, with names for numbers; entries of -1 are left out.
+    """Convert a row of the semantic table to a dictionary by column name, with names for numbers; omit entries of -1.
 
     Args:
         row: One entry per `Semantic`.

@@ -1,1 +1,1 @@
-"""Colours and materials as words."""
+"""Names of colours and materials."""

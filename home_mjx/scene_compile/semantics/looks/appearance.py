@@ -17,17 +17,17 @@ from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
 
-SAMPLES = 256  # points of each textured slot
-IMAGE_SIDE = 32  # [px]: textures are seen from a distance: wood is brown, not a pattern of browns
-LIKENESS = 20.0  # CIELAB units: closer colours are shades of one
-FAINTEST = 1e-9  # surfaces of less weight are invisible
+SAMPLES = 256  # number of sample points per textured slot
+IMAGE_SIDE = 32  # [px], size of downsampled textures, as seen from a distance: wood is brown, not a pattern of browns
+LIKENESS = 20.0  # CIELAB units, maximum distance of shades that are grouped into one colour
+FAINTEST = 1e-9  # minimum opacity weight, so that fully transparent surfaces still have a colour
 
 
 @dataclass(frozen=True)
 class Skin:
-    """Triangles and the surfaces that cover them."""
+    """Triangles and their surfaces."""
 
-    area: Float[np.ndarray, " t"]  # [m^2], in the world
+    area: Float[np.ndarray, " t"]  # [m^2], world
     uv: Float[np.ndarray, "t 3 2"]
     slot: Int[np.ndarray, " t"]  # index into surfaces
     surfaces: tuple[SurfaceMaterial, ...]
@@ -39,15 +39,15 @@ class Appearance:
 
     colors: Mapping[str, tuple[str, ...]]  # by level of `LEVELS`
     materials: tuple[str, ...]  # of MATERIAL_KINDS
-    textured: bool  # materials are known from textures; else they are the usual ones of the category
+    textured: bool  # materials are from textures; otherwise they are the defaults of the category
 
 
 def appearance(skin: Skin, options: SemanticOptions) -> Appearance:
-    """Colours as drawn, and materials by the rule of the options.
+    """Compute colours as rendered, and materials by the rule of the options.
 
     Args:
         skin: The surface.
-        options: `share` and `material` count here.
+        options: `share` and `material` are used.
     """
     lab, weight = surface_colors(skin)
     colors, weights = dominant_colors(lab, weight)
@@ -57,7 +57,7 @@ def appearance(skin: Skin, options: SemanticOptions) -> Appearance:
 
 
 def surface_colors(skin: Skin) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """CIELAB colours over a surface and their weights: area times opacity, so that clear glass hardly counts."""
+    """Return CIELAB colours over a surface and their weights: area times opacity, so that clear glass barely counts."""
     slot_area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     colors, weights = [np.zeros((0, 3))], [np.zeros(0)]
     for i in np.flatnonzero(slot_area > 0):
@@ -68,7 +68,7 @@ def surface_colors(skin: Skin) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarr
 
 
 def _slot_colors(skin: Skin, slot: int) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Colours in linear light and opacities: one of a plain slot, `SAMPLES` spread evenly by area of a textured one."""
+    """Return colours in linear light and opacities: one for a plain slot, `SAMPLES` by area for a textured one."""
     surface = skin.surfaces[slot]
     diffuse = decode_srgb(np.array([surface.color], float))
     if not surface.texture:
@@ -79,9 +79,10 @@ def _slot_colors(skin: Skin, slot: int) -> tuple[Float[np.ndarray, "n 3"], Float
 
 
 def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Float[np.ndarray, "n 2"]:
-    """Texture coordinates at points that cover triangles evenly.
+    """Return texture coordinates at points that cover triangles evenly.
 
-    Triangles by systematic sampling, places in them by the R2 sequence (Roberts 2018) folded into the triangle.
+    Triangles are selected by systematic sampling, points in them by the R2 sequence (Roberts 2018), folded into the
+    triangle.
     """
     ends = np.cumsum(area)
     k = np.arange(SAMPLES) + 0.5
@@ -93,7 +94,7 @@ def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Fl
 
 
 def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]:
-    """Colour in sRGB and alpha, 0..1, of a repeated image; v = 0 is its bottom."""
+    """Return colours in sRGB and alpha, 0..1, of a repeated image; v = 0 is its bottom."""
     changed = Path(path).stat().st_mtime_ns if Path(path).is_file() else 0
     column, row = ((uv % 1) * IMAGE_SIDE).astype(int).clip(0, IMAGE_SIDE - 1).T
     return _image(path, changed)[IMAGE_SIDE - 1 - row, column] / 255
@@ -101,7 +102,7 @@ def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]
 
 @lru_cache(maxsize=1 << 12)
 def _image(path: str, changed: int) -> np.ndarray:
-    """A small copy; `changed` makes the cache read a changed file again."""
+    """Return a downsampled image; `changed` is part of the cache key, so that a changed file is read again."""
     image = open_texture(Path(path)).resize((IMAGE_SIDE, IMAGE_SIDE), Image.Resampling.BOX)
     return np.asarray(image)
 
@@ -109,14 +110,14 @@ def _image(path: str, changed: int) -> np.ndarray:
 def dominant_colors(
     lab: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]
 ) -> tuple[Float[np.ndarray, "c 3"], Float[np.ndarray, " c"]]:
-    """Means of groups of like colours and their shares of all weight, largest first.
+    """Return the means of groups of similar colours and their shares of the total weight, largest first.
 
-    The colour with most weight within `LIKENESS` and everything that near make a group; the rest follows in the same
-    way. A pattern of red and white gives red and white, not pink; wood grain gives one colour.
+    The colour with the largest weight within `LIKENESS` forms a group with its neighbours; then the rest is grouped in
+    the same way. A pattern of red and white results in red and white, not pink; wood grain results in one colour.
 
     Args:
         lab: CIELAB colours.
-        weight: Of each; not all 0.
+        weight: Weight of each colour; not all 0.
     """
     cell, index = np.unique(np.round(lab / (LIKENESS / 4)).astype(int), axis=0, return_inverse=True)
     mass = np.bincount(index.reshape(-1), weight)
@@ -135,15 +136,15 @@ def dominant_colors(
 def _names(
     colors: Float[np.ndarray, "c 3"], weights: Float[np.ndarray, " c"], level: str, least: float
 ) -> tuple[str, ...]:
-    """Names of the colours that cover enough, else of the main one; colours of one name add up."""
+    """Return the names of colours with a sufficient share, else of the main one; shares of equal names add up."""
     share = shares(names_by_look(colors, level), weights)
     return at_least(share, least) or at_least(share, 0)[:1]
 
 
 def surface_materials(skin: Skin, options: SemanticOptions) -> tuple[tuple[str, ...], bool]:
-    """Kinds by area, and whether they are known from textures.
+    """Return the kinds of material by area, and a flag that is True if textures determine them.
 
-    Kinds known from textures come before those that only the category suggests.
+    Kinds determined by textures have priority over the defaults of the category.
     """
     area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     shown = shares([s.texture for s in skin.surfaces], area)
@@ -158,12 +159,12 @@ def surface_materials(skin: Skin, options: SemanticOptions) -> tuple[tuple[str, 
 
 
 def texture_kind(texture: str) -> str:
-    """Kind of a texture by its name, one of `MATERIAL_KINDS`; "" if it has none."""
+    """Return the kind of a texture by its name, one of `MATERIAL_KINDS`; "" if none."""
     return TEXTURE_KINDS.get(texture_family(Path(texture).stem), "")
 
 
 def shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, float]:
-    """Share of the area by name; surfaces without a name count only in the total."""
+    """Return the share of the area by name; surfaces without a name count only in the total."""
     covered: dict[str, float] = {}
     for name, part in zip(names, (area / area.sum()).tolist(), strict=True):
         if name and part > 0:
@@ -172,5 +173,5 @@ def shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, flo
 
 
 def at_least(share: Mapping[str, float], least: float) -> tuple[str, ...]:
-    """Names that have at least a share, largest first."""
+    """Return the names with at least a minimum share, largest first."""
     return tuple(name for name in sorted(share, key=lambda name: -share[name]) if share[name] >= least)

@@ -1,11 +1,11 @@
 """Names of colours at HoME's three levels: 16 basic ones, 139 of CSS, and 949 of the XKCD survey.
 
-`data/color_names.csv` holds Matplotlib's `CSS4_COLORS` and `XKCD_COLORS`: the former without the nine names that HoME
-lacked (British spellings, `fuchsia`, `rebeccapurple`) and with the words of each name set apart.
+`color_names.csv` holds Matplotlib's `CSS4_COLORS` and `XKCD_COLORS`. The former is without the nine names that HoME
+lacked (British spellings, `fuchsia`, `rebeccapurple`) and has spaces between the words of each name.
 
-The nearest name is that of least CIEDE2000 difference. Among 464 XKCD colours whose last word is a basic colour ("olive
-green") it agrees with that word for 42 %, CIELAB's Euclidean distance for 39 %, OKLab's for 30 %, HoME's distance in
-sRGB for 27 %; of 103 XKCD colours that CSS names alike, 28, 22, 22 and 25 % get that name.
+The nearest name has the smallest CIEDE2000 difference. Two tests compare it with CIELAB's and OKLab's Euclidean
+distances and HoME's distance in sRGB. Of 464 XKCD colours whose last word is a basic colour ("olive green"), 42, 39, 30
+and 27 % get that word. Of 103 XKCD colours with the same name in CSS, 28, 22, 22 and 25 % get that name.
 """
 
 import csv
@@ -24,7 +24,7 @@ LEVELS = ("basic", "css", "xkcd")
 
 @dataclass(frozen=True)
 class Palette:
-    """The colours of one level."""
+    """Colours of one level."""
 
     names: tuple[str, ...]  # sorted
     srgb: Float[np.ndarray, "c 3"]  # 0..1
@@ -33,7 +33,7 @@ class Palette:
 
 @cache
 def palettes() -> Mapping[str, Palette]:
-    """The three palettes by name of the level.
+    """Return the three palettes by name of the level.
 
     Example:
         >>> {level: len(palette.names) for level, palette in palettes().items()}
@@ -50,7 +50,7 @@ def _palette(rows: list[dict[str, str]]) -> Palette:
 
 
 def names_by_look(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
-    """Names of the most similar colours of a palette.
+    """Return the names of the most similar colours of a palette.
 
     Args:
         lab: CIELAB colours.
@@ -65,13 +65,13 @@ def names_by_look(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
 
 @lru_cache(maxsize=1 << 14)
 def _name_by_look(lab: tuple[float, float, float], level: str) -> str:
-    """One name, cached: the same few colours occur in all houses."""
+    """Return one name; cached, since a few colours occur in all houses."""
     palette = palettes()[level]
     return palette.names[int(ciede2000(np.array(lab), palette.lab).argmin())]
 
 
 def names_in_srgb(srgb: Float[np.ndarray, "n 3"], level: str) -> list[str]:
-    """Names by HoME's rule: least Euclidean distance of sRGB values.
+    """Return names by HoME's rule: smallest Euclidean distance of sRGB values.
 
     Args:
         srgb: Colours, 0..1.

@@ -15,11 +15,11 @@ from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 
 
 def home_appearance(skin: Skin, options: SemanticOptions) -> Appearance:
-    """As `appearance`: every texture or plain colour of enough area gives the name that is nearest in sRGB.
+    """Compute an `Appearance` in which each texture or plain colour of sufficient area gets the nearest name in sRGB.
 
     Args:
-        skin: The surface with the model's own materials: HoME did not read those of house.json.
-        options: `share` and `material` count here.
+        skin: The surface with the model's own materials, since HoME did not read those of house.json.
+        options: `share` and `material` are used.
     """
     area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     share: dict[Hashable, float] = {}
@@ -36,7 +36,7 @@ def home_appearance(skin: Skin, options: SemanticOptions) -> Appearance:
 
 
 def _color(surface: SurfaceMaterial) -> Float[np.ndarray, " 3"]:
-    """Mean of the whole image, else the diffuse colour; never their product."""
+    """Return the mean of the whole image, else the diffuse colour; never their product."""
     return _mean(surface.texture) if surface.texture else np.array(surface.color, float)
 
 

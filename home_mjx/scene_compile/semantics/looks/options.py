@@ -1,4 +1,4 @@
-"""Rules of the semantic engine."""
+"""Options of the semantic engine."""
 
 from dataclasses import dataclass
 
@@ -12,17 +12,17 @@ SIZE_RULES = ("log", "home")
 
 @dataclass(frozen=True)
 class SemanticOptions:
-    """Rules for colours, materials and sizes; part of the cache's key.
+    """Rules for colours, materials and sizes; part of the cache key.
 
     Attributes:
-        color: `look`: dominant colours of the surface as it is drawn (texture times diffuse colour, by area and
+        color: `look`: dominant colours of the surface as rendered (texture times diffuse colour, by area and
             opacity), nearest name by CIEDE2000. `home`: mean colour of each slot's whole image or its diffuse colour,
             without the overrides of house.json, nearest name in sRGB.
         material: `largest`: the texture of the largest area, as in HoME's paper. `share`: every texture of at least
             `share`, as in HoME's code.
         size: `log`: volume as placed, on a logarithmic scale, within the fine category, or the coarse one if that has
             too few models. `home`: the model's volume within the coarse category.
-        share: Least part of the area that a colour or, by the rule `share`, a material covers.
+        share: Minimum share of the area of a colour or, by the rule `share`, of a material.
 
     Raises:
         ConfigError: A rule is unknown, or the share is not in (0, 1].
@@ -39,7 +39,7 @@ class SemanticOptions:
         check_known("size rule", (self.size,), SIZE_RULES)
         check_number("share", self.share, 0, 1)
         if not self.share:
-            raise ConfigError("`share` must be more than 0", hint="It is the least part of the area, such as 0.2.")
+            raise ConfigError("`share` must be more than 0", hint="It is the minimum share of the area, such as 0.2.")
 
 
-HOME = SemanticOptions(color="home", material="share", size="home")  # as HoME's code did in 2017
+HOME = SemanticOptions(color="home", material="share", size="home")  # the rules of HoME's code of 2017

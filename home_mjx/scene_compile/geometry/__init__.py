@@ -1,0 +1,1 @@
+"""Meshes, boxes, polygons and bounding volume hierarchies."""
