@@ -1,4 +1,4 @@
-"""Baked sound of a bank: from disk, or baked now and kept there."""
+"""Disk cache of baked late reverberation."""
 
 import hashlib
 import logging
@@ -18,7 +18,7 @@ from home_mjx.scene_compile.cache.entry import BROKEN, read_entry, write_entry
 from home_mjx.scene_compile.cache.flatten import flatten, rebuild
 from home_mjx.schema.compiled import CompiledHouse
 
-VERSION = 9  # raise it whenever the same house and options would give another field
+VERSION = 9  # increase it when the same house and options produce a different field
 
 log = logging.getLogger(__name__)
 
@@ -29,14 +29,14 @@ def with_late_sound(
     options: BakeOptions | None = None,
     progress: bool = False,
 ) -> HouseBank:
-    """The bank with the late sound of its houses, for `AudioConfig(late="baked")`.
+    """Return the bank with the late sound of its houses, for `AudioConfig(late="baked")`.
 
-    What is not in the cache is baked: half a minute to a minute and a half per house on two cores.
+    Houses that are not in the cache are baked, which takes 0.5 to 1.5 minutes per house on two cores.
 
     Args:
-        bank: The houses.
-        houses: The same ones as they were compiled, in the same order.
-        options: How sound is baked.
+        bank: Bank of the houses.
+        houses: The same houses as compiled, in the same order.
+        options: Bake options; None: defaults.
         progress: Show a progress bar.
 
     Raises:
@@ -50,7 +50,7 @@ def with_late_sound(
     options = options or BakeOptions()
     given, held = tuple(house.id for house in houses), bank.house_ids
     if given != held:
-        raise ConfigError(f"the bank holds houses {held}, but those given are {given}", hint="Give the bank's own.")
+        raise ConfigError(f"the bank holds houses {held}, got {given}", hint="Pass the houses of the bank, in order.")
     shown = tqdm(houses, desc="bake sound", unit="house", disable=not progress, delay=1)
     fields = [_field(bank, index, house, options) for index, house in enumerate(shown)]
     spec = bank.spec
@@ -64,7 +64,7 @@ def _field(bank: HouseBank, index: int, house: CompiledHouse, options: BakeOptio
     except FileNotFoundError:
         pass
     except BROKEN as error:
-        log.warning("broken cache entry %s is made again: %s", entry, error)
+        log.warning("broken cache entry %s is rebuilt: %s", entry, error)
     field = bake_house(house, options, bank, index)
     try:
         write_entry(entry, *flatten(field))
@@ -74,7 +74,7 @@ def _field(bank: HouseBank, index: int, house: CompiledHouse, options: BakeOptio
 
 
 def entry_of(house: CompiledHouse, options: BakeOptions) -> Path:
-    """Where the baked sound of a house is in the cache, or would be: named by all that it is made from."""
+    """Return the cache path of a house's baked sound; its name is a hash of all inputs."""
     name = hashlib.sha256(repr((VERSION, options, jax.default_backend())).encode())
     arrays, notes = flatten(house, skip=frozenset(("models", "lights", "gloss")))
     name.update(repr((sorted(arrays), notes["instances.model"])).encode())
