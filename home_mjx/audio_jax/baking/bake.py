@@ -23,7 +23,7 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, CompiledHouse
 
 PLACES = 0  # seed of the points in cells; the same in every bake of a house
-NARROW = 0.3  # [m], minimum width of a portal; agents cannot cross narrower ones
+NARROW = 0.3  # [m], minimum width of portals; it replaces the width 0 of those that agents cannot cross
 MOST_RAYS = (1600, 800, 400)  # rays per cell and octave; few values, because each compiles its own program
 RAYS_IN_ALL = 50_000  # maximum rays from all cells, per octave
 

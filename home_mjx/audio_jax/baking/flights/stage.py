@@ -1,4 +1,7 @@
-"""Batched flights from several sources, and the mean result of each source."""
+"""Batched flights from several sources, and the mean result of each source.
+
+A flight is a set of rays of all octaves that start in one room.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
