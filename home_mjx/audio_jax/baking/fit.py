@@ -168,7 +168,7 @@ def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
 
 
 def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
-    """Extrapolate a decay in place beyond the traced time, at its last rate.
+    """Extend a decay in place beyond the traced time, at its last rate.
 
     Args:
         decay: Energy per bin between two rooms.

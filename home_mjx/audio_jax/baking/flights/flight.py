@@ -168,7 +168,7 @@ def _flies(carry: _Carry, bounces: Int[Array, ""]) -> Bool[Array, ""]:
 
 
 def _goes_on(walk: "_Walk", carry: _Carry, bounces: Int[Array, ""], key: Array) -> _Carry:
-    """Advance a flight by one bounce, or leave it unchanged if it has ended while others continue."""
+    """Trace one bounce of a flight, or return it unchanged if it has ended while others continue."""
     flies = _flies(carry, bounces)
     ray = carry.ray._replace(energy=jnp.where(flies, carry.ray.energy, 0.0))
     after = walk.bounce(carry._replace(ray=ray), key)

@@ -145,7 +145,7 @@ def _silence(values, count):
 @compiled
 @no_type_check
 def _make_response(frame, number, channel, response, size):
-    """Synthesise a response: octave noise with its amplitudes, zero before the onset."""
+    """Generate a response: octave noise with its amplitudes, zero before the onset."""
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0
     length = size.bins * size.bin
@@ -171,7 +171,7 @@ def _make_response(frame, number, channel, response, size):
 @compiled
 @no_type_check
 def _make_piece(amplitude, mix, noise, hats, first, size, response):
-    """Synthesise four vectors of a bin at once, to hide latency; the last ones may overlap."""
+    """Generate four vectors of a bin at once, to hide latency; the last ones may overlap."""
     bands, length, last = size.bands, size.bins * size.bin, size.bin - LANES
     at = min(first, last), min(first + LANES, last), min(first + 2 * LANES, last), min(first + 3 * LANES, last)
     a = b = c = d = spread(ZERO)
@@ -196,7 +196,7 @@ def _make_piece(amplitude, mix, noise, hats, first, size, response):
 @compiled
 @no_type_check
 def _interleave(count, size, room):
-    """Interleave the signals of all transforms, sample by sample."""
+    """Pack the signals of all transforms, interleaved by sample."""
     lanes, used = size.together * size.each, count * size.each
     for i in range(size.points):
         to = i * lanes

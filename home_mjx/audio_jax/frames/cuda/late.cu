@@ -41,7 +41,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
   const bool both = left + 1 < size.channels;
   Complex* values = (Complex*)shared;
   Complex* table = values + place(SIZE);
-  Complex* now = table + num_turns(SIZE, SIZE);  // source spectrum for the first part; `later`: for the second part at both ends
+  Complex* now = table + num_turns(SIZE, SIZE);  // source spectrum of the first part; `later`: of the second
   Complex* later[ENDS] = {now + HALF, now + 2 * HALF};
   copy_turns<SIZE>(table, turns);
   __syncthreads();

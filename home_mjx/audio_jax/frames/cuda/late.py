@@ -72,7 +72,7 @@ def carry_noise(
     common: Float[Array, "*n k x bands"],
     start: Int[Array, "*n"],
 ) -> Float[Array, "*n e l"]:
-    """Synthesise noise responses with the energies of `Shares`; samples are in the noise's own time."""
+    """Generate noise responses with the energies of `Shares`; samples are in the noise's own time."""
     (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
