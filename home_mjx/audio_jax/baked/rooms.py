@@ -60,8 +60,8 @@ def _over_time(
 ) -> Float[Array, "s k bands"]:
     """Compute the energy density at the listener after 0, 1, 2 ... steps.
 
-    The density after a n + b steps is the product of a row, the listener's weights propagated by b steps, and a column,
-    the start propagated by a n steps. So each power of the step matrix is multiplied by a few vectors only.
+    The density after a n + b steps is the product of a row and a column. The row is the listener's weights propagated
+    by b steps, the column is the start propagated by a n steps. So powers of the step matrix multiply few vectors.
     """
     powers = [step]
     while 2 ** len(powers) < bins:

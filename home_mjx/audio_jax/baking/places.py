@@ -39,8 +39,8 @@ def start_points(
 ) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
     """Sample random points in the free part of each cell; return them and the free fraction of its volume.
 
-    A point is free if it is visible from the centre of its cell, from that of a nearby cell of its room, or from other
-    free points. So air behind a screen and above a cupboard is included.
+    A point is free if it is visible from the centre of its cell or of a nearby cell of its room, or from free points.
+    So air behind a screen and above a cupboard is included.
     """
     points, free = [], []
     tried = np.stack([random_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])

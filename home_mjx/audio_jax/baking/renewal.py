@@ -71,8 +71,8 @@ def gates_after(
         went: Energy from room to room of rays that started at each state between rooms.
 
     Returns:
-        Rooms left and entered by each new state; the state index per pair of rooms of rays from each state between
-        rooms; the same of rays from each new state.
+        Rooms left and entered by each new state; state index per pair of rooms, for rays from each state between rooms;
+        the same for rays from each new state.
     """
     first = gates.kinds()[2].start
     between = went * ~np.eye(went.shape[1], dtype=bool)

@@ -28,7 +28,7 @@ def missing_energy(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
     """Estimate a response's energy beyond its end, by extrapolation of the decay over its second half.
 
     ISO 3382-1:2009, 5.3.3, adds such a constant to the integrated response. With the energies A and B of the third and
-    the fourth quarter it is B² / (A − B), the sum of a geometric series, and at most nine times B.
+    the fourth quarter it is B² / (A − B), the sum of a geometric series. It is at most nine times B.
 
     Example:
         >>> decay = 0.9 ** jnp.arange(40)

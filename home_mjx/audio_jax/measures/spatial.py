@@ -41,8 +41,8 @@ def iacc(
 def lateral_fraction(lateral: Float[Array, "*c n"], energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
     """Compute the early lateral energy fraction LF (ISO 3382-1:2009, A.14).
 
-    LF is the energy of a figure-of-eight microphone from 5 to 80 ms after the direct sound, over that of an
-    omnidirectional one from 0 to 80 ms. The figure-of-eight points to the sides.
+    LF is the ratio of the energies of two microphones, with times after the direct sound: a figure-of-eight along the
+    axis of the ears from 5 to 80 ms, and an omnidirectional one from 0 to 80 ms.
 
     Args:
         lateral: Energy weighted by the squared cosine between its direction and the axis of the ears.

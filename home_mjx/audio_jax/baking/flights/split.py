@@ -18,8 +18,8 @@ def share_out(
     """Resample rays; return the index of the ray that each new ray continues, and its energy.
 
     Rays split in rooms with little energy and end where many others carry energy. In each octave, a room with the share
-    E of all energy gets a share of rays in proportion to E^(1 - EVEN), all with equal energy. Systematic sampling keeps
-    the expected energy of every ray (Kitagawa 1996).
+    E of all energy gets a share of rays in proportion to E^(1 - EVEN). All its rays have equal energy. Systematic
+    sampling keeps the expected energy of every ray (Kitagawa 1996).
 
     Args:
         energy: Energy of each ray; octave after octave, with equal numbers per octave.
