@@ -1,4 +1,4 @@
-"""Contact sounds of an environment: slots for short and for continuous sounds, and their emitted signals.
+"""Contact sounds of an environment: slots for transient and sustained sounds, and their emitted signals.
 
 A sound that has ended keeps its slot and reverberates from its last position until the slot is reused, oldest first.
 """
@@ -19,7 +19,7 @@ FREE, NOBODY = -1, -1
 
 
 class Strikes(Pytree):
-    """Impact sounds, one per slot."""
+    """Transient sounds (footsteps, impacts, thuds), one per slot."""
 
     pos: Float[Array, "k 3"]  # [m], world
     body: Int[Array, " k"]  # object id of the sounding body, which does not occlude its own sound; -1 none
@@ -29,7 +29,7 @@ class Strikes(Pytree):
 
 
 class Rubs(Pytree):
-    """Continuous sounds, one per slot."""
+    """Sustained sounds (scrapes, creaks), one per slot."""
 
     pos: Float[Array, "j 3"]  # [m], world
     body: Int[Array, " j"]  # object id of the sounding body
@@ -81,7 +81,7 @@ def num_kept(audio: AudioConfig) -> int:
 def with_strikes(
     old: Strikes, new: Strikes, audio: AudioConfig, now: Int[Array, ""]
 ) -> tuple[Strikes, Bool[Array, ""]]:
-    """Put new impact sounds into the oldest slots.
+    """Put new transient sounds into the oldest slots.
 
     Args:
         old: Current sounds in k slots.
@@ -111,7 +111,7 @@ def with_strikes(
 def with_rubs(
     old: Rubs, pos: Float[Array, "n 3"], body: Int[Array, " n"], row: Int[Array, " n"], gain: Float[Array, " n"]
 ) -> tuple[Rubs, Bool[Array, ""]]:
-    """Update continuous sounds: an emitter keeps its slot until it is silent, and new ones take free slots.
+    """Update sustained sounds: an emitter keeps its slot until it is silent, and new ones take free slots.
 
     Args:
         old: Current sounds.

@@ -20,9 +20,9 @@ from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.schema.compiled import BANDS
 
 SPEECH = 0.1  # RMS pressure of speech at 1 m, the reference level
-SECONDS = 0.4  # [s], duration of an impact sound
-LOOP_SECONDS = 2.0  # [s], loop of a continuous sound
-SOFT_END = 0.05  # [s], fade-out of impact sounds
+SECONDS = 0.4  # [s], duration of a transient sound
+LOOP_SECONDS = 2.0  # [s], loop of a sustained sound
+SOFT_END = 0.05  # [s], fade-out of transient sounds
 VARIANTS = 4  # variants per footstep, so that successive steps differ
 TOE = 0.13  # [s], delay of the toe after the heel
 BAR = np.array([1.0, 2.756, 5.404, 8.933])  # mode frequencies of a free bar re the lowest
