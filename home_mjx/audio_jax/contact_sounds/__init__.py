@@ -1,1 +1,1 @@
-"""Sounds that moving bodies make: synthesised, kept in a few slots, and given off as other sources are."""
+"""Contact sounds of bodies: synthesised, held in a few slots, and emitted like other sources."""

@@ -1,27 +1,27 @@
-"""What bodies may be heard doing."""
+"""Options of contact sounds."""
 
 from dataclasses import dataclass
 
 from home_mjx.core.checks import check_flag, check_number
 
-LENGTHS = (0.1, 2.0)  # [m], the shortest and the longest step
+LENGTHS = (0.1, 2.0)  # [m], minimum and maximum step length
 
 
 @dataclass(frozen=True)
 class NoiseConfig:
-    """Sounds of bodies: of steps, blows, things that slide, and doors.
+    """Contact sounds of bodies: footsteps, impacts, scrapes and doors.
 
     Attributes:
-        footsteps: Agents step on what is under them.
-        impacts: Agents, movable bodies and doors are struck; needs physics with contacts, not "kinematic".
-        scrapes: Movable bodies slide on what they touch; likewise.
-        doors: Leaves creak while they turn and thud where they stop.
-        step_length: From one footstep to the next [m].
-        num_strikes: Short sounds that are heard at once, each traced for itself.
-        num_rubs: The same of lasting ones.
+        footsteps: Sounds of agents' steps on the surface under them.
+        impacts: Sounds of impacts on agents, movable bodies and doors; needs physics with contacts, not "kinematic".
+        scrapes: Sounds of movable bodies that slide; needs physics with contacts, too.
+        doors: Creaks of moving leaves and thuds where they stop.
+        step_length: Distance between footsteps [m].
+        num_strikes: Maximum number of simultaneous transient sounds, each traced as a source.
+        num_rubs: Maximum number of simultaneous sustained sounds, each traced as a source.
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is out of range.
 
     Example:
         >>> NoiseConfig().num_noises
@@ -45,5 +45,5 @@ class NoiseConfig:
 
     @property
     def num_noises(self) -> int:
-        """All that are heard at once."""
+        """Maximum number of simultaneous sounds."""
         return self.num_strikes + self.num_rubs

@@ -1,6 +1,6 @@
-"""Noises of an environment: a few slots for short ones and for lasting ones, and what leaves them in a frame.
+"""Contact sounds of an environment: slots for transient and sustained sounds, and their emitted signals.
 
-A noise that is over rings on from where it was until its slot is taken; the one that began first goes first.
+A sound that has ended keeps its slot and reverberates from its last position until the slot is reused, oldest first.
 """
 
 import math
@@ -14,40 +14,40 @@ from home_mjx.audio_jax.contact_sounds.options import NoiseConfig
 from home_mjx.audio_jax.contact_sounds.synthesis import bank_power, rub_bank, strike_bank
 from home_mjx.core.pytree import Pytree
 
-LONG_AGO = -(2**29)  # [samples]
+LONG_AGO = -(2**29)  # [samples], start of empty slots
 FREE, NOBODY = -1, -1
 
 
 class Strikes(Pytree):
-    """Short noises, one per slot."""
+    """Transient sounds (footsteps, impacts, thuds), one per slot."""
 
     pos: Float[Array, "k 3"]  # [m], world
-    body: Int[Array, " k"]  # object id of what sounds, which does not muffle itself; -1 none
-    row: Int[Array, " k"]  # of `strike_bank`
-    gain: Float[Array, " k"]  # 0: none
+    body: Int[Array, " k"]  # object id of the sounding body, which does not occlude its own sound; -1 none
+    row: Int[Array, " k"]  # row of `strike_bank`
+    gain: Float[Array, " k"]  # 0: empty slot
     start: Int[Array, " k"]  # [samples] since the episode's start
 
 
 class Rubs(Pytree):
-    """Lasting noises, one per slot."""
+    """Sustained sounds (scrapes, creaks), one per slot."""
 
     pos: Float[Array, "j 3"]  # [m], world
-    body: Int[Array, " j"]  # object id of what sounds
-    row: Int[Array, " j"]  # of `rub_bank`
-    owner: Int[Array, " j"]  # who makes it; FREE: nobody
-    gain: Float[Array, "j h"]  # at the end of this frame, and of those before it
+    body: Int[Array, " j"]  # object id of the sounding body
+    row: Int[Array, " j"]  # row of `rub_bank`
+    owner: Int[Array, " j"]  # index of the emitter; FREE: none
+    gain: Float[Array, "j h"]  # at the end of this frame and of previous ones
 
 
 class Noises(Pytree):
-    """All that is heard of bodies, and what has to be remembered to tell when they are."""
+    """Contact sounds of an environment, and the state that triggers footsteps."""
 
     strikes: Strikes
     rubs: Rubs
-    walked: Float[Array, " a"]  # [m], of each agent since the episode's start
+    walked: Float[Array, " a"]  # [m], distance walked by each agent since the episode's start
 
 
 def silent_noises(config: NoiseConfig, audio: AudioConfig, num_agents: int) -> Noises:
-    """Nothing yet.
+    """Return empty slots.
 
     Example:
         >>> silent_noises(NoiseConfig(), AudioConfig(), 1).rubs.gain.shape
@@ -74,24 +74,24 @@ def silent_noises(config: NoiseConfig, audio: AudioConfig, num_agents: int) -> N
 
 
 def num_kept(audio: AudioConfig) -> int:
-    """Frames whose ends are remembered, this one's first: as far back as sound is heard, and one more."""
+    """Return the number of stored frame-end gains: this frame, the response's memory and one more."""
     return 2 + math.ceil((audio.memory_length - 1) / audio.frame)
 
 
 def with_strikes(
     old: Strikes, new: Strikes, audio: AudioConfig, now: Int[Array, ""]
 ) -> tuple[Strikes, Bool[Array, ""]]:
-    """New noises in the slots of the oldest.
+    """Put new transient sounds into the oldest slots.
 
     Args:
-        old: As they were, k slots.
-        new: Any number of them; those without gain are none.
-        audio: For the lengths.
-        now: [samples] since the episode's start.
+        old: Current sounds in k slots.
+        new: New sounds, in any number; those with gain 0 are ignored.
+        audio: Options for the lengths.
+        now: Time since the episode's start [samples].
 
     Returns:
-        The loudest k of the new and what is left of the old; and whether any was lost: more than k are new, or one is
-        cut off that sounds on.
+        The updated slots with at most the k loudest new sounds, and whether a sound was lost. That is the case if there
+        are more than k new sounds, or if one that still sounds is replaced.
     """
     k, n = old.gain.size, new.gain.size
     loudest = jnp.argsort(-new.gain, stable=True)[: min(k, n)]
@@ -111,17 +111,17 @@ def with_strikes(
 def with_rubs(
     old: Rubs, pos: Float[Array, "n 3"], body: Int[Array, " n"], row: Int[Array, " n"], gain: Float[Array, " n"]
 ) -> tuple[Rubs, Bool[Array, ""]]:
-    """The next frame's: who has a slot keeps it until it is silent, others take what is free.
+    """Update sustained sounds: an emitter keeps its slot until it is silent, and new ones take free slots.
 
     Args:
-        old: As they were.
-        pos: Of all who may make such noises [m].
-        body: Their object ids.
-        row: What each makes.
-        gain: How loud now; 0: not.
+        old: Current sounds.
+        pos: Positions of all possible emitters [m].
+        body: Object ids of the emitters.
+        row: Row of `rub_bank` of each emitter.
+        gain: Current gain of each emitter; 0 if silent.
 
     Returns:
-        The noises, and whether anyone found no slot.
+        The updated slots, and whether an emitter found no slot.
     """
     own = jnp.maximum(old.owner, 0)
     now = jnp.where(old.owner >= 0, gain[own], 0.0)
@@ -150,23 +150,23 @@ def with_rubs(
 
 
 def noise_places(noises: Noises) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
-    """Where they come from [m], and from which body: strikes, then rubs."""
+    """Return positions [m] and object ids of all slots: strikes, then rubs."""
     both = noises.strikes, noises.rubs
     return jnp.concatenate([x.pos for x in both]), jnp.concatenate([x.body for x in both])
 
 
 def are_heard(noises: Noises) -> Bool[Array, " e"]:
-    """Which of them have sounded at all, as far back as is remembered."""
+    """Return a mask of the slots with any sound within the stored frames."""
     return jnp.concatenate([noises.strikes.gain > 0, jnp.any(noises.rubs.gain > 0, axis=1)])
 
 
 def noises_given_off(noises: Noises, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w"]:
-    """What leaves them in a frame, and before it for as long as a response lasts; as `given_off`.
+    """Return the signal of each slot in a frame and in the response's memory before it, as `given_off`.
 
     Args:
-        noises: After the step whose frame it is.
-        time: Samples from the episode's start to the frame.
-        audio: For the lengths.
+        noises: Sounds after the step of this frame.
+        time: Start of the frame since the episode's start [samples].
+        audio: Options for the lengths.
     """
     span = jnp.arange(1 - audio.memory_length, audio.frame + audio.ahead, dtype=jnp.int32)
     blows, loops = jnp.asarray(strike_bank(audio.sample_rate)), jnp.asarray(rub_bank(audio.sample_rate))
@@ -185,7 +185,7 @@ def noises_given_off(noises: Noises, time: Int[Array, ""], audio: AudioConfig) -
 
 
 def noises_power(noises: Noises, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w bands"]:
-    """Power of what `noises_given_off` gives, per time bin and octave, as `band_level` takes it."""
+    """Compute the power of `noises_given_off` per time bin and octave, as input of `band_level`."""
     size, rate = audio.bin_samples, audio.sample_rate
     frame = max(round(audio.frame / size), 1)
     bins = jnp.arange(1 - audio.num_bins, frame, dtype=jnp.int32)
@@ -206,8 +206,8 @@ def noises_power(noises: Noises, time: Int[Array, ""], audio: AudioConfig) -> Fl
 
 
 def _between(gain: Float[Array, " h"], place: Float[Array, " w"]) -> Float[Array, " w"]:
-    """Gains at times in frames from the start of this one: straight from one end of a frame to the next."""
-    back = jnp.clip(1 - place, 0.0, gain.size - 1.0)  # frames before this one's end
+    """Interpolate gains linearly between frame ends, at times in frames since the start of this frame."""
+    back = jnp.clip(1 - place, 0.0, gain.size - 1.0)  # frames before the end of this one
     whole = jnp.minimum(back.astype(jnp.int32), gain.size - 2)
     rest = back - whole.astype(jnp.float32)
     return gain[whole] * (1 - rest) + gain[whole + 1] * rest

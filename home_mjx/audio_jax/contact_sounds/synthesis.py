@@ -1,13 +1,13 @@
-"""The sound bank of bodies, synthesised: what each kind of blow and of sliding sounds like at 1 m from it.
+"""Synthesised bank of contact sounds: pressure at 1 m for each kind of impact and of sliding.
 
-A model, no measurement. Pressures are relative to speech, whose RMS is 0.1 as that of every clip.
+The sounds are modelled, not measured. Pressures are relative to speech, whose RMS is 0.1 as that of every clip.
 
 - Footsteps have two bands, as Ekimov and Sabatier measured (J. Acoust. Soc. Am. 120, 762, 2006): up to 500 Hz from the
-  force along the floor's normal, above it from friction; and two parts, heel and toe, 0.13 s apart. Soft floors take
-  the high band away, wooden ones ring low.
-- Blows are damped modes, of a free bar, whose decay is 1 / (π f tan φ): the internal friction φ is what materials are
-  told by, after van den Doel and Pai, The sounds of physical shapes, Presence 7, 382, 1998.
-- Sliding is noise through the same modes, a creak is a train of such blows: stick and slip.
+  normal force, above from friction. They have two parts, heel and toe, 0.13 s apart. Soft floors lack the high band;
+  wooden ones have low modes.
+- Impacts are damped modes of a free bar with the decay time 1 / (π f tan φ). The internal friction φ identifies the
+  material, after van den Doel and Pai, The sounds of physical shapes, Presence 7, 382, 1998.
+- Sliding is noise filtered by the same modes. A creak is a train of small impacts: stick-slip.
 """
 
 import functools
@@ -19,31 +19,31 @@ from jaxtyping import Float
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.schema.compiled import BANDS
 
-SPEECH = 0.1  # RMS at 1 m
-SECONDS = 0.4  # of a blow
-LOOP_SECONDS = 2.0  # of sliding
-SOFT_END = 0.05  # [s]
-VARIANTS = 4  # of each footstep, so that no two in succession are equal
-TOE = 0.13  # [s], after the heel
-BAR = np.array([1.0, 2.756, 5.404, 8.933])  # modes of a free bar re the lowest
+SPEECH = 0.1  # RMS pressure of speech at 1 m, the reference level
+SECONDS = 0.4  # [s], duration of a transient sound
+LOOP_SECONDS = 2.0  # [s], loop of a sustained sound
+SOFT_END = 0.05  # [s], fade-out of transient sounds
+VARIANTS = 4  # variants per footstep, so that successive steps differ
+TOE = 0.13  # [s], delay of the toe after the heel
+BAR = np.array([1.0, 2.756, 5.404, 8.933])  # mode frequencies of a free bar re the lowest
 
 
 class Floor(NamedTuple):
-    """How it takes a step."""
+    """Footstep model of a floor."""
 
     level: float  # [dB] re speech, RMS of the first 0.1 s at 1 m/s
-    ringing: float  # [Hz] of its lowest mode
-    decay: float  # [s]
-    friction: float  # [Hz], up to which friction is heard
-    share: float  # of friction in the pressure
+    ringing: float  # [Hz], lowest mode
+    decay: float  # [s], time constant
+    friction: float  # [Hz], corner frequency of the friction noise
+    share: float  # of the friction noise in the pressure
 
 
 class Stuff(NamedTuple):
-    """How a body of some material rings when struck."""
+    """Impact model of a body's material."""
 
-    level: float  # [dB] re speech for a blow of 1 N s
-    lowest: float  # [Hz]
-    loss: float  # tan φ
+    level: float  # [dB] re speech for an impact of 1 N s
+    lowest: float  # [Hz], lowest mode
+    loss: float  # loss factor tan φ
 
 
 FLOORS = {
@@ -58,7 +58,7 @@ STUFFS = {
     "plastic": Stuff(-2.0, 450.0, 0.05),
     "soft": Stuff(-14.0, 110.0, 0.2),
 }
-# Kinds of material that are hard or of wood underfoot, and what is struck; whatever is not named is soft, and wooden.
+# Materials of each floor model and of each impact model. Others are soft as floors, and wooden when struck.
 FLOOR_KINDS = {
     "hard": ("bricks", "ceramic", "concrete", "decoration stone", "facing stone", "glass", "metal", "stone", "tile"),
     "wood": ("laminate", "linoleum", "paint", "plastic", "potang", "wood"),
@@ -75,7 +75,9 @@ RUBS = (*(f"scrape_{s}" for s in STUFFS), "creak")
 
 @functools.cache
 def strike_bank(sample_rate: int) -> Float[np.ndarray, "strikes n"]:
-    """Pressure at 1 m of each of `STRIKES`: of a step at 1 m/s, of a blow of 1 N s, of a leaf stopped from 1 rad/s.
+    """Generate the pressure at 1 m of each of `STRIKES`, read-only.
+
+    Reference: a step at 1 m/s, an impact of 1 N s, a leaf stopped from 1 rad/s.
 
     Example:
         >>> strike_bank(16000).shape == (len(STRIKES), 6400)
@@ -89,7 +91,9 @@ def strike_bank(sample_rate: int) -> Float[np.ndarray, "strikes n"]:
 
 @functools.cache
 def rub_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
-    """Pressure at 1 m of each of `RUBS`, loops: of 1 W of friction, of a leaf that turns by 1 rad/s.
+    """Generate the pressure at 1 m of each of `RUBS` as loops, read-only.
+
+    Reference: 1 W of friction, a leaf that turns at 1 rad/s.
 
     Example:
         >>> rub_bank(16000).shape == (len(RUBS), 32000)
@@ -99,13 +103,13 @@ def rub_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
 
 
 def bank_power(bank: Float[np.ndarray, "c n"], sample_rate: int, size: int) -> Float[np.ndarray, "c bins bands"]:
-    """Power of a bank's sounds in time bins of `size` samples, per octave.
+    """Compute the power of a bank's sounds per octave, in time bins of `size` samples.
 
-    As many bins as it takes to hold them; what filters ring before and after them is in the first and the last.
+    The bins cover the sounds. Energy that filters spread before and after them is added to the first and last bin.
     """
     count, length = bank.shape
     bins = -(-length // size)
-    whole = 3 * bins * size  # the sound is its middle part
+    whole = 3 * bins * size  # the sound is in the middle third
     padded = np.pad(bank, [(0, 0), (bins * size, whole - bins * size - length)])
     gains = np.sqrt(octave_gains(np.fft.rfftfreq(whole, 1 / sample_rate)))  # energies of octaves add up
     bands = np.fft.irfft(np.fft.rfft(padded)[:, None] * gains[None], whole)
@@ -127,7 +131,7 @@ def _time(seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _scaled(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """With this level over its first 0.1 s, and a soft end."""
+    """Scale a sound to a level over its first 0.1 s, and fade out its end."""
     time = np.arange(sound.size) / sample_rate
     sound = sound * np.clip((time[-1] - time) / SOFT_END, 0, 1)
     rms = np.sqrt(np.mean(sound[: round(0.1 * sample_rate)] ** 2))
@@ -135,14 +139,14 @@ def _scaled(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -> F
 
 
 def _below(noise: Float[np.ndarray, " n"], corner: float, sample_rate: int, low: float = 0.0) -> np.ndarray:
-    """Noise that falls by 12 dB per octave above a corner, and by 6 below another."""
+    """Filter noise: it falls by 12 dB per octave above `corner`, and by 6 below `low`."""
     frequency = np.fft.rfftfreq(noise.size, 1 / sample_rate)
     rise = frequency / np.hypot(frequency, low) if low else 1.0
     return np.fft.irfft(np.fft.rfft(noise) * rise / (1 + (frequency / corner) ** 2), noise.size)
 
 
 def _step(floor: Floor, variant: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """A heel, then a toe that is softer and has more friction."""
+    """Generate a step: a heel, then a softer toe with more friction."""
     rng = np.random.default_rng([17, variant])
     time = _time(SECONDS, sample_rate)
     ringing, decay = (x * rng.uniform(0.9, 1.1) for x in (floor.ringing, floor.decay))
@@ -157,7 +161,7 @@ def _step(floor: Floor, variant: int, sample_rate: int) -> Float[np.ndarray, " n
 
 
 def _modes(stuff: Stuff, seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """What a blow leaves ringing."""
+    """Generate the damped modes that an impact excites."""
     time = _time(seconds, sample_rate)
     frequency = stuff.lowest * BAR
     frequency = frequency[frequency < 0.45 * sample_rate][:, None]
@@ -165,7 +169,7 @@ def _modes(stuff: Stuff, seconds: float, sample_rate: int) -> Float[np.ndarray, 
 
 
 def _scrape(stuff: Stuff, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Noise through the modes of what slides, around a loop."""
+    """Generate sliding as noise through the body's modes, by circular convolution over the loop."""
     length = round(LOOP_SECONDS * sample_rate)
     noise = np.random.default_rng(23).normal(size=length)
     ringing = _modes(stuff._replace(loss=max(stuff.loss, 0.02)), SECONDS, sample_rate)
@@ -176,7 +180,7 @@ def _scrape(stuff: Stuff, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _creak(sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Stick and slip: 60 small blows a second on wood, none like the one before."""
+    """Generate stick-slip: 60 small impacts per second on wood, with random intervals and strengths."""
     length, rng = round(LOOP_SECONDS * sample_rate), np.random.default_rng(29)
     pulses = np.zeros(length)
     at = np.cumsum(rng.uniform(0.7, 1.3, round(LOOP_SECONDS * 60)) / 60 * sample_rate).astype(int)

@@ -1,1 +1,1 @@
-"""The two parts of a moving frame: paths read and added up, and responses with their tails; by XLA, and by CUDA."""
+"""Kernels of an audio frame with moving sources: early paths, and late responses with tails; by XLA, Numba and CUDA."""

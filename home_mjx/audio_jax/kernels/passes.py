@@ -1,10 +1,10 @@
-"""What transforms of frames are made of, on GPUs and on CPUs."""
+"""Radices of the FFTs of frames, on GPUs and on CPUs."""
 
-RADICES = (8, 5, 4, 3, 2)  # of passes, the largest that divides a size first, as in `cuda/fft.cuh` and `cpu/fft.py`
+RADICES = (8, 5, 4, 3, 2)  # of FFT passes; the first that divides a size is used, as in `cuda/fft.cuh` and `cpu/fft.py`
 
 
 def radices(size: int) -> tuple[int, ...]:
-    """Of the passes of a transform, the largest ones first; none if it has other factors.
+    """Return the radices of a transform's passes in the order of `RADICES`; empty if the size has other factors.
 
     Example:
         >>> radices(2560), radices(14)
@@ -19,7 +19,7 @@ def radices(size: int) -> tuple[int, ...]:
 
 
 def num_passes(size: int) -> int:
-    """Passes of a transform; 0: it has other factors than the radices.
+    """Count the passes of a transform; 0 if its size has factors other than the radices.
 
     Example:
         >>> num_passes(2560), num_passes(2304), num_passes(14)

@@ -1,7 +1,7 @@
-"""The late part of a frame, and what rings on after a response has ended.
+"""Late part of a frame, and the reverberation tail after the end of a response.
 
-Beyond a response octaves fall exponentially, so the response's second half is heard again and again, each time softer:
-all of these take one transform of the source each, and none of a response.
+Beyond a response each octave decays exponentially. The tail repeats the response's second half with decreasing gains.
+Each repetition takes one transform of the source, and none of a response.
 """
 
 import functools
@@ -18,29 +18,29 @@ from home_mjx.audio_jax.receivers.diffuse import noise_bins
 from home_mjx.audio_jax.receivers.shares import Shares
 from home_mjx.core.pytree import Pytree
 
-STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
-LEAST = 1e-30
+STEEPEST, FLATTEST = 0.5, 1e-4  # [1/bin], maximum and minimum decay rate of energy
+LEAST = 1e-30  # minimum energy in logarithms
 
 
 class Late(Pytree):
-    """Late sound at one moment: what carries it, and what rings on after its response has ended."""
+    """Late sound at one time: gains of its response and of the tail after it."""
 
     share: Shares
-    onset: Int[Array, "*n"]  # [samples], before which nothing is heard
+    onset: Int[Array, "*n"]  # [samples], before which the response is zero
     tail: Float[Array, "*n x bands"]  # see `tail_levels`
 
 
 def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[Array, "m bands"]:
-    """How loud a histogram's second half is heard again, each time after its own length.
+    """Compute the gains with which a response's second half is repeated, once per its length.
 
-    Octaves fall on as over that half: that of all channels together, by least squares of logarithms.
+    Octaves continue to decay as over that half: by a least-squares fit to the log energy summed over channels.
 
     Args:
-        energy: From `energy_histogram`.
-        config: For the lengths.
+        energy: Histogram from `energy_histogram`.
+        config: Options for the lengths.
 
     Returns:
-        Amplitudes, `config.num_tail` times.
+        Amplitudes of the `config.num_tail` repetitions.
 
     Example:
         >>> config = AudioConfig(motion=True, tail_seconds=0.4)
@@ -62,14 +62,14 @@ def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float
 def late_spectra(
     source: Float[Array, " n"], late: Float[Array, "2 e l"], tail: Float[Array, "2 m bands"], config: AudioConfig
 ) -> Complex[Array, "2 e f"]:
-    """Spectra of what is heard in a frame of late responses and their tails; those of several sources add up.
+    """Compute the spectra of a source through late responses and their tails; sources can be summed.
 
-    First with the first of each, then what the second ones have more.
+    The first spectrum belongs to the frame's start, the second is the change until its end.
 
     Args:
-        source: What leaves the source at 1 m, as `moving_frame` takes it.
-        late: Responses at the frame's start and end, of each channel.
-        tail: From `tail_levels`, at both.
+        source: Emitted signal at 1 m, as in `moving_frame`.
+        late: Responses at the frame's start and end, per channel.
+        tail: Gains from `tail_levels` at both ends.
         config: Options.
     """
     size, first = _size(config), config.response_length - config.half_length
@@ -84,15 +84,15 @@ def late_spectra(
 
 
 def frame_by_xla(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
-    """A frame of the late sound of several sources, which fades from the first responses to the second ones.
+    """Render a frame of the late sound of several sources, crossfaded between the responses at both ends.
 
     Args:
-        sources: What leaves each source at 1 m, as `moving_frames` takes it.
-        late: Of each source at the frame's start and end: with leading axes of both.
+        sources: Emitted signals at 1 m, as in `moving_frames`.
+        late: Late sound with leading axes of sources and of the frame's ends.
         config: Options.
     """
     table = jnp.asarray(noise_bins(config))
-    subscripts = "nikem,ekms->nieks" if table.ndim == 4 else "nikem,kms->nieks"  # of its own noises, or the same ones
+    subscripts = "nikem,ekms->nieks" if table.ndim == 4 else "nikem,kms->nieks"  # noises per channel, or shared ones
     sound = jnp.einsum(subscripts, late.share.of_bins(), table, precision="highest")
     sound = sound.reshape(*sound.shape[:3], -1)
     responses = jax.vmap(jax.vmap(lambda noise, one: _in_time(noise, one, config)))(sound, late)
@@ -105,23 +105,23 @@ def frame_by_xla(sources: Float[Array, "n w"], late: Late, config: AudioConfig) 
 
 
 def _in_time(noise: Float[Array, "e l"], late: Late, config: AudioConfig) -> Float[Array, "e l"]:
-    """A response from its beginning on, without what would overtake the direct sound."""
+    """Shift a response to its beginning and remove samples before the onset, which would precede the direct sound."""
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= late.onset
     return jnp.where(heard[None], jnp.roll(noise, -late.share.start * config.bin_samples, axis=1), 0.0)
 
 
 def frame_begin(config: AudioConfig) -> int:
-    """Which sample of the sums is the frame's first."""
+    """Return the index of the frame's first sample in the sums."""
     return config.response_length - config.half_length - 1 + config.tail_ringing
 
 
 def window_width(config: AudioConfig) -> int:
-    """Samples of the source that each part of a response hears in a frame."""
+    """Return the samples of the source that each part of a response filters in a frame."""
     return config.response_length - config.half_length - 1 + config.frame + 2 * config.tail_ringing
 
 
 def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
-    """Spectra of what is heard through a response's first half, its second one, and that again and again."""
+    """Compute the spectra of the source windows for a response's first part, its second half and the repetitions."""
     first, half, spread = config.response_length - config.half_length, config.half_length, config.tail_ringing
     width, before = window_width(config), first - half
     padded = jnp.pad(source, (before, spread))
@@ -137,10 +137,10 @@ def _size(config: AudioConfig) -> int:
 
 @functools.cache
 def octave_table(config: AudioConfig, size: int) -> Float[np.ndarray, "bands f"]:
-    """Gains of octaves in a transform of `size` samples, smooth enough that filters end after `tail_ringing` ones."""
+    """Return octave gains for a transform of `size` samples, smoothed to filters of `tail_ringing` samples."""
     spread = config.tail_ringing
     kernel = np.fft.irfft(octave_gains(np.fft.rfftfreq(8 * size, 1 / config.sample_rate)), 8 * size)
     place = np.minimum(np.arange(size), size - np.arange(size))
-    near = np.where(place == np.arange(size), place, -place)  # samples before time 0 stand at the end
+    near = np.where(place == np.arange(size), place, -place)  # samples before time 0 are at the end
     fade = np.cos(np.pi / 2 * np.clip(place / spread, 0, 1)) ** 2
     return np.fft.rfft(kernel[:, near] * fade).real.astype(np.float32)

@@ -1,1 +1,1 @@
-"""Measures of rooms by ISO 3382-1, as functions inside `jit`."""
+"""Room acoustic parameters of ISO 3382-1, as functions for use inside `jit`."""

@@ -1,4 +1,4 @@
-"""How sound is spread over time: clarity, definition, centre time, direct-to-reverberant ratio; and how strong it is.
+"""Parameters of energy over time and of level: clarity, definition, centre time, DRR, sound strength.
 
 All functions take energies with time along the last axis and any leading axes; times count from the direct sound.
 """
@@ -8,55 +8,55 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.parameters.decay import missing_energy, since_onset
 
-TEN_METRES = 20.0  # [dB], from the free field at 1 m, to which pressures relate, down to that at 10 m
-DIRECT = 0.0025  # [s], on either side of the strongest sample
+TEN_METRES = 20.0  # [dB], free-field level at 1 m, the reference of pressures, re that at 10 m
+DIRECT = 0.0025  # [s], half width of the direct sound around the strongest sample
 
 
 def early_energy(
     energy: Float[Array, "*c n"], dt: float, start: float, stop: float, first: Array | None = None
 ) -> Float[Array, "*c"]:
-    """Energy that arrives between two times after the direct sound.
+    """Sum the energy that arrives between two times after the direct sound.
 
     Args:
         energy: Squared response, or energy per bin.
         dt: Time of one sample or bin [s].
-        start: [s].
-        stop: [s]; whole samples only, as `start`.
-        first: Index at which the direct sound arrives; None: where `energy` has its onset.
+        start: Start time [s], rounded to samples.
+        stop: End time [s], rounded to samples.
+        first: Index of the direct sound's arrival; None: the onset of `energy`.
     """
     since = since_onset(energy, first)
     return jnp.sum(jnp.where((since >= round(start / dt)) & (since < round(stop / dt)), energy, 0.0), axis=-1)
 
 
 def definition(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
-    """Share of the energy that arrives within a time limit after the direct sound, 0 to 1 (ISO 3382-1:2009, A.11)."""
+    """Compute the share of energy within a time limit after the direct sound, 0 to 1 (ISO 3382-1:2009, A.11)."""
     early = early_energy(energy, dt, -energy.shape[-1] * dt, limit)
     return early / (jnp.sum(energy, axis=-1) + missing_energy(energy))
 
 
 def clarity(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
-    """Energy within a time limit after the direct sound over the rest [dB] (ISO 3382-1:2009, A.10)."""
+    """Compute the ratio of energy before to after a time limit since the direct sound [dB] (ISO 3382-1:2009, A.10)."""
     early = definition(energy, dt, limit)
     return 10 * jnp.log10(early / (1 - early))
 
 
 def c50(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Clarity of speech: `clarity` at 50 ms [dB]."""
+    """Compute C50, the clarity of speech: `clarity` at 50 ms [dB]."""
     return clarity(energy, dt, 0.05)
 
 
 def c80(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Clarity of music: `clarity` at 80 ms [dB]."""
+    """Compute C80, the clarity of music: `clarity` at 80 ms [dB]."""
     return clarity(energy, dt, 0.08)
 
 
 def d50(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Definition of speech: `definition` at 50 ms, 0 to 1."""
+    """Compute D50, the definition of speech: `definition` at 50 ms, 0 to 1."""
     return definition(energy, dt, 0.05)
 
 
 def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Centre of gravity of the squared response after the direct sound, Ts [s] (ISO 3382-1:2009, A.13).
+    """Compute Ts, the centre of gravity of the squared response after the direct sound [s] (ISO 3382-1:2009, A.13).
 
     Example:
         >>> round(float(centre_time(10 ** (-6 * jnp.arange(2000) * 1e-3), 1e-3)), 4)  # T / (6 ln 10)
@@ -67,17 +67,17 @@ def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 
 
 def drr(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Direct-to-reverberant ratio [dB]: energy within 2.5 ms of the strongest sample over all other energy."""
+    """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms of the strongest sample over the rest."""
     near = jnp.abs(since_onset(energy, jnp.argmax(energy, axis=-1).astype(jnp.int32))) <= round(DIRECT / dt)
     direct, rest = (jnp.sum(jnp.where(part, energy, 0.0), axis=-1) for part in (near, ~near))
     return 10 * jnp.log10(direct / rest)
 
 
 def strength(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
-    """Sound strength G [dB]: level above that of the same source in the free field at 10 m (ISO 3382-1:2009, A.6).
+    """Compute the sound strength G [dB]: level re the same source at 10 m in the free field (ISO 3382-1:2009, A.6).
 
     Args:
-        energy: Squared response, or energy per bin, relative to the free field at 1 m, as all of the engine's are.
+        energy: Squared response, or energy per bin, re the free field at 1 m, as all energies of this package.
 
     Example:
         >>> float(strength(jnp.array([0.0, 0.01, 0.0])).round(3))

@@ -1,4 +1,4 @@
-"""How fast sound decays: the decay curve and the times read from it.
+"""Decay curve, and the decay times T20, T30 and EDT.
 
 All functions take energies, squared responses or histograms, with time along the last axis and any leading axes, such
 as octave bands. Times count from the direct sound's arrival.
@@ -8,27 +8,27 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-ONSET = 0.01  # of the largest energy: the direct sound arrives where energy is first within 20 dB of it
-LONGEST = 0.9  # share of a quarter's energy that the next may hold, for what is missing
+ONSET = 0.01  # energy of the direct sound's arrival re the largest energy, −20 dB
+LONGEST = 0.9  # maximum energy ratio of successive quarters, for `missing_energy`
 
 
 def onset(energy: Float[Array, "*c n"]) -> Int[Array, "*c"]:
-    """First index whose energy is within 20 dB of the largest (ISO 3382-1:2009, 5.3.1): the direct sound's arrival."""
+    """Return the direct sound's arrival: the first index within 20 dB of the maximum (ISO 3382-1:2009, 5.3.1)."""
     loudest = jnp.max(energy, axis=-1, keepdims=True)
     return jnp.argmax(energy >= ONSET * loudest, axis=-1).astype(jnp.int32)
 
 
 def since_onset(energy: Float[Array, "*c n"], first: Int[Array, "*c"] | None = None) -> Int[Array, "*c n"]:
-    """Index of each sample or bin, counted from the direct sound's arrival, or from `first`."""
+    """Return the index of each sample or bin, counted from the direct sound's arrival or from `first`."""
     first = onset(energy) if first is None else first
     return jax.lax.broadcasted_iota(jnp.int32, energy.shape, energy.ndim - 1) - first[..., None]
 
 
 def missing_energy(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
-    """Energy that a response would hold beyond its end, were it to fall on as over its second half.
+    """Estimate a response's energy beyond its end, by extrapolation of the decay over its second half.
 
     ISO 3382-1:2009, 5.3.3, adds such a constant to the integrated response. With the energies A and B of the third and
-    the fourth quarter it is B² / (A − B), the sum of a geometric series; no more than nine times B.
+    the fourth quarter it is B² / (A − B), the sum of a geometric series. It is at most nine times B.
 
     Example:
         >>> decay = 0.9 ** jnp.arange(40)
@@ -45,10 +45,10 @@ def missing_energy(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
 
 
 def decay_curve(energy: Float[Array, "*c n"]) -> Float[Array, "*c n"]:
-    """Energy that is still to come [dB re all of it]: Schroeder's backward integral, ISO 3382-1:2009, equation 2.
+    """Compute the decay curve [dB re total energy]: Schroeder's backward integral (ISO 3382-1:2009, equation 2).
 
-    What is missing beyond the end is added, see `missing_energy`, so that a short response does not bend the curve.
-    It is −inf where nothing is left, and NaN where there is no energy at all.
+    Energy beyond the end is added, see `missing_energy`, so that the curve of a short response does not bend down. The
+    curve is −inf where no energy remains, and NaN if there is no energy at all.
 
     Args:
         energy: Squared response, or energy per bin.
@@ -62,18 +62,18 @@ def decay_curve(energy: Float[Array, "*c n"]) -> Float[Array, "*c n"]:
 
 
 def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: float) -> Float[Array, "*c"]:
-    """Time of a 60 dB decay [s]: from the least-squares line through the decay curve between two levels.
+    """Compute the time of a 60 dB decay [s] from a least-squares line through the decay curve between two levels.
 
-    ISO 3382-1:2009, 5.3.3 and A.2.2.
+    See ISO 3382-1:2009, 5.3.3 and A.2.2.
 
     Args:
         energy: Squared response, or energy per bin.
         dt: Time of one sample or bin [s].
-        start: Level at which the line begins [dB], such as −5.
-        stop: Level at which it ends [dB], such as −35.
+        start: Upper level [dB], such as −5.
+        stop: Lower level [dB], such as −35.
 
     Returns:
-        The time; NaN where the curve does not fall as far, or has fewer than two points between the levels.
+        The time; NaN if the curve does not reach `stop`, or has fewer than two points between the levels.
 
     Example:
         >>> decay = 10 ** (-6 * jnp.arange(1000) * 1e-3)  # 60 dB in 1 s
@@ -87,7 +87,7 @@ def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: floa
     weight = inside.astype(jnp.float32)
     count = jnp.maximum(jnp.sum(weight, axis=-1, keepdims=True), 1.0)
     level = jnp.where(inside, level, 0.0)
-    # Time counts from the middle of the range: squares of small numbers keep their digits.
+    # Times are centred before squaring, for float32 precision.
     time = jnp.where(inside, since.astype(jnp.float32) * jnp.float32(dt), 0.0)
     time = weight * (time - jnp.sum(time, axis=-1, keepdims=True) / count)
     middle = jnp.sum(level, axis=-1, keepdims=True) / count
@@ -96,15 +96,15 @@ def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: floa
 
 
 def t20(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Reverberation time from the decay between −5 and −25 dB [s], see `decay_time`."""
+    """Compute the reverberation time from the decay between −5 and −25 dB [s], see `decay_time`."""
     return decay_time(energy, dt, -5.0, -25.0)
 
 
 def t30(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Reverberation time from the decay between −5 and −35 dB [s], see `decay_time`."""
+    """Compute the reverberation time from the decay between −5 and −35 dB [s], see `decay_time`."""
     return decay_time(energy, dt, -5.0, -35.0)
 
 
 def edt(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Early decay time, from the first 10 dB [s], see `decay_time`."""
+    """Compute the early decay time from the first 10 dB [s], see `decay_time`."""
     return decay_time(energy, dt, 0.0, -10.0)

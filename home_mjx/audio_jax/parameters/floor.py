@@ -1,4 +1,4 @@
-"""Sound all over a floor: what many listeners hear of one source."""
+"""Maps of sound strength and reverberation time over a floor, for one source and many receivers."""
 
 from dataclasses import replace
 
@@ -14,12 +14,12 @@ from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 
-AT_ONCE = 16  # listeners
-TEN_METRES = 100.0  # energy at 1 m re that at 10 m
+AT_ONCE = 16  # receivers per batch
+TEN_METRES = 100.0  # free-field energy at 1 m re that at 10 m
 
 
 class FloorSound(Pytree):
-    """What one microphone after the other hears."""
+    """Room acoustic parameters at many receivers."""
 
     strength: Float[Array, "n bands"]  # G [dB], re the same source at 10 m in the free field
     t30: Float[Array, "n bands"]  # [s]; NaN where the decay is too short to be read
@@ -28,14 +28,14 @@ class FloorSound(Pytree):
 def floor_sound(
     scene: Scene, source: Source, places: Float[Array, "n 3"], key: Array, config: AudioConfig
 ) -> FloorSound:
-    """Level and reverberation time at many places, from energies: no waveform is made.
+    """Compute level and reverberation time at many places from energies, without a waveform.
 
     Args:
-        scene: The environment.
-        source: Who sounds.
-        places: Of microphones that hear alike from everywhere [m].
-        key: Random key, the same everywhere; of no use if late sound is baked.
-        config: Options; whatever its receiver.
+        scene: Scene of the environment.
+        source: Sound source.
+        places: Positions of omnidirectional microphones [m].
+        key: Random key, shared by all places; unused if late sound is baked.
+        config: Options; the receiver is ignored.
 
     Example:
         >>> found = floor_sound(scene, Source(radio), places, jax.random.key(0), config)  # doctest: +SKIP

@@ -1,4 +1,4 @@
-"""Where sound comes from: correlation of the ears, and the share of sound from the sides."""
+"""Spatial parameters: interaural cross-correlation and lateral energy fraction."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -6,21 +6,21 @@ from jaxtyping import Array, Float
 from home_mjx.audio_jax.parameters.clarity import early_energy
 from home_mjx.audio_jax.parameters.decay import onset, since_onset
 
-LARGEST_DELAY = 0.001  # [s], between the ears
+LARGEST_DELAY = 0.001  # [s], maximum delay between the ears
 
 
 def iacc(
     response: Float[Array, "*c 2 n"], sample_rate: int, start: float = 0.0, stop: float = float("inf")
 ) -> Float[Array, "*c"]:
-    """Interaural cross-correlation coefficient, 0 to 1 (ISO 3382-1:2009, annex B).
+    """Compute the interaural cross-correlation coefficient, 0 to 1 (ISO 3382-1:2009, annex B).
 
-    The largest absolute value of the normalised correlation of both ears, at delays of up to 1 ms.
+    It is the largest absolute value of the normalised correlation of both ears, at delays up to 1 ms.
 
     Args:
         response: Pressure at the left and right ear; leading axes may be octave bands, see `octave_responses`.
         sample_rate: [Hz].
-        start: Of the part that counts [s] after the direct sound: 0 for IACC_E and IACC_A, 0.08 for IACC_L.
-        stop: Its end [s]: 0.08 for IACC_E, otherwise inf.
+        start: Start of the evaluated part after the direct sound [s]: 0 for IACC_E and IACC_A, 0.08 for IACC_L.
+        stop: End of the evaluated part [s]: 0.08 for IACC_E, otherwise inf.
 
     Example:
         >>> ears = jnp.zeros((2, 400)).at[0, 10].set(1.0).at[1, 14].set(-0.5)  # 0.25 ms apart
@@ -39,14 +39,14 @@ def iacc(
 
 
 def lateral_fraction(lateral: Float[Array, "*c n"], energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Early lateral energy fraction LF (ISO 3382-1:2009, A.14).
+    """Compute the early lateral energy fraction LF (ISO 3382-1:2009, A.14).
 
-    Energy that a figure-of-eight microphone, pointing to the sides, hears from 5 to 80 ms after the direct sound, over
-    that of an omnidirectional one from 0 to 80 ms.
+    LF is the ratio of the energies of two microphones, with times after the direct sound: a figure-of-eight along the
+    axis of the ears from 5 to 80 ms, and an omnidirectional one from 0 to 80 ms.
 
     Args:
         lateral: Energy weighted by the squared cosine between its direction and the axis of the ears.
-        energy: The same without weights.
+        energy: Energy without weights.
         dt: Time of one sample or bin [s].
     """
     first = onset(energy)

@@ -1,4 +1,4 @@
-"""What an acoustician would measure between two points of a house."""
+"""Survey of room acoustic parameters between a source and a receiver."""
 
 from dataclasses import replace
 
@@ -23,33 +23,33 @@ from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-STEP = 0.001  # [s], of the histogram from which the lateral fraction is taken
+STEP = 0.001  # [s], bin of the histogram for the lateral fraction
 SURVEY = AudioConfig(response_seconds=2.0, num_rays=4200, num_bounces=100, octave_rays=True)
 
 
 class Survey(Pytree):
-    """A response with its measures per octave band."""
+    """Binaural response with room acoustic parameters per octave band."""
 
-    response: Float[Array, "2 l"]  # at the ears
-    measures: RoomMeasures  # of an omnidirectional microphone at the middle of the head
+    response: Float[Array, "2 l"]  # pressure at the ears
+    measures: RoomMeasures  # of an omnidirectional microphone at the centre of the head
     iacc: Float[Array, " bands"]  # of the whole response
     lateral_fraction: Float[Array, " bands"]
 
 
 def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig = SURVEY) -> Survey:
-    """Responses of two ears, of one microphone and of a figure of eight from one trace, and what ISO 3382-1 reads.
+    """Trace once and compute the parameters of ISO 3382-1 for two ears, an omnidirectional and a lateral microphone.
 
-    With `config.late` "baked" late sound is looked up instead of traced.
+    With `config.late` "baked", late sound is looked up instead of traced.
 
     Args:
-        scene: The environment.
-        source: Who sounds.
-        listener: Who hears; the figure of eight's axis is that of its ears.
+        scene: Scene of the environment.
+        source: Sound source.
+        listener: Listener; the axis of the figure-of-eight microphone is that of its ears.
         key: Random key.
-        config: Options; the default has the rays and the length that measuring wants.
+        config: Options; the default has enough rays and duration for measurements.
 
     Raises:
-        ConfigError: The receiver has no two ears.
+        ConfigError: The receiver does not have two ears.
 
     Example:
         >>> found = survey_room(scene, Source(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP
@@ -78,7 +78,7 @@ def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, co
 def _late(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
-    """Late energy over time at both ears; of one microphone and a figure of eight."""
+    """Compute the late energy over time at both ears, and of an omnidirectional and a figure-of-eight microphone."""
     if config.late == "none":
         nothing = jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
         return nothing, nothing
@@ -88,7 +88,7 @@ def _late(
         found = found.replace(energy=found.energy * late_share(source, found))
         length = jnp.linalg.norm(found.comes_from, axis=1)
         toward = found.comes_from / jnp.maximum(length, 1e-6)[:, None]
-        sides = (1 - length) / 3 + length * _from_the_sides(toward, listener.quat)  # a third of what is everywhere
+        sides = (1 - length) / 3 + length * _from_the_sides(toward, listener.quat)  # 1/3 for the isotropic part
         share = jnp.matmul(found.span, sides, precision="highest")[:, None]
         return ears, jnp.stack([found.energy, found.energy * share], axis=1)
     traced = trace(scene, source, listener, key, config)
@@ -99,14 +99,14 @@ def _late(
 
 
 def _from_the_sides(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, " n"]:
-    """What a figure of eight along the axis of the ears hears of the energy from each direction."""
+    """Return the energy gain of a figure-of-eight microphone along the axis of the ears for each direction."""
     return to_head(direction, quat)[:, 0] ** 2
 
 
 def _fine(
     paths: Paths, gain: Float[Array, " p"], late: Float[Array, "k bands"], config: AudioConfig
 ) -> Float[Array, "m bands"]:
-    """Energy of paths and of a histogram, in steps of `STEP`."""
+    """Add the energies of paths and of a histogram in bins of `STEP`."""
     parts = _parts(config)
     energy = jnp.repeat(late / parts, parts, axis=0)
     at = (paths.distance / jnp.float32(config.bin_seconds / parts * config.speed_of_sound)).astype(jnp.int32)
@@ -114,5 +114,5 @@ def _fine(
 
 
 def _parts(config: AudioConfig) -> int:
-    """Steps per bin."""
+    """Return the number of steps per bin."""
     return max(round(config.bin_seconds / STEP), 1)

@@ -1,4 +1,4 @@
-"""All measures of one response, per octave band."""
+"""All single-receiver parameters of one response, per octave band."""
 
 from jaxtyping import Array, Float
 
@@ -9,7 +9,7 @@ from home_mjx.core.pytree import Pytree
 
 
 class RoomMeasures(Pytree):
-    """Measures of ISO 3382-1 per octave band; NaN where a response does not decay far enough."""
+    """Room acoustic parameters of ISO 3382-1 per octave band; NaN where a response does not decay far enough."""
 
     t20: Float[Array, "*c bands"]  # [s]
     t30: Float[Array, "*c bands"]  # [s]
@@ -23,7 +23,7 @@ class RoomMeasures(Pytree):
 
 
 def measure_energy(energy: Float[Array, "*c n"], dt: float) -> RoomMeasures:
-    """All measures of energies over time, along the last axis.
+    """Compute all parameters from energies over time, along the last axis.
 
     Args:
         energy: Squared responses per band, or energy per bin, re the free field at 1 m.
@@ -43,11 +43,11 @@ def measure_energy(energy: Float[Array, "*c n"], dt: float) -> RoomMeasures:
 
 
 def measure_response(response: Float[Array, "*c n"], sample_rate: int) -> RoomMeasures:
-    """All measures of a response of one omnidirectional microphone, in octave bands.
+    """Compute all parameters of an omnidirectional response, in octave bands.
 
     Args:
         response: Pressure re the source's free field at 1 m.
-        sample_rate: [Hz]; bands above half of it say nothing.
+        sample_rate: [Hz]; bands above half of it are meaningless.
 
     Example:
         >>> import jax, jax.numpy as jnp, numpy as np

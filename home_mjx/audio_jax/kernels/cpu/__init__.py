@@ -1,1 +1,1 @@
-"""Moving frames on CPUs: loops of vectors, compiled by Numba and called by XLA."""
+"""Moving frames on CPUs: SIMD loops compiled by Numba and called by XLA."""

@@ -1,4 +1,4 @@
-"""Moving frames on CPUs, as JAX calls them; compiled on first use."""
+"""JAX calls of the CPU kernels for moving frames, compiled on first use."""
 
 import functools
 from collections.abc import Callable
@@ -24,15 +24,15 @@ from home_mjx.core.native.vmap_call import batched, numbers
 from home_mjx.schema.compiled import BANDS
 
 TARGET = "home_mjx_frames"
-NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # that all environments share
+NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all environments
 
 _kept: list[object] = []  # compiled functions that XLA may call until the process ends
 
 
 @functools.cache
 def cpu_available() -> bool:
-    """Whether the compiled code works here; warns once if there is a CPU backend and it does not."""
-    return works("cpu", problem_of("cpu", _start), "moving sound is made by slower operations of XLA")
+    """Return whether the compiled code works; warn once if there is a CPU backend on which it fails."""
+    return works("cpu", problem_of("cpu", _start), "moving sound uses slower XLA operations")
 
 
 def _start() -> None:
@@ -45,7 +45,7 @@ def _start() -> None:
 
 
 def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
-    """`motion.synthesis.early_frame`; arguments as there."""
+    """Render `motion.synthesis.early_frame` with the same arguments."""
     share = jnp.moveaxis(reads.share, -1, -2)
     share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
     given = reads.source, reads.filtered, reads.start, way_rows(reads.ways), share
@@ -53,7 +53,7 @@ def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
 
 
 def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Float[Array, "two size"]]:
-    """Spectra of the filters, for sums that are as many as a vector has lanes at least, and turns of transforms."""
+    """Return the spectra of the bus filters, padded to at least `LANES` buses, and the FFT twiddle factors."""
     kernels, size = shapes(config.sample_rate).kernel.astype(np.float64), fast_size(times(config).shape[0])
     spectra = np.fft.fft(kernels, size).T / size
     spectra = np.pad(spectra, [(0, 0), (0, max(LANES - spectra.shape[1], 0))])
@@ -79,19 +79,19 @@ def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def hears(late: Late, config: AudioConfig) -> bool:
-    """Whether the compiled code makes such late sound: of channels whose noises have nothing in common."""
+    """Return whether the compiled code supports this late sound: no common noise, and bins of at least `LANES`."""
     return late.share.common.shape[-2] == 0 and config.bin_samples >= LANES
 
 
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
-    """`motion.synthesis.late_frame`; arguments as there."""
+    """Render `motion.synthesis.late_frame` with the same arguments."""
     share = late.share
     given = sources, share.amplitude(), share.mix, share.start, late.onset, late.tail
     return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]
 
 
 def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
-    """Noise, weights of the knots of its amplitude, gains of octaves, and turns of transforms."""
+    """Return the noise, the weights of its amplitude knots, octave gains and FFT twiddle factors."""
     size = fast_size(window_width(config))
     gains = octave_table(config, size) if config.num_tail else np.zeros((len(BANDS), size // 2 + 1))
     tables = (jnp.asarray(x, jnp.float32) for x in (noise(config), knot_hats(config), gains))

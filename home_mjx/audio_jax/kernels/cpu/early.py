@@ -1,4 +1,4 @@
-"""Early sound of a chunk of environments: paths added up and filtered, as in `motion.synthesis.early_by_xla`."""
+"""Early sound of a chunk of environments: paths mixed into buses and filtered, as `motion.synthesis.early_by_xla`."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from typing import Any, NamedTuple, no_type_check
@@ -32,7 +32,7 @@ compiled = njit(error_model="numpy")
 
 
 class Room(NamedTuple):
-    """Memory of a thread."""
+    """Scratch memory of a thread."""
 
     on: Any  # (sources, samples of all signals)
     between: Any
@@ -41,7 +41,7 @@ class Room(NamedTuple):
     heard: Any  # (ways, BLOCK)
     values: Any  # real and imaginary parts (points, shapes)
     spare: Any
-    spectra: Any  # of one pair of channels of each environment (points, LANES)
+    spectra: Any  # of one pair of channels per environment (points, LANES)
     unused: Any
     base: Any  # (BLOCK)
     which: Any  # (1 + ways)
@@ -50,7 +50,7 @@ class Room(NamedTuple):
 @compiled
 @no_type_check
 def make_early(frame, first, end):
-    """Frames of environments from `first` on and before `end`, no more than a vector has lanes."""
+    """Render the frames of environments `first` to `end` (exclusive), at most `LANES` of them."""
     size, points = _sizes(frame), dim(frame, TURNS, 1)
     room = _make_room(size, points)
     turns = complex_table(frame, TURNS, points)
@@ -71,7 +71,7 @@ def make_early(frame, first, end):
 @compiled
 @no_type_check
 def _double_all(frame, env, size, room):
-    """Signals of all sources of an environment, at twice their rate."""
+    """Upsample the signals of all sources of an environment to twice their rate."""
     sources, filtered = row(frame, SOURCE, env), row(frame, FILTERS, env)
     each = FILTERED * size.filtered + size.length
     for source in range(size.sources):
@@ -87,7 +87,7 @@ def _double_all(frame, env, size, room):
 @compiled
 @no_type_check
 def _add_all(frame, env, channel, size, points, room, sums):
-    """Sums of a channel, silence to the end; nothing where there is no such channel."""
+    """Mix the buses of a channel, zero-padded to the transform size; zeros if the channel does not exist."""
     begun = 0
     if channel < size.channels:
         share, far = row(frame, SHARE, env), 2 * size.channels * size.shapes
@@ -105,7 +105,7 @@ def _add_all(frame, env, channel, size, points, room, sums):
 @compiled
 @no_type_check
 def _find_sounding(share, far, size, which):
-    """Numbers of ways that any sum hears, after how many they are."""
+    """Write the number of paths with a nonzero gain, then their indices."""
     which[0] = 0
     for way in range(size.sources * size.rows):
         for i in range(way * far, way * far + 2 * size.shapes):
@@ -135,7 +135,7 @@ def _hear_all(frame, env, ear, begin, count, size, room):
 @compiled
 @no_type_check
 def _filter(frame, points, size, turns, lane, room):
-    """All sums through their filters, added up: the spectrum of a pair of channels, conjugated."""
+    """Filter all buses and add them up; write the conjugate spectrum of a pair of channels."""
     filters = complex_table(frame, SPECTRA, points * size.shapes)
     re, im = transform(points, size.shapes, turns, room.values, room.spare)
     whole = size.shapes // LANES * LANES
@@ -183,7 +183,7 @@ def _sizes(frame):
 @compiled
 @no_type_check
 def _make_room(size, points):
-    """One piece of memory, of which `on` is the beginning."""
+    """Allocate one block of memory that begins at `on`."""
     signals, ways = size.sources * (FILTERED * size.filtered + size.length), size.sources * size.rows
     longest, whole, lanes = max(size.filtered, size.length), points * size.shapes, points * LANES
     counts = (signals, signals, longest + 2 * HALF_WIDTH + LANES, BLOCK, ways * BLOCK)

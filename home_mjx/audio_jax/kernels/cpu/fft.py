@@ -1,6 +1,6 @@
-"""Many complex transforms of the same size side by side, in vectors: Stockham's, which need no reordering.
+"""Batched complex FFTs of one size in SIMD vectors, by Stockham's algorithm, which needs no bit reversal.
 
-Values of all transforms for one number lie together, real and imaginary parts in arrays of their own; each pass reads
+Values of all transforms at one index are contiguous, with real and imaginary parts in separate arrays. Each pass reads
 one pair of arrays and writes another. See Van Loan, Computational Frameworks for the Fast Fourier Transform, 1.7.
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
@@ -15,7 +15,7 @@ from home_mjx.audio_jax.kernels.passes import num_passes
 from home_mjx.core.native.simd import LANES, load, multiply_add, store
 
 HALF = np.float32(np.sqrt(0.5))
-THIRD = np.float32(np.sqrt(0.75))  # sine of a third of a turn
+THIRD = np.float32(np.sqrt(0.75))  # sine of 2 π / 3
 COS_1, SIN_1, COS_2, SIN_2 = (np.float32(f(2 * np.pi * k / 5)) for k in (1, 2) for f in (np.cos, np.sin))
 compiled = njit(error_model="numpy")
 inlined = njit(error_model="numpy", forceinline=True)
@@ -23,7 +23,7 @@ inlined = njit(error_model="numpy", forceinline=True)
 
 @functools.cache
 def fast_size(count: int) -> int:
-    """The size of the cheapest transform of at least so many values.
+    """Return the size of the cheapest transform of at least `count` values.
 
     Example:
         >>> fast_size(2143), fast_size(6143)
@@ -36,9 +36,9 @@ def fast_size(count: int) -> int:
 @compiled
 @no_type_check
 def transform(size, lanes, turns, values, spare):
-    """Transforms of `values`, two arrays (size, lanes); returns these or `spare`, as large, whichever has the results.
+    """Transform `values`, two arrays (size, lanes); return these or the equally large `spare`, which holds the results.
 
-    `turns` are exp(-2 pi i j / size), real and imaginary parts; there are at least `LANES` lanes.
+    `turns` are the twiddle factors exp(-2 pi i j / size), real and imaginary parts. `lanes` is at least `LANES`.
     """
     left, stride = size, lanes
     here, there = values, spare
@@ -98,7 +98,7 @@ def _sub(a, b):
 @inlined
 @no_type_check
 def _sub_turned(a, b):
-    """-i (a - b)."""
+    """Return -i (a - b)."""
     return a[1] - b[1], b[0] - a[0]
 
 
@@ -220,7 +220,7 @@ def _pass_5(size, left, stride, turns, here, there):
 @inlined
 @no_type_check
 def _mix(a, x, b, y, c):
-    """A + x b + y c."""
+    """Return a + x b + y c."""
     return (
         multiply_add(x, b[0], multiply_add(y, c[0], a[0])),
         multiply_add(x, b[1], multiply_add(y, c[1], a[1])),
@@ -230,5 +230,5 @@ def _mix(a, x, b, y, c):
 @inlined
 @no_type_check
 def _both(x, b, y, c):
-    """X b + y c."""
+    """Return x b + y c."""
     return multiply_add(x, b[0], y * c[0]), multiply_add(x, b[1], y * c[1])

@@ -1,4 +1,4 @@
-"""Moving sound as a handler that XLA calls directly: environments in chunks on XLA's threads."""
+"""XLA FFI handler of moving sound: renders chunks of environments on XLA's threads."""
 # ruff: noqa: ANN001, ANN202  (Numba infers the types)
 
 from typing import Any, no_type_check
@@ -25,11 +25,11 @@ compiled = njit(error_model="numpy")
 
 @with_checked_cache
 def build_handler() -> tuple[Any, Any, Any]:
-    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+    """Compile the work, the task and the handler, or load them from Numba's cache; keep all while XLA may call them.
 
-    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    Task and handler call the work at its address. Otherwise each would compile its own copy, which doubles the time.
     """
-    # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
+    # Numba's cache tracks this file only. The digest in each function invalidates it when another module changes.
     parts: tuple[Any, ...] = (ffi, lanes, memory, delays, early, fft, late, operands, paths, reads)
     digest = ffi.digest(*(part.__file__ for part in parts))
 
@@ -68,7 +68,7 @@ def build_handler() -> tuple[Any, Any, Any]:
 @compiled
 @no_type_check
 def _work(job):
-    """Makes frames of chunks of environments until none is left."""
+    """Render chunks of environments until none is left."""
     while True:
         chunk = ffi.next_chunk(job)
         if chunk < 0:

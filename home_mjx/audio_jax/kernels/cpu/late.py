@@ -1,4 +1,4 @@
-"""Late sound of a chunk of environments: responses made of noise and heard, as in `frames.tail.frame_by_xla`."""
+"""Late sound of a chunk of environments: noise responses and convolution, as `frames.tail.frame_by_xla`."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from typing import Any, NamedTuple, no_type_check
@@ -26,53 +26,53 @@ from home_mjx.core.native.simd import LANES, load, multiply_add, spread, store
 
 _, NOISE, HATS, OCTAVES, TURNS, SOURCE, AMPLITUDE, MIX, BEGUN, ONSET, TAIL = range(11)  # operands
 _, FIRST, HALF, ECHOES, START, WIDTH, FRAME_BEGIN = range(7)  # constants
-FOUR = 4  # vectors
-ENDS, PARTS = 2, 2  # start and end of the frame; halves of a response
+FOUR = 4  # vectors per step, for instruction-level parallelism
+ENDS, PARTS = 2, 2  # start and end of the frame; parts of a response
 ZERO, ONE, ONE_HALF = np.float32(0), np.float32(1), np.float32(0.5)
 compiled = njit(error_model="numpy")
 
 
 class Sizes(NamedTuple):
-    """Of the arrays of one environment."""
+    """Sizes of the arrays of one environment."""
 
     sources: np.int64
     length: np.int64  # samples of a source
     channels: np.int64
     bins: np.int64
-    bin: np.int64  # samples
-    knots: np.int64  # of amplitude in a bin
+    bin: np.int64  # samples of a bin
+    knots: np.int64  # amplitude knots per bin
     noises: np.int64
     bands: np.int64
-    first: np.int64  # samples of a response's parts
-    half: np.int64
-    echoes: np.int64  # how often the second is heard again
-    start: np.int64  # sample of the source with which the window of the first part begins
-    width: np.int64  # of windows
-    begin: np.int64  # of the frame in what transforms give
+    first: np.int64  # samples of a response's first part
+    half: np.int64  # samples of its second half
+    echoes: np.int64  # repetitions of the second half in the tail
+    start: np.int64  # first source sample of the first part's window
+    width: np.int64  # samples of a window
+    begin: np.int64  # first sample of the frame in the transforms' output
     frame: np.int64
-    points: np.int64  # of transforms
-    each: np.int64  # transforms of an environment
-    together: np.int64  # environments that are transformed together
+    points: np.int64  # size of transforms
+    each: np.int64  # transforms per environment
+    together: np.int64  # environments per batch of transforms
 
 
 class Room(NamedTuple):
-    """Memory of a thread."""
+    """Scratch memory of a thread."""
 
     responses: Any  # (together, ends, two channels, first and half)
-    padded: Any  # (together, samples) sources with silence around
+    padded: Any  # (together, samples), zero-padded sources
     levels: Any  # (ends, echoes, points / 2 + 1)
     values: Any  # real and imaginary parts (points, together * each)
     spare: Any
-    spectra: Any  # (points, LANES), of environments and ends
+    spectra: Any  # (points, LANES), lanes are environments and ends
     unused: Any
-    streams: Any  # (together * each, two): addresses of what becomes real and imaginary parts
-    lengths: Any  # (together * each) of these
+    streams: Any  # (together * each, two), addresses of the signals packed as real and imaginary parts
+    lengths: Any  # (together * each), lengths of these signals
 
 
 @compiled
 @no_type_check
 def make_late(frame, first, end):
-    """Frames of environments from `first` on and before `end`; twice as many are no more than a vector has lanes."""
+    """Render the frames of environments `first` to `end` (exclusive), at most `LANES / 2` of them."""
     size = _sizes(frame)
     room = _make_room(size)
     turns = complex_table(frame, TURNS, size.points)
@@ -97,7 +97,7 @@ def make_late(frame, first, end):
 @compiled
 @no_type_check
 def _prepare(frame, env, source, left, place, size, room):
-    """Responses and windows of one source, and where transforms find them."""
+    """Prepare the responses and windows of one source, and their addresses for the transforms."""
     number = env * size.sources + source
     most = size.first + size.half
     responses = shifted(room.responses, place * ENDS * 2 * most)
@@ -122,7 +122,7 @@ def _prepare(frame, env, source, left, place, size, room):
         stream = place * size.each + ENDS * PARTS + window // 2
         back = size.first + (window - 1) * size.half if window else 0
         there = window < 2 + size.echoes
-        begin = ahead + size.start - back if there else size.length + ahead  # silence
+        begin = ahead + size.start - back if there else size.length + ahead  # zeros
         room.streams[2 * stream + window % 2] = address_of(padded) + NUMBER * begin
         room.lengths[stream] = size.width
 
@@ -130,7 +130,7 @@ def _prepare(frame, env, source, left, place, size, room):
 @compiled
 @no_type_check
 def _padding(size):
-    """Samples of silence before a source, and of all with silence after it."""
+    """Return the zero samples before a source, and the total length with padding."""
     ahead = max(size.first + size.echoes * size.half - size.start, 0)
     return ahead, ahead + max(size.length, size.start + size.width) + size.width
 
@@ -145,7 +145,7 @@ def _silence(values, count):
 @compiled
 @no_type_check
 def _make_response(frame, number, channel, response, size):
-    """Noise in octaves, as loud as they are, from the response's beginning on; nothing before its onset."""
+    """Generate a response: octave noise with its amplitudes, zero before the onset."""
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0
     length = size.bins * size.bin
@@ -171,7 +171,7 @@ def _make_response(frame, number, channel, response, size):
 @compiled
 @no_type_check
 def _make_piece(amplitude, mix, noise, hats, first, size, response):
-    """Four vectors of a bin at once, so that none waits for its own last product; the last ones may be the same."""
+    """Generate four vectors of a bin at once, to hide latency; the last ones may overlap."""
     bands, length, last = size.bands, size.bins * size.bin, size.bin - LANES
     at = min(first, last), min(first + LANES, last), min(first + 2 * LANES, last), min(first + 3 * LANES, last)
     a = b = c = d = spread(ZERO)
@@ -196,7 +196,7 @@ def _make_piece(amplitude, mix, noise, hats, first, size, response):
 @compiled
 @no_type_check
 def _interleave(count, size, room):
-    """All that is transformed, number by number."""
+    """Pack the signals of all transforms, interleaved by sample."""
     lanes, used = size.together * size.each, count * size.each
     for i in range(size.points):
         to = i * lanes
@@ -213,7 +213,7 @@ def _interleave(count, size, room):
 @compiled
 @no_type_check
 def _find_levels(frame, env, source, size, levels):
-    """How loud each echo is, over frequency, at both ends of the frame."""
+    """Compute the gain of each tail repetition over frequency, at both ends of the frame."""
     half, octaves = size.points // 2 + 1, table(frame, OCTAVES)
     number = (env * size.sources + source) * ENDS * size.echoes * size.bands
     given = shifted(row(frame, TAIL, 0), number)
@@ -229,7 +229,7 @@ def _find_levels(frame, env, source, size, levels):
 @compiled
 @no_type_check
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
-    """Spectra of windows times those of responses, conjugated, to lanes `to` and the next one."""
+    """Add the conjugate products of window and response spectra to lanes `to` and `to + 1`."""
     _find_levels(frame, env, source, size, room.levels)
     lanes, half, points = size.together * size.each, size.points // 2 + 1, size.points
     far = size.echoes * half
@@ -257,7 +257,7 @@ def _add_spectra(frame, env, source, lane, to, heard, size, room):
 @compiled
 @no_type_check
 def _split(heard, here, there):
-    """Spectra of two real signals that were transformed as one complex signal."""
+    """Separate the spectra of two real signals that were transformed as one complex signal."""
     a, b, c, d = heard[0][here], heard[1][here], heard[0][there], heard[1][there]
     even = ONE_HALF * (a + c), ONE_HALF * (b - d)
     return even, ONE_HALF * (b + d), ONE_HALF * (c - a)
@@ -277,7 +277,7 @@ def _add_products(heard, at, now, old, new, spectra, to):
 @compiled
 @no_type_check
 def _write(frame, env, left, lane, made, size):
-    """Fades from what is heard at the frame's start to what is heard at its end."""
+    """Write a crossfade between the sound at the frame's start and at its end."""
     out, scale = result_row(frame, env), ONE / np.float32(size.points)
     for k in range(size.frame):
         fade = np.float32(k + 1) / np.float32(size.frame)
@@ -318,7 +318,7 @@ def _sizes(frame):
 @compiled
 @no_type_check
 def _make_room(size):
-    """One piece of memory, of which `responses` is the beginning."""
+    """Allocate one block of memory that begins at `responses`."""
     lanes = size.together * size.each
     responses = size.together * ENDS * 2 * (size.first + size.half) + 2 * LANES
     padded = size.together * _padding(size)[1]

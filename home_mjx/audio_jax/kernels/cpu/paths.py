@@ -1,7 +1,7 @@
-"""Paths of a frame, read at their delays and added up with weights of their own: what `reads.sums_of` does.
+"""Delay-line reads of a frame's paths, mixed with gains per path, as `reads.sums_of`.
 
-Delays hardly change from sample to sample, so that neighbours are mostly read at neighbouring places: in vectors.
-Signals are at twice their rate, samples and what lies between them in arrays of their own.
+Delays hardly change from sample to sample, so neighbouring samples are mostly read at neighbouring places, in vectors.
+Signals have twice their rate, with even and odd half samples in separate arrays.
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
@@ -14,10 +14,10 @@ from home_mjx.audio_jax.base.delays import FIRST, HALF_WIDTH, READ, read_polynom
 from home_mjx.core.native.memory import shifted
 from home_mjx.core.native.simd import LANES, load, multiply_add, spread, store
 
-BLOCK = 512  # samples at a time
-WAY = 3  # numbers of a path before those of its ears: length at both ends, bend
+BLOCK = 512  # samples per block
+WAY = 3  # values of a path before those of its ears: lengths at both ends, bend
 ZERO, ONE, TWO, FOUR = (np.float32(x) for x in (0.0, 1.0, 2.0, 4.0))
-LEAST = np.float32(1e-6)
+LEAST = np.float32(1e-6)  # [m], minimum divisor
 TAPS = tuple(np.float32(x) for x in windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5))
 TABLE = tuple(tuple(np.float32(x) for x in row) for row in read_polynomials())  # lowest power first
 compiled = njit(error_model="numpy")
@@ -25,24 +25,24 @@ inlined = njit(error_model="numpy", forceinline=True)
 
 
 class Sizes(NamedTuple):
-    """Of the arrays of one environment."""
+    """Sizes of the arrays of one environment."""
 
     sources: np.int64
     length: np.int64  # samples of a source
-    filtered: np.int64  # and of what one of the first path's filters makes of it
-    rows: np.int64  # ways to a head
-    ears: np.int64  # that have delays of their own; 1: all channels share them
+    filtered: np.int64  # samples of the first path's filtered signal
+    rows: np.int64  # paths to a head
+    ears: np.int64  # ears with their own delays; 1: all channels share them
     channels: np.int64
-    shapes: np.int64  # sums of each channel, as many as a vector has lanes at least
-    count: np.int64  # samples of a sum
+    shapes: np.int64  # buses per channel, at least `LANES`
+    count: np.int64  # samples of a bus
     frame: np.int64
-    before: np.int64  # samples of a sum before the frame
+    before: np.int64  # samples of a bus before the frame
 
 
 @compiled
 @no_type_check
 def double(signal, count, padded, on, between):
-    """A signal's samples, and those between each two of them; silence before and after it."""
+    """Upsample a signal by two into its samples and those between; it is zero before and after."""
     for i in range(HALF_WIDTH):
         padded[i] = ZERO
     for i in range(count):
@@ -61,10 +61,10 @@ def double(signal, count, padded, on, between):
 @compiled
 @no_type_check
 def hear_block(way, ear, rate, places, signal, begin, count, size, base, rest, heard):
-    """What a way brings to one ear, `count` samples from number `begin` of the sums on.
+    """Read a path for one ear: `count` samples from index `begin` of the buses on.
 
-    `places`: half sample that is heard without delay, and those that may be read first; `signal`: its samples and those
-    between them.
+    `places`: half sample at zero delay, and the lowest and highest half samples that a read may begin with; `signal`:
+    samples and those between them.
     """
     _delays(way, ear, rate, places, begin, count, size, base, rest)
     k = 0
@@ -80,7 +80,7 @@ def hear_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
 @compiled
 @no_type_check
 def _delays(way, ear, rate, places, begin, count, size, base, rest):
-    """First half sample that is read for each sample, less twice its number, and how much later the value lies."""
+    """Compute the first half sample read for each sample, minus twice its index, and the fractional position."""
     old, change, bend = way[0], way[1] - way[0], way[2]
     first, middle, last = way[WAY + ear], way[WAY + size.ears + ear], way[WAY + 2 * size.ears + ear]
     curved, turned = FOUR * (middle - (first + last) / TWO), last - first
@@ -103,7 +103,7 @@ def _delays(way, ear, rate, places, begin, count, size, base, rest):
 @compiled
 @no_type_check
 def _read_run(signal, place, rest, count, heard):
-    """Samples that are read at places two half samples apart each."""
+    """Interpolate samples at places that are two half samples apart."""
     on, between = signal
     odd, i = place & 1, place >> 1
     if odd:
@@ -158,10 +158,10 @@ def _read_one(even, uneven, k, rest):
 @compiled
 @no_type_check
 def add_block(heard, share, which, far, begin, count, size, sums):
-    """Ways with weights that run from those at the frame's start to those at its end, `count` samples of their sums.
+    """Mix `count` samples of paths into buses, with gains that are interpolated over the frame.
 
-    `heard`: of each way, `BLOCK` values apart; `share`: of each way, `far` apart, what it has at the start in each of
-    the sums, and what comes until the end; `which`: numbers of ways that sound, after how many they are.
+    `heard`: signals of paths, at a stride of `BLOCK`; `share`: gains of paths into each bus at the frame's start, and
+    their change until its end, at a stride of `far`; `which`: number of audible paths, then their indices.
     """
     shapes = size.shapes
     for k in range(count):

@@ -1,1 +1,1 @@
-"""Early sound of moving frames on NVIDIA GPUs: CUDA C, compiled for this GPU at run time and called by XLA."""
+"""Moving frames on NVIDIA GPUs: CUDA C kernels, compiled for the GPU at run time and called by XLA."""

@@ -1,4 +1,4 @@
-"""Early sound of moving frames on GPUs: paths read and added up, and the sums filtered."""
+"""Early sound of moving frames on GPUs: paths are mixed into buses, and the buses are filtered."""
 
 import functools
 import math
@@ -17,12 +17,12 @@ from home_mjx.audio_jax.kernels.reads import Reads, before, frame_begin, times, 
 from home_mjx.core.native.platforms import call_kernel, shared_bytes
 from home_mjx.core.native.vmap_call import batched, numbers
 
-WINDOW = 0.08  # [s]
-SUMS, SUMS_THREADS = 20, 384  # that a thread keeps at once, and threads, as in sums.cu
+WINDOW = 0.08  # [s], source window in shared memory beyond the length of a frame
+SUMS, SUMS_THREADS = 20, 384  # buses per thread at a time, and threads per block, as in sums.cu
 
 
 def available(reads: Reads, config: AudioConfig) -> bool:
-    """Whether there is a GPU on which the kernels work, whose blocks have the memory that these arrays need."""
+    """Return whether the kernels work on a GPU and its shared memory is sufficient for these arrays."""
     if not cuda.cuda_available():
         return False
     size, most = cuda.transform_size(times(config).shape[0]), shared_bytes()
@@ -31,7 +31,7 @@ def available(reads: Reads, config: AudioConfig) -> bool:
 
 
 def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
-    """`motion.synthesis.early_frame` by two kernels."""
+    """Render `motion.synthesis.early_frame` with two kernels."""
     kernels, begin = shapes(config.sample_rate).kernel, frame_begin(config)
     return _filter_sums(_add_reads(reads, config), kernels, begin, config.frame)
 
@@ -42,7 +42,7 @@ def _add_reads(reads: Reads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 
 def read_operands(reads: Reads) -> tuple[Array, ...]:
-    """The arrays of one environment that the kernel reads, in its order."""
+    """Return the arrays of one environment in the order of the kernel's operands."""
     share = jnp.pad(reads.share, [(0, 0)] * 3 + [(0, -reads.share.shape[3] % SUMS), (0, 0)])
     return reads.source, reads.filtered, reads.start, way_rows(reads.ways), share
 
@@ -53,7 +53,7 @@ def _sums_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple
 
 
 def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tuple[Array, ...]:
-    """The kernel for environments (e ...); see `read_operands`."""
+    """Launch the kernel for environments (e ...); see `read_operands`."""
     source, filtered, _, way, share = given
     channels, count = share.shape[3], times(config).shape[0]
     sizes = (*source.shape[1:], filtered.shape[3], way.shape[2], ears, channels, shapes, count)
@@ -67,12 +67,12 @@ def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tupl
 
 
 def _window(config: AudioConfig) -> int:
-    """Samples of a source that are kept at a time: what a frame hears of paths of which none is longer by 25 m."""
+    """Return the source samples kept at a time: they suffice for paths whose lengths differ by at most 25 m."""
     return times(config).shape[0] + math.ceil(WINDOW * config.sample_rate)
 
 
 def _sums_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
-    """Memory that a block needs: signals at twice their rate, paths, when each is read, and shares."""
+    """Return the shared memory of a block [bytes]: upsampled signals, paths, their read plan and gains."""
     signals = 2 * (filtered[0, 0].size + _window(config)) + 3 * 2 * HALF_WIDTH
     return 4 * (signals + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + 4 * way.shape[2] + 2)
 
@@ -86,7 +86,7 @@ def _filter_sums(
 def filter_tables(
     kernels: Float[np.ndarray, "s t"], count: int
 ) -> tuple[Float[Array, "s size two"], Float[Array, "turns two"]]:
-    """Spectra of filters, and the turns of the transform that is made of so many samples."""
+    """Return the spectra of filters and the twiddle factors of the transform of at least `count` samples."""
     size = cuda.transform_size(count)
     assert size is not None
     return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.turns_of(size)
@@ -98,7 +98,7 @@ def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
 
 
 def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
-    """The kernel for sums of environments (e ...), the last operand; all share the tables before it."""
+    """Launch the kernel for buses of environments (e ...), the last operand; the tables before it are shared."""
     spectra, turns, sums = given
     envs, channels, shapes, count = sums.shape
     size = spectra.shape[1]
@@ -109,5 +109,5 @@ def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
 
 
 def filter_bytes(size: int) -> int:
-    """Memory that a block needs for a transform and its table."""
+    """Return the shared memory of a block for a transform and its table [bytes]."""
     return cuda.transform_bytes(size)

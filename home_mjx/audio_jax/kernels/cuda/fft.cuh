@@ -1,9 +1,10 @@
-// A block's complex transform in shared memory: Stockham's, radices of at most 8, eight values per thread.
+// Complex FFT of one block in shared memory: Stockham's algorithm, radices up to 8, eight values per thread.
 //
-// As in Govindaraju et al., High Performance Discrete Fourier Transforms on Graphics Processors, 2008: every pass reads
-// its values, turns and adds them up, and writes them where the next one finds them, so nothing has to be reversed.
+// After Govindaraju et al., High Performance Discrete Fourier Transforms on Graphics Processors, 2008: every pass reads
+// its values, applies twiddle factors and a butterfly, and writes them in the order of the next pass. So there is no bit
+// reversal.
 
-constexpr int PER_THREAD = 8;  // values; a transform has that many times as many as a block has threads
+constexpr int PER_THREAD = 8;  // values per thread; a block has size / PER_THREAD threads
 
 struct __align__(8) Complex {
   float re, im;
@@ -81,11 +82,11 @@ __device__ __forceinline__ void butterfly<8>(Complex* v) {
   }
 }
 
-// Where value i lies: a gap after every sixteen, so that threads next to each other use all banks, and so do those that
+// Position of value i: a gap after every sixteen avoids bank conflicts between neighbouring threads, also where they
 // write every eighth value.
 __device__ constexpr int place(int i) { return i + (i >> 4); }
 
-// Where value i + more lies, if i and i + 8 lie at `at` and `mid`: compilers do not see by themselves what stays the same.
+// Position of value i + more, from the positions `at` and `mid` of i and i + 8. Compilers do not find this simplification.
 __device__ __forceinline__ int further(int at, int mid, int i, int more) {
   return more % 16 == 0 ? at + place(more) : more % 16 == 8 ? mid + place(more - 8) : place(i + more);
 }
@@ -94,18 +95,18 @@ __device__ constexpr int largest_radix(int left) {
   return left % 8 == 0 ? 8 : left % 5 == 0 ? 5 : left % 4 == 0 ? 4 : left % 3 == 0 ? 3 : 2;
 }
 
-// The next radix, of n values of which groups of `done` are transforms: a large one first, then small ones, so that each
-// thread ends with eight values.
+// Radix of the next pass over n values, of which groups of `done` are transformed: the largest one first, then from small
+// to large, so that each thread ends with eight values.
 __device__ constexpr int radix_of(int n, int done) {
   int left = n / done;
   while (done > 1 && left != largest_radix(left)) left /= largest_radix(left);
   return largest_radix(left);
 }
 
-// Groups of values whose turns a table has; those of the others are products of them.
+// Twiddle rows in the table for a radix; the other twiddle factors are products of these.
 __device__ constexpr int turned(int radix) { return radix == 8 ? 4 : radix - 1; }
 
-// Turns of passes before the one that joins groups of `until`.
+// Number of twiddle factors of all passes before the one that joins groups of `until`.
 __device__ constexpr int num_turns(int n, int until) {
   int sum = 0;
   for (int done = radix_of(n, 1); done < until; done *= radix_of(n, done)) sum += done * turned(radix_of(n, done));
@@ -121,13 +122,13 @@ __device__ constexpr int last_radix() {
     return R;
 }
 
-// Values that a thread has when all passes are done.
+// Number of values that a thread holds after the last pass.
 template <int N>
 __device__ constexpr int num_slots() {
   return (PER_THREAD + last_radix<N>() - 1) / last_radix<N>() * last_radix<N>();
 }
 
-// Which value a slot of this thread holds then; -1: none.
+// Index of the value in a slot of this thread after the last pass; -1 if none.
 template <int N>
 __device__ __forceinline__ int slot_value(int slot) {
   constexpr int R = last_radix<N>();
@@ -135,14 +136,14 @@ __device__ __forceinline__ int slot_value(int slot) {
   return i < N / R ? i + slot % R * (N / R) : -1;
 }
 
-// One pass over N values, of which groups of DONE are transforms already, and all that come after it.
+// Runs the pass over N values of which groups of DONE are transformed, and all later passes.
 template <int N, int DONE, class Load, class Store>
 __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Load load, Store store) {
   constexpr int R = radix_of(N, DONE), COUNT = N / R, THREADS = N / PER_THREAD;
   constexpr int MOST = (COUNT + THREADS - 1) / THREADS;
   constexpr bool LAST = DONE * R == N;
   int thread = threadIdx.x;
-  asm volatile("" : "+r"(thread));  // or compilers keep the indices of all passes in registers, for the next transform
+  asm volatile("" : "+r"(thread));  // otherwise compilers keep the indices of all passes in registers for the next transform
   Complex held[MOST][R];
 #pragma unroll
   for (int b = 0; b < MOST; ++b) {
@@ -186,17 +187,17 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
   }
 }
 
-// Of what `load(i)` gives, by all N / PER_THREAD threads; results go to `store(slot, i, value)`, each thread's slots
-// being the same every time. `values` hold place(N); nobody may touch them before the next barrier. `turns`: of all passes
-// but the first, num_turns(N, N); a pass of radix R on groups of D has exp(-2 pi i r j / (D R)) at (r - 1) D + j
-// for r from 1 to `turned`(R).
+// Transforms the values of `load(i)` with all N / PER_THREAD threads. Results go to `store(slot, i, value)`; the slots of
+// a thread are the same in every call. `values` has place(N) elements and must not be accessed before the next barrier.
+// `turns` are the num_turns(N, N) twiddle factors of all passes but the first. A pass of radix R on groups of D has
+// exp(-2 pi i r j / (D R)) at (r - 1) D + j for r from 1 to `turned`(R).
 template <int N, class Load, class Store>
 __device__ __forceinline__ void transform(Complex* values, const Complex* turns, Load load, Store store) {
   passes<N, 1>(values, turns, load, store);
 }
 
-// From a spectrum, whose values each thread has in its slots, back to N times what it is of; results go to
-// `store(i, value)`. The way back is the way there of what is conjugated, before and after.
+// Computes the inverse transform, times N, of a spectrum in the threads' slots; results go to `store(i, value)`. It is the
+// forward transform with conjugation before and after.
 template <int N, class Store>
 __device__ __forceinline__ void transform_back(
     Complex* values, const Complex* turns, const Complex* spectrum, Store store) {
@@ -212,7 +213,7 @@ __device__ __forceinline__ void transform_back(
       [&](int, int i, Complex value) { store(i, conjugate(value)); });
 }
 
-// Copies turns to where a block's threads read them.
+// Copies twiddle factors to shared memory.
 template <int N>
 __device__ __forceinline__ void copy_turns(Complex* here, const float2* turns) {
   for (int i = threadIdx.x; i < num_turns(N, N); i += N / PER_THREAD) here[i] = Complex{turns[i].x, turns[i].y};

@@ -1,14 +1,15 @@
-// Sums of a frame through the filters that they share; one block per environment and pair of channels.
+// Filters the buses of a frame; one block per environment and pair of channels.
 //
-// SIZE, of transforms, is given when this is compiled. Filters are real, so a pair goes through them as the real and the imaginary part of one signal.
+// SIZE, the transform size, is a compile-time definition. Filters are real, so a pair of channels is filtered as the real
+// and the imaginary part of one signal.
 
-// At a time, on one multiprocessor: three were quickest of one to five.
+// Resident blocks per multiprocessor: three were fastest of one to five.
 constexpr int BLOCKS = SIZE / PER_THREAD <= 640 ? 3 : 1;
 
 extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, BLOCKS) filter_sums(
     const float* __restrict__ sums,       // (environments, channels, shapes, count)
     const float2* __restrict__ spectra,   // (shapes, SIZE), divided by SIZE
-    const float2* __restrict__ turns,     // of all passes, see `transform`
+    const float2* __restrict__ turns,     // twiddle factors of all passes, see `transform`
     const int* __restrict__ sizes,        // channels, shapes, count, begin, frame
     float* __restrict__ frames) {         // (environments, channels, frame)
   extern __shared__ float shared[];

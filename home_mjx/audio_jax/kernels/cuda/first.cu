@@ -1,11 +1,11 @@
-// A source through the causal octave filters of both ends of a frame, see `frames/first.py`; one block per source.
+// Filters a source with the causal octave filters of both ends of a frame, see `frames/first.py`; one block per source.
 //
-// SIZE, of transforms, is given when this is compiled. Both filters are real, so what they make are the real and the
+// SIZE, the transform size, is a compile-time definition. Both filters are real, so their outputs are the real and the
 // imaginary part of one signal.
 
-constexpr int BANDS = 7, HALF = SIZE / 2 + 1;  // octaves, and values of a real filter's spectrum
+constexpr int BANDS = 7, HALF = SIZE / 2 + 1;  // octaves; values of a real filter's spectrum
 
-// exp of octaves' levels times logarithms of their least-phase filters; nothing where `on` is 0.
+// Evaluates exp of the sum of octave levels times log minimum-phase filters; 0 if `on` is 0.
 __device__ __forceinline__ Complex filter_at(const float* levels, float on, const float2* octaves, int k) {
   float size = 0.0f, phase = 0.0f, sine, cosine;
   for (int band = 0; band < BANDS; ++band) {
@@ -20,12 +20,12 @@ __device__ __forceinline__ Complex filter_at(const float* levels, float on, cons
 
 extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
     const float* __restrict__ sources,   // (sources, length)
-    const int* __restrict__ begins,      // (sources): sample with which what is made begins
+    const int* __restrict__ begins,      // (sources): first output sample
     const float* __restrict__ levels,    // (sources, 2, BANDS): logarithms of gains
-    const float* __restrict__ sounds,    // (sources, 2): 0 where nothing sounds, else 1
+    const float* __restrict__ sounds,    // (sources, 2): 0 if silent, else 1
     const float2* __restrict__ octaves,  // (BANDS, HALF)
-    const float2* __restrict__ turns,    // of all passes, see `transform`
-    const int* __restrict__ sizes,       // length, samples that filters ring, and that are made
+    const float2* __restrict__ turns,    // twiddle factors of all passes, see `transform`
+    const int* __restrict__ sizes,       // length, samples of the filters, output samples
     float* __restrict__ filtered) {      // (sources, 2, made)
   extern __shared__ float shared[];
   constexpr int THREADS = SIZE / PER_THREAD;

@@ -1,4 +1,4 @@
-"""The first path's filters on GPUs."""
+"""Octave filters of the first path on GPUs."""
 
 import functools
 from collections.abc import Callable
@@ -19,7 +19,7 @@ NUM_TABLES, ENDS = 2, 2
 
 
 def available(config: AudioConfig) -> bool:
-    """Whether there is a GPU on which the kernel works, whose blocks have the memory that it needs."""
+    """Return whether the kernel works on a GPU and its shared memory is sufficient."""
     size = _size(config)
     return cuda.cuda_available() and size is not None and _bytes(size) <= shared_bytes()
 
@@ -27,13 +27,13 @@ def available(config: AudioConfig) -> bool:
 def filtered(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """`frames.first.filtered_by_xla` by a kernel."""
+    """Compute `frames.first.filtered_by_xla` with a kernel."""
     given = source, begin, *octave_levels(gain)
     return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
 
 
 def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "turns two"]]:
-    """Logarithms of the filters of octaves, and the turns of the transform."""
+    """Return the log spectra of the octave filters and the twiddle factors of the transform."""
     size = _size(config)
     assert size is not None
     return cuda.as_pairs(causal_octaves(size, config.sample_rate)), cuda.turns_of(size)
@@ -45,7 +45,7 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def run_first(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """The kernel for sources (e ...), which share the first operands, see `first_tables`."""
+    """Launch the kernel for sources (e ...); they share the first operands, see `first_tables`."""
     octaves, turns, source, begin, level, sounds = given
     (count, length), size = source.shape, 2 * (octaves.shape[1] - 1)
     sizes = numbers((length, num_ringing(config), num_filtered(config)))
@@ -60,5 +60,5 @@ def _size(config: AudioConfig) -> int | None:
 
 
 def _bytes(size: int) -> int:
-    """Memory that a block needs: a transform, and the spectra of two real filters."""
+    """Return the shared memory of a block [bytes]: a transform, and the spectra of two real filters."""
     return cuda.transform_bytes(size) + ENDS * 8 * (size // 2 + 1)

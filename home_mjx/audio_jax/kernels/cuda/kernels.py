@@ -1,4 +1,4 @@
-"""What kernels of moving sound have in common: whether they work here, and their transforms."""
+"""Common parts of the kernels of moving sound: availability, compilation and transforms."""
 
 import functools
 import math
@@ -17,14 +17,14 @@ SUMS_SOURCES = (FOLDER / "sums.cu",)
 FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "filtered.cu")
 NOISE_SOURCES = (FOLDER / "noise.cu",)
 LATE_SOURCES = (FOLDER / "fft.cuh", FOLDER / "late.cu")
-PER_THREAD, MOST_THREADS = 8, 768  # values of a transform, as in fft.cuh, and threads
+PER_THREAD, MOST_THREADS = 8, 768  # values of a transform per thread, as in fft.cuh, and maximum threads per block
 WARP = 32
 
 
 @functools.cache
 def cuda_available() -> bool:
-    """Whether the kernels work here; warns once if there is an NVIDIA GPU and they do not."""
-    return works("cuda", problem_of("cuda", _start), "moving sound is made by slower operations of XLA")
+    """Return whether the kernels work; warn once if there is an NVIDIA GPU on which they fail."""
+    return works("cuda", problem_of("cuda", _start), "moving sound uses slower XLA operations")
 
 
 def _start() -> None:
@@ -35,13 +35,13 @@ def _start() -> None:
 
 @functools.cache
 def ptx_of(sources: tuple[Path, ...], size: int) -> str:
-    """PTX that all GPUs of this process can run; `size` is that of its transforms, or how many noises there are."""
+    """Compile PTX that all GPUs of this process can run; `size` is its transform size or the number of noises."""
     return ptx_for_all(sources, {"SIZE": size})
 
 
 @functools.cache
 def transform_size(count: int) -> int | None:
-    """Values of the cheapest transform that holds so many and that a block can make; None if there is none.
+    """Return the size of the cheapest transform of at least `count` values in one block; None if there is none.
 
     Example:
         >>> transform_size(2143), transform_size(7000)
@@ -53,15 +53,15 @@ def transform_size(count: int) -> int | None:
 
 
 def turns_of(size: int) -> Array:
-    """The complex numbers that passes of a transform multiply by, see `transform` in fft.cuh, as pairs."""
+    """Return the twiddle factors of a transform as pairs, see `transform` in fft.cuh."""
     each = [np.outer(1 + np.arange(rows), np.arange(done)) / (done * radix) for done, rows, radix in _joined(size)]
     return as_pairs(np.exp(-2j * np.pi * np.concatenate([x.ravel() for x in each])))
 
 
 def _joined(size: int) -> list[tuple[int, int, int]]:
-    """Of each pass but the first: how many values are transformed together before it, rows of its turns, and its radix.
+    """Return for each pass but the first: size of the transforms before it, rows of twiddle factors, and radix.
 
-    In the order of `radix_of` in fft.cuh, with as many rows as `turned` there says.
+    The order is that of `radix_of` in fft.cuh, the number of rows that of `turned`.
     """
     first, *others = radices(size)
     order = (first, *others[::-1])
@@ -69,10 +69,10 @@ def _joined(size: int) -> list[tuple[int, int, int]]:
 
 
 def as_pairs(values: np.ndarray) -> Array:
-    """Complex numbers as pairs of floats."""
+    """Convert complex numbers to pairs of floats."""
     return jnp.asarray(np.stack([np.real(values), np.imag(values)], axis=-1), jnp.float32)
 
 
 def transform_bytes(size: int) -> int:
-    """Memory for the values of a transform and its turns."""
+    """Return the memory for the values of a transform and its twiddle factors [bytes]."""
     return 8 * (size + size // 16 + sum(done * rows for done, rows, _ in _joined(size)))

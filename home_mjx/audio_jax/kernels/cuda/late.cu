@@ -1,16 +1,16 @@
-// Late sound of a frame: sources through responses and what rings on after them; one block per environment and pair of
-// channels. What `tail.late_spectra` and `tail.late_frame` do, with one transform for both channels of a pair.
+// Late sound of a frame: sources convolved with responses and their tails; one block per environment and pair of channels.
+// Computes `tail.late_spectra` and the end of `tail.frame_by_xla`, with one transform for both channels of a pair.
 
 constexpr int BANDS = 7, ENDS = 2;  // octaves; start and end of the frame
 constexpr int HALF = SIZE / 2 + 1;  // values of a real signal's spectrum
 
 struct Sizes {
-  // `first` and `half`: samples of a response's parts; `echoes`: how often the second is heard again; `start`: sample of
-  // the source with which the window of the first begins, `width` samples long; `begin`: where the frame begins in sums.
+  // `first` and `half`: samples of a response's parts; `echoes`: repetitions of the second part in the tail; `start`:
+  // first source sample of the first part's window; `width`: samples of a window; `begin`: first frame sample in sums.
   int sources, length, channels, response, first, half, echoes, start, width, begin, frame;
 };
 
-// Windows of the source, two at a time as one complex signal: those of both parts, then those of echoes.
+// Reads a source window. Windows are transformed in pairs: those of both parts, then those of the tail's repetitions.
 __device__ __forceinline__ float windowed(const float* source, const Sizes& size, int window, int i) {
   if (i >= size.width || window > size.echoes + 1) return 0.0f;
   const int from = size.start - (window ? size.first + (window - 1) * size.half : 0) + i;
@@ -26,12 +26,12 @@ __device__ __forceinline__ float echo_level(const float* levels, const float* oc
 
 extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
     const float* __restrict__ sources,    // (environments, sources, length)
-    const float* __restrict__ responses,  // (environments, sources, ENDS, channels, response), of the noise
-    const int* __restrict__ shifts,       // (environments, sources, ENDS): sample with which a response begins
-    const int* __restrict__ onsets,       // (environments, sources, ENDS): sample of it before which nothing is heard
+    const float* __restrict__ responses,  // (environments, sources, ENDS, channels, response), in the noise's time
+    const int* __restrict__ shifts,       // (environments, sources, ENDS): noise sample at which a response begins
+    const int* __restrict__ onsets,       // (environments, sources, ENDS): response sample before which it is zero
     const float* __restrict__ levels,     // (environments, sources, ENDS, echoes, BANDS)
     const float* __restrict__ octaves,    // (BANDS, HALF)
-    const float2* __restrict__ turns,     // of all passes, see `transform`
+    const float2* __restrict__ turns,     // twiddle factors of all passes, see `transform`
     const int* __restrict__ numbers,      // Sizes
     float* __restrict__ frames) {         // (environments, channels, frame)
   extern __shared__ float shared[];
@@ -41,7 +41,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
   const bool both = left + 1 < size.channels;
   Complex* values = (Complex*)shared;
   Complex* table = values + place(SIZE);
-  Complex* now = table + num_turns(SIZE, SIZE);  // spectrum of what the first part hears; of the second part at both ends
+  Complex* now = table + num_turns(SIZE, SIZE);  // source spectrum of the first part; `later`: of the second
   Complex* later[ENDS] = {now + HALF, now + 2 * HALF};
   copy_turns<SIZE>(table, turns);
   __syncthreads();
@@ -95,7 +95,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
             [&](int i) {
               const int sample = from + i;
               if (i >= count || sample < onset) return Complex{0.0f, 0.0f};
-              int there = sample + shift;  // held to the noise, whatever the shift
+              int there = sample + shift;  // clamped to the noise for any shift
               there = max(0, min(there < size.response ? there : there - size.response, size.response - 1));
               const float* heard = responses + row * size.response + there;
               return Complex{heard[0], both ? heard[size.response] : 0.0f};
@@ -109,7 +109,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
     __syncthreads();
   }
 
-  // The frame fades from one end to the other.
+  // Crossfade from the frame's start to its end.
   float* out = frames + size_t(env * size.channels + left) * size.frame;
   const float step = 1.0f / float(size.frame);
 #pragma unroll

@@ -17,17 +17,17 @@ from home_mjx.core.native.vmap_call import batched, numbers
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
-ROWS, RUN, LOUD, NOISE_THREADS = 64, 5, 32, 64  # of a block, its bins, numbers of a row, and threads, as in noise.cu
+ROWS, RUN, LOUD, NOISE_THREADS = 64, 5, 32, 64  # per block: rows, bins, floats per row, threads, as in noise.cu
 
 
 def available(config: AudioConfig) -> bool:
-    """Whether there is a GPU on which the kernel works, whose blocks have the memory that it needs."""
+    """Return whether the kernel works on a GPU and its shared memory is sufficient."""
     size = cuda.transform_size(window_width(config))
     return cuda.cuda_available() and size is not None and _bytes(size) <= shared_bytes()
 
 
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
-    """`frames.tail.frame_by_xla` by two kernels."""
+    """Compute `frames.tail.frame_by_xla` with two kernels."""
     share = late.share
     given = sources, share.power, share.mix, share.common, share.start, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
@@ -36,7 +36,7 @@ def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) ->
 def late_tables(
     config: AudioConfig,
 ) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "turns two"]]:
-    """Noise, gains of octaves, and the turns of the transform."""
+    """Return the noise, octave gains and the twiddle factors of the transform."""
     size = cuda.transform_size(window_width(config))
     assert size is not None
     gains = octave_table(config, size) if config.num_tail else jnp.zeros((len(BANDS), size // 2 + 1), jnp.float32)
@@ -50,7 +50,7 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """The kernels for environments (e ...), all of which share the first operands, see `late_tables`."""
+    """Launch the kernels for environments (e ...); they share the first operands, see `late_tables`."""
     table, octaves, turns, sources, power, mix, common, begun, onset, tail = given
     responses = carry_noise(config, table, power, mix, common, begun)
     (envs, count, length), channels, size = sources.shape, config.num_channels, 2 * (octaves.shape[1] - 1)
@@ -72,7 +72,7 @@ def carry_noise(
     common: Float[Array, "*n k x bands"],
     start: Int[Array, "*n"],
 ) -> Float[Array, "*n e l"]:
-    """Responses of noise that carries what `Shares` say, in the noise's own time."""
+    """Generate noise responses with the energies of `Shares`; samples are in the noise's own time."""
     (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
@@ -84,5 +84,5 @@ def carry_noise(
 
 
 def _bytes(size: int) -> int:
-    """Memory that a block needs: a transform, and three spectra of real signals."""
+    """Return the shared memory of a block [bytes]: a transform, and three spectra of real signals."""
     return cuda.transform_bytes(size) + 3 * 8 * (size // 2 + 1)

@@ -1,19 +1,19 @@
-// Noise that carries the energy of responses: octaves of a few noises, mixed for each channel, as loud as bins are, with
-// amplitudes that run straight from knot to knot. What `shares.Shares` and a product with `noise_bins` give, but octaves
-// are mixed before they get their amplitudes. One block per RUN bins of the noise, or pieces of them, and ROWS ends of
-// frames in one channel; a thread keeps two samples of all noises, half a bin apart.
+// Noise responses: octaves of a few noises are mixed for each channel and scaled to the energy of bins, with amplitudes
+// that are linear between knots. The result equals `shares.Shares` times `noise_bins`, but octaves are mixed before they
+// are scaled. One block per RUN bins of the noise, or parts of these bins, and ROWS frame ends in one channel. A thread
+// keeps two samples of all noises, half a bin apart.
 //
-// SIZE, how many noises there are, is given when this is compiled.
+// SIZE, the number of noises, is a compile-time definition.
 
 constexpr int NOISES = SIZE, BANDS = 7, ROWS = 64, THREADS = 64;
-constexpr int RUN = 5;  // bins of a block, one after the other
-constexpr int MIX = (NOISES * BANDS + 3) / 4 * 4;  // numbers of a row, padded so that four are read at once
-constexpr int PART = 8, LOUD = 4 * PART;  // octaves, padded: at the start of each half of a bin, and what comes until its end
+constexpr int RUN = 5;  // bins per block, in sequence
+constexpr int MIX = (NOISES * BANDS + 3) / 4 * 4;  // mix weights per row, padded for reads of four
+constexpr int PART = 8, LOUD = 4 * PART;  // padded octaves; start and change per half bin
 constexpr float TINY = 1e-36f;
 
 __device__ __forceinline__ float at(float4 x, int i) { return i == 0 ? x.x : i == 1 ? x.y : i == 2 ? x.z : x.w; }
 
-// Amplitudes of a bin, as `shares.amplitudes` has them, where its power is `power` and its neighbours' are these.
+// Computes the amplitudes of a bin from its power and those of its neighbours, as `shares.amplitudes`.
 __device__ __forceinline__ void put_knots(float* loud, float before, float power, float after) {
   const float low = sqrtf((before + power) / 2), mid = sqrtf(power), high = sqrtf((power + after) / 2);
   const float here = (low * low + low * mid + 2 * mid * mid + mid * high + high * high) / 6;
@@ -22,15 +22,15 @@ __device__ __forceinline__ void put_knots(float* loud, float before, float power
   loud[2 * PART] = scale * mid, loud[3 * PART] = scale * (high - mid);
 }
 
-// Of one octave and channel in three bins, `stride` numbers apart; responses end at both ends.
+// Reads the amplitudes of one octave and channel from three bins at a stride; at a response's ends the bin itself.
 __device__ __forceinline__ void read_knots(float* loud, const float* power, int bin, int bins, int stride) {
   const float own = power[0], before = power[bin > 0 ? -stride : 0], after = power[bin + 1 < bins ? stride : 0];
   put_knots(loud, fabsf(before), fabsf(own), fabsf(after));
-  const float sign = own < 0.0f ? -1.0f : own > 0.0f ? 1.0f : own;  // of what has none it is none
+  const float sign = own < 0.0f ? -1.0f : own > 0.0f ? 1.0f : own;  // keeps 0 and NaN
   for (int i = 0; i < 4; ++i) loud[i * PART] *= sign;
 }
 
-// Adds what octaves carry at `place`, from 0 to 1, of a half of a bin.
+// Adds the scaled octaves at `place`, from 0 to 1, in a half bin.
 __device__ __forceinline__ void carry(const float* loud, const float* octaves, float place, float& sum) {
 #pragma unroll
   for (int i = 0; i < PART / 4; ++i) {
@@ -43,11 +43,11 @@ __device__ __forceinline__ void carry(const float* loud, const float* octaves, f
 
 extern "C" __global__ void __launch_bounds__(THREADS, 7) carry_noise(
     const float* __restrict__ noise,    // (own, NOISES, BANDS, response)
-    const float* __restrict__ powers,   // (ends, bins, channels, BANDS), of all ends of all environments
+    const float* __restrict__ powers,   // (ends, bins, channels, BANDS), frame ends of all environments
     const float* __restrict__ mixes,    // (ends, channels, NOISES, BANDS)
     const float* __restrict__ commons,  // (ends, bins, common, BANDS)
-    const int* __restrict__ starts,     // (ends): bin of the noise with which a response begins
-    const int* __restrict__ sizes,      // ends, bins, channels, samples of a bin, common channels, own noises
+    const int* __restrict__ starts,     // (ends): noise bin at which a response begins
+    const int* __restrict__ sizes,      // ends, bins, channels, samples per bin, common channels, noise sets
     float* __restrict__ responses) {    // (ends, channels, response), in the noise's time
   extern __shared__ float shared[];
   const int ends = sizes[0], bins = sizes[1], channels = sizes[2], bin = sizes[3], common = sizes[4], own = sizes[5];
@@ -68,7 +68,7 @@ extern "C" __global__ void __launch_bounds__(THREADS, 7) carry_noise(
   const bool idle = lane >= lanes || sample >= half;
   const float place = (float(sample) + 0.5f) / float(half);
   for (int which = begin; which < min(begin + RUN, bins); ++which) {
-    __syncthreads();  // nobody reads what is loud in the bin before
+    __syncthreads();  // all reads of the previous bin's amplitudes are done
 #pragma unroll 2
     for (int i = thread; i < ROWS * BANDS; i += THREADS) {
       const int row = i / BANDS, octave = i - row * BANDS, end = first + min(row, count - 1);
@@ -92,7 +92,7 @@ extern "C" __global__ void __launch_bounds__(THREADS, 7) carry_noise(
       heard[0][i] = from[size_t(i) * response];
       heard[1][i] = from[size_t(i) * response + half];
     }
-    __syncthreads();  // after all that is read from afar is under way
+    __syncthreads();  // after all global reads have been issued
     for (int row = lane; row < count && !idle; row += lanes) {
       float mixed[2][BANDS] = {};
 #pragma unroll

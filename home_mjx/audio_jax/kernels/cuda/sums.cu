@@ -1,18 +1,18 @@
-// Paths of a frame, read at their delays and added up with weights of their own; one block per environment.
+// Reads the paths of a frame at their delays and mixes them into buses; one block per environment.
 //
-// What `reads.sums_of` does, all of it between shared memory and registers: half samples of the source and of what
-// the first path's filters make, an interpolated value per path, channel and sample, and its share in each sum.
+// Computes `reads.sums_of` in shared memory and registers: upsampled source and filtered signals of the first path, an
+// interpolated value per path, channel and sample, and its gain into each bus.
 
-constexpr int SUMS = 20;      // that a thread keeps at once
-constexpr int TAPS = 32;      // of the filter between two samples
-constexpr int READ = 8;       // half samples that are read for one value
-constexpr int FIRST = -3;     // the first of them
-constexpr int WAY = 3;        // numbers of a path before those of its ears: length at both ends, bend
-constexpr int FILTERED = 2;   // rows that are read from what filters made
-constexpr int BORDER = TAPS / 2;  // samples around those that are read
-constexpr int NEVER = -1, LATER = -2;  // of turns, and where one begins that reads nothing of its source
+constexpr int SUMS = 20;      // buses per thread at a time
+constexpr int TAPS = 32;      // taps of the interpolation filter between two samples
+constexpr int READ = 8;       // half samples per interpolated value
+constexpr int FIRST = -3;     // offset of the first of them
+constexpr int WAY = 3;        // values of a path before those of its ears: lengths at both ends, bend
+constexpr int FILTERED = 2;   // paths that are read from filtered signals
+constexpr int BORDER = TAPS / 2;  // padding samples on both sides
+constexpr int NEVER = -1, LATER = -2;  // never read, not yet planned; as `begin`, NEVER: the turn reads no source window
 
-// Weight of half sample FIRST + I: `delays.read_weights`, whose numbers these are (a test compares them).
+// Weight of half sample FIRST + I, as `delays.read_weights`; a test compares the coefficients.
 template <int I>
 __device__ __forceinline__ float weight(float rest) {
   constexpr float TABLE[READ][6] = {
@@ -29,12 +29,12 @@ __device__ __forceinline__ float weight(float rest) {
   return ((((F * rest + E) * rest + D) * rest + C) * rest + B) * rest + A;
 }
 
-// Samples of a signal and what lies between each two of them, apart, so that neighbours read neighbours.
+// Upsampled signal; samples and those between them are in separate arrays, so that neighbouring threads read neighbours.
 struct Signal {
   float *on, *between;
-  int count;  // of samples; on both sides of them lie BORDER more
+  int count;  // samples, without BORDER padding samples on both sides
 
-  __device__ __forceinline__ float at(int place, float rest) const {  // `place`: half sample that is read first
+  __device__ __forceinline__ float at(int place, float rest) const {  // `place`: first half sample that is read
     const int j = place >> 1;
     const float* a = place & 1 ? between + j : on + j;
     const float* b = place & 1 ? on + j + 1 : between + j;
@@ -51,7 +51,7 @@ __device__ __forceinline__ Signal signal_at(float* memory, int count) {
   return {memory + BORDER, memory + 2 * BORDER + count, count};
 }
 
-// Reads samples of a source from `begin` on; silence before and after it.
+// Reads samples of a source from `begin` on, zero-padded.
 __device__ __forceinline__ void fill(const Signal& signal, const float* source, int length, int begin, int count) {
   for (int i = int(threadIdx.x) - BORDER; i < count + BORDER; i += blockDim.x) {
     const int from = begin + i;
@@ -59,7 +59,7 @@ __device__ __forceinline__ void fill(const Signal& signal, const float* source, 
   }
 }
 
-// Makes what lies between samples. The filter is symmetric.
+// Interpolates the samples between; the filter is symmetric.
 __device__ __forceinline__ void double_rate(const Signal& signal, int count, const float* half_taps) {
   float tap[TAPS / 2];
 #pragma unroll
@@ -72,7 +72,7 @@ __device__ __forceinline__ void double_rate(const Signal& signal, int count, con
   }
 }
 
-// Samples between what a path brings at `time` [frames] left its source and now: whole ones, and the rest [-half ones].
+// Delay of a path at `time` [frames]: whole samples in `whole`; returns the negative remainder [half samples].
 __device__ __forceinline__ float rest_of(const float* way, int ear, int ears, float time, float rate, int* whole) {
   const float curve = time * (1.0f - time), line = way[0] + time * (way[1] - way[0]), across = curve * way[2];
   const float root = sqrtf(fmaxf(line * line - across, 0.0f));
@@ -82,7 +82,7 @@ __device__ __forceinline__ float rest_of(const float* way, int ear, int ears, fl
   return -2.0f * (samples - low + start + time * (end - start) + 4.0f * curve * (middle - (start + end) / 2.0f));
 }
 
-// Which samples of its source a path reads: its image moves evenly, so no delay differs from the first by more.
+// Bounds the source samples that a path reads, from the constant velocity of its image source.
 __device__ __forceinline__ void find_reach(const float* way, const Sizes& size, int start, float rate, int* low, int* high) {
   const float change = way[1] - way[0], moved = sqrtf(change * change + fabsf(way[2])), length = float(size.length);
   const float most = fmaxf(float(size.before), float(size.count - size.before)) / float(size.frame);
@@ -93,7 +93,7 @@ __device__ __forceinline__ void find_reach(const float* way, const Sizes& size, 
   *high = int(fmaxf(0.0f, fminf(middle + float(size.count) + spread, length)));
 }
 
-// In which turn each path is read, -1 never: as many in one turn as read the same window. Returns how many turns.
+// Assigns each path to the turn in which it is read, NEVER if none: a turn has one source window. Returns the turns.
 __device__ int plan(const Sizes& size, const int* low, const int* high, int* turn, int* begin) {
   int turns = 0;
   for (int left = 1; left;) {
@@ -117,9 +117,9 @@ __device__ int plan(const Sizes& size, const int* low, const int* high, int* tur
 extern "C" __global__ void __launch_bounds__(384, 3) add_paths(
     const float* __restrict__ sources,   // (environments, sources, length)
     const float* __restrict__ filtered,  // (environments, sources, FILTERED, filtered)
-    const int* __restrict__ starts,      // (environments, sources, 3): half sample of each that is heard without delay
+    const int* __restrict__ starts,      // (environments, sources, 3): half sample of each part at zero delay
     const float* __restrict__ ways,      // (environments, sources, rows, WAY + 3 * ears)
-    const float2* __restrict__ weights,  // (environments, sources, rows, channels, shapes, in whole SUMS): at first, and what comes
+    const float2* __restrict__ weights,  // (environments, sources, rows, channels, shapes padded to SUMS): at the start, change
     const float* __restrict__ taps,      // (TAPS)
     const float* __restrict__ rates,     // samples per metre
     const int* __restrict__ numbers,     // Sizes

@@ -1,1 +1,1 @@
-"""Late sound computed once per house: between cells of its rooms, per octave and time."""
+"""Baking of late reverberation, once per house: energy between cells of its rooms, per octave and time."""

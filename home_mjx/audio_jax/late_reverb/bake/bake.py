@@ -1,4 +1,4 @@
-"""From a compiled house to its late field."""
+"""Baking of the late field of a compiled house."""
 
 from dataclasses import dataclass, replace
 
@@ -22,25 +22,26 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, CompiledHouse
 
-PLACES = 0  # seed of places in cells, the same in every bake of a house
-NARROW = 0.3  # [m]: portals that agents cannot cross count as so wide
-MOST_RAYS = (1600, 800, 400)  # few numbers: each is a program of its own
-RAYS_IN_ALL = 50_000  # from all cells, per octave
+PLACES = 0  # seed of the points in cells; the same in every bake of a house
+NARROW = 0.3  # [m], minimum width of portals; it replaces the width 0 of those that agents cannot cross
+MOST_RAYS = (1600, 800, 400)  # rays per cell and octave; few values, because each compiles its own program
+RAYS_IN_ALL = 50_000  # maximum rays from all cells, per octave
 
 
 @dataclass(frozen=True)
 class BakeOptions:
-    """How late sound is baked.
+    """Options of baking late reverberation.
 
     Attributes:
-        size: Wanted edge of a cell [m].
-        rays: Per cell and octave; None: 1,600; in houses of more than 31 cells 800, of more than 62 cells 400. So
-            baking takes about as long for all, and small ones, where few cells tell how a room decays, are exact, too.
-        bounces: Of rays that tell how rooms decay in the end; what is later begins anew.
-        seed: Of all random numbers of rays.
+        size: Target edge length of a cell [m].
+        rays: Rays per cell and octave. None: 1,600; 800 in houses of more than 31 cells, 400 of more than 62 cells.
+            Baking then takes about as long for all houses. Small ones, where few cells sample a room's decay, are
+            accurate too.
+        bounces: Maximum reflections of the rays that determine the final decay of rooms.
+        seed: Seed of all random numbers of rays.
 
     Raises:
-        ConfigError: A number cannot be used.
+        ConfigError: An option is out of range.
     """
 
     size: float = 1.0
@@ -56,7 +57,7 @@ class BakeOptions:
         check_number("seed", self.seed, 0, whole=True)
 
     def rays_for(self, cells: int) -> int:
-        """Per cell and octave, in a house of so many cells.
+        """Return the rays per cell and octave for a house of `cells` cells.
 
         Example:
             >>> tuple(BakeOptions().rays_for(cells) for cells in (30, 60, 139))
@@ -70,13 +71,13 @@ class BakeOptions:
 def bake_house(
     house: CompiledHouse, options: BakeOptions | None = None, bank: HouseBank | None = None, index: int = 0
 ) -> LateField:
-    """Traces rays from every cell of a house, all doors wide open, and keeps what the others hear.
+    """Trace rays from every cell of a house with all doors wide open, and keep the energy between cells.
 
     Args:
-        house: With its objects as they were compiled.
-        options: How.
-        bank: That holds the house; None: one is made. Houses of one bank share a compiled program.
-        index: Of the house in the bank.
+        house: House with its objects as compiled.
+        options: Options; None: defaults.
+        bank: Bank that holds the house; None: a new one. Houses of one bank share a compiled program.
+        index: Index of the house in the bank.
 
     Raises:
         ConfigError: The house has no room.
@@ -111,7 +112,7 @@ def bake_house(
 
 
 def open_scene(bank: HouseBank, index: int) -> Scene:
-    """A house of a bank without agents, all doors wide open."""
+    """Make the scene of a house of a bank, without agents and with all doors wide open."""
     house, physics = jnp.int32(index), bank.physics
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     return make_scene(
@@ -120,7 +121,7 @@ def open_scene(bank: HouseBank, index: int) -> Scene:
 
 
 def _joined(house: CompiledHouse) -> Bool[np.ndarray, "r r"]:
-    """Which rooms have a portal in common; all, if none is known."""
+    """Return a mask of room pairs that share a portal; all pairs if no portal is known."""
     count, pair = len(house.rooms.type), house.navigation.portals.room
     pair = pair[(pair >= 0).all(axis=1)]
     joined = np.full((count, count), not len(pair))
@@ -129,7 +130,7 @@ def _joined(house: CompiledHouse) -> Bool[np.ndarray, "r r"]:
 
 
 def _rooms(house: CompiledHouse, total: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The energy balance of the house's rooms, and its portals."""
+    """Compute the energy balance of the house's rooms, and the fields of its portals."""
     count, navigation = len(house.rooms.type), house.navigation
     portals = navigation.portals
     inner = (portals.room >= 0).all(axis=1)

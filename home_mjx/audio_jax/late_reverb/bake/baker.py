@@ -1,4 +1,4 @@
-"""Stages in which rays fly through a house: from points of its cells, then from gates that others went through."""
+"""Stages of ray tracing in a house: from points of its cells, then from the portal states that rays reached."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -13,20 +13,20 @@ from home_mjx.audio_jax.late_reverb.trace.pool import Pool
 from home_mjx.audio_jax.late_reverb.trace.stage import Flights, Heard, Start, together
 from home_mjx.schema.compiled import BANDS
 
-YOUNG = 40.0  # [m], after which it hardly matters in which cell of a room sound began
-OLD = 120.0  # [m], after which it does not matter when
-FREE = 2  # flights from each of the first gates that no other one ends
-FARTHER = 1.25  # times as far as they are heard do these fly, for not all rays get as far
-FLIGHTS = (1, 3, 2, 1)  # of rays of each room that are very old, old, from each gate between rooms, and after another
+YOUNG = 40.0  # [m], path length after which the start cell within a room hardly affects the field
+OLD = 120.0  # [m], further path length after which the decay no longer depends on the time since emission
+FREE = 2  # flights per first portal state whose rays portals do not terminate
+FARTHER = 1.25  # path length of these flights re the recorded one, because not all rays reach its end
+FLIGHTS = (1, 3, 2, 1)  # per portal state: very old, old, after one door, after two doors
 
 
 class Baker:
-    """Of one house.
+    """Ray tracing stages of one house.
 
     Args:
-        house: In which rays fly.
-        tally: Of what cells hear.
-        seed: Of all random numbers of rays.
+        house: Ray tracer of the house.
+        tally: Accumulator of the energy that cells receive.
+        seed: Seed of all random numbers of rays.
     """
 
     def __init__(self, house: Flights, tally: Tally, seed: int) -> None:
@@ -34,11 +34,11 @@ class Baker:
         self.rng = np.random.default_rng(seed)
 
     def run(self, points: Float[np.ndarray, "c r 3"], room: Int[np.ndarray, " c"]) -> dict[str, np.ndarray]:
-        """Fills the tally; directions from cell to cell, and sums over all rays.
+        """Fill the tally; return directions from cell to cell and sums over all rays.
 
         Args:
-            points: Where rays start in each cell [m].
-            room: Of each cell.
+            points: Start points of rays in each cell [m].
+            room: Room of each cell.
         """
         sent, met, aged = Pool(), Pool(), Pool()
         cells = self._fly([[self._source(p, int(r))] for p, r in zip(points, room, strict=True)], True, sent)
@@ -60,7 +60,7 @@ class Baker:
         heard = together(count, [(number[old], middle), (number[entering], between), (others, last)])
         goes = np.concatenate([np.repeat(gates.older[None], entering.start, axis=0), first, second])
         passed = through(heard.whole(lambda gave: gave.went), goes, count)
-        with ThreadPoolExecutor(1) as pool:  # the host has nothing else to do while a GPU's rays fly
+        with ThreadPoolExecutor(1) as pool:  # overlaps host work with ray tracing on a GPU
             later = pool.submit(later_of, heard, passed, slice(old.start, entering.stop), len(room))
             told = self._fly_freely([*grown, *young])
             given = cells.whole(lambda gave: through(np.asarray(gave.went), gates.number, count))
@@ -73,7 +73,7 @@ class Baker:
         return Start(np.tile(points, (len(BANDS), 1)), way, np.zeros(count), room, YOUNG)
 
     def _fly_freely(self, starts: list[list[Start]]) -> Heard:
-        """What some flights of each gate give that no other gate ends."""
+        """Trace some flights of each portal state without termination at other portals."""
         far = FARTHER * TOLD * self.tally.metres
         return self._fly([[one._replace(age=far) for one in some[:FREE]] for some in starts], False, ends=False)
 

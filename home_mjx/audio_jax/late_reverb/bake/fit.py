@@ -1,4 +1,4 @@
-"""From what cells heard to a late field: spans of time, shapes of decays, and what lies beyond the traced time."""
+"""Decay fit of received energies: time spans, decay shapes, and extrapolation beyond the traced time."""
 
 from itertools import pairwise
 
@@ -9,19 +9,19 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.late_reverb.lookup.spans import FINE, SILENT, SPANS
 
-BLOCK = 10  # bins
-PRIOR = 0.05  # share of a pair's energy that is spread over the spans as between all cells of its rooms
+BLOCK = 10  # [bins], resolution of the search for gaps in a decay
+PRIOR = 0.05  # weight of the rooms' distribution over spans in that of each pair of cells
 
 
 class Tally:
-    """Sums over cells: one call of `add` for each octave.
+    """Accumulator of the energy between cells and between rooms; one call of `add` per octave.
 
     Args:
-        room: Of each cell.
-        distance: From cell to cell [m].
-        bands: Octaves.
-        bins: Of time.
-        metres: That sound travels in one bin.
+        room: Room of each cell.
+        distance: Shortest path between cells [m].
+        bands: Number of octaves.
+        bins: Number of time bins.
+        metres: Distance that sound travels in one bin [m].
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Tally:
         self.valid: list[int] = []
 
     def add(self, octave: int, heard: Float[Array | np.ndarray, "m m k"], flown: float) -> None:
-        """Energy from all cells to all, and from and to none beyond them, up to a distance that most rays flew [m]."""
+        """Add an octave: energy between cells, zero-padded, and the path length that most rays travelled [m]."""
         self.valid.append(int((flown - self.distance.max()) / self.metres))
         count, rooms = len(self.room), len(self.shape)
         member = np.zeros((heard.shape[0], rooms + -rooms % 8), np.float32)
@@ -45,7 +45,7 @@ class Tally:
         self.shape[:, :, octave] = shape[:rooms, :rooms]
 
     def spans(self, heard: Float[Array | np.ndarray, "m m k"]) -> Float[np.ndarray, "n n s"]:
-        """Sums over each span of what all cells hear of all."""
+        """Sum the energy between cells over each span."""
         count = len(self.room)
         return np.asarray(_sums_of_spans(heard, self._first(heard.shape[0])))[:count, :count]
 
@@ -58,10 +58,11 @@ class Tally:
     def finish(
         self, seen: Bool[np.ndarray, "n n"] | None = None
     ) -> tuple[Float[np.ndarray, "n n s b"], Float[np.ndarray, "r r b k"]]:
-        """Logarithms of the energy per pair, span and octave, and the shapes of the decays.
+        """Return the log energy per pair, span and octave, and the decay shapes per pair of rooms.
 
         Args:
-            seen: Which cells see which; pairs of rooms of which none does are smoothed, see `apart`. None: all do.
+            seen: Visibility between cells. Pairs of rooms without any visible pair of cells are smoothed, see `apart`.
+                None: all cells are visible.
         """
         shape = self.shape + np.swapaxes(self.shape, 0, 1)
         valid = int(np.clip(np.median(self.valid), 3 * FINE, shape.shape[3]))
@@ -87,7 +88,7 @@ class Tally:
 def _sums(
     heard: Float[Array, "m m k"], arrival: Int[Array, "m m"], member: Float[Array, "m r"]
 ) -> tuple[Float[Array, "m m s"], Float[Array, "r r k"]]:
-    """What all cells hear of all in each span, and rooms of rooms."""
+    """Sum the energy between cells over each span, and between rooms over their cells."""
     after = _after(heard, arrival)
     return _spans(after), jnp.einsum("ia,ijk,jb->abk", member, after, member, precision="highest")
 
@@ -98,7 +99,7 @@ def _sums_of_spans(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> 
 
 
 def _after(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m k"]:
-    """What cells hear from the first possible arrival on; what seems to be earlier comes then."""
+    """Shift decays to the first possible arrival, and add earlier energy to that bin."""
     heard, first = heard.astype(jnp.float32), arrival[:, :, None]
     count, bins = heard.shape[2], jnp.arange(heard.shape[2], dtype=jnp.int32)
     later = jnp.take_along_axis(heard, jnp.minimum(bins + first, count - 1), axis=2)
@@ -111,10 +112,10 @@ def _spans(after: Float[Array, "m m k"]) -> Float[Array, "m m s"]:
 
 
 def alike(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
-    """Energies whose pattern over the cells of two rooms is that of the octave and its neighbours.
+    """Smooth the pattern over the cells of each pair of rooms across neighbouring octaves.
 
-    By how much a cell hears more than others of its room has to do with where it is, and changes slowly from octave to
-    octave, each of which has rays of its own. What the rooms hear as a whole stays.
+    The ratio of a cell's energy to its room's mean depends on its position and changes slowly with frequency. Each
+    octave has its own rays, so averaging reduces noise. Means over pairs of rooms are unchanged.
     """
     member = np.eye(room.max() + 1)[room]
     count = member.sum(axis=0)
@@ -129,10 +130,10 @@ def alike(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Fl
 def apart(
     pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"], seen: Bool[np.ndarray, "n n"]
 ) -> Float[np.ndarray, "n n s b"]:
-    """Energies between rooms that do not see each other, as a factor of either cell: sound goes through other rooms.
+    """Replace energies between rooms without mutual visibility by a product of one factor per cell.
 
-    Where it comes out of one doorway, it does not matter in which cell of the far room it began but for how loud that
-    doorway is from there; so few rays tell many pairs.
+    Such sound passes other rooms and enters through one doorway. The source's cell then only determines the level at
+    that doorway, so a few rays determine many pairs.
     """
     out = pair.copy()
     for a, b in np.argwhere(np.triu(np.ones((room.max() + 1,) * 2), 1)):
@@ -147,7 +148,7 @@ def apart(
 
 
 def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:
-    """End of the part up to `valid` in which no block of ten bins is mostly empty, but for the first span's."""
+    """Return the start of the first mostly empty block before `valid`, else `valid`; early blocks are exempt."""
     blocks = decay[: valid // BLOCK * BLOCK].reshape(-1, BLOCK) > 0
     empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
     empty = empty[empty > FINE // BLOCK]
@@ -155,9 +156,9 @@ def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:
 
 
 def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
-    """How fast a decay falls before `end` [per bin]; 0 if it does not.
+    """Estimate the decay rate before `end` [1/bin]; 0 if the energy does not fall.
 
-    The half before is divided in two; the ratio of their energies is what falls in so much time.
+    The rate is the log ratio of the energies in the last two quarters before `end`.
     """
     half = (end - max(end // 2, FINE)) // 2
     if half < 1:
@@ -167,19 +168,19 @@ def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
 
 
 def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
-    """Continues a decay in place beyond what rays have found, as it fell before.
+    """Extend a decay in place beyond the traced time, at its last rate.
 
     Args:
         decay: Energy per bin between two rooms.
-        valid: Bin up to which nearly all rays flew.
-        slowest: Rate at which the rooms themselves fall in the end [per bin]: none that they feed falls more slowly.
+        valid: Bin up to which nearly all rays were traced.
+        slowest: Final decay rate of the rooms themselves [1/bin]; a lower bound for all rooms that they excite.
     """
     end = _dense(decay, valid)
     first, rate = max(end - (end - FINE) // 4, FINE), max(_rate(decay, end), slowest)
     if decay[FINE:].sum() <= 0 or rate <= 0 or end <= first:
         return
     width = (end - first) / 2
-    mean = np.sinh(rate * width) / (rate * width)  # of an exponential over the last quarter, re its middle
+    mean = np.sinh(rate * width) / (rate * width)  # mean of an exponential over the last quarter re its middle
     time = np.arange(end, len(decay)) - (first + end - 1) / 2
     decay[end:] = decay[first:end].mean() / mean * np.exp(-rate * time)
 
@@ -191,16 +192,16 @@ def neighbours(
     reach: float,
     count: int,
 ) -> tuple[Int[np.ndarray, "p e"], Float[np.ndarray, "p e"]]:
-    """Cells around each place, those in view, and their weights: (1 − d / reach)², which add up to 1.
+    """Return the visible cells around each place and their weights, (1 − d / reach)² normalised to a sum of 1.
 
-    A place that sees no cell within reach takes the nearest one.
+    A place without a visible cell within `reach` takes the nearest visible one, or else the nearest one.
 
     Args:
-        center: Of the cells [m].
-        place: [m].
-        seen: Whether a place sees a cell's middle.
-        reach: At which a cell's weight ends [m].
-        count: Of cells kept.
+        center: Centres of the cells [m].
+        place: Positions [m].
+        seen: Visibility of each cell's centre from each place.
+        reach: Distance at which a cell's weight becomes zero [m].
+        count: Maximum cells per place.
     """
     apart = np.linalg.norm(place[:, None, :2] - center[None, :, :2], axis=2) + 100 * (
         np.abs(place[:, None, 2] - center[None, :, 2]) > 2

@@ -1,4 +1,4 @@
-"""How rooms lose and exchange energy, from what rays found."""
+"""Loss and exchange of energy of coupled rooms, estimated from ray sums."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ from jaxtyping import Float, Int
 
 
 class Flow(NamedTuple):
-    """What rays found of rooms, per octave; from sums of `flight.Flown` over all sources."""
+    """Loss and exchange of rooms per octave; from sums of `flight.Gave` over all sources."""
 
     loss: Float[np.ndarray, "r bands"]
     opening: Float[np.ndarray, "r r bands"]
@@ -22,16 +22,16 @@ def flow_of(
     through: Float[np.ndarray, "bands r r"],
     joined: Int[np.ndarray, "p 2"],
 ) -> Flow:
-    """Losses and exchange of rooms, as many square metres one way as the other.
+    """Compute losses and exchange of rooms; exchange areas [m²] are symmetric.
 
     Args:
-        volume: Of the rooms [m³].
-        lived: See `Flown`.
-        lost: See `Flown`.
-        moved: See `Flown`.
-        through: See `Flown`.
-        joined: Pairs of rooms that have a portal. Where there are any, what flew through a third room counts as having
-            been there.
+        volume: Volumes of the rooms [m³].
+        lived: See `Gave`.
+        lost: See `Gave`.
+        moved: See `Gave`.
+        through: See `Gave`.
+        joined: Pairs of rooms with a portal. If there are any, exchange across a third room is assigned to the rooms on
+            the way.
     """
     rate = volume / np.maximum(lived, 1e-30)  # (bands, r)
     exchange = [np.moveaxis(_both_ways(x * rate[:, :, None]), 0, -1) for x in (moved, through)]
@@ -45,7 +45,7 @@ def _both_ways(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands
 def _stepwise(
     exchange: Float[np.ndarray, "r r bands"], joined: Int[np.ndarray, "p 2"]
 ) -> Float[np.ndarray, "r r bands"]:
-    """Exchange of rooms that have no portal in common goes over the room that joins both best."""
+    """Route the exchange of rooms without a common portal through the room that connects both best."""
     if not len(joined):
         return exchange
     near = np.zeros(exchange.shape[:2], bool)

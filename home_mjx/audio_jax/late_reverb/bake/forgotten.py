@@ -1,33 +1,33 @@
-"""What gates forget, of which rays tell that fly on through them; host side.
+"""Correction of portal energies with rays that are not terminated at portals (NumPy, host only).
 
-Each gate knows two rooms of a way at most. So sound that goes to and fro between two rooms, or through three doors,
-goes on as all does that goes through its last two: in a house levels of rooms were up to 0.3 dB too high behind one
-door, 0.4 behind two, 0.5 behind three. Rays that no gate ends are right about that. Few of them get far, too few to
-tell what each cell hears, but enough for all cells of a room and all octaves together.
+A portal state represents at most the last two rooms of a path. Sound that passes back and forth between two rooms, or
+through three doors, therefore continues like all sound through its last two doors. In one house this raised room levels
+by up to 0.3 dB behind one door, 0.4 dB behind two and 0.5 dB behind three. Rays without termination have no such bias.
+Few of them reach distant rooms: too few for each cell, but enough for all cells of a room and all octaves together.
 """
 
 import numpy as np
 from jaxtyping import Float, Int
 
-EDGES = (0, 2, 6, 14, 30, 55, 87)  # bins after a gate between which energies are added up
-TOLD = EDGES[-1]  # bins, of which rays tell that no gate ends
-USUAL = 0.15  # by how much what gates say is usually wrong: what is told less exactly than that counts less
-MOST = 3.0  # by which energies are changed at most
-SILENT = 1e-30  # energy below which nothing is told apart
+EDGES = (0, 2, 6, 14, 30, 55, 87)  # [bins] after a portal state; energies are summed between edges
+TOLD = EDGES[-1]  # [bins], recorded time of rays without termination
+USUAL = 0.15  # prior relative error of the portal model; weights the Monte Carlo correction
+MOST = 3.0  # maximum correction factor, and its reciprocal the minimum
+SILENT = 1e-30  # minimum energy in ratios
 
 
 def remembered(
     ours: Float[np.ndarray, "b g n k"], theirs: Float[np.ndarray, "b g n m"], room: Int[np.ndarray, " n"]
 ) -> Float[np.ndarray, "g n k"]:
-    """By how much more each cell hears of each gate than gates say, over time; the same in all cells of a room.
+    """Return the ratio of measured to predicted energy for each portal state over time, equal in all cells of a room.
 
-    The mean over octaves, each of which has rays of its own. What they differ by says how exact it is, and in how many
-    of them no ray came.
+    The ratio is the mean over octaves, each of which has its own rays. Its noise is estimated from the variance over
+    octaves and from the share of octaves without a ray. Noisy ratios are shrunk towards 1.
 
     Args:
-        ours: What cells hear in each octave of each gate, as gates say.
-        theirs: The same in the first bins as rays say that no gate ends; nothing of a gate from which none flew.
-        room: Of each cell.
+        ours: Predicted energy per octave, portal state, cell and bin.
+        theirs: Energy in the first bins from rays without termination; zeros for states without such rays.
+        room: Room of each cell.
     """
     member = np.eye(room.max() + 1)[room]
     said, told = (_by_room(x, member) for x in (ours, theirs))
@@ -42,6 +42,6 @@ def remembered(
 
 
 def _by_room(heard: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:
-    """What all cells of each room hear between edges."""
+    """Sum energies over the cells of each room and between edges."""
     parts = np.add.reduceat(heard[..., :TOLD], EDGES[:-1], axis=3)
     return np.einsum("bgne,nr->bgre", parts, member)

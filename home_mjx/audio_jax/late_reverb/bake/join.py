@@ -1,4 +1,4 @@
-"""What cells hear before and after gates together."""
+"""Sum of the energies that cells receive before and after portal states."""
 
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
@@ -15,29 +15,29 @@ from home_mjx.audio_jax.late_reverb.trace.stage import Heard
 from home_mjx.core.workers import usable_cores
 from home_mjx.schema.compiled import BANDS
 
-EARLY = 128  # bins, after which sound comes from everywhere
-SUMS = ("lived", "lost", "moved", "through")  # of `Gave`, over all rays
-BLOCK = 16  # bins, a multiple of which sources send sound through gates: few programs do for all
+EARLY = 128  # [bins], after which sound is treated as isotropic
+SUMS = ("lived", "lost", "moved", "through")  # fields of `Gave`, summed over all rays
+BLOCK = 16  # [bins], to a multiple of which emission into portal states is padded; limits compiled programs
 
 
 class Later(NamedTuple):
-    """What cells hear of the first gates, through others too."""
+    """Energy that cells receive from the first portal states, including transfer through others."""
 
-    first: slice  # which gates these are: no cell sends sound through others
+    first: slice  # indices of these states; cells emit into no others
     energy: Float[np.ndarray, "bands g c k"]
-    way: Float[np.ndarray, "three g c k"]  # directions in which it comes, by energy
+    way: Float[np.ndarray, "three g c k"]  # energy-weighted directions of propagation
 
 
 def later_of(gates: Heard, passed: Float[np.ndarray, "g bands g k"], first: slice, count: int) -> Later:
-    """What cells hear of gates; each octave, and each component of directions, in a thread.
+    """Compute the energy received from portal states, with a thread per octave and per component of directions.
 
     Args:
-        gates: What gates gave before the next one.
-        passed: That went from gate to gate.
-        first: Gates through which cells send sound.
-        count: Of cells.
+        gates: Flights from each portal state up to the next one.
+        passed: Energy from portal state to portal state.
+        first: Portal states into which cells emit.
+        count: Number of cells.
     """
-    # Read as numpy does: operations of JAX would forget, in a thread, on which device they are to run.
+    # NumPy reads the arrays, because JAX operations in another thread do not inherit the default device.
     energy = gates.whole(lambda gave: np.asarray(gave.energy)[:, :, :count])
     way = gates.whole(lambda gave: np.asarray(gave.way)[:, :count])
     early = passed[..., :EARLY].mean(axis=1)
@@ -58,16 +58,16 @@ def join(
     free: Heard,
     later: Later,
 ) -> dict[str, np.ndarray]:
-    """Fills a tally; directions from cell to cell, and sums over all rays.
+    """Fill a tally; return directions from cell to cell and sums over all rays.
 
     Args:
-        tally: To fill.
-        cells: What cells gave before any gate.
-        gates: What gates gave before the next one.
-        given: Energy that cells sent through each gate.
-        passed: That went from gate to gate.
-        free: What the first gates gave, of rays that no other one ended.
-        later: What is heard of these gates.
+        tally: Accumulator to fill.
+        cells: Flights from cells up to the first portal state.
+        gates: Flights from each portal state up to the next one.
+        given: Energy from cells into each portal state.
+        passed: Energy from portal state to portal state.
+        free: Flights from the first portal states without termination at others.
+        later: Energy received from these states.
     """
     told = np.moveaxis(free.whole(lambda gave: gave.energy[:, :, : len(tally.room)]), 1, 0)
     energy = later.energy * remembered(later.energy, told, tally.room)
@@ -84,14 +84,14 @@ def join(
 
 
 def _padded(own: Float[Array, "c x m ..."]) -> Float[Array, "m x m ..."]:
-    """As many sources as cells, those beyond the last with nothing."""
+    """Pad sources with zeros to the padded number of cells."""
     return jnp.pad(own, [(0, own.shape[2] - own.shape[0])] + [(0, 0)] * (own.ndim - 1))
 
 
 def _added(
     own: Float[Array, "m m k"], sent: Float[np.ndarray, "c g t"], after: Float[np.ndarray, "g n k"]
 ) -> Float[Array, "m m k"]:
-    """What cells hear of all: before gates, and after what has been sent through these."""
+    """Add the energy received before portal states and the energy received through them."""
     count, more = len(own), -len(after) % 8
     sent = np.pad(sent, [(0, count - len(sent)), (0, more), (0, 0)])
     after = np.pad(after, [(0, more), (0, count - after.shape[1]), (0, 0)])
@@ -99,7 +99,7 @@ def _added(
 
 
 def _until_silent(sent: Float[np.ndarray, "c bands g k"]) -> Float[np.ndarray, "c bands g t"]:
-    """Without the bins in which nothing is sent any more."""
+    """Trim trailing bins without energy, to a multiple of `BLOCK`."""
     last = np.flatnonzero(sent.any(axis=(0, 1, 2))).max(initial=0)
     return sent[..., : (last // BLOCK + 1) * BLOCK].astype(np.float32)
 
@@ -125,7 +125,7 @@ def _sums(
     given: Float[np.ndarray, "c bands g k"],
     passed: Float[np.ndarray, "g bands g k"],
 ) -> dict[str, np.ndarray]:
-    """Over all rays, those of gates as much as goes through these."""
+    """Sum ray statistics, with portal states weighted by the energy that passes through them."""
     one, more = given.sum(axis=3), passed.sum(axis=3)
     total = np.stack([flux(one[:, band], more[:, band]).sum(axis=0) for band in range(len(BANDS))])
     sums = {}

@@ -1,4 +1,4 @@
-"""What baking gives for one house, and several of them side by side."""
+"""Baked late field of one house, and stacking of several houses with padding."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from jaxtyping import Float, Int, Int8, UInt8
 from home_mjx.audio_jax.late_reverb.lookup.spans import SILENT
 from home_mjx.bank.records.sound import LateSound
 
-# Of each field, what the lengths of its first axes are rounded up to a multiple of; the others are alike in all houses.
+# Multiples to which the first axes of each field are padded; other axes have equal lengths in all houses.
 AXES: dict[str, tuple[int, ...]] = {
     **dict.fromkeys(("arrival", "level", "comes_from"), (16, 16)),
     "room": (16,),
@@ -35,7 +35,7 @@ PADDING: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class LateField:
-    """Late sound of one house; see `bank.records.sound.LateSound` for its fields."""
+    """Baked late reverberation of one house; see `bank.records.sound.LateSound` for its fields."""
 
     arrival: UInt8[np.ndarray, "n n"]
     level: Float[np.ndarray, "n n spans bands"]
@@ -58,23 +58,23 @@ class LateField:
 
     @property
     def nbytes(self) -> int:
-        """Bytes of all arrays, as they are kept."""
+        """Size of all arrays as stored [bytes]."""
         return sum(x.nbytes for x in vars(self).values())
 
 
 def small(values: dict[str, np.ndarray]) -> LateField:
-    """A field of arrays in the least precision that will do."""
+    """Convert arrays to the lowest sufficient precision and return them as a field."""
     half = {name: np.clip(values[name], -6e4, 6e4).astype(np.float16) for name in HALF}
     rest = {n: x.astype(np.float32) if x.dtype == np.float64 else x for n, x in values.items() if n not in half}
     return LateField(**rest, **half)
 
 
 def stacked(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " k"]]) -> LateSound:
-    """Fields of several houses, padded to the largest.
+    """Stack the fields of several houses, padded to the largest.
 
     Args:
-        fields: One per house.
-        leaf_rows: Of each house, the bank's row of each of its doors' leaves.
+        fields: One field per house.
+        leaf_rows: For each house, the bank's row of each door leaf.
     """
     rows = [np.append(row, -1)[field.portal_leaf] for field, row in zip(fields, leaf_rows, strict=True)]
     fields = [dataclasses.replace(field, portal_leaf=leaf) for field, leaf in zip(fields, rows, strict=True)]

@@ -1,4 +1,4 @@
-"""Points of cells, and what they see; host side, but for the rays."""
+"""Points in cells and visibility between them; on the host, except for the rays."""
 
 from collections.abc import Callable
 
@@ -13,19 +13,19 @@ from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import CompiledHouse, Ray
 
-NEAR = 4  # cells that matter at one place
-REACH = 1.7  # [sizes of a cell], within which a cell matters
-PLACE = 0.2  # [m], between the places at which weights are kept
-EARS = 1.4  # [m], above the floor, from which places see cells
-WITNESSES = 5  # cells from whose middles one looks for free points of a cell
-FROM_EACH = 6  # free points of each of them, from which one looks for what their middles do not see
-ROUNDS = 4  # in which that is done: so many corners may be looked around
-AT_ONCE = 1 << 15  # rays between points
-CANDIDATES = 8  # points of a cell that are tried for one that is clear
+NEAR = 4  # maximum cells per lattice point
+REACH = 1.7  # [cell sizes], distance at which a cell's weight becomes zero
+PLACE = 0.2  # [m], spacing of the lattice on which weights are stored
+EARS = 1.4  # [m], height of lattice points above the floor
+WITNESSES = 5  # nearest cells whose centres are tested for a view of a cell's points
+FROM_EACH = 6  # free points per such cell that are tested next, for points hidden from the centres
+ROUNDS = 4  # maximum rounds of that search, and so of corners on the way
+AT_ONCE = 1 << 15  # rays per batch
+CANDIDATES = 8  # points of a cell among which an unobstructed one is chosen
 
 
 def clear_points(scene: Scene, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """A point of each cell that stands in nothing: of some, the one that sees most others of its room."""
+    """Choose an unobstructed point of each cell: the candidate that sees most others of its room."""
     tried = np.stack([random_points(cells, cell, CANDIDATES, rng) for cell in range(len(cells.room))])
     tried[:, 0] = cells.center
     flat = tried.reshape(-1, 3)
@@ -37,10 +37,10 @@ def clear_points(scene: Scene, cells: Cells, rng: np.random.Generator) -> Float[
 def start_points(
     scene: Scene, cells: Cells, count: int, rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
-    """Random points in the free part of each cell, and how large that part is.
+    """Sample random points in the free part of each cell; return them and the free fraction of its volume.
 
-    Free is what the middle of the cell sees, or one of those of the nearest cells of its room, and what such points
-    see: there is air behind a screen and above a cupboard, too.
+    A point is free if it is visible from the centre of its cell or of a nearby cell of its room, or from free points.
+    So air behind a screen and above a cupboard is included.
     """
     points, free = [], []
     tried = np.stack([random_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])
@@ -67,7 +67,7 @@ def _around_corners(
     nearest: Int[np.ndarray, "n w"],
     rng: np.random.Generator,
 ) -> Bool[np.ndarray, "n r"]:
-    """Which points of cells are free, or seen from free ones of the nearest cells, or from points seen from these."""
+    """Extend the free points of cells by those visible from free points of the nearest cells, repeatedly."""
     free, own = free.copy(), np.arange(len(free))[:, None]
     for _ in range(ROUNDS):
         chance = np.where(free, rng.random(free.shape, np.float32), 0.0)
@@ -83,7 +83,7 @@ def _around_corners(
 
 
 def random_points(cells: Cells, cell: int, count: int, rng: np.random.Generator) -> Float[np.ndarray, "r 3"]:
-    """Random points of a cell."""
+    """Sample random points of a cell."""
     _, row, column = np.nonzero(cells.lookup == cell)
     pick = rng.integers(len(row), size=count)
     plan = cells.origin + (np.stack([column[pick], row[pick]], 1) + rng.random((count, 2))) * cells.step
@@ -91,21 +91,21 @@ def random_points(cells: Cells, cell: int, count: int, rng: np.random.Generator)
 
 
 def in_view(scene: Scene, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, "p n"]:
-    """Which points see which."""
+    """Test the visibility between all pairs of points."""
     return _see(scene, start[:, None], end[None])
 
 
 def ways(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
-    """Shortest ways from cell to cell, from one to another in view; where there is none, the straight line."""
+    """Compute shortest paths between cells over mutually visible cells [m]; the straight line if there is no path."""
     straight = np.linalg.norm(center[:, None] - center[None], axis=2)
     found = dijkstra(np.where(seen | seen.T, straight, 0), directed=False)
     return np.where(np.isfinite(found), found, straight)
 
 
 def places(house: CompiledHouse, scene: Scene, cells: Cells, size: float) -> Callable[[], dict[str, np.ndarray]]:
-    """Sends rays from the points of a lattice to cells; what it returns gives the fields of a `LateField` about them.
+    """Launch rays from lattice points to cells; return a function that computes the lattice fields of a `LateField`.
 
-    These are the cells around each point, and their weights. Until then a GPU has other work to do.
+    The fields are the cells around each lattice point and their weights. A GPU can do other work until that call.
     """
     stride = max(round(PLACE / cells.step), 1)
     levels, rows, columns = cells.lookup.shape
@@ -130,16 +130,16 @@ def places(house: CompiledHouse, scene: Scene, cells: Cells, size: float) -> Cal
 
 
 def _see(scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]) -> Bool[np.ndarray, "..."]:
-    """Whether nothing is between."""
+    """Test for unobstructed lines between points."""
     return _look(scene, start, end)()
 
 
 def _look(
     scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
 ) -> Callable[[], Bool[np.ndarray, "..."]]:
-    """Sends rays between points, so many at a time: houses of all sizes share one program.
+    """Launch rays between points; return a function that waits for them and returns the visibility.
 
-    What it returns waits for them.
+    Batches have a fixed size, so houses of all sizes share one program.
     """
     start, end = np.broadcast_arrays(np.asarray(start, np.float32), np.asarray(end, np.float32))
     rays = np.stack([start.reshape(-1, 3), end.reshape(-1, 3)])

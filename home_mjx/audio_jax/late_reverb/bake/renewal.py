@@ -1,14 +1,19 @@
-"""Rays that start anew where others entered a room, and how what all of them give adds up; host side.
+"""Portal states, at which rays are restarted, and the renewal equation that adds up their energies (NumPy, host only).
 
-Sound that has come through a doorway has forgotten where it began, but for when and how much of it there is; so has
-sound that has been reflected often in a room. Such moments are *gates*: one per pair of rooms between which sound goes,
-for what began in the first or grew old there; one per two doors that sound comes through, for what comes through one
-door meets another as nothing else does; and one per room for what has grown old in it. From each gate rays fly as they
-went through it, whatever cell they came from, so that a few tell of all cells and rooms that are many doors away.
+Sound that has passed a doorway no longer depends on its start, except for its time and energy. The same holds for sound
+that has been reflected often in a room. Rays end at such *portal states*, and new rays start there:
 
-With D what cells hear of a source before any gate, G what goes from it through gates over time, H what cells hear of
-a gate before the next one, and K what goes from gate to gate, all hear D + G U. U = H + K U is what they hear of a gate
-through others too: a renewal equation, solved by its Fourier transform.
+- one state per ordered pair of rooms with exchange, for paths that began or aged in the first room;
+- one state per two consecutive doors, because sound from one door reaches another with its own distribution;
+- two states per room, for paths that are old and very old in it.
+
+New rays continue those that reached a state, regardless of their start cell. So a few rays serve all cells, and rooms
+many doors away.
+
+D is the energy that cells receive from a source before any portal state, and G its emission into portal states over
+time. H is the energy that cells receive from a state before the next one, and K the transfer between states. Cells then
+receive D + G U in total. U = H + K U is the energy from a state including transfer through others: a renewal equation,
+solved by its Fourier transform.
 """
 
 from functools import lru_cache
@@ -17,29 +22,29 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-MINOR = 0.05  # share of what comes into a room below which a gate is none of its own
-LONGER = 1.25  # times as long as what is transformed is the transform
-DAMPING = 1e-6  # of time before it is transformed, over the transform: what wraps around is so small
+MINOR = 0.05  # share of the energy into a room below which a path has no portal state of its own
+LONGER = 1.25  # length of the Fourier transform re the signal
+DAMPING = 1e-6  # exponential damping over the length of the transform; bounds circular wrap-around
 
 
 class Gates(NamedTuple):
-    """Where rays start anew."""
+    """Portal states, at which rays restart."""
 
-    rooms: Int[np.ndarray, "g 2"]  # left and entered; alike: what has grown old in a room, and first what is very old
-    number: Int[np.ndarray, "r r"]  # of the gate through which sound goes from room to room; -1 none
-    older: Int[np.ndarray, "r r"]  # the same of sound that has grown old already
+    rooms: Int[np.ndarray, "g 2"]  # left and entered; equal for aged paths, first the very old, then the old ones
+    number: Int[np.ndarray, "r r"]  # index of the state for sound from room to room; -1 none
+    older: Int[np.ndarray, "r r"]  # the same for sound that is old already
 
     def kinds(self) -> tuple[slice, slice, slice]:
-        """Gates of what is very old, what is old, and what comes from another room."""
+        """Return the index ranges of states of very old paths, of old paths, and of paths from another room."""
         own = int((self.rooms[:, 0] == self.rooms[:, 1]).sum()) // 2
         return slice(0, own), slice(own, 2 * own), slice(2 * own, len(self.rooms))
 
 
 def gates_of(went: Float[np.ndarray, "r r"]) -> Gates:
-    """One gate per pair of rooms between which sound goes; what little comes another way counts to the main one.
+    """Build one state per ordered pair of rooms with exchange; minor pairs share the main state of the entered room.
 
     Args:
-        went: Energy from room to room, on the diagonal what is left in it.
+        went: Energy from room to room; on the diagonal the energy that aged in the room.
     """
     between = went * ~np.eye(len(went), dtype=bool)
     alive = np.flatnonzero(went.sum(axis=0) > 0)
@@ -59,15 +64,15 @@ def gates_of(went: Float[np.ndarray, "r r"]) -> Gates:
 def gates_after(
     gates: Gates, went: Float[np.ndarray, "f r r"]
 ) -> tuple[Int[np.ndarray, "g 2"], Int[np.ndarray, "f r r"], Int[np.ndarray, "g r r"]]:
-    """More gates, for what comes through a door after another; what little comes another way forgets the first one.
+    """Build states for two consecutive doors; minor paths use the state of the last door alone.
 
     Args:
-        gates: That there are.
-        went: Energy from room to room of what started at each gate between rooms.
+        gates: Existing states.
+        went: Energy from room to room of rays that started at each state between rooms.
 
     Returns:
-        Rooms left and entered, by gate; the gate through which goes what started at each gate between rooms; and the
-        same of what started at these new ones.
+        Rooms left and entered by each new state; state index per pair of rooms, for rays from each state between rooms;
+        the same for rays from each new state.
     """
     first = gates.kinds()[2].start
     between = went * ~np.eye(went.shape[1], dtype=bool)
@@ -82,7 +87,7 @@ def gates_after(
 def through(
     went: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "*s r r"], count: int
 ) -> Float[np.ndarray, "s bands g k"]:
-    """Energy that went from room to room, by gates, which are alike for all sources or given by source."""
+    """Sum energy from room to room by portal state; `number` is shared by all sources or has one row per source."""
     out = np.zeros((*went.shape[:2], count, went.shape[-1]), went.dtype)
     each = np.broadcast_to(number, (len(went), *number.shape[-2:]))
     for left, entered in np.argwhere((each >= 0).any(axis=0)):
@@ -92,19 +97,19 @@ def through(
 
 
 def flux(given: Float[np.ndarray, "s g"], passed: Float[np.ndarray, "g g"]) -> Float[np.ndarray, "s g"]:
-    """All energy that ever goes through each gate: what sources give, and what comes from other gates."""
+    """Compute the total energy through each portal state, from sources and from other states."""
     return np.linalg.solve(np.eye(len(passed)) - passed.T, given.T).T
 
 
 def beyond(
     passed: Float[np.ndarray, "g g k"], heard: Float[np.ndarray, "g c k"], some: slice
 ) -> Float[np.ndarray, "s c k"]:
-    """What cells hear of some gates, through others too, over time.
+    """Compute the energy over time that cells receive from some states, including transfer through others.
 
     Args:
-        passed: Energy from gate to gate.
-        heard: Of each gate before the next one.
-        some: Which gates.
+        passed: Energy from state to state.
+        heard: Energy that cells receive from each state before the next one.
+        some: Indices of the states.
     """
     bins = heard.shape[-1]
     one = np.eye(len(passed))
@@ -120,6 +125,6 @@ def _damping(bins: int) -> Float[np.ndarray, " k"]:
 
 
 def _spectrum(values: Float[np.ndarray, "a b k"]) -> Complex[np.ndarray, "f a b"]:
-    """Of what is damped, so that it has ended when it begins anew."""
+    """Transform damped signals, so that circular wrap-around is negligible."""
     bins = values.shape[-1]
     return np.ascontiguousarray(np.moveaxis(np.fft.rfft(values * _damping(bins), int(LONGER * bins)), -1, 0))

@@ -1,1 +1,1 @@
-"""Late sound of a bank, read in a step: between any two points, with doors as they stand."""
+"""Lookup of baked late reverberation between any two points, with doors in their current state."""

@@ -1,4 +1,4 @@
-"""Energy balance of rooms: what doors and walls change of late sound."""
+"""Energy balance of coupled rooms: the effect of doors and walls on late reverberation."""
 
 from typing import NamedTuple
 
@@ -11,15 +11,15 @@ from home_mjx.bank.records.sound import LateSound
 from home_mjx.core.transforms import compose, invert
 from home_mjx.raycast_render.scene.types import Scene
 
-LEAST = 1e-20  # energy density below which nothing is told apart
-MOST_GAIN = 30.0  # by which shutting doors can make a room louder at any time
+LEAST = 1e-20  # minimum energy density in ratios, against division by zero
+MOST_GAIN = 30.0  # maximum energy ratio of current to open doors; closed doors can raise a room's energy
 
 
 class Rooms(NamedTuple):
-    """Energy over time in the rooms of one house, see `balance`."""
+    """Correction of baked energy for doors and walls over time, see `balance`."""
 
-    kept: Float[Array, "k bands"]  # share of what is heard with doors open that is left as they are
-    added: Float[Array, "k bands"]  # energy through walls and shut leaves, re the free field at 1 m
+    kept: Float[Array, "k bands"]  # ratio of energy with current doors to energy with all doors open
+    added: Float[Array, "k bands"]  # energy transmitted by walls and closed leaves, re the free field at 1 m
 
 
 def balance(
@@ -30,20 +30,20 @@ def balance(
     bins: int,
     metres: float,
 ) -> Rooms:
-    """What doors as they stand, and walls, do to sound from a room to another.
+    """Compute the effect of current door leaves and of walls on the energy between two positions.
 
-    The energy density w of each room falls by what its surfaces take and what rooms exchange (Kuttruff, Room
-    Acoustics, coupled rooms): V dw_r / dx = -V loss w_r + sum_s K_rs (w_s - w_r), x being the way that sound travels.
-    Loss and exchange are those that rays found with doors open. A leaf scales its portal's part of K. Walls only add:
-    what they let through counts as lost already.
+    The energy density w of each room decays by absorption and exchange (Kuttruff, Room Acoustics, coupled rooms):
+    V dw_r / dx = -V loss w_r + sum_s K_rs (w_s - w_r), where x is the distance that sound has travelled. Loss and
+    exchange were estimated from rays with all doors open. A leaf scales its portal's part of K. Walls only add energy,
+    because the loss already includes the energy that they transmit.
 
     Args:
-        late: Of the bank.
-        scene: The environment.
-        source: Share of the source in each room.
-        listener: The same of the listener.
-        bins: Of time.
-        metres: That sound travels in one bin.
+        late: Baked sound of the bank.
+        scene: Environment with its current door leaves.
+        source: Weight of the source in each room.
+        listener: Weight of the listener in each room.
+        bins: Number of time bins.
+        metres: Distance that sound travels in one bin [m].
     """
     house = scene.house
     volume, loss = late.volume[house], late.loss[house].astype(jnp.float32)
@@ -60,11 +60,12 @@ def balance(
 
 
 def leaf_openings(scene: Scene) -> Float[Array, " doors"]:
-    """How far each leaf is open for sound that comes from everywhere: 0 shut, 1 wide open.
+    """Return the effective opening of each leaf in a diffuse field: 0 shut, 1 wide open.
 
-    Sound gets to a doorway through the gap between the leaf's end and the other jamb; what then falls on the leaf
-    goes on to the doorway or back, by the crossed strings of a triangle (Hottel). With g = 2 sin(q / 2), the gap re the
-    leaf, that is g (1 - g / 4).
+    Sound reaches a doorway through the gap between the leaf's free edge and the opposite jamb. Sound that is incident
+    on the leaf then continues to the doorway or returns, by Hottel's crossed-strings rule for a triangle. With the gap
+    g = 2 sin(q / 2) re the leaf width, the opening is g (1 - g / 4). Sliding leaves open in proportion to their
+    displacement.
     """
     physics, geometry, house = scene.bank.physics, scene.bank.geometry, scene.house
     first, count = scene.bank.spec.num_bodies, scene.bank.spec.num_doors
@@ -80,7 +81,7 @@ def leaf_openings(scene: Scene) -> Float[Array, " doors"]:
 
 
 def _gap(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
-    """Share of a doorway that is open, re the leaf's width."""
+    """Compute the open share of a doorway re the leaf's width."""
     turned = jnp.clip(jnp.abs(jnp.arctan2(jnp.sin(angle), jnp.cos(angle))), 0.0, jnp.pi / 2)
     gap = 2 * jnp.sin(turned / 2)
     return gap * (1 - gap / 4)
@@ -89,7 +90,7 @@ def _gap(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
 def _shares(
     late: LateSound, scene: Scene, opening: Float[Array, " doors"]
 ) -> tuple[Float[Array, "r r 1"], Float[Array, "r r bands"]]:
-    """Share of each pair's exchange that is left with leaves as they stand; the same with what leaves let through."""
+    """Compute the share of each room pair's exchange that current leaves leave open, without and with transmission."""
     house, rooms = scene.house, late.volume.shape[1]
     leaf = late.portal_leaf[house]
     each = opening[jnp.clip(leaf, 0, max(opening.size - 1, 0))] if opening.size else jnp.ones(leaf.shape, jnp.float32)
@@ -109,7 +110,7 @@ def _shares(
 def _matrix(
     volume: Float[Array, " r"], loss: Float[Array, "r bands"], exchange: Float[Array, "r r bands"]
 ) -> Float[Array, "bands r r"]:
-    """M of dw / dx = -M w."""
+    """Return M of dw / dx = -M w."""
     exchange = jnp.moveaxis(exchange, -1, 0)
     own = loss.T * volume[None] + jnp.sum(exchange, axis=2)
     return (own[:, :, None] * jnp.eye(volume.size, dtype=jnp.float32)[None] - exchange) / volume[None, :, None]

@@ -1,4 +1,4 @@
-"""Baked late sound between any two points of an environment."""
+"""Baked late reverberation between any two points of an environment."""
 
 import jax
 import jax.numpy as jnp
@@ -14,18 +14,16 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 
-TOP_ROOMS = 2  # between which decays are interpolated
+TOP_ROOMS = 2  # maximum rooms per point between which decays are interpolated
 
 
 class Arrivals(Pytree):
-    """Late sound at a listener, whatever its ears."""
+    """Late reverberation at a listener, independent of its receiver."""
 
     energy: Float[Array, "k bands"]  # per time bin, re the free field of the source at 1 m
-    comes_from: Float[Array, "spans 3"]  # mean direction to where it comes from, world; 0 everywhere, 1 one side
-    leaves_to: Float[
-        Array, "spans 3"
-    ]  # the same of what a source gives it: as listeners there would hear, turned round
-    span: Float[Array, "k spans"]  # share of each bin that is in each span
+    comes_from: Float[Array, "spans 3"]  # mean direction of arrival, world; length 0: isotropic, 1: one direction
+    leaves_to: Float[Array, "spans 3"]  # mean direction of emission, by reciprocity that of arrival at the source
+    span: Float[Array, "k spans"]  # share of each bin in each span
 
 
 class _Place(Pytree):
@@ -35,10 +33,10 @@ class _Place(Pytree):
 
 
 def late_of(bank: HouseBank) -> LateSound:
-    """The baked sound of a bank.
+    """Return the baked sound of a bank.
 
     Raises:
-        ConfigError: There is none.
+        ConfigError: The bank has no baked sound.
     """
     if LATE_REVERB not in bank.bakes:
         hint = "Add it with `bank = add_bakes(bank, houses, 'late_reverb')` of home_mjx.houses, or use late='traced'."
@@ -47,16 +45,17 @@ def late_of(bank: HouseBank) -> LateSound:
 
 
 def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], config: AudioConfig) -> Arrivals:
-    """Late sound between two points, without direct sound and first-order reflections in architecture.
+    """Look up late reverberation between two points, without direct sound and first-order architectural reflections.
 
-    Levels are those between the cells around both points; decays those between their rooms; then come doors as they
-    stand, and walls.
+    Levels are interpolated between the cells around both points, and decays between their rooms. The energy balance of
+    the rooms then adds the effect of doors and walls, see `balance`.
 
     Args:
-        scene: An environment whose bank has baked sound.
-        source: [m].
-        listener: [m].
-        config: `num_bins` and the speed of sound; the rest of it must be as it was baked, which it checks itself.
+        scene: Environment whose bank has baked sound.
+        source: Position of the source [m].
+        listener: Position of the listener [m].
+        config: Options for the bins and the speed of sound. Its other options must equal those of the bake;
+            `AudioConfig` validates that.
 
     Raises:
         ConfigError: The bank has no baked sound.
@@ -68,7 +67,7 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
     pair = house, start.cell[:, None], end.cell[None]
     level = jnp.exp(late.level[pair].astype(jnp.float32))
     level = jnp.einsum("ij,ijsb->sb", both, level, precision="highest")
-    # Bins count from where they begin, so that on average a straight line takes half a bin more than its arrival.
+    # `arrival` is rounded down to whole bins, so a straight path is half a bin longer on average.
     first = jnp.sum(both * late.arrival[pair].astype(jnp.float32))
     first = jnp.maximum(first, jnp.linalg.norm(source - listener) / metres - 0.5)
     back = house, end.cell[None], start.cell[:, None]
@@ -84,7 +83,7 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
 
 
 def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, bins: int) -> Float[Array, "k bands"]:
-    """Energy per bin between the rooms of two places, of which each span holds 1."""
+    """Interpolate the decay per bin between the rooms of two places; each span sums to 1."""
     count = min(TOP_ROOMS, late.volume.shape[1])
     (from_weight, from_room), (to_weight, to_room) = (jax.lax.top_k(place.room, count) for place in (start, end))
     share = from_weight[:, None] * to_weight[None]
@@ -95,7 +94,7 @@ def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, b
 
 
 def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) -> _Place:
-    """Cells around a point and their weights, between the four nearest places of its storey."""
+    """Interpolate the cells around a point and their weights from the four nearest lattice points of its storey."""
     floor = late.floor[house]
     level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
     at = (point[:2] - late.origin[house]) / late.step[house] - 0.5
@@ -117,7 +116,7 @@ def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) ->
 
 
 def _delayed(energy: Float[Array, "k n"], bins: Float[Array, ""]) -> Float[Array, "k n"]:
-    """Energies later by some bins, shared between the two nearest ones."""
+    """Delay energies by a fractional number of bins, with linear interpolation."""
     count = energy.shape[0]
     below = jnp.floor(bins)
     whole, rest = below.astype(jnp.int32), bins - below

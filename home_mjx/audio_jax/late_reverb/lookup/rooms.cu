@@ -1,25 +1,25 @@
-// Energy in the rooms of a house over time, see `rooms.py`: LANES threads for each matrix.
+// Energy decay in the coupled rooms of a house, see `rooms.py`; LANES threads per matrix.
 //
-// SIZE, how many rooms there are, and LANES are given when this is compiled. A matrix is multiplied where it lies, in
-// memory that the block shares, by one of which each thread has some columns in registers. Energy after a n + b bins is
-// what b steps before the listener, a row, find of what n steps a times made, a column: then no step is waited for by
-// more than a few others. n is RUN.
+// SIZE (number of rooms) and LANES are compile-time definitions. A matrix in shared memory is multiplied in place by a
+// matrix of which each thread holds some columns in registers. Energy after a n + b bins is the product of a row, the
+// listener's weights propagated by b steps, and a column, the start propagated by a n steps. So only a few steps depend
+// on each other. n is RUN.
 
-constexpr int THREADS = 64, SLOTS = THREADS / LANES;  // matrices of a block
-constexpr int PITCH = SLOTS + 1;                      // from number to number of a matrix; odd, for other banks
-constexpr int OWN = (SIZE + LANES - 1) / LANES;       // columns of a thread
-constexpr int TERMS = 6, HALVINGS = 3;                // as in rooms.py: of the exponential series, and of its step
+constexpr int THREADS = 64, SLOTS = THREADS / LANES;  // matrices per block
+constexpr int PITCH = SLOTS + 1;                      // stride between elements of a matrix; odd, against bank conflicts
+constexpr int OWN = (SIZE + LANES - 1) / LANES;       // columns per thread
+constexpr int TERMS = 6, HALVINGS = 3;                // as in rooms.py: terms of the exponential series, halvings of its step
 constexpr int DOUBLINGS = 3, RUN = 1 << DOUBLINGS;    // as in rooms.py
 
-// A matrix's threads are of one warp; what one has written, all read then.
+// Makes writes visible to all threads of a matrix, which belong to one warp.
 __device__ __forceinline__ void together() {
   if constexpr (LANES > 1) __syncwarp();
 }
 
-// What a thread has of one matrix.
+// A thread's part of one matrix.
 struct Part {
-  float* matrix;         // of its slot: number (i, k) is matrix[(i * SIZE + k) * PITCH]
-  int lane;              // among those of its matrix
+  float* matrix;         // of its slot: element (i, k) is matrix[(i * SIZE + k) * PITCH]
+  int lane;              // index among the threads of its matrix
   float own[SIZE][OWN];  // columns lane, lane + LANES, ... of another matrix; 0 beyond the last
 
   __device__ __forceinline__ void take() {
@@ -33,7 +33,7 @@ struct Part {
   __device__ __forceinline__ int column(int c) const { return c * LANES + lane; }
   __device__ __forceinline__ bool inside(int c) const { return SIZE % LANES == 0 || column(c) < SIZE; }
 
-  // A row times `own`, of which each thread gets its own columns.
+  // Multiplies a row by `own`; each thread gets its own columns of the product.
   __device__ __forceinline__ void product(float* sum, const float* row) const {
 #pragma unroll
     for (int c = 0; c < OWN; ++c) sum[c] = 0.0f;
@@ -71,7 +71,7 @@ struct Part {
     multiply(0.0f, 1.0f);
   }
 
-  // `own` times a column, all of which each thread has.
+  // Multiplies `own` by a column in place; each thread holds the whole column.
   __device__ __forceinline__ void apply(float* column_values) const {
     float sum[SIZE];
 #pragma unroll
@@ -88,7 +88,7 @@ struct Part {
     }
   }
 
-  // That of this thread's column c, found without an index that is known only now: registers have none.
+  // Selects the value of this thread's column c without a run-time index: registers cannot be indexed.
   __device__ __forceinline__ float value_at(const float* values, int c) const {
     float found = 0.0f;
 #pragma unroll
@@ -99,7 +99,7 @@ struct Part {
 };
 
 extern "C" __global__ void __launch_bounds__(THREADS) fall_in_rooms(
-    const float* __restrict__ rates,      // (environments, states, octaves, SIZE, SIZE): M of dw / dn = -M w, n counting bins
+    const float* __restrict__ rates,      // (environments, states, octaves, SIZE, SIZE): M of dw / dn = -M w, n in bins
     const float* __restrict__ starts,     // (environments, SIZE)
     const float* __restrict__ listeners,  // (environments, SIZE)
     const int* __restrict__ sizes,        // environments, states, octaves, bins
@@ -117,7 +117,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) fall_in_rooms(
   }
   __syncthreads();
   part.take();
-  for (int i = part.lane; i < SIZE * SIZE; i += LANES) {  // the series, from its last term on
+  for (int i = part.lane; i < SIZE * SIZE; i += LANES) {  // Horner's scheme, from the last term of the series
     float& value = part.matrix[i * PITCH];
     value = value * (1.0f / (TERMS - 1)) + (i % (SIZE + 1) == 0 ? 1.0f : 0.0f);
   }
@@ -126,7 +126,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) fall_in_rooms(
   for (int n = 0; n < HALVINGS; ++n) part.square();
 
   const int env = number / matrices, state = number % matrices / octaves, octave = number % octaves;
-  float* rows = part.matrix + SIZE * SIZE * PITCH;  // RUN of them
+  float* rows = part.matrix + SIZE * SIZE * PITCH;  // RUN rows
   for (int k = part.lane; k < SIZE; k += LANES) rows[k * PITCH] = listeners[env * SIZE + k];
   part.take();
 #pragma unroll 1

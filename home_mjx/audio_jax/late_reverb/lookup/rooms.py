@@ -1,4 +1,4 @@
-"""How energy falls in rooms that exchange it: by an own kernel on GPUs, by operations of XLA elsewhere."""
+"""Energy decay in coupled rooms: by a CUDA kernel on NVIDIA GPUs, by XLA operations elsewhere."""
 
 import functools
 from collections.abc import Callable
@@ -11,24 +11,24 @@ from jaxtyping import Array, Float
 from home_mjx.core.native.platforms import by_platform, call_kernel, problem_of, ptx_for_all, shared_bytes, works
 from home_mjx.core.native.vmap_call import batched, numbers
 
-TERMS = 6  # of the exponential series
-HALVINGS = 3  # of the step before it
+TERMS = 6  # terms of the exponential series
+HALVINGS = 3  # halvings of the step before the series is evaluated
 SOURCE = Path(__file__).with_name("rooms.cu")
-THREADS, WARP = 64, 32  # of a block, as in rooms.cu, and of a warp
-RUN = 8  # bins that are found of one column, as in rooms.cu
-MOST_NUMBERS = 100  # of a matrix in a thread's registers
+THREADS, WARP = 64, 32  # threads of a block, as in rooms.cu, and of a warp
+RUN = 8  # consecutive bins computed from one column, as in rooms.cu
+MOST_NUMBERS = 100  # maximum matrix elements in a thread's registers
 
 
 def fallen(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Energy density at a listener after 0, 1, 2 ... bins, of dw / dn = -M w, n counting bins.
+    """Compute the energy density at a listener after n = 0, 1, 2 ... bins from dw / dn = -M w.
 
     Args:
-        rates: M of each state of the doors and each octave.
-        start: w at first.
-        listener: Share of the listener in each room.
-        bins: How many.
+        rates: M of each door state and octave.
+        start: Initial energy density w of each room.
+        listener: Weight of the listener in each room.
+        bins: Number of bins.
     """
     rooms = start.shape[0]
     fast = {"cuda": functools.partial(_by_cuda, bins=bins)} if _available(rooms) else {}
@@ -38,12 +38,12 @@ def fallen(
 def fallen_by_xla(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """The same in operations of XLA."""
+    """Compute `fallen` with XLA operations."""
     return _over_time(_exponential(rates), start, listener, bins)
 
 
 def _exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
-    """exp(-matrix), by its series after some halvings."""
+    """Compute exp(-matrix) by scaling and squaring of its series."""
     small = -matrix / 2**HALVINGS
     one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
     power = total = jnp.broadcast_to(one, small.shape)
@@ -58,10 +58,10 @@ def _exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
 def _over_time(
     step: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Energy density at the listener after 0, 1, 2 ... steps.
+    """Compute the energy density at the listener after 0, 1, 2 ... steps.
 
-    That after a n + b steps is what b steps before the listener, a row, find of what n steps a times made, a column;
-    so no power of a step is multiplied by more than a few vectors.
+    The density after a n + b steps is the product of a row and a column. The row is the listener's weights propagated
+    by b steps, the column is the start propagated by a n steps. So powers of the step matrix multiply few vectors.
     """
     powers = [step]
     while 2 ** len(powers) < bins:
@@ -78,14 +78,14 @@ def _over_time(
 
 
 def _product(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
-    """Of many small matrices: as sums, which compilers fuse, instead of a call for each product of matrices."""
+    """Multiply many small matrices as sums, which compilers fuse, instead of one library call per product."""
     return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)
 
 
 @functools.cache
 def _cuda_available() -> bool:
-    """Whether the kernel works here; warns once if there is an NVIDIA GPU and it does not."""
-    return works("cuda", problem_of("cuda", _start), "energy of rooms falls by slower operations of XLA")
+    """Return whether the kernel works; warn once if there is an NVIDIA GPU on which it fails."""
+    return works("cuda", problem_of("cuda", _start), "room energy decay uses slower XLA operations")
 
 
 def _start() -> None:
@@ -94,12 +94,14 @@ def _start() -> None:
 
 @functools.cache
 def ptx_of(rooms: int) -> str:
-    """PTX for so many rooms that all GPUs of this process can run."""
+    """Compile PTX for a number of rooms; all GPUs of this process can run it."""
     return ptx_for_all(SOURCE, {"SIZE": rooms, "LANES": lanes_of(rooms)})
 
 
 def lanes_of(rooms: int) -> int:
-    """Threads of each matrix, a power of two, such that each holds some columns in registers; above `WARP`: too many.
+    """Return the threads per matrix, a power of two; above `WARP` if the matrix is too large.
+
+    Each thread holds some columns of the matrix in registers.
 
     Example:
         >>> lanes_of(8), lanes_of(20), lanes_of(51)
@@ -116,7 +118,7 @@ def _available(rooms: int) -> bool:
 
 
 def _bytes(rooms: int) -> int:
-    """Memory of a block: of each matrix its numbers and some rows, an odd number of matrices apart."""
+    """Return the shared memory of a block [bytes]: elements and `RUN` rows per matrix, at an odd pitch."""
     return 4 * (THREADS // lanes_of(rooms) + 1) * rooms * (rooms + RUN)
 
 
@@ -132,7 +134,7 @@ def _op(bins: int) -> Callable[..., tuple[Array, ...]]:
 
 
 def run_rooms(bins: int, *given: Array) -> tuple[Array, ...]:
-    """The kernel for environments: matrices (e s bands r r), starts (e r), listeners (e r); gives (e s bins bands)."""
+    """Launch the kernel for matrices (e s bands r r), starts (e r), listeners (e r); return (e s bins bands)."""
     envs, states, octaves, rooms, _ = given[0].shape
     blocks = -(-envs * states * octaves // (THREADS // lanes_of(rooms)))
     result = jax.ShapeDtypeStruct((envs, states, bins, octaves), jnp.float32)

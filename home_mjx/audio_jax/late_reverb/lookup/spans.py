@@ -1,24 +1,24 @@
-"""How time is divided in what is baked: spans after the first arrival, and knots between which decays are straight."""
+"""Time grid of baked reverberation: spans after the first arrival, and knots of piecewise exponential decays."""
 
 from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float, Int
 
-SPANS = (0, 2, 6, 14, 30)  # bins after the first arrival at which a span of time begins; the last one never ends
-FINE = 14  # bins up to which there is a knot at each, and of which no decay's slope is told
-BINS = 500  # that are baked
-SILENT = 1e-12  # energy below which nothing is told apart
+SPANS = (0, 2, 6, 14, 30)  # [bins] after the first arrival, start of each span; the last span has no end
+FINE = 14  # [bins], up to which every bin is a knot and no slope is fitted
+BINS = 500  # baked time bins
+SILENT = 1e-12  # minimum energy in logarithms and ratios
 KNOTS: Int[np.ndarray, " knots"] = np.unique(
     np.concatenate([np.arange(FINE + 1), np.geomspace(FINE, BINS - 1, 28).round(), SPANS, np.subtract(SPANS[1:], 1)])
-).astype(int)  # on both sides of where a span begins: what is read of one knows nothing of the others
+).astype(int)  # with knots on both sides of each span's start, so that no interpolation crosses it
 
 
 def at_knots(shape: Float[np.ndarray, "... k"]) -> Float[np.ndarray, "... knots"]:
-    """Logarithms of a decay at the knots, such that what is read between them holds 1 in each span.
+    """Compute log decays at the knots, normalised so that each span sums to 1 after interpolation.
 
-    The value at a knot is the mean around it, over half the way to its neighbours, which is then taken as that of an
-    exponential as steep as the decay is there.
+    The value at a knot is derived from the mean energy up to halfway to its neighbours. That mean is treated as the
+    mean of an exponential with the decay's local slope.
     """
     edges = np.append(0, (KNOTS[1:] + KNOTS[:-1]) // 2 + 1)
     width = np.diff([*edges, shape.shape[-1]])
@@ -37,7 +37,7 @@ def at_knots(shape: Float[np.ndarray, "... k"]) -> Float[np.ndarray, "... knots"
 
 
 def between(bins: int) -> Float[np.ndarray, "k knots"]:
-    """Weights of the knots at each bin: linear in between; after the last one it goes on as before."""
+    """Return the weights of the knots at each bin: linear interpolation, and extrapolation after the last knot."""
     at = np.arange(bins)
     left = np.clip(np.searchsorted(KNOTS, at, side="right") - 1, 0, len(KNOTS) - 2)
     share = (at - KNOTS[left]) / (KNOTS[left + 1] - KNOTS[left])
@@ -47,5 +47,5 @@ def between(bins: int) -> Float[np.ndarray, "k knots"]:
 
 
 def span_of(bins: int) -> Int[np.ndarray, " k"]:
-    """Which span each bin is in."""
+    """Return the span index of each bin."""
     return np.searchsorted(SPANS, np.arange(bins), side="right") - 1

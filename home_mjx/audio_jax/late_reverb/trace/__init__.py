@@ -1,1 +1,1 @@
-"""Cells of a house, and rays that fly through it from them and from gates."""
+"""Cells of a house, and tracing of rays from cells and from portal states."""

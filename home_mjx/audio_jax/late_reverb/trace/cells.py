@@ -1,4 +1,4 @@
-"""Cells of a house's rooms, between which late sound is baked; host side."""
+"""Cells of a house's rooms, between which late sound is baked (host only)."""
 
 from dataclasses import dataclass
 
@@ -8,24 +8,24 @@ from jaxtyping import Float, Int
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import CompiledHouse
 
-FROM_FLOOR = 0.9  # [m]: cells begin above most furniture
-FROM_CEILING = 0.2  # [m]
-MOST_CELLS = 160  # whose pairs still fit into 3 MB
+FROM_FLOOR = 0.9  # [m], height of cells above the floor, above most furniture
+FROM_CEILING = 0.2  # [m], from the top of cells to the ceiling
+MOST_CELLS = 160  # maximum per house; all pairs then fit into 3 MB
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Upright boxes over pieces of the floor, where ears and sources may be.
+    """Upright boxes over parts of the floor, for positions of sources and listeners.
 
     Attributes:
-        room: Of each cell.
-        center: [m].
-        low: Height at which a cell begins [m].
-        high: Height at which it ends [m].
+        room: Room of each cell.
+        center: Centre [m].
+        low: Height of the bottom [m].
+        high: Height of the top [m].
         volume: [m³].
         lookup: Cell over each place of the navigation grids; -1 none.
-        origin: [m], corner of place (0, 0) of the grids.
-        step: [m], between places.
+        origin: Corner of place (0, 0) of the grids [m].
+        step: Spacing of places [m].
     """
 
     room: Int[np.ndarray, " n"]
@@ -39,11 +39,11 @@ class Cells:
 
 
 def divide(house: CompiledHouse, size: float = 1.0) -> Cells:
-    """Divides each room into equal rows and columns of about `size` metres.
+    """Divide each room into equal rows and columns of about `size` metres.
 
     Args:
-        house: Any.
-        size: Wanted edge of a cell [m]; taken larger where there would be more than `MOST_CELLS`.
+        house: House to divide.
+        size: Target edge length of a cell [m]; increased if there would be more than `MOST_CELLS` cells.
 
     Raises:
         ConfigError: The house has no room.
@@ -71,7 +71,7 @@ def divide(house: CompiledHouse, size: float = 1.0) -> Cells:
 
 
 def _numbered(grid: Int[np.ndarray, "l ny nx"], step: float, size: float) -> Int[np.ndarray, "l ny nx"]:
-    """Cell over each place, numbered room by room."""
+    """Return the cell over each place, numbered room by room; -1 if none."""
     lookup, first = np.full(grid.shape, -1), 0
     for room in np.unique(grid[grid >= 0]):
         level, row, column = np.nonzero(grid == room)

@@ -1,4 +1,4 @@
-"""Rays from the cells of a house, heard in all other cells at once."""
+"""Ray tracing from cells or portal states of a house, with energy recorded in all cells at once."""
 
 from collections.abc import Callable
 from functools import partial
@@ -18,47 +18,47 @@ from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
 
-FLIGHTS = "flights"  # name of the axis over which flights are mapped
-STAMPS = 6  # times at which one segment can be heard; longer ones are heard there by so many
-FAR = 1e4  # [m]
-INWARD = 0.1  # [m], from a surface to a point that is in the room before it
-BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in the room behind it
-HALVINGS = 5  # of a segment, to find where it comes into another room
-FLOORS = 2.0  # times as thick as walls may floors be
-FEW = 0.1  # share of what has grown old that may be left when a flight ends
-FAINT = 1e-6  # share of what flew at first, too
+FLIGHTS = "flights"  # name of the mapped axis of flights
+STAMPS = 6  # maximum times at which one segment is recorded; the rest of a longer segment is not
+FAR = 1e4  # [m], maximum length of a segment
+INWARD = 0.1  # [m], offset from a surface to a point in the room in front of it
+BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], offsets from a surface to candidate points in the room behind it
+HALVINGS = 5  # bisections of a segment to find where it enters another room
+FLOORS = 2.0  # maximum thickness of floors re walls
+FEW = 0.1  # maximum active energy when a flight ends, re the energy that has aged
+FAINT = 1e-6  # the same re the initial energy; the larger limit applies
 
 
 class Rays(NamedTuple):
-    """Rays, octave after octave, equally many of each."""
+    """Rays, octave after octave, with equal numbers per octave."""
 
     origin: Float[Array, "n 3"]
     direction: Float[Array, "n 3"]
     travelled: Float[Array, " n"]  # [m]
     energy: Float[Array, " n"]  # of the ray's own octave, starting from 1
-    counts: Float[Array, " n"]  # 0 on segments that early paths render
-    room: Int[Array, " n"]  # that it is in, or left
-    last: Int[Array, " n"]  # before whose surface it was last reflected
+    counts: Float[Array, " n"]  # 0 on segments that early paths render, else 1
+    room: Int[Array, " n"]  # current room, or the room that it left
+    last: Int[Array, " n"]  # room in front of the surface of the last reflection
 
 
 class Gave(NamedTuple):
-    """What the rays of one source gave, or several."""
+    """Energy sums of the rays of one or several sources."""
 
     energy: Float[Array, "*s bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
-    way: Float[Array, "*s c k 3"]  # directions in which it came, by energy; over all octaves
-    went: Float[Array, "*s bands r r k"]  # energy that went from room to room, when; diagonal: that grew old
-    lived: Float[Array, "*s bands r"]  # energy times way [m] in each room
-    lost: Float[Array, "*s bands r"]  # energy that surfaces and air have taken
-    moved: Float[Array, "*s bands r r"]  # that went from room to room
-    through: Float[Array, "*s bands r r"]  # that walls would have let through
+    way: Float[Array, "*s c k 3"]  # energy-weighted directions of propagation, over all octaves
+    went: Float[Array, "*s bands r r k"]  # energy from room to room, by bin of passage; diagonal: energy that aged
+    lived: Float[Array, "*s bands r"]  # energy times path length [m] in each room
+    lost: Float[Array, "*s bands r"]  # energy absorbed by surfaces and air
+    moved: Float[Array, "*s bands r r"]  # energy from room to room
+    through: Float[Array, "*s bands r r"]  # energy that walls would transmit
 
 
 class Flown(NamedTuple):
-    """A flight of the rays of one source, or several."""
+    """Result of a flight of rays of one or several sources."""
 
     gave: Gave
-    gone: "Gone"  # rays that went to another room
-    aged: "Gone"  # that grew old
+    gone: "Gone"  # rays that ended in another room
+    aged: "Gone"  # rays that ended by age
 
 
 class _Sums(NamedTuple):
@@ -72,10 +72,10 @@ class _Sums(NamedTuple):
 
 
 class Gone(NamedTuple):
-    """One of the rays that ended in the place of each, as it went on, with the energy of all of them."""
+    """One ended ray per ray slot, as reflected, with the energy of all rays that ended in the slot."""
 
-    ray: Rays  # `travelled`: since the time bin began in which it went through the gate
-    entered: Int[Array, " n"]  # room
+    ray: Rays  # `travelled`: since the start of the time bin in which it reached the portal state
+    entered: Int[Array, " n"]  # room entered
 
 
 def fly(
@@ -93,32 +93,32 @@ def fly(
     config: AudioConfig,
     bins: int,
 ) -> Flown:
-    """Energy density in every cell over time, of rays from some points, until they enter another room.
+    """Trace rays and record the energy density in every cell over time, until the rays enter another room.
 
-    Each ray belongs to one octave and is scattered as that octave is: nothing is weighted afterwards. It is heard at
-    regular times, in the cell where it then is, so that a cell hears as much as its volume deserves. Segments that
+    Each ray carries one octave and is scattered with that octave's coefficient; energies are not reweighted. A ray is
+    recorded at regular times in its current cell, so the energy in a cell is proportional to its volume. Segments that
     early paths render are left out: the direct one, and first-order reflections in architecture. After each reflection
-    rays are shared out anew, see `share_out`, so that none is wasted on little energy.
+    rays are resampled by energy, see `share_out`.
 
-    A ray ends with the first reflection in another room, or when it is old. Only what a source sends to another room
-    directly flies on there. It went through the gate where it came into that room, and has flown on from there when it
-    starts anew: else far walls would answer at once.
+    A ray ends at the first reflection in another room, or by age. Only sound that a source emits directly into another
+    room continues there. The portal state is reached at the point where the segment enters that room. The distance from
+    there is kept when the ray restarts, because far walls would otherwise reflect without delay.
 
-    It is mapped over flights that fly together, along the axis `FLIGHTS`.
+    The function is mapped over concurrent flights, along the axis `FLIGHTS`.
 
     Args:
-        scene: The house.
-        grid: Its cells.
-        start: Where rays start [m], octave after octave, equally many of each.
-        direction: Where they go, unit.
-        travelled: How far they have flown since what they come from [m].
-        room: In which room that is.
-        fresh: They come from a source, not from a reflection.
-        ends: They end in other rooms; else they fly on there.
-        bounces: How often they are reflected at most; what is left then counts as old.
-        age: At which they are old [m].
+        scene: Scene of the house.
+        grid: Cells of the house.
+        start: Start points of rays [m], octave after octave, with equal numbers per octave.
+        direction: Unit directions.
+        travelled: Distance already travelled from the source or portal state [m].
+        room: Room of the start points.
+        fresh: Rays start at a source, not at a reflection.
+        ends: Rays end in other rooms; else they continue there.
+        bounces: Maximum number of reflections; the energy left then counts as aged.
+        age: Path length at which rays end by age [m].
         key: Random key.
-        config: `bin_seconds` and the air.
+        config: Options for `bin_seconds` and air absorption.
         bins: Number of time bins.
     """
     count = start.shape[0]
@@ -138,7 +138,7 @@ def fly(
         return _goes_on(walk, carry, bounces, jax.random.fold_in(draws, carry.bounces))
 
     def any_flies(carry: _Carry) -> Bool[Array, ""]:
-        # Were it only this flight, each bounce would copy the sums of all that are mapped, to keep those that ended.
+        # A condition per flight would make each bounce copy the sums of all mapped flights, to keep those that ended.
         return jax.lax.pmax(_flies(carry, bounces).astype(jnp.int32), FLIGHTS) > 0
 
     end = jax.lax.while_loop(any_flies, step, _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)))
@@ -160,7 +160,7 @@ class _Carry(NamedTuple):
 
 
 def _flies(carry: _Carry, bounces: Int[Array, ""]) -> Bool[Array, ""]:
-    """Whether in any octave more flies than the few that others are not to wait for, and it may be reflected again."""
+    """Return whether a flight continues: reflections are left, and some octave has relevant active energy."""
     left, old = (x.reshape(len(BANDS), -1).sum(axis=1) for x in (carry.ray.energy, carry.aged.ray.energy))
     return (carry.bounces < bounces) & jnp.any(
         left > jnp.maximum(FEW * old, FAINT * carry.ray.energy.size / len(BANDS))
@@ -168,7 +168,7 @@ def _flies(carry: _Carry, bounces: Int[Array, ""]) -> Bool[Array, ""]:
 
 
 def _goes_on(walk: "_Walk", carry: _Carry, bounces: Int[Array, ""], key: Array) -> _Carry:
-    """A bounce of a flight; of one that has ended nothing, while others fly on."""
+    """Trace one bounce of a flight, or return it unchanged if it has ended while others continue."""
     flies = _flies(carry, bounces)
     ray = carry.ray._replace(energy=jnp.where(flies, carry.ray.energy, 0.0))
     after = walk.bounce(carry._replace(ray=ray), key)
@@ -176,7 +176,7 @@ def _goes_on(walk: "_Walk", carry: _Carry, bounces: Int[Array, ""], key: Array) 
 
 
 class _Walk(NamedTuple):
-    """What all bounces share."""
+    """Inputs that all bounces share."""
 
     scene: Scene
     grid: Grid
@@ -185,12 +185,12 @@ class _Walk(NamedTuple):
     fresh: Bool[Array, ""]
     ends: Bool[Array, ""]
     age: Float[Array, ""]
-    mirrors: Bool[Array, ""]  # whether early paths render first-order reflections
+    mirrors: Bool[Array, ""]  # early paths render first-order reflections
     hear: Callable[..., _Sums]
-    metres: float  # of a time bin
+    metres: float  # distance that sound travels in one bin [m]
 
     def flown(self, end: "_Carry", chance: Float[Array, " n"]) -> Flown:
-        """What all bounces gave; rays that still fly count as old."""
+        """Scale the sums of all bounces; rays that are still active count as aged."""
         (count,), cells = self.octave.shape, self.grid.volume.shape[0]
         ray, sums = end.ray, end.sums
         since = _since(ray.travelled / self.metres, jnp.zeros(count, jnp.float32), self.metres)
@@ -204,7 +204,7 @@ class _Walk(NamedTuple):
         return Flown(gave, end.gone, left)
 
     def bounce(self, carry: "_Carry", key: Array) -> "_Carry":
-        """One segment, heard on its way, and the reflection at its end."""
+        """Trace and record one segment, then reflect the rays at its end."""
         ray, sums = carry.ray, carry.sums
         share, turn, *leave = jax.random.split(key, 5)
         reach = jnp.where(ray.energy > 0, FAR, -1.0)
@@ -215,7 +215,7 @@ class _Walk(NamedTuple):
         point = ray.origin + length[:, None] * ray.direction
         room = _room_at(point + INWARD * met.normal, self.grid)
         seen = jnp.where(alive & (room >= 0), room, ray.room)
-        # Things reach into walls and beyond: a room without a portal to the last one is believed the second time.
+        # Objects reach into walls and beyond, so a room without a portal to the last one needs a second reflection.
         room = jnp.where(self.grid.joined[ray.room, seen] | (seen == ray.last), seen, ray.room)
         sums = self.hear(sums, ray, length, self.air)
         left = ray.energy * jnp.exp(-self.air * length) * (1 - self._own(met.absorption))
@@ -252,7 +252,7 @@ class _Walk(NamedTuple):
     def _account(
         self, sums: _Sums, ray: Rays, room: Int[Array, " n"], length: Float[Array, " n"], left: Float[Array, " n"]
     ) -> _Sums:
-        """Adds where energy was, where it was lost, and where it went."""
+        """Add the energy in rooms, its losses and its exchange along a segment."""
         middle = ray.energy * jnp.exp(-0.5 * self.air * length)
         here = 0.5 * middle * length
         lived = sums.lived.at[self.octave, ray.room].add(here).at[self.octave, room].add(here)
@@ -269,7 +269,7 @@ class _Walk(NamedTuple):
         met: AcousticSurface,
         wall: Bool[Array, " n"],
     ) -> _Sums:
-        """Adds what walls, floors and ceilings let through to the room behind them."""
+        """Add the energy transmitted by walls, floors and ceilings to the room behind them."""
         behind = jnp.full(room.shape, -1, jnp.int32)
         across = jnp.where(jnp.abs(met.normal[:, 2:]) < 0.5, 1.0, FLOORS)
         for depth in BEHIND[::-1]:
@@ -282,14 +282,14 @@ class _Walk(NamedTuple):
         return sums._replace(through=sums.through.at[self.octave, room, behind].add(jnp.where(counts, energy, 0.0)))
 
     def _own(self, values: Float[Array, "n bands"]) -> Float[Array, " n"]:
-        """Of each ray's octave."""
+        """Select the values of each ray's octave."""
         return jnp.take_along_axis(values, self.octave[:, None], axis=1)[:, 0]
 
 
 def _reflect(
     direction: Float[Array, "n 3"], normal: Float[Array, "n 3"], scattering: Float[Array, " n"], key: Array
 ) -> tuple[Float[Array, "n 3"], Bool[Array, " n"]]:
-    """New directions, mirrored or by Lambert's law, and which are mirrored."""
+    """Sample specular or Lambertian directions; return them and a mask of the specular ones."""
     choice, scatter = jax.random.split(key)
     mirrors = jax.random.uniform(choice, scattering.shape, jnp.float32) >= scattering
     ball = jax.random.normal(scatter, direction.shape, jnp.float32)
@@ -310,7 +310,7 @@ def _hear(
     late: Float[Array, " n"],
     metres: float,
 ) -> _Sums:
-    """Adds what cells hear of each ray's segment at the times (k + late) bins that fall into it."""
+    """Record each ray's segment in cells, at the times (k + late) bins within it."""
     heard, way = sums.heard, sums.way
     cells = grid.volume.shape[0]
     bins = heard.shape[0] // cells // len(BANDS)
@@ -330,7 +330,7 @@ def _hear(
 
 
 def _replace(kept: Gone, ray: Rays, entered: Int[Array, " n"], chance: Float[Array, " n"]) -> Gone:
-    """Of what has ended in the place of each ray one is kept, drawn by energy: a reservoir (Chao 1982)."""
+    """Keep one ended ray per slot, drawn by energy: weighted reservoir sampling (Chao 1982)."""
     total = kept.ray.energy + ray.energy
     taken = chance * total < ray.energy
     new = Gone(ray, entered)
@@ -346,25 +346,25 @@ def _put(
     bins: Float[Array, " n"],
     energy: Float[Array, " n"],
 ) -> Float[Array, "bands r r k"]:
-    """Adds energy that went from a room to another, in the bin in which it went: see `_since` for the rest of it."""
+    """Add energy from room to room, in the bin of its passage; `_since` has the fraction of the bin."""
     return went.at[octave, room, other, bins.astype(jnp.int32)].add(energy, mode="drop")
 
 
 def _since(when: Float[Array, " n"], inside: Float[Array, " n"], metres: float) -> Float[Array, " n"]:
-    """How far rays have flown since the bin began in which they went through a gate [m].
+    """Return the distance travelled since the start of the bin in which a portal state was reached [m].
 
-    They start anew with it: whole bins alone, rounded down at each gate, would lose half a bin there.
+    Rays restart with it. Otherwise, rounding down to whole bins would lose half a bin at each portal state.
 
     Args:
-        when: They went through [bins].
-        inside: How far they have flown since [m].
-        metres: That sound travels in one bin.
+        when: Time at which the state was reached [bins].
+        inside: Distance travelled since that time [m].
+        metres: Distance that sound travels in one bin [m].
     """
     return inside + (when - jnp.floor(when)) * metres
 
 
 def _inside(ray: Rays, length: Float[Array, " n"], room: Int[Array, " n"], grid: Grid) -> Float[Array, " n"]:
-    """How much of each segment is in the room that it ends in [m], by halving."""
+    """Return the length of each segment inside the room where it ends [m], by bisection."""
     low, high = jnp.zeros_like(length), length
     for _ in range(HALVINGS):
         middle = (low + high) / 2
@@ -374,13 +374,13 @@ def _inside(ray: Rays, length: Float[Array, " n"], room: Int[Array, " n"], grid:
 
 
 def _room_at(point: Float[Array, "n 3"], grid: Grid) -> Int[Array, " n"]:
-    """Room over whose floor each point is; -1 none."""
+    """Return the room over whose floor each point is; -1 if none."""
     cell = _cell_at(point, grid)
     return jnp.where(cell >= 0, grid.room[cell], -1)
 
 
 def _cell_at(point: Float[Array, "n 3"], grid: Grid) -> Int[Array, " n"]:
-    """Cell over whose floor each point is, of the highest storey that is below it; -1 none."""
+    """Return the cell over whose floor each point is, on the highest storey below it; -1 if none."""
     at = jnp.floor((point[:, :2] - grid.origin[None]) / grid.step).astype(jnp.int32)
     levels, rows, columns = grid.lookup.shape
     there = (at[:, 0] >= 0) & (at[:, 0] < columns) & (at[:, 1] >= 0) & (at[:, 1] < rows)

@@ -1,4 +1,4 @@
-"""Which cell holds a point, on the device."""
+"""Lookup of the cell at a point, on the device."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -17,18 +17,18 @@ class Grid(Pytree):
     high: Float[Array, " n"]
     volume: Float[Array, " n"]
     room: Int[Array, " n"]
-    joined: Bool[Array, "r r"]  # which rooms have a portal in common
+    joined: Bool[Array, "r r"]  # pairs of rooms that share a portal
     rooms: int = static()
     step: float = static()  # [m]
 
 
 def grid_of(cells: Cells, free: Float[np.ndarray, " n"], joined: Bool[np.ndarray, "r r"]) -> Grid:
-    """A house's cells, padded so that houses of similar size share a program.
+    """Put a house's cells on the device, padded so that houses of similar size share a program.
 
     Args:
-        cells: Of the house.
-        free: Share of each that is air.
-        joined: Which rooms have a portal in common.
+        cells: Cells of the house.
+        free: Free fraction of each cell's volume.
+        joined: Pairs of rooms that share a portal.
     """
     more = -len(joined) % 8
     count, (_, rows, columns) = len(cells.room), cells.lookup.shape

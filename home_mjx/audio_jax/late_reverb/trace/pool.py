@@ -1,4 +1,4 @@
-"""Rays that went through gates, to start anew from them; host side."""
+"""Pool of rays that reached portal states, from which new flights start (host only)."""
 
 from itertools import pairwise
 
@@ -11,17 +11,17 @@ from home_mjx.schema.compiled import BANDS
 
 
 class Pool:
-    """Rays that went through gates, to start anew from them."""
+    """Rays that reached portal states, from which new flights start."""
 
     def __init__(self) -> None:
         self.rays: list[tuple[np.ndarray, ...]] = []
 
     def add(self, ended: Gone, source: Int[np.ndarray, " f"]) -> None:
-        """Keeps rays of flights (f, 2, n), those that left a room and those that grew old there.
+        """Add ended rays of flights (f, 2, n): those that left a room, and those that aged there.
 
         Args:
-            ended: Such rays, octave after octave, those without energy among them; on the host.
-            source: Of each flight.
+            ended: Host arrays of rays, octave after octave; rays without energy are skipped.
+            source: Source of each flight.
         """
         ray, (_, kinds, count) = ended.ray, ended.entered.shape
         kept = np.flatnonzero(ray.energy > 0)
@@ -39,15 +39,15 @@ class Pool:
         age: float,
         rng: np.random.Generator,
     ) -> list[list[Start]]:
-        """Of each of some gates flights of rays, drawn by energy from those of the same octave.
+        """Draw flights from each of some portal states, by energy from rays of the same octave.
 
         Args:
-            rooms: Of these gates.
-            number: Of all gates, alike for all sources or by source.
-            first: Number of the first of these.
-            size: How many flights, and rays per octave in each.
-            age: At which these are old [m].
-            rng: Random numbers.
+            rooms: Rooms left and entered by these states.
+            number: Index of the state per pair of rooms, shared by all sources or per source.
+            first: Index of the first of these states.
+            size: Number of flights per state, and of rays per octave in each flight.
+            age: Path length at which the new rays end by age [m].
+            rng: Random generator.
         """
         if not self.rays:
             return [[] for _ in rooms]
@@ -58,14 +58,14 @@ class Pool:
         flights, count = size
         bands = len(BANDS)
         key = np.where(gate < first, -1, (gate - first) * bands + octave)
-        key = np.minimum(key, len(rooms) * bands).astype(np.int16)  # numbers so short are sorted in one pass
+        key = np.minimum(key, len(rooms) * bands).astype(np.int16)  # radix sort of int16 takes one pass
         order = np.argsort(key, kind="stable")
         ends = np.searchsorted(key[order], np.arange(len(rooms) * bands + 1))
         out = []
         for index, here in enumerate(rooms[:, 1]):
             cuts = ends[index * bands : (index + 1) * bands + 1]
             mine = order[cuts[0] : cuts[-1]]
-            if not mine.size:  # nothing is left that could start
+            if not mine.size:  # no ray reached this state
                 out.append([])
                 continue
             own = [order[a:b] if b > a else np.sort(mine) for a, b in pairwise(cuts)]
@@ -78,7 +78,7 @@ class Pool:
 def _draw(
     rows: Int[np.ndarray, " n"], energy: Float[np.ndarray, " m"], count: int, rng: np.random.Generator
 ) -> Int[np.ndarray, " count"]:
-    """Systematic sampling by energy, in random order."""
+    """Draw rows by energy with systematic sampling, in random order."""
     parts = np.cumsum(energy[rows].astype(float))
     place = (np.arange(count) + rng.random()) / count * parts[-1]
     return rng.permutation(rows[np.minimum(np.searchsorted(parts, place, side="right"), len(rows) - 1)])

@@ -1,4 +1,4 @@
-"""Sharing rays out among rooms: more of them, each with less energy, where little energy gets to."""
+"""Resampling of rays among rooms: more rays, with less energy each, in rooms with little energy."""
 
 from functools import partial
 
@@ -8,24 +8,24 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.schema.compiled import BANDS
 
-SEARCH = {"gpu": "scan_unrolled"}  # one kernel instead of some for each halving; on CPUs it would be slower
-EVEN = 0.7  # 0: as many rays in a room as it has energy; 1: as many in each
+SEARCH = {"gpu": "scan_unrolled"}  # one kernel instead of several per bisection; slower on CPUs
+EVEN = 0.7  # 0: rays in proportion to a room's energy; 1: equal numbers of rays in all rooms
 
 
 def share_out(
     energy: Float[Array, " n"], room: Int[Array, " n"], octave: Int[Array, " n"], rooms: int, key: Array
 ) -> tuple[Int[Array, " n"], Float[Array, " n"]]:
-    """Which ray each of as many new ones continues, and with what energy.
+    """Resample rays; return the index of the ray that each new ray continues, and its energy.
 
-    Rays split where they enter a room of little energy, and end where others have as much: of each octave, a room that
-    holds the share E of all energy gets a share of rays in proportion to E^(1 - EVEN), all with the same energy. By
-    systematic sampling, whatever is expected of the new rays is what the old ones have (Kitagawa 1996).
+    Rays split in rooms with little energy and end where many others carry energy. In each octave, a room with the share
+    E of all energy gets a share of rays in proportion to E^(1 - EVEN). All its rays have equal energy. Systematic
+    sampling keeps the expected energy of every ray (Kitagawa 1996).
 
     Args:
-        energy: Of each ray; octave after octave, equally many rays.
-        room: That it is in.
-        octave: Of each ray.
-        rooms: How many there are.
+        energy: Energy of each ray; octave after octave, with equal numbers per octave.
+        room: Room of each ray.
+        octave: Octave of each ray.
+        rooms: Number of rooms.
         key: Random key.
 
     Example:

@@ -1,4 +1,7 @@
-"""Flights from several sources, as many together as suits the device, and what those of each gave on average."""
+"""Batched flights from several sources, and the mean result of each source.
+
+A flight is a set of rays of all octaves that start in one room.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,31 +19,31 @@ from home_mjx.audio_jax.late_reverb.trace.grid import Grid
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-RAYS_AT_ONCE = {"gpu": 1 << 18}  # that fly together, about as many as there are threads; elsewhere those of one flight
-MOST_AT_ONCE = 96  # flights, each of which has 3 to 9 MB of what is heard
-SOURCES = 16  # a multiple of so many have their means taken together: few programs do for all
-KEYS = 256
-PER_METRE = 1.0  # most reflections: flights end by age, for rays that are reflected seldom are those that last
+RAYS_AT_ONCE = {"gpu": 1 << 18}  # concurrent rays, about the number of threads; elsewhere those of one flight
+MOST_AT_ONCE = 96  # maximum concurrent flights, each with 3 to 9 MB of recorded energy
+SOURCES = 16  # to a multiple of which the averaged sources are padded; limits compiled programs
+KEYS = 256  # to a multiple of which the random keys are padded; limits compiled programs
+PER_METRE = 1.0  # maximum reflections per metre of age: flights end by age, as rarely reflected rays last longest
 
 
 class Start(NamedTuple):
-    """Rays of one flight, octave after octave, equally many of each."""
+    """Start of the rays of one flight, octave after octave, with equal numbers per octave."""
 
     origin: Float[np.ndarray, "n 3"]
     direction: Float[np.ndarray, "n 3"]
-    travelled: Float[np.ndarray, " n"]  # since the bin began in which it went through a gate [m]
+    travelled: Float[np.ndarray, " n"]  # since the start of the bin in which it reached a portal state [m]
     room: int
-    age: float  # at which they are old [m]
+    age: float  # path length at which rays end by age [m]
 
 
 class Heard(NamedTuple):
-    """What some sources gave, on average over the flights of each; gates are sources too."""
+    """Mean results over the flights of each source; portal states are sources too."""
 
-    count: int  # of sources
-    parts: tuple[tuple[Int[np.ndarray, " s"], Gave], ...]  # sources and, with others behind them, what they gave
+    count: int  # number of sources
+    parts: tuple[tuple[Int[np.ndarray, " s"], Gave], ...]  # sources and their results, padded
 
     def whole(self, read: Callable[[Gave], Array | np.ndarray]) -> Float[np.ndarray, "count ..."]:
-        """One of the arrays of what was given, or a part of it, of all sources: 0 of one from which nothing flew."""
+        """Gather an array of the results for all sources on the host; zeros for sources without flights."""
         found = [(rows, np.asarray(read(gave))) for rows, gave in self.parts]
         out = np.zeros((self.count, *found[0][1].shape[1:]), np.float32)
         for rows, some in found:
@@ -48,26 +51,26 @@ class Heard(NamedTuple):
         return out
 
     def on_device(self, read: Callable[[Gave], Array]) -> Array:
-        """The same as `whole` where each source has flown, on the device."""
+        """Gather an array like `whole` on the device; every source must have flights."""
         return jnp.concatenate([read(gave)[: len(rows)] for rows, gave in self.parts])
 
 
 def together(count: int, some: Sequence[tuple[Int[np.ndarray, " _"], Heard]]) -> Heard:
-    """So many sources: those of several, each with its new number."""
+    """Merge results into one of `count` sources; each part comes with the new indices of its sources."""
     return Heard(count, tuple((number[rows], gave) for number, heard in some for rows, gave in heard.parts))
 
 
 @dataclass(frozen=True)
 class Flights:
-    """Of one house.
+    """Ray tracer of one house.
 
     Attributes:
-        scene: The house.
-        grid: Its cells.
-        config: `bin_seconds` and the air.
+        scene: Scene of the house.
+        grid: Cells of the house.
+        config: Options for `bin_seconds` and air absorption.
         bins: Number of time bins.
-        rays: Of each flight, of all octaves.
-        bounces: How often rays are reflected at most.
+        rays: Rays per flight, over all octaves.
+        bounces: Maximum reflections of a ray.
     """
 
     scene: Scene
@@ -79,7 +82,7 @@ class Flights:
 
     @property
     def at_once(self) -> int:
-        """How many fly together."""
+        """Number of concurrent flights."""
         return int(np.clip(RAYS_AT_ONCE.get(jax.default_backend(), 0) // self.rays, 1, MOST_AT_ONCE))
 
     def fly(
@@ -91,16 +94,16 @@ class Flights:
         heard: int | None = None,
         keep: Callable[[Gone, Int[np.ndarray, " f"]], None] | None = None,
     ) -> Heard:
-        """Flights of some sources; what they gave stays on the device, on its way to the host if it is needed there.
+        """Trace the flights of some sources; results stay on the device, and transfers to the host are started.
 
         Args:
-            starts: The flights of each source.
-            fresh: They come from sources, not from reflections.
-            seed: Of all flights.
-            ends: Rays end in other rooms; else they fly on there.
-            heard: Bins that are kept; None: all.
-            keep: Gets the rays that went through gates, those of flights (f, 2, n) that left a room and that grew old
-                there, on the host, and the source of each flight.
+            starts: Flights of each source.
+            fresh: Rays start at sources, not at reflections.
+            seed: Seed of all flights.
+            ends: Rays end in other rooms; else they continue there.
+            heard: Number of bins that are kept; None: all.
+            keep: Callback for the rays that reached portal states, and the source of each flight. Host arrays of
+                flights (f, 2, n) hold the rays that left a room and those that aged there.
         """
         source = np.repeat(np.arange(len(starts)), [len(some) for some in starts])
         every, keys = [one for some in starts for one in some], _keys(seed, len(source))
@@ -109,7 +112,7 @@ class Flights:
         for rows in self._blocks(source):
             gave = ()
             for some in _chunks(np.flatnonzero(np.isin(source, rows)), self.at_once):
-                here = some[np.minimum(np.arange(self.at_once), len(some) - 1)]  # as many each time: one program
+                here = some[np.minimum(np.arange(self.at_once), len(some) - 1)]  # constant size: one program
                 rays = _stacked([every[flight] for flight in here])
                 bounces = np.minimum(PER_METRE * rays[-1], self.bounces).astype(np.int32)
                 found, gone = _fly(self.scene, self.grid, *rays, bounces, *how, keys[here], self.config, self.bins)
@@ -117,9 +120,9 @@ class Flights:
                 if keep:
                     _fetch(gone)
                 gave = (_added(gave, found, *_shares(rows, source, some, self.at_once)),)
-                jax.block_until_ready(ended[-2:-1])  # one may wait while another flies: each has its memory
+                jax.block_until_ready(ended[-2:-1])  # at most two batches in flight, as each holds its memory
             gave = tuple(_first_bins(one, heard) if heard else one for one in gave)
-            # What cells hear of each other is most of it, and is needed on the device.
+            # The energy between cells is the largest part, and only the device needs it.
             _fetch(*(one._replace(energy=(), way=()) if fresh else one for one in gave))
             parts.append((rows, *gave))
         if keep:
@@ -128,13 +131,13 @@ class Flights:
         return Heard(len(starts), tuple(parts))
 
     def _blocks(self, source: Int[np.ndarray, " f"]) -> list[Int[np.ndarray, " s"]]:
-        """Sources of so many flights as fly together, but at least one."""
+        """Group sources whose flights fit into one batch; at least one source per group."""
         rows, flights = np.unique(source, return_counts=True)
         return _chunks(rows, max(self.at_once // max(flights.tolist(), default=1), 1))
 
 
 def _fetch(*arrays: Any) -> None:
-    """Begins to, the last ones first: none waits for what is heard, which is most and needed last."""
+    """Start copies to the host in reverse order, so the largest array, the received energy, comes last."""
     for array in reversed(jax.tree.leaves(arrays)):
         array.copy_to_host_async()
 
@@ -149,7 +152,7 @@ def _chunks(values: Int[np.ndarray, " n"], size: int) -> list[Int[np.ndarray, " 
 
 
 def _keys(seed: int, count: int) -> np.ndarray:
-    """Data of so many keys; more are made, so that hardly any number of them is compiled for."""
+    """Return data of at least `count` random keys, rounded up so that few sizes are compiled."""
     return np.asarray(jax.random.key_data(jax.random.split(jax.random.key(seed), KEYS * (count // KEYS + 1))))
 
 
@@ -161,7 +164,7 @@ def _stacked(flights: Sequence[Start]) -> tuple[np.ndarray, ...]:
 def _shares(
     rows: Int[np.ndarray, " s"], source: Int[np.ndarray, " f"], some: Int[np.ndarray, " n"], at_once: int
 ) -> tuple[Int[np.ndarray, "p m"], Float[np.ndarray, "p m"]]:
-    """Of each of some sources, padded, the places of its flights among those that flew together, and their weights."""
+    """Return the batch positions and weights of each source's flights; sources are padded."""
     of, step = source[some], min(SOURCES, at_once)
     place, nth = np.searchsorted(rows, of), np.arange(len(of)) - np.searchsorted(of, of)
     shape = len(rows) + -len(rows) % step, nth.max() + 1
@@ -186,7 +189,7 @@ def _fly(
     config: AudioConfig,
     bins: int,
 ) -> tuple[Gave, Gone]:
-    """What several flights gave at once, and the rays of each (f, 2, n) that ended in another room or old."""
+    """Trace concurrent flights; return their sums, and the rays (f, 2, n) that ended in another room or by age."""
     found = jax.vmap(
         lambda p, d, t, r, a, b, k: fly(scene, grid, p, d, t, r, fresh, ends, b, a, k, config, bins), axis_name=FLIGHTS
     )(origin, direction, travelled, room, age, bounces, jax.random.wrap_key_data(keys))
@@ -195,7 +198,7 @@ def _fly(
 
 @jax.jit
 def _added(before: tuple[Gave, ...], gave: Gave, flight: Int[Array, "s m"], weight: Float[Array, "s m"]) -> Gave:
-    """Adds to what sources gave their flights' shares, one after the other: the same sum every time."""
+    """Add weighted flights to the sums of their sources in a fixed order, for reproducible sums."""
 
     def add(new: Array, *total: Array) -> Array:
         share = weight.T.reshape(*weight.T.shape, *(new.ndim - 1) * [1])
@@ -205,7 +208,7 @@ def _added(before: tuple[Gave, ...], gave: Gave, flight: Int[Array, "s m"], weig
 
 
 def _nothing(grid: Grid, bins: int) -> Gave:
-    """What no source gave."""
+    """Return empty results, of no source."""
     bands, cells, rooms = len(BANDS), grid.volume.shape[0], grid.rooms
     pair = bands, rooms, rooms
     shapes = (bands, cells, bins), (cells, bins, 3), (*pair, bins), pair[:2], pair[:2], pair, pair
