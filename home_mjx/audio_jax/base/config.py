@@ -41,15 +41,15 @@ class AudioConfig:
             0 disables diffraction; objects then transmit sound by their material's transmission coefficient.
         max_crossings: Maximum number of surfaces that direct sound crosses; it is silent beyond them.
         bin_seconds: Time bin of the energy histogram [s].
-        detector: Estimator of late specular energy. "rain" emits it diffusely from every hit: low variance with few
-            rays, and decay times within a few per cent for scattering of at least 0.1 (-6 % at 0). "sphere" counts
-            specular rays through a sphere: unbiased at any scattering, but needs thousands of rays.
+        detector: Estimator of late specular energy. "rain" emits it diffusely from every hit. Its variance is low with
+            few rays, and decay times are within a few per cent for scattering of at least 0.1 (-6 % at 0). "sphere"
+            counts specular rays through a sphere: unbiased at any scattering, but needs thousands of rays.
         octave_rays: Whether each ray carries one octave and scatters by that octave's coefficient. `num_rays` is then a
             multiple of 7 and counts the rays of all octaves. False: all octaves share one direction, drawn by their
             mean scattering, which is biased where scattering rises with frequency.
         detector_radius: Radius of that sphere, and minimum distance between a hit and the source in "rain" [m].
-        receiver: "binaural" for two ears on a rigid sphere, "omni" for the same free-field pressure in both channels,
-            "array" for `microphones`, "ambisonics" for four first-order channels, see `ambisonic_gains`.
+        receiver: "binaural": two ears on a rigid sphere. "omni": the same free-field pressure in both channels.
+            "array": `microphones`. "ambisonics": four first-order channels, see `ambisonic_gains`.
         microphones: With the receiver "array", positions in the head frame: +x right, +y up, -z ahead [m].
         head_radius: [m].
         ear_angle: Angle between nose and ears [degrees].

@@ -1,8 +1,8 @@
 """Basis of causal filters shared by all paths; weighted sums of it approximate octave gains and ear filters.
 
-The spectrum of a causal filter follows from its real part. A filter whose real part is piecewise linear over frequency
-is therefore a sum of fixed causal filters, one per knot frequency, weighted with the real part there. Paths are mixed
-with these weights before filtering, so the number of transforms is the number of knots, whatever the number of paths.
+The spectrum of a causal filter follows from its real part. A filter with a piecewise linear real part is therefore a
+sum of fixed causal filters, one per knot frequency, weighted with the real part there. Paths are mixed with these
+weights before filtering, so the number of transforms is the number of knots, whatever the number of paths.
 """
 
 import functools
