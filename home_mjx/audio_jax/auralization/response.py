@@ -228,8 +228,8 @@ def late_response(
     """Synthesize noise with the energies of a histogram in each octave and channel.
 
     Energy is interpolated linearly between bin centres. The noise field is fixed to the world while the head turns, see
-    `ear_mix`. For ambisonics, the cross energies of W with Y, Z and X (`late_energy`) are rendered as W's noise in those
-    channels, so that intensity points to the direction of incidence; otherwise channels are uncorrelated.
+    `ear_mix`. In ambisonics, cross energies of W with Y, Z and X (`late_energy`) are rendered as W's noise in those
+    channels. Intensity then points to the direction of incidence; without cross energies channels are uncorrelated.
 
     Args:
         energy: Energy per bin, channel and octave, from `late_energy`.

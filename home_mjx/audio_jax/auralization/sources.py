@@ -28,8 +28,7 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
     Args:
         name: One of `CLIPS`: "radio" (a melody of harmonic notes), "noise" (pink), "speech" (vowels in the rhythm of
-            syllables), "tone" (1 kHz), and those of `synthesis`: "ring", "chirp", "knock", "bell", "alarm", "bursts",
-            "whistle", "hum", "ticking", "water" and "static".
+            syllables), "tone" (1 kHz), or one of `synthesis.FURTHER`, such as "ring", "alarm" or "water".
         config: Options; provides the sample rate.
 
     Returns:

@@ -91,8 +91,8 @@ def ticking(length: int, sample_rate: int) -> Samples:
 def water(length: int, sample_rate: int) -> Samples:
     """Synthesize a running tap: 400 bubbles a second with radii r of 0.5 to 5 mm, ringing at (3 m/s) / r (Minnaert).
 
-    They decay by 0.13 / r + 0.0072 / r^1.5 per second, as in van den Doel, Physically based models for liquid sounds,
-    ACM Transactions on Applied Perception 2, 534, 2005.
+    Decay rates are 0.13 / r + 0.0072 / r^1.5 [1/s]: van den Doel, Physically based models for liquid sounds, ACM
+    Transactions on Applied Perception 2, 534, 2005.
     """
     rng, time = np.random.default_rng(4), _time(round(0.1 * sample_rate), sample_rate)
     stream = np.zeros(length)
