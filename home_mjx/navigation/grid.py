@@ -93,7 +93,7 @@ def _around(bank: HouseBank, place: Int[Array, "3"]) -> tuple[Int[Array, ""], In
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return ranks of entries of `Navigation.cell`: `HOME`, 1 free near obstacles, 2 inside a movable object, `NOWHERE`."""
+    """Return ranks of `Navigation.cell` entries: `HOME`, 1 free near obstacles, 2 in a movable object, `NOWHERE`."""
     navigation = bank.navigation
     number = cell - navigation.first_cell[house]
     ends = jnp.stack([navigation.num_cells[house], navigation.num_free[house]])

@@ -67,7 +67,7 @@ class Straight(NamedTuple):
     objects: Float[Array, " bands"]  # energy transmission of all objects on the line, each counted once
     within: Bool[Array, ""]  # whether no partition is on the line
     clear: Bool[Array, ""]  # whether the line is unobstructed
-    silent: Bool[Array, ""]  # whether there are more surfaces than `max_crossings`
+    silent: Bool[Array, ""]  # whether `max_crossings` hits were used up before the source
 
 
 def cross(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Straight:
