@@ -1,4 +1,4 @@
-"""Sound: impulse responses by the ray caster, and what two ears hear through them."""
+"""Room acoustics: ray-traced impulse responses, their auralization for several receivers, and ISO 3382 parameters."""
 
 from home_mjx.audio_jax.auralization.envelope import Envelope, band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.recordings import recorded_clip

@@ -1,4 +1,4 @@
-"""Grids, distances, rooms and free places on the device; a follower of shortest paths on the host."""
+"""Navigation grids, geodesic distances, rooms and free positions on the device; a path follower on the host."""
 
 from home_mjx.navigation.doors import door_angles, joined_rooms, open_portals
 from home_mjx.navigation.fields import distance_field, goal_fields

@@ -1,4 +1,4 @@
-"""Which ways doors leave open."""
+"""Door joint coordinates, and the portals and rooms that open doors connect."""
 
 import jax
 import jax.numpy as jnp
@@ -8,16 +8,17 @@ from home_mjx.bank.bank import HouseBank
 
 
 def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) -> Float[Array, " h"]:
-    """Coordinates of a house's doors, each between the least and the greatest that its leaf can have.
+    """Return joint coordinates of a house's doors in a state, clipped to their joint ranges.
 
-    Of hinged leaves these are angles from as placed [rad], of sliding ones the way from there [m].
+    Coordinates are relative to the pose in the dataset: angles of hinged leaves [rad], displacements of sliding leaves
+    [m].
 
     Args:
         bank: The houses.
         house: Index of the house.
-        state: "open" (wide), "closed", "placed" (as in the file, or as near as it can be), or "random": each leaf open
-            or closed.
-        key: Random key.
+        state: "open" (wide open), "closed", "placed" (the pose in the dataset, clipped to the range), or "random" (each
+            leaf open or closed).
+        key: Random key; used by "random" only.
     """
     physics, house = bank.physics, bank.known_house(house)
     wide, closed = physics.door_wide[house], physics.door_closed[house]
@@ -27,19 +28,18 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
 
 
 def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:
-    """Which portals an agent can pass as doors stand: those without a door, and those of which a leaf is open enough.
+    """Return whether an agent can pass each portal: it has no door, or one of its leaves is sufficiently open.
 
-    A leaf of width w that is turned by t from closed leaves a gap of 2 w sin(t / 2) between its edge and the frame,
-    or the other leaf while that is closed; one that slides, a gap as wide as it is shifted. Two leaves that are both
-    open too little do not count together.
+    A hinged leaf of width w at an angle t from closed leaves a gap of 2 w sin(t / 2) to the frame or to another closed
+    leaf. A sliding leaf leaves a gap of its displacement. Gaps of two leaves are not added.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        door_angle: Of each leaf from as placed [rad], of sliding ones [m].
+        door_angle: Joint coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
 
     Returns:
-        False for padding, and for portals that agents cannot pass however doors stand.
+        One flag per portal; False for padding, and for portals that agents cannot pass with any door state.
     """
     physics, navigation, house = bank.physics, bank.navigation, bank.known_house(house)
     width = 2 * jnp.max(physics.door_size[house, :, :2], axis=-1)
@@ -49,22 +49,22 @@ def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
     gap = jnp.where(slides, jnp.minimum(turned, width), chord)
     passed = gap > jnp.float32(2 * bank.spec.agent_radius)
     leaf = navigation.portal_leaf[house]
-    number = jnp.arange(passed.shape[0], dtype=jnp.int32)  # of leaves; a bank may have none
+    number = jnp.arange(passed.shape[0], dtype=jnp.int32)  # leaf indices; a bank may have no leaves
     by_leaf = jnp.any((leaf[..., None] == number[None, None]) & passed[None, None], axis=(1, 2))
     no_leaf = jnp.all(leaf < 0, axis=-1)
     return (navigation.portal_width[house] > 0) & (no_leaf | by_leaf)
 
 
 def joined_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, "r r"]:
-    """Which rooms an agent can go between without touching a door.
+    """Return which pairs of rooms are connected for an agent that does not move doors.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        door_angle: Of each leaf from as placed [rad], of sliding ones [m].
+        door_angle: Joint coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
 
     Returns:
-        Symmetric; every room is joined to itself. With all doors wide open it is `room_hops >= 0`.
+        Symmetric matrix with a True diagonal. With all doors wide open it is `room_hops >= 0`.
 
     Example:
         >>> joined_rooms(bank, house, state.snapshot.door_angle)[bedroom, kitchen]  # doctest: +SKIP
@@ -75,6 +75,6 @@ def joined_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
     passed = open_portals(bank, house, door_angle) & jnp.all(rooms >= 0, axis=-1)
     a, b = (jnp.where(passed, rooms[:, k], count) for k in range(2))
     joined = jnp.eye(count + 1, dtype=bool).at[a, b].set(True).at[b, a].set(True)[:count, :count]
-    for _ in range(max(count - 1, 1).bit_length()):  # ways of twice as many portals each time
+    for _ in range(max(count - 1, 1).bit_length()):  # each round doubles the number of portals per path
         joined = jnp.any(joined[:, :, None] & joined[None], axis=1)
     return joined

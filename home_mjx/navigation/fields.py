@@ -1,4 +1,4 @@
-"""Geodesic distance fields on the device, to goals that are known only at run time."""
+"""Geodesic distance fields on the device, for goals that are defined at run time."""
 
 import jax
 import jax.numpy as jnp
@@ -13,20 +13,21 @@ def distance_field(
     cell: float,
     slow: Float[Array, "ny nx"] | float = 1.0,
 ) -> Float[Array, "ny nx"]:
-    """Length of the shortest 8-connected path over free cells to the nearest source; no corner is cut.
+    """Compute the length of the shortest 8-connected path over free cells to the nearest source, without corner cuts.
 
-    Sweeps down and up over the rows until nothing changes (Zhao, "A fast sweeping method for Eikonal equations", 2005),
-    here for the metric of the grid graph, in which a row is relaxed at once by a parallel scan (Blelloch 1990). The
-    number of rounds is the number of up-down turns of the most winding path, not its length.
+    Rows are swept down and up until convergence (Zhao, "A fast sweeping method for Eikonal equations", 2005), here for
+    the metric of the grid graph. Each row is relaxed by a parallel scan (Blelloch 1990). The number of rounds is the
+    number of up-down turns of the most winding path, not its length.
 
     Args:
         free: Cells that a path may cross.
         source: Cells with distance 0; cells that are not free are ignored.
-        cell: Edge of a cell [m].
-        slow: So many times as long counts a step out of a cell; positive.
+        cell: Cell size [m].
+        slow: Factor on the length of steps between cells, per cell; positive.
 
     Returns:
-        [m]; inf where there is no path. Equals `scene_compile.navigation.geodesic.distance_fields` up to rounding.
+        Distances [m]; inf if there is no path. Equal to `scene_compile.navigation.geodesic.distance_fields` up to
+        rounding.
 
     Example:
         >>> fields = jax.vmap(distance_field, (None, 0, None))(free, sources, 0.1)  # doctest: +SKIP
@@ -51,7 +52,7 @@ def distance_field(
 def _sweep(
     free: Bool[Array, "ny nx"], distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]
 ) -> Float[Array, "ny nx"]:
-    """Distances relaxed row by row, each from the one above and then along itself."""
+    """Update distances row by row, from the row above and then along the row."""
 
     def row(
         above: tuple[Bool[Array, " nx"], Float[Array, " nx"]], here: tuple[Array, Array, Array]
@@ -71,7 +72,7 @@ def _sweep(
 
 
 def _shift(values: Array, step: int, fill: float | bool) -> Array:
-    """The neighbours `step` columns to the left."""
+    """Return the values `step` columns to the left, with `fill` at the border."""
     moved = jnp.roll(values, step)
     return moved.at[0 if step > 0 else -1].set(fill)
 
@@ -79,10 +80,10 @@ def _shift(values: Array, step: int, fill: float | bool) -> Array:
 def _along(
     open_: Bool[Array, " nx"], distance: Float[Array, " nx"], length: Float[Array, " nx"]
 ) -> Float[Array, " nx"]:
-    """Least distance along a row in both directions, without crossing a blocked cell."""
+    """Propagate minimum distances along a row in both directions, without crossing blocked cells."""
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
-        # (length of the stretch or inf if it is cut, least distance at its end)
+        # (length of the segment, inf if it is blocked; minimum distance at its end)
         return a[0] + b[0], jnp.minimum(b[1], a[1] + b[0])
 
     step = jnp.where(open_, length, jnp.float32(jnp.inf))
@@ -94,16 +95,16 @@ def _along(
 def goal_fields(
     bank: HouseBank, house: Int[Array, ""], level: Int[Array, ""], goals: Float[Array, "g 3"]
 ) -> Float[Array, "g ny nx"]:
-    """Distance fields of one level of a house to points of it.
+    """Compute distance fields of one level of a house to goal points.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        level: Index of the grid.
-        goals: Points on that level [m]; the free cells within one cell of each are its sources.
+        level: Index of the level's grid.
+        goals: Points on that level [m]; the free cells within one cell of a point are its sources.
 
     Returns:
-        [m], from the goals' cells; inf where there is no path.
+        Distances to each goal's cells [m]; inf if there is no path.
     """
     free = bank.navigation.region[house, level] >= 0
     rows, columns = free.shape

@@ -1,4 +1,4 @@
-"""Look-ups in a house's navigation grids, on the device."""
+"""Lookups in a house's navigation grids, on the device."""
 
 import jax
 import jax.numpy as jnp
@@ -8,16 +8,16 @@ from jaxtyping import Array, Bool, Float, Int, UInt16
 from home_mjx.bank.bank import HouseBank
 from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_FAR, FIELD_UNIT
 
-# The best way may begin over a neighbour of the cell that holds the point.
+# The shortest path from a point may begin over a neighbour of its cell.
 _OFFSETS = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
 _MIDDLE = _OFFSETS.index((0, 0))
-HOME, NOWHERE = 0, 3  # ranks of cells
+HOME, NOWHERE = 0, 3  # ranks of cells, see `_rank`
 
 
 def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, "3"]:
-    """Grid (level), row and column of the cell that holds a point, clipped to the grid.
+    """Return level, row and column of the cell that contains a point, clipped to the grid.
 
-    The grid is the one of the highest floor that is not above the point.
+    The level is that of the highest floor that is not above the point, up to a tolerance of `BELOW_FLOOR`.
     """
     navigation, house = bank.navigation, bank.known_house(house)
     levels, rows, columns = navigation.room.shape[1:]
@@ -28,7 +28,7 @@ def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> I
 
 
 def room_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, ""]:
-    """Index of the room that holds a point; -1 outside."""
+    """Return the index of the room that contains a point; -1 outside."""
     level, row, column = cell_of(bank, house, pos)
     return bank.navigation.room[bank.known_house(house), level, row, column].astype(jnp.int32)
 
@@ -40,27 +40,27 @@ def geodesic_distance(
     pos: Float[Array, "3"],
     field: UInt16[Array, "cell goals"] | None = None,
 ) -> Float[Array, "..."]:
-    """Length of the shortest path from a point to a goal, to some, or to every goal if `goal` is None.
+    """Compute the length of the shortest path from a point to one goal, several goals, or all goals.
 
-    It is the best of the 3 × 3 cells around the point plus the way to that cell's centre. Close to what stands, and
-    where a thing was moved away, the distances of the home region are continued without a step: see
-    `scene_compile.navigation.fringe`. Elsewhere it is that of the nearest cell plus the straight way to it.
+    It is the minimum over the 3 × 3 cells around the point of the cell's distance plus that to its centre. Near
+    obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
+    `scene_compile.navigation.fringe`. Elsewhere it is the distance of the nearest cell plus the straight line to it.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        goal: Index of the goal, or of some, or None.
+        goal: Index or indices of goals; None: all goals.
         pos: The point [m], world frame.
-        field: Distances of all cells to other goals, stored as in `Navigation.field`; None: to the bank's own.
+        field: Distances of all cells to other goals, stored as in `Navigation.field`; None: the bank's field.
 
     Returns:
-        [m]; finite, since all goals lie in the home region.
+        Distances [m], in the shape of `goal`; finite, because all goals are in the home region.
     """
     navigation, house = bank.navigation, bank.known_house(house)
     level, y, x = _around(bank, cell_of(bank, house, pos))
     cell = navigation.cell[house, level, y, x]
     rank = _rank(bank, house, cell)
-    # Where a thing stands in the way, distances in its place are other than beside it.
+    # Cells inside an obstacle have other distances than free cells beside it, so cells of a higher rank are excluded.
     usable = (rank <= rank[_MIDDLE]) & (rank < NOWHERE)
     usable = usable.at[_MIDDLE].set(True)
     nearest = navigation.place[row_of_cell(cell[_MIDDLE])]
@@ -73,7 +73,7 @@ def geodesic_distance(
 
 
 def near_home(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Whether a point lies in or beside a cell of the home region, from which there are paths to all goals.
+    """Return whether a point is in or next to a cell of the home region, from which all goals are reachable.
 
     Args:
         bank: The houses.
@@ -86,14 +86,14 @@ def near_home(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) ->
 
 
 def _around(bank: HouseBank, place: Int[Array, "3"]) -> tuple[Int[Array, ""], Int[Array, " n"], Int[Array, " n"]]:
-    """Level, rows and columns of the 3 × 3 cells around one, clipped to the grid."""
+    """Return level, rows and columns of the 3 × 3 cells around a cell, clipped to the grid."""
     rows, columns = bank.navigation.room.shape[2:]
     offsets = jnp.array(_OFFSETS, jnp.int32)
     return place[0], jnp.clip(place[1] + offsets[:, 0], 0, rows - 1), jnp.clip(place[2] + offsets[:, 1], 0, columns - 1)
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Of entries of `Navigation.cell`: `HOME`, 1 free as things stand, 2 where a thing stands, `NOWHERE`."""
+    """Return ranks of `Navigation.cell` entries: `HOME`, 1 free near obstacles, 2 in a movable object, `NOWHERE`."""
     navigation = bank.navigation
     number = cell - navigation.first_cell[house]
     ends = jnp.stack([navigation.num_cells[house], navigation.num_free[house]])
@@ -102,19 +102,19 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
 
 
 def is_home(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
-    """Whether entries of `Navigation.cell` are of the home region, where agents can walk."""
+    """Return whether entries of `Navigation.cell` are in the home region, where agents can walk."""
     return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
 
 def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Of entries of `Navigation.cell`: the row of `field` and `place` that counts there."""
+    """Return the row of `field` and `place` for entries of `Navigation.cell`."""
     return jnp.where(cell >= 0, cell, ~cell)
 
 
 def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
-    """Distance from cells, as `Navigation.cell` numbers them, to a goal of their house, to some, or to all [m]."""
+    """Return distances [m] from entries of `Navigation.cell` to one, several or all (None) goals of their house."""
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)
@@ -122,9 +122,9 @@ def stored_distance(
 
 
 def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
-    """Geodesic distance of every cell of a house's ground floor to each goal [m], on the host.
+    """Return the geodesic distance of every cell of a house's ground floor to each goal [m], on the host.
 
-    It is inf where no path of the home region is: there agents cannot stand, unless something is moved.
+    It is inf outside the home region, where agents cannot be unless an object is moved.
     """
     cell = bank.navigation.cell[house, 0]
     stored = np.asarray(stored_distance(bank.navigation.field, cell.ravel(), None))
@@ -133,16 +133,16 @@ def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
 
 
 def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: float = 0.05) -> Float[Array, "3"]:
-    """A random point on the floor where an agent can stand, uniform over the free area.
+    """Sample a navigable point on the floor, uniformly over the home region.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        key: A random key.
+        key: Random key.
         margin: Clearance with which the houses were compiled, `NavigationOptions.margin` [m].
 
     Returns:
-        [m]; at most `margin` / 2 from a cell's centre in x and in y, so nothing is nearer than the agent's radius.
+        Point [m], at most `margin` / 2 from a cell's centre in x and y, so obstacles are outside the agent's radius.
     """
     which, shift = jax.random.split(key)
     navigation, house = bank.navigation, bank.known_house(house)
@@ -153,13 +153,13 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
-    """Middle of a numbered cell on the floor or ramp there [m]."""
+    """Return the centre of the cell with a given row number, on its floor or ramp [m]."""
     middle = place_position(bank, house, bank.navigation.place[cell].astype(jnp.int32))
     return middle.at[2].set(bank.navigation.height[cell])
 
 
 def place_position(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Float[Array, "3"]:
-    """Middle of a cell, given by level, row and column as by `cell_of`, on its level's floor [m]."""
+    """Return the centre of the cell at (level, row, column), as from `cell_of`, on its level's floor [m]."""
     house = bank.known_house(house)
     level, row, column = place
     plan = (jnp.stack([column, row]).astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)

@@ -1,4 +1,4 @@
-"""A scripted walk on the host: from goal to goal along the geodesic distance fields."""
+"""Scripted path follower on the host, from goal to goal along geodesic distance fields."""
 
 from dataclasses import dataclass, field
 
@@ -8,19 +8,20 @@ from jaxtyping import Float
 from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.grid import ground_fields
 
-LOOK_AHEAD = 5  # cells
+LOOK_AHEAD = 5  # [cells], distance of the point that the agent steers to
 
 
 @dataclass
 class Walker:
-    """Steers one agent through the rooms of its house.
+    """Controller that steers one agent through the rooms of its house.
 
     Args:
-        fields: Geodesic distance to each goal [m]; inf where an agent cannot stand.
+        fields: Geodesic distance to each goal [m]; inf where an agent cannot be.
         origin: Corner of cell (0, 0) [m].
         cell: Cell size [m].
-        targets: Goals in the order of the visit.
-        turn_per_step: Largest turn in one step [rad].
+        targets: Goals in the order of visits; repeated cyclically.
+        turn_per_step: Maximum turn in one step [rad].
+        visited: Number of goals reached.
     """
 
     fields: Float[np.ndarray, "g ny nx"]
@@ -31,7 +32,7 @@ class Walker:
     visited: int = field(default=0)
 
     def action(self, pos: Float[np.ndarray, " 3"], yaw: float) -> Float[np.ndarray, " 4"]:
-        """Forward, left, turn and look for the next step."""
+        """Compute the next action (forward, left, turn, look), see `steer`."""
         cell = self._free_cell(self._cell(pos))
         if self._field[cell] < 0.4:
             self.visited += 1
@@ -55,7 +56,7 @@ class Walker:
         return int(nearest[0]), int(nearest[1])
 
     def _downhill(self, cell: tuple[int, int]) -> tuple[int, int]:
-        """The cell `LOOK_AHEAD` steps down the field."""
+        """Return the cell `LOOK_AHEAD` steps down the field."""
         for _ in range(LOOK_AHEAD):
             y, x = cell
             y0, x0 = max(y - 1, 0), max(x - 1, 0)
@@ -68,13 +69,13 @@ class Walker:
 def steer(
     pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray, " 2"], turn_per_step: float
 ) -> Float[np.ndarray, " 4"]:
-    """Forward, left, turn and look of the next step of a straight walk: first turn, then go.
+    """Compute the action (forward, left, turn, look) towards a point: turn first, then walk.
 
     Args:
-        pos: Where the agent is [m].
-        yaw: Where it looks [rad].
-        aim: Where it is going [m].
-        turn_per_step: Largest turn in one step [rad].
+        pos: Position of the agent [m].
+        yaw: Heading of the agent [rad].
+        aim: Point to walk to [m].
+        turn_per_step: Maximum turn in one step [rad].
 
     Example:
         >>> steer(np.zeros(3), 0.0, np.array([2.0, 0.0]), 0.1).tolist()
@@ -86,13 +87,13 @@ def steer(
 
 
 def turn_towards(pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray, " *p"]) -> float:
-    """How far an agent must turn to its left to face a point [rad], in [-π, π)."""
+    """Return the left turn that makes an agent face a point [rad], in [-π, π)."""
     offset = aim[:2] - pos[:2]
     return float((np.arctan2(offset[1], offset[0]) - yaw + np.pi) % (2 * np.pi) - np.pi)
 
 
 def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> Walker:
-    """A walker that visits other rooms first, nearest first, and all rooms once before any room twice."""
+    """Make a walker that visits other rooms first, nearest goals first, and all rooms once before any room twice."""
     navigation = bank.navigation
     fields = ground_fields(bank, house)
     walker = Walker(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)

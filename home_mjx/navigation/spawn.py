@@ -1,4 +1,4 @@
-"""Start positions of agents and sound in a house."""
+"""Sampling of start positions, sound sources, arrangements and headings."""
 
 import jax
 import jax.numpy as jnp
@@ -7,19 +7,23 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
 
-ROOM = 0.005  # [m], between an agent that begins and what stands beside it
+ROOM = 0.005  # [m], minimum clearance between a spawned agent and bodies
 
 
 def spread_starts(
     bank: HouseBank, house: Int[Array, ""], num: int, apart: float, key: Array
 ) -> tuple[Int[Array, " a"], Float[Array, "a 3"]]:
-    """Random start points of a house, each at least `apart` metres from the ones before where the house allows it."""
+    """Sample start points of a house, each at least `apart` [m] from earlier ones if possible.
+
+    Returns:
+        Indices into the house's start points, and the points [m].
+    """
     points = bank.navigation.start[house]
     gumbel = jax.random.gumbel(key, (num, points.shape[0]))
     clearance = jnp.full(points.shape[:1], jnp.inf, jnp.float32)
     chosen = []
     for a in range(num):
-        # Points too near an earlier agent lose to all others, but a full house still gives an answer.
+        # Points too close to an earlier agent rank below all others, but are still chosen if no others are left.
         index = jnp.argmax(jnp.where(clearance < jnp.float32(apart), gumbel[a] - 1e6, gumbel[a])).astype(jnp.int32)
         chosen.append(index)
         clearance = jnp.minimum(clearance, jnp.linalg.norm(points - points[index][None], axis=-1))
@@ -28,7 +32,7 @@ def spread_starts(
 
 
 def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Array) -> Float[Array, "3"]:
-    """A random free point of a house, `height` metres above its floor."""
+    """Sample a free point of a house, `height` [m] above its floor."""
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))
@@ -37,16 +41,16 @@ def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Ar
 def random_arrangement(
     bank: HouseBank, house: Int[Array, ""], points: Float[Array, "n 3"], key: Array
 ) -> Int[Array, ""]:
-    """A random one of a house's arrangements in which an agent could stand at each of some points.
+    """Sample uniformly one of a house's arrangements in which agents at all given points are free of collisions.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        points: [m], on the floor.
+        points: Positions of agents on the floor [m].
         key: Random key.
 
     Returns:
-        Its number, each as likely as any other; -1, bodies where the house has them, if there is none.
+        Index of the arrangement; -1 (the initial poses of the house) if no arrangement is free.
     """
     house = bank.known_house(house)
     poses = bank.physics.arrangement[house]
@@ -65,12 +69,12 @@ def random_arrangement(
 def _distance(
     height: Float[Array, ""], point: Float[Array, "3"], pose: Float[Array, "7"], half: Float[Array, "3"]
 ) -> Float[Array, ""]:
-    """From the vertical line above a point, so high, to an upright box [m]."""
+    """Compute the distance from a vertical segment of `height` above a point to an upright box [m]."""
     nearest = point.at[2].set(jnp.clip(pose[2], point[2], point[2] + height))
     local = jnp.matmul(nearest - pose[:3], quat_matrix(pose[3:]), precision="highest")
     return jnp.linalg.norm(jnp.maximum(jnp.abs(local) - half, 0.0))
 
 
 def random_yaw(key: Array, shape: tuple[int, ...] = ()) -> Float[Array, "*n"]:
-    """Headings, every one as likely as any other [rad]."""
+    """Sample uniformly distributed headings [rad]."""
     return jax.random.uniform(key, shape, jnp.float32, -jnp.pi, jnp.pi)

@@ -1,1 +1,1 @@
-"""Impulse responses at two ears, clips, and frames of sound."""
+"""Impulse responses of receivers, clips, frames of sound, and audio features."""

@@ -1,4 +1,4 @@
-"""What ears would measure instead of a waveform: energy over time, and how much earlier one ear hears."""
+"""Energy envelopes of impulse responses and interaural time differences, computed without waveforms."""
 
 import functools
 
@@ -21,34 +21,34 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-TAPS = 256  # of the head's table, only delays of which are read
+TAPS = 256  # of the head's table, which is read for its delays only
 
 
 class Envelope(Pytree):
-    """A source as two ears hear it, without its phase."""
+    """Energy envelope of an impulse response."""
 
-    energy: Float[Array, "k e bands"]  # per time bin, ear and octave, re the free field of the source at 1 m
-    lead: Float[Array, " bands"]  # [s]: so much earlier does the left ear, if any, hear it; by energy of directions
+    energy: Float[Array, "k e bands"]  # per time bin, channel and octave, re the free field of the source at 1 m
+    lead: Float[Array, " bands"]  # [s], energy-weighted mean arrival-time lead of the left ear; 0 unless "binaural"
 
 
 def energy_response(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Envelope:
-    """What `impulse_response` would give, as energies: paths and rays are the same, nothing is synthesised.
+    """Compute the energy envelope of `impulse_response` from the same paths and rays, without synthesis.
 
-    Energies of paths are added, whatever their phase. The lead of an ear is that of Woodworth's sphere, or that of the
+    Energies of paths are added incoherently. Interaural leads are those of a rigid sphere (Woodworth), or of the
     listener's measured head.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
-        key: As for `impulse_response`.
+        source: The source.
+        listener: The listener.
+        key: Random key; with the same key, rays are those of `impulse_response`.
         config: Options.
 
     Example:
         >>> envelope = energy_response(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
         >>> 10 * jnp.log10(envelope.energy.sum(axis=0))  # doctest: +SKIP
     """
-    rays, _ = jax.random.split(key)  # as there
+    rays, _ = jax.random.split(key)  # as in `impulse_response`
     paths = early_paths(scene, source, listener, config)
     late, directions, weights = _late(scene, source, listener, rays, config)
     power = paths.gain**2
@@ -65,7 +65,7 @@ def energy_response(scene: Scene, source: Source, listener: Listener, key: Array
 def _late(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
-    """Late energy at both ears; directions in which it comes, and how much from each. All others cancel out."""
+    """Return late energies of the channels, and directions (n) with energies that have the late field's mean lead."""
     if config.late == "none":
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
@@ -81,28 +81,27 @@ def _late(
 
 
 def band_level(envelope: Float[Array, "k e bands"], power: Float[Array, "w bands"]) -> Float[Array, "e bands"]:
-    """Mean power at both ears during a frame.
+    """Compute the mean power at each channel and octave during a frame.
 
     Args:
         envelope: Energy per time bin, see `Envelope`.
-        power: What leaves the source, per bin and octave: the bins of the frame, and before them those for which a
-            response lasts, so w = k - 1 + bins of a frame.
+        power: Power emitted by the source per bin and octave: w = k - 1 + n bins, the last n being the frame's.
     """
     count = envelope.shape[0]
     frame = power.shape[0] - count + 1
     total = jnp.concatenate([jnp.zeros((1, power.shape[1])), jnp.cumsum(power, axis=0)])
     start = count - 1 - jnp.arange(count, dtype=jnp.int32)
-    mean = (total[start + frame] - total[start]) / frame  # of what is heard so many bins later
+    mean = (total[start + frame] - total[start]) / frame  # emitted power, by delay in bins
     return jnp.einsum("keb,kb->eb", envelope, mean, precision="highest")
 
 
 @functools.cache
 def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"]:
-    """Power of a clip in each time bin and octave at 1 m from its source.
+    """Compute the power of a clip in each time bin and octave at 1 m from its source.
 
     Args:
-        name: Of the clip.
-        config: For sample rate and bins.
+        name: Name of the clip, see `clip_samples`.
+        config: Options; provides sample rate and bins.
 
     Example:
         >>> power = clip_power("tone", AudioConfig())
@@ -118,7 +117,7 @@ def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"
 
 
 def _leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConfig) -> Float[Array, " n"]:
-    """By how much the left ear hears sound from each direction earlier [s]."""
+    """Compute the arrival-time lead of the left ear for each direction [s]; 0 unless the receiver is "binaural"."""
     if config.receiver != "binaural":
         return jnp.zeros(direction.shape[0], jnp.float32)
     if listener.head is not None:

@@ -1,4 +1,4 @@
-"""Recordings as clips: any file that ffmpeg reads, such as WAV and FLAC."""
+"""Clips from recordings in any format that ffmpeg reads, such as WAV and FLAC."""
 
 import logging
 import math
@@ -16,23 +16,23 @@ from home_mjx.audio_jax.auralization.sources import LOUDNESS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.errors import ConfigError, MissingFileError
 
-SOFTEST = 1e-5  # RMS re full scale (-100 dB) below which a recording is silent
+SOFTEST = 1e-5  # minimum RMS re full scale (-100 dB); a recording below it is silent
 
 log = logging.getLogger(__name__)
 
 
 def recorded_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
-    """Samples of a recording, float32, as `clip_samples` gives those of a clip: one channel, without offset, RMS 0.1.
+    """Read a recording as a clip: float32, one channel, zero mean, RMS 0.1, as from `clip_samples`.
 
-    Channels are averaged. A file of another sample rate is resampled (by a polyphase filter), which the log says.
+    Channels are averaged. A file with another sample rate is resampled by a polyphase filter, with a log warning.
 
     Args:
-        path: A sound file: WAV, FLAC, Ogg, MP3 and what else ffmpeg reads.
-        config: For its sample rate.
+        path: An audio file: WAV, FLAC, Ogg, MP3 or another format of ffmpeg.
+        config: Options; provides the sample rate.
 
     Raises:
-        MissingFileError: There is no such file.
-        ConfigError: It cannot be read as sound, has samples that are no finite numbers, or is silent.
+        MissingFileError: The file does not exist.
+        ConfigError: The file cannot be decoded, has samples that are not finite, or is silent.
 
     Example:
         >>> recorded_clip("kettle.flac", AudioConfig()).shape  # doctest: +SKIP
@@ -41,7 +41,7 @@ def recorded_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " 
     path = Path(path)
     rate, samples = _decoded(path)
     if not np.isfinite(samples).all():
-        raise ConfigError("the recording has samples that are not finite", file=path, hint="Export it anew.")
+        raise ConfigError("the recording has samples that are not finite", file=path, hint="Export it again.")
     sound = samples.astype(float).reshape(len(samples), -1).mean(axis=1)
     if rate != config.sample_rate:
         log.warning("%s: resampled from %d to %d Hz", path, rate, config.sample_rate)
@@ -50,13 +50,13 @@ def recorded_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " 
     sound = sound - sound.mean() if sound.size else sound
     level = float(np.sqrt(np.mean(sound**2))) if sound.size else 0.0
     if level < SOFTEST:
-        hint = "Give a recording in which something sounds; channels of opposite sign cancel out."
+        hint = "Use a recording that is not silent; channels of opposite polarity cancel out."
         raise ConfigError("the recording is silent", file=path, hint=hint)
     return (sound * (LOUDNESS / level)).astype(np.float32)
 
 
 def _decoded(path: Path) -> tuple[int, Float[np.ndarray, "..."]]:
-    """Sample rate, and samples (n,) or (n, channels)."""
+    """Decode a file with ffmpeg; return its sample rate and samples (n,) or (n, channels)."""
     if not path.is_file():
         raise MissingFileError("there is no such recording", file=path)
     with tempfile.TemporaryDirectory() as folder:
@@ -65,7 +65,7 @@ def _decoded(path: Path) -> tuple[int, Float[np.ndarray, "..."]]:
         command += ["-i", f"file:{path.absolute()}", "-vn", "-c:a", "pcm_f32le", str(plain)]
         done = subprocess.run(command, capture_output=True, check=False)
         if done.returncode != 0 or not plain.is_file():
-            said = done.stderr.decode(errors="replace").strip().splitlines() or ["it holds no sound"]
-            hint = "Give a WAV or FLAC file."
+            said = done.stderr.decode(errors="replace").strip().splitlines() or ["it has no audio stream"]
+            hint = "Use a WAV or FLAC file."
             raise ConfigError(f"the recording cannot be read: {said[-1]}", file=path, hint=hint)
         return wavfile.read(plain)

@@ -1,4 +1,4 @@
-"""Impulse responses of ears and microphones, from paths and an energy histogram."""
+"""Impulse responses of receivers, synthesized from early paths and a late energy histogram."""
 
 import math
 
@@ -26,19 +26,19 @@ from home_mjx.core.transforms import is_unit
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-EVERYWHERE = 64  # directions whose mean stands for all
-BEFORE = 2 * HALF_WIDTH + 3  # samples by which kernels of paths begin before their sound
+EVERYWHERE = 64  # directions that sample an isotropic field
+BEFORE = 2 * HALF_WIDTH + 3  # samples of a path's kernel before its arrival
 
 
 def impulse_response(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> Float[Array, "e l"]:
-    """What the left and right ear, or the channels of another receiver, hear of a pulse from a point source.
+    """Compute the impulse response from a point source to each channel of the receiver.
 
     Args:
         scene: The environment, whose `executor` casts the rays.
-        source: Who sounds.
-        listener: Who hears.
+        source: The source.
+        listener: The listener.
         key: Random key, typed or raw. Keep it while a listener moves, so that successive responses are coherent.
         config: Options.
 
@@ -60,16 +60,16 @@ def impulse_response(
 def late_energy(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> Float[Array, "k e bands"]:
-    """Late energy per time bin, ear and octave, re the free field of the source at 1 m: traced or baked.
+    """Compute late energy per time bin, channel and octave, re the free field of the source at 1 m.
 
-    Of ambisonics e is 7: energies of W, Y, Z and X, then what W has in common with each of the three.
+    For ambisonics e is 7: the energies of W, Y, Z and X, then the cross energies of W with Y, Z and X (intensity).
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
-        key: Of the rays; of no use if late sound is baked.
-        config: `late` says which, or that there is none.
+        source: The source.
+        listener: The listener.
+        key: Random key of the rays; unused unless `late` is "traced".
+        config: Options; `late` selects traced or baked energies, or zeros.
     """
     if config.late == "none":
         return jnp.zeros((config.num_bins, config.num_energies, len(BANDS)), jnp.float32)
@@ -77,34 +77,35 @@ def late_energy(
         energy = baked_histogram(scene, source, listener, config)[0]
     else:
         energy = traced_histogram(trace(scene, source, listener, key, config), listener.quat, config, listener.head)
-    return jnp.where(is_unit(listener.quat), energy, 0.0)  # as of the paths, see `early_paths`
+    return jnp.where(is_unit(listener.quat), energy, 0.0)  # as for paths, see `early_paths`
 
 
 def traced_histogram(
     traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "k e bands"]:
-    """The energy of rays per time bin, at both ears of a head."""
+    """Compute the energy of traced rays per time bin, channel and octave."""
     energy = energy_histogram(traced, late_gains(traced.direction, head_quat, config, head), config)
     return _to_all(energy, config)
 
 
 def _to_all(energy: Float[Array, "k d bands"], config: AudioConfig) -> Float[Array, "k e bands"]:
-    """The energy of each channel from that of those that differ."""
+    """Broadcast the energies of distinct channels to all channels."""
     return jnp.broadcast_to(energy, (energy.shape[0], config.num_energies, energy.shape[2]))
 
 
 def baked_histogram(
     scene: Scene, source: Source, listener: Listener, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "3"]]:
-    """Baked late energy per time bin, ear and octave, as `energy_histogram` gives it; and where it comes from.
+    """Return baked late energy per time bin, channel and octave, and its energy-weighted mean direction of incidence.
 
-    Of each span of time as much as its mean direction is long comes from there, the rest from everywhere.
+    In each time span, the length of the mean direction (0 .. 1) is the share of energy from that direction; the rest is
+    isotropic.
     """
     late = baked_sound(scene, source.pos, listener.pos, config)
     late = late.replace(energy=late.energy * late_share(source, late))
     length = jnp.linalg.norm(late.comes_from, axis=1, keepdims=True)  # (spans, 1)
     toward = late.comes_from / jnp.maximum(length, 1e-6)
-    upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
+    upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # isotropic energy is independent of the head's orientation
     around = jnp.mean(late_gains(jnp.asarray(spread(EVERYWHERE)), upright, config, listener.head), axis=0)
     there = late_gains(toward, listener.quat, config, listener.head) - around[None]
     gain = around[None] + jnp.einsum("ks,seb->keb", late.span * length.T, there, precision="highest")
@@ -114,9 +115,10 @@ def baked_histogram(
 
 
 def late_share(source: Source, late: Arrivals) -> Float[Array, "k bands"] | float:
-    """What a source gives of late sound in each bin, re one that sounds in all directions as it does ahead.
+    """Compute the late energy of a directional source in each bin re an omnidirectional one; 1.0 without directivity.
 
-    Of each span as much as its mean direction is long leaves there, the rest everywhere.
+    In each time span, the length of the mean departure direction is the share of energy emitted that way; the rest is
+    emitted isotropically.
     """
     if source.directivity is None:
         return 1.0
@@ -134,19 +136,19 @@ def with_late(
     config: AudioConfig,
     head: Head | None = None,
 ) -> Float[Array, "c l"]:
-    """Paths, and noise that follows a histogram of energy from the direct sound on."""
+    """Synthesize a response from early paths and noise shaped by a late energy histogram after the direct sound."""
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config, head) + after_direct(late, paths, config)
 
 
 def after_direct(late: Float[Array, "e l"], paths: Paths, config: AudioConfig) -> Float[Array, "e l"]:
-    """A late part without what would overtake the direct sound."""
+    """Zero the late response before the direct sound arrives."""
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset_of(paths, config)
     return jnp.where(heard[None], late, 0.0)
 
 
 def onset_of(paths: Paths, config: AudioConfig) -> Int[Array, ""]:
-    """The first sample of a response in which sound can be heard."""
+    """Compute the first sample of a response that direct sound can reach."""
     onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     return onset.astype(jnp.int32)
 
@@ -154,7 +156,17 @@ def onset_of(paths: Paths, config: AudioConfig) -> Int[Array, ""]:
 def early_response(
     paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e l"]:
-    """Paths as pulses with fractional delays, causal octave filters and the filters of both ears."""
+    """Synthesize paths as pulses with fractional delays, causal octave filters and the filters of each channel.
+
+    Args:
+        paths: Early paths; the direct one first, which has octave filters of its own.
+        head_quat: Orientation of the head, wxyz.
+        config: Options.
+        head: Measured HRTFs; None: a rigid sphere.
+
+    Returns:
+        Pressure re the source's free field at 1 m, `config.response_length` samples per channel.
+    """
     length, reach = config.response_length, _reach(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
@@ -177,7 +189,7 @@ def early_response(
         return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, 0), None
 
     def ear(begin: Int[Array, " p"], kernels: Float[Array, "p t"], direct: Float[Array, " u"]) -> Float[Array, " l"]:
-        # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
+        # Paths are added sequentially: a scatter would add overlapping kernels in no fixed order on a GPU.
         response = jax.lax.dynamic_update_slice_in_dim(blank, direct, begin[0], 0)
         response, _ = jax.lax.scan(add, response, (begin[1:], kernels[1:]))
         return response[reach : reach + length]
@@ -192,16 +204,17 @@ def path_weights(
     config: AudioConfig,
     head: Head | None = None,
 ) -> Float[Array, "p e s"]:
-    """How much of each of `shapes` channels hear of paths. Octaves of the first path, the direct one, are left out.
+    """Compute the weight of each basis filter (`shapes`) per path and channel, without the octave gains of the first.
 
-    That one may go through walls, which a few shapes do not follow well, and has filters of its own.
+    The first path is the direct one. It may cross walls, whose steep spectra the basis does not resolve, so it has
+    octave filters of its own.
     """
     octaves = octave_shapes(gain.at[0].set(1.0), config.sample_rate)
     return jnp.real(octaves[:, None] * channel_values(toward, distance, config, head))
 
 
 def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:
-    """Responses to pulses, from `BEFORE` samples before them on."""
+    """Compute impulse responses of paths, from `BEFORE` samples before their arrival on."""
     size = _taps(config)
     spectra = np.fft.rfft(shapes(config.sample_rate).kernel, size)
     parts = (jnp.asarray(x, jnp.float32) for x in (spectra.real, spectra.imag))
@@ -212,11 +225,20 @@ def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: 
 def late_response(
     energy: Float[Array, "k e bands"], key: Array, config: AudioConfig, head_quat: Float[Array, "4"] | None = None
 ) -> Float[Array, "c l"]:
-    """Noise that follows an energy histogram in each octave and ear.
+    """Synthesize noise with the energies of a histogram in each octave and channel.
 
-    The energy runs linearly from the middle of one bin to that of the next. The noise stays where it is in the world
-    while the head turns, see `ear_mix`. What W has in common with Y, Z and X (`late_energy`) is W's noise in all of
-    them, so that intensity points to where sound comes from; without it they have nothing in common.
+    Energy is interpolated linearly between bin centres. The noise field is fixed to the world while the head turns, see
+    `ear_mix`. In ambisonics, cross energies of W with Y, Z and X (`late_energy`) are rendered as W's noise in those
+    channels. Intensity then points to the direction of incidence; without cross energies channels are uncorrelated.
+
+    Args:
+        energy: Energy per bin, channel and octave, from `late_energy`.
+        key: Random key that selects the noise.
+        config: Options.
+        head_quat: Orientation of the head, wxyz; None: the identity.
+
+    Returns:
+        Pressure, `config.response_length` samples per channel.
     """
     head_quat = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32) if head_quat is None else head_quat
     return diffuse_response(energy, drawn(key, config), head_quat, config)
@@ -225,20 +247,20 @@ def late_response(
 def diffuse_response(
     energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
 ) -> Float[Array, "c l"]:
-    """The same with noise that was drawn before."""
+    """Synthesize the late response with a given draw of the noise, see `late_response`."""
     table = jnp.asarray(noise_bins(config))
-    subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # each channel hears noises of its own, or not
+    subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # separate noise per channel, or shared noise
     sound = jnp.einsum(subscripts, noise_shares(energy, draw, head_quat, config).of_bins(), table, precision="highest")
     return jnp.roll(sound, -draw.start, axis=1).reshape(config.num_channels, -1)
 
 
 def _reach(config: AudioConfig) -> int:
-    """Samples by which a kernel begins before the sound reaches the middle of the head."""
+    """Return the samples by which a kernel begins before the arrival at the head centre."""
     return BEFORE + math.ceil(config.lead_seconds * config.sample_rate)
 
 
 def _taps(config: AudioConfig) -> int:
-    """Samples of the transforms for paths, and of those for the direct one."""
+    """Return the transform size of path kernels [samples]."""
     return 2 ** math.ceil(math.log2(num_taps(config.sample_rate) + 2 * HALF_WIDTH + WIDTH))
 
 

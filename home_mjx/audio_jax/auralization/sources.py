@@ -1,6 +1,6 @@
-"""Sounds to play: short clips that loop without a seam, synthesised from a seed.
+"""Short seamless loops, synthesized deterministically.
 
-Every clip has an RMS of 0.1, being the pressure at 1 m from its source; peaks may exceed 1 close to it.
+Every clip has an RMS of 0.1, the pressure at 1 m from its source; peaks may exceed 1 close to the source.
 """
 
 import functools
@@ -15,7 +15,7 @@ from home_mjx.core.checks import check_known
 
 LOUDNESS = 0.1  # RMS of every clip
 SECONDS = 8.0
-NOTES = (0, 4, 7, 12, 7, 4, 9, 5, 2, 5, 9, 11, 7, 4, 2, -1)  # [semitones above C4], half a second each
+NOTES = (0, 4, 7, 12, 7, 4, 9, 5, 2, 5, 9, 11, 7, 4, 2, -1)  # [semitones above C4], of 0.5 s each
 MIDDLE_C = 261.626  # [Hz]
 SYLLABLE_RATE = 4  # [Hz], of speech
 FORMANTS = ((730, 1090, 2440), (270, 2290, 3010), (300, 870, 2240), (530, 1840, 2480), (570, 840, 2410))  # [Hz], vowels
@@ -24,16 +24,18 @@ PITCH = 110.0  # [Hz], of speech
 
 
 def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
-    """Samples of a clip, float32, to be played in a loop.
+    """Return the samples of a clip, float32, to be played in a loop.
 
     Args:
         name: One of `CLIPS`: "radio" (a melody of harmonic notes), "noise" (pink), "speech" (vowels in the rhythm of
-            syllables), "tone" (1 kHz), and those of `synthesis`: "ring", "chirp", "knock", "bell", "alarm", "bursts",
-            "whistle", "hum", "ticking", "water" and "static".
-        config: For its sample rate.
+            syllables), "tone" (1 kHz), or one of `synthesis.FURTHER`, such as "ring", "alarm" or "water".
+        config: Options; provides the sample rate.
+
+    Returns:
+        Read-only samples of an 8 s loop.
 
     Raises:
-        ConfigError: For an unknown name.
+        ConfigError: The name is unknown.
 
     Example:
         >>> clip_samples("radio", AudioConfig()).shape
@@ -53,7 +55,7 @@ def _clip(name: str, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _radio(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Plucked notes with harmonics; the last one rings on into the first."""
+    """Synthesize plucked notes with harmonics; the last one rings on into the first."""
     song = np.zeros(length)
     time = np.arange(length) / sample_rate
     for index, note in enumerate(NOTES):
@@ -66,7 +68,7 @@ def _radio(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _noise(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Pink from 50 Hz up, built from its spectrum, hence periodic."""
+    """Synthesize pink noise from 50 Hz up from its spectrum, hence periodic."""
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
     amplitude = np.where(frequency < 50, 0, np.maximum(frequency, 1) ** -0.5)
     phase = np.random.default_rng(1).uniform(0, 2 * np.pi, amplitude.size)
@@ -74,7 +76,7 @@ def _noise(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _speech(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """A buzz through the formants of a vowel per syllable, fading in and out."""
+    """Synthesize a glottal buzz through the formants of one vowel per syllable, fading in and out."""
     syllables = round(SECONDS * SYLLABLE_RATE)
     vowels = np.random.default_rng(2).integers(len(FORMANTS), size=syllables)
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)

@@ -1,4 +1,4 @@
-"""What is read from sound frames: how much of each frequency is heard when, and which ear leads."""
+"""Features of sound frames: spectrograms, log-mel energies, and cross-correlations of both ears."""
 
 import functools
 import math
@@ -11,12 +11,12 @@ from home_mjx.errors import ConfigError
 
 WINDOW_SECONDS, HOP_SECONDS = 0.025, 0.010
 NUM_MELS = 40
-MOST_LEAD, FINER = 0.001, 8  # [s], and steps per sample, of correlations of both ears
-LEAST, MOST = -100.0, 100.0  # [dB]
+MOST_LEAD, FINER = 0.001, 8  # [s] maximum lag, and lags per sample, of interaural correlations
+LEAST, MOST = -100.0, 100.0  # [dB], range of log-mel powers
 
 
 def spectrum_shape(samples: int, sample_rate: int) -> tuple[int, int]:
-    """Windows and frequencies of `stft_magnitude` for a sound of so many samples.
+    """Return the numbers of windows and frequency bins of `stft_magnitude` for a sound of `samples` samples.
 
     Raises:
         ConfigError: The sound is shorter than one window.
@@ -29,23 +29,23 @@ def spectrum_shape(samples: int, sample_rate: int) -> tuple[int, int]:
     if samples < window:
         raise ConfigError(
             f"a spectrogram needs {WINDOW_SECONDS} s of sound, a frame has {samples / sample_rate:g} s",
-            hint="Make `ctrl_dt` longer.",
+            hint="Increase `ctrl_dt`.",
         )
     return 1 + (samples - window) // hop, size // 2 + 1
 
 
 def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array, "*c windows bins"]:
-    """Magnitudes of the short-time Fourier transform; a sine of amplitude 1 has 0.5 at its frequency.
+    """Compute short-time Fourier magnitudes; a sine of amplitude 1 has 0.5 at its frequency.
 
-    Hann windows of 25 ms every 10 ms, filled up with zeros to a power of two. None reaches beyond the sound. Scaled
-    and laid out as `scipy.signal.stft(..., boundary=None, padded=False)`.
+    Hann windows of 25 ms every 10 ms are zero-padded to a power of two; no window extends beyond the sound. Scale and
+    layout are those of `scipy.signal.stft(..., boundary=None, padded=False)`.
 
     Args:
         sound: Pressure.
         sample_rate: [Hz].
 
     Returns:
-        Frequency k is k sample_rate / (2 bins - 2) [Hz].
+        Magnitudes; bin k is the frequency k sample_rate / (2 bins - 2) [Hz].
 
     Raises:
         ConfigError: The sound is shorter than one window.
@@ -62,10 +62,10 @@ def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array
 
 
 def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Float[Array, "*c windows mels"]:
-    """Power in `NUM_MELS` bands that are equally wide to the ear [dB re the squared pressure of 1].
+    """Compute the power in `NUM_MELS` mel bands [dB re a squared pressure of 1], clipped to `LEAST` .. `MOST`.
 
-    Triangles of height 1 whose corners are equally spaced on the mel scale from 0 to half the sample rate, see
-    `mel_of`. Clipped to `LEAST` and `MOST`.
+    Bands are triangles of height 1 whose corners are equally spaced on the mel scale from 0 to half the sample rate,
+    see `mel_of`.
 
     Args:
         magnitude: From `stft_magnitude`.
@@ -81,17 +81,17 @@ def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Flo
 
 
 def gcc_phat(sound: Float[Array, "*c 2 m"], sample_rate: int) -> Float[Array, "*c lags"]:
-    """Generalised cross-correlation of both ears with phase transform: largest where one ear hears the other's sound.
+    """Compute the interaural generalized cross-correlation with phase transform, which peaks at time differences.
 
-    Knapp and Carter, The generalized correlation method for estimation of time delay, IEEE Trans. ASSP 24 (1976). Every
-    frequency counts the same, however loud.
+    Knapp and Carter, The generalized correlation method for estimation of time delay, IEEE Trans. ASSP 24 (1976). The
+    phase transform weights all frequencies equally.
 
     Args:
-        sound: Left and right.
+        sound: Left and right channel.
         sample_rate: [Hz].
 
     Returns:
-        For leads of the left ear of `gcc_leads`: from -1 to 1.
+        Correlations in -1 .. 1 at the leads of the left ear in `gcc_leads`.
 
     Example:
         >>> left = jnp.zeros(400).at[100].set(1.0)
@@ -111,13 +111,13 @@ def gcc_phat(sound: Float[Array, "*c 2 m"], sample_rate: int) -> Float[Array, "*
 
 @functools.cache
 def gcc_leads(sample_rate: int) -> Float[np.ndarray, " lags"]:
-    """Leads [s] at which `gcc_phat` is given: up to `MOST_LEAD`, in steps of a fraction of a sample."""
+    """Return the leads of `gcc_phat` [s]: -`MOST_LEAD` .. `MOST_LEAD` in steps of 1 / `FINER` of a sample."""
     most = round(MOST_LEAD * FINER * sample_rate)
     return np.arange(-most, most + 1) / (FINER * sample_rate)
 
 
 def mel_of(frequency: float) -> float:
-    """Pitch of a frequency [Hz] in mel: 2595 log10(1 + f / 700).
+    """Convert a frequency [Hz] to mel: 2595 log10(1 + f / 700).
 
     O'Shaughnessy, "Speech Communication: Human and Machine", 1987.
 
@@ -130,7 +130,7 @@ def mel_of(frequency: float) -> float:
 
 @functools.cache
 def mel_filters(sample_rate: int, num_bins: int) -> Float[np.ndarray, "mels bins"]:
-    """Weight of each frequency of a spectrum in each band."""
+    """Compute the weight of each frequency bin in each mel band."""
     corners = 700 * (10 ** (np.linspace(0, mel_of(sample_rate / 2), NUM_MELS + 2) / 2595) - 1)
     frequency = np.linspace(0, sample_rate / 2, num_bins)
     rise = (frequency - corners[:-2, None]) / np.diff(corners)[:-1, None]
@@ -139,6 +139,6 @@ def mel_filters(sample_rate: int, num_bins: int) -> Float[np.ndarray, "mels bins
 
 
 def _lengths(sample_rate: int) -> tuple[int, int, int]:
-    """Samples of a window, between two, and of the transform."""
+    """Return the window, hop and transform sizes [samples]."""
     window = round(WINDOW_SECONDS * sample_rate)
     return window, round(HOP_SECONDS * sample_rate), 2 ** math.ceil(math.log2(window))

@@ -1,4 +1,4 @@
-"""From impulse responses to sound: one frame at a time, without state."""
+"""Stateless convolution of sources with impulse responses, one frame at a time."""
 
 import jax
 import jax.numpy as jnp
@@ -8,8 +8,8 @@ from scipy.fft import next_fast_len
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Sounds
 
-RAMP_SECONDS = 0.005  # sounds begin and end without a click
-NEVER = 2**30  # [samples]: 18 hours at 16 kHz
+RAMP_SECONDS = 0.005  # [s], fade in and out that avoids clicks
+NEVER = 2**30  # [samples], infinite times are clipped to it: 18 hours at 16 kHz
 
 
 def sound_frame(
@@ -19,21 +19,21 @@ def sound_frame(
     response_new: Float[Array, "e l"],
     config: AudioConfig,
 ) -> Float[Array, "e m"]:
-    """One frame of what both ears hear of a clip that loops for ever.
+    """Convolve one frame of an endlessly looped clip with the responses at the frame's start and end.
 
-    The clip is known, so its past is gathered instead of kept: overlap-save convolution with a single FFT, no tail to
-    carry, nothing to reset. Within the frame the sound fades linearly from the old response to the new one; equal
-    responses therefore give the same as one long convolution.
+    The clip's past is gathered from the clip, so there is no state to keep or reset: overlap-save convolution with a
+    single FFT. Within the frame the output is cross-faded linearly from the old response to the new one. With equal
+    responses the frames are those of one long convolution.
 
     Args:
         clip: Pressure at 1 m from the source, any length.
-        phase: Index of the sample that leaves the source at the frame's first sample; taken modulo the clip's length.
-        response_old: Response per ear at the frame's start.
-        response_new: Response per ear at its end, which is the next frame's `response_old`.
-        config: For the lengths.
+        phase: Index of the sample emitted at the frame's first sample, modulo the clip's length.
+        response_old: Response per channel at the frame's start.
+        response_new: Response per channel at its end, which is the next frame's `response_old`.
+        config: Options; provides the lengths.
 
     Returns:
-        Pressure at the left and right ear, `config.frame` samples.
+        Pressure per channel, `config.frame` samples.
 
     Example:
         >>> config = AudioConfig()
@@ -53,19 +53,19 @@ def given_off(
     time: Int[Array, ""],
     config: AudioConfig,
 ) -> Float[Array, "e w"]:
-    """What leaves each source in this frame, and before it for as long as a response lasts.
+    """Return the signal emitted by each source during this frame and the preceding memory of the response.
 
     Args:
-        clips: All clips that may be played.
+        clips: All clips.
         sounds: The sources.
-        row: Which of the clips each plays; -1 silence.
-        phase: Index of the clips' sample that leaves at the frame's first sample.
-        time: Samples from the start to the frame's first one, for the schedules.
-        config: For the lengths.
+        row: Index of the clip that each source plays; -1 silent.
+        phase: Index of the clips' sample emitted at the frame's first sample.
+        time: Number of the frame's first sample, counted from the start of the schedules.
+        config: Options; provides the lengths.
 
     Returns:
-        Pressure at 1 m, w = `config.memory_length + config.frame - 1 + config.ahead` samples, as `moving_frame` takes
-        them, and without `config.motion` `faded_frame`.
+        Pressure at 1 m, w = `config.memory_length + config.frame - 1 + config.ahead` samples: the input of
+        `moving_frame`, or of `faded_frame` without `config.motion`.
     """
     span = jnp.arange(1 - config.memory_length, config.frame + config.ahead, dtype=jnp.int32)
 
@@ -80,7 +80,17 @@ def given_off(
 def faded_frame(
     heard: Float[Array, " w"], response_old: Float[Array, "e l"], response_new: Float[Array, "e l"], config: AudioConfig
 ) -> Float[Array, "e m"]:
-    """The same of what leaves the source in the frame and before it, see `given_off`."""
+    """Convolve an emitted signal with two responses and cross-fade, as in `sound_frame`.
+
+    Args:
+        heard: Signal emitted up to the frame's end, from `given_off`.
+        response_old: Response per channel at the frame's start.
+        response_new: Response per channel at its end.
+        config: Options; provides the lengths.
+
+    Returns:
+        Pressure per channel, `config.frame` samples.
+    """
     length, frame = config.response_length, config.frame
     size = next_fast_len(length + frame - 1, real=True)
     heard = jnp.fft.rfft(heard, size)
@@ -91,7 +101,7 @@ def faded_frame(
 
 
 def _times(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " w"]:
-    """Of a frame whose first sample has this number, and of what came before it for as long as a response lasts."""
+    """Return the sample numbers of a frame that begins at `first`, and of the response length before it."""
     length = config.response_length
     return first - (length - 1) + jnp.arange(length + config.frame - 1, dtype=jnp.int32)
 
@@ -99,12 +109,12 @@ def _times(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " w"]:
 def loudness(
     time: Int[Array, " n"], every: Float[Array, ""], lasts: Float[Array, ""], sample_rate: int
 ) -> Float[Array, " n"]:
-    """How much of a clip a source gives off at some times: 0 nothing, 1 all.
+    """Compute the gain of a source's schedule at some times: 0 off, 1 on, linear ramps between.
 
     Args:
         time: Samples since the start; negative before it.
-        every: See `Sounds` [s].
-        lasts: See `Sounds` [s].
+        every: Period, see `Sounds` [s].
+        lasts: Duration, see `Sounds` [s].
         sample_rate: [Hz].
 
     Example:

@@ -1,4 +1,4 @@
-"""Further clips: each a function from a number of samples and a sample rate to a loop without a seam."""
+"""Synthesized household clips: functions from a length in samples and a sample rate to a seamless loop."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ Samples = Float[np.ndarray, "_"]
 
 
 def _repeated(shape: Samples, seconds: float, sample_rate: int) -> Samples:
-    """A sound that begins anew so often; what rings on past the end of the loop is heard at its start."""
+    """Repeat a sound every `seconds`; the part beyond the end of the loop wraps around to its start."""
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
 
@@ -19,7 +19,7 @@ def _time(length: int, sample_rate: int) -> Samples:
 
 
 def _pulse(time: Samples, begin: float, end: float, ramp: float = 0.01) -> Samples:
-    """1 between two times [s], with soft ends."""
+    """Return a window of 1 between two times [s], with linear ramps inside it."""
     return np.clip(np.minimum(time - begin, end - time) / ramp, 0, 1)
 
 
@@ -28,21 +28,21 @@ def _noise(length: int, seed: int) -> Samples:
 
 
 def ring(length: int, sample_rate: int) -> Samples:
-    """A telephone: 440 and 480 Hz, twice 0.4 s every 2 s."""
+    """Synthesize a telephone: 440 and 480 Hz, twice 0.4 s every 2 s."""
     time = _time(length, sample_rate)
     tone = np.sin(2 * np.pi * 440 * time) + np.sin(2 * np.pi * 480 * time)
     return _repeated(tone * (_pulse(time, 0, 0.4) + _pulse(time, 0.6, 1.0)), 2, sample_rate)
 
 
 def chirp(length: int, sample_rate: int) -> Samples:
-    """A bird: a tone that rises from 1.5 to 3 kHz in 0.15 s, twice a second."""
+    """Synthesize a bird: a tone that rises from 1.5 to 3 kHz in 0.15 s, twice a second."""
     time = _time(length, sample_rate)
     phase = 2 * np.pi * (1500 * time + 5000 * time**2)
     return _repeated(np.sin(phase) * _pulse(time, 0, 0.15), 0.5, sample_rate)
 
 
 def knock(length: int, sample_rate: int) -> Samples:
-    """Knuckles on wood: three thuds of 180 and 420 Hz every 2 s."""
+    """Synthesize knuckles on wood: three thuds of 180 and 420 Hz every 2 s."""
     time = _time(length, sample_rate)
     thud = (np.sin(2 * np.pi * 180 * time) + 0.6 * np.sin(2 * np.pi * 420 * time)) * np.exp(-40 * time)
     thud = thud * np.minimum(time / 0.002, 1)
@@ -51,7 +51,7 @@ def knock(length: int, sample_rate: int) -> Samples:
 
 
 def bell(length: int, sample_rate: int) -> Samples:
-    """A bell of 600 Hz with its partials, struck every 2 s."""
+    """Synthesize a bell of 600 Hz with its partials, struck every 2 s."""
     time = _time(length, sample_rate)
     partials = np.array([0.5, 1.0, 1.2, 1.5, 2.0, 2.67])[:, None]
     strike = np.sin(2 * np.pi * 600 * partials * time) * np.exp(-2 * partials * time) / partials
@@ -59,40 +59,40 @@ def bell(length: int, sample_rate: int) -> Samples:
 
 
 def alarm(length: int, sample_rate: int) -> Samples:
-    """Odd harmonics of 800 and 1000 Hz in turn, 0.25 s each."""
+    """Synthesize an alarm: odd harmonics of 800 and 1000 Hz alternate every 0.25 s."""
     time = _time(length, sample_rate)
     low, high = (sum(np.sin(2 * np.pi * pitch * n * time) / n for n in (1, 3)) for pitch in (800, 1000))
     return _repeated(low * _pulse(time, 0, 0.25) + high * _pulse(time, 0.25, 0.5), 0.5, sample_rate)
 
 
 def bursts(length: int, sample_rate: int) -> Samples:
-    """White noise for 0.08 s, four times a second."""
+    """Synthesize bursts of white noise of 0.08 s, four times a second."""
     return _repeated(_noise(length, 3) * _pulse(_time(length, sample_rate), 0, 0.08), 0.25, sample_rate)
 
 
 def whistle(length: int, sample_rate: int) -> Samples:
-    """A tone around 1.2 kHz that swings by 150 Hz five times a second."""
+    """Synthesize a whistle: a tone of 1.2 kHz with a vibrato of 150 Hz at 5 Hz."""
     time = _time(length, sample_rate)
     return np.sin(2 * np.pi * 1200 * time + 30 * np.sin(2 * np.pi * 5 * time))
 
 
 def hum(length: int, sample_rate: int) -> Samples:
-    """A fridge: harmonics of 50 Hz."""
+    """Synthesize a fridge: harmonics of 50 Hz."""
     time = _time(length, sample_rate)
     return np.sum([np.sin(2 * np.pi * 50 * n * time + n) / n for n in (2, 3, 4, 6, 8, 12)], axis=0)
 
 
 def ticking(length: int, sample_rate: int) -> Samples:
-    """A clock: short strokes of 2.5 kHz, twice a second."""
+    """Synthesize a clock: short strokes of 2.5 kHz, twice a second."""
     time = _time(length, sample_rate)
     return _repeated(np.sin(2 * np.pi * 2500 * time) * np.exp(-150 * time), 0.5, sample_rate)
 
 
 def water(length: int, sample_rate: int) -> Samples:
-    """A tap that runs: 400 bubbles a second, of 0.5 to 5 mm, each ringing at 3 m/s over its radius (Minnaert).
+    """Synthesize a running tap: 400 bubbles a second with radii r of 0.5 to 5 mm, ringing at (3 m/s) / r (Minnaert).
 
-    They decay by 0.13 / r + 0.0072 / r^1.5 per second, as in van den Doel, Physically based models for liquid sounds,
-    ACM Transactions on Applied Perception 2, 534, 2005.
+    Decay rates are 0.13 / r + 0.0072 / r^1.5 [1/s]: van den Doel, Physically based models for liquid sounds, ACM
+    Transactions on Applied Perception 2, 534, 2005.
     """
     rng, time = np.random.default_rng(4), _time(round(0.1 * sample_rate), sample_rate)
     stream = np.zeros(length)
@@ -105,13 +105,13 @@ def water(length: int, sample_rate: int) -> Samples:
 
 
 def static(length: int, sample_rate: int) -> Samples:
-    """A television without a programme: white noise from a small loudspeaker, from 300 Hz up."""
+    """Synthesize a television without a programme: white noise from a small loudspeaker, from 300 Hz up."""
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
     gain = (frequency / 300) ** 2 / (1 + (frequency / 300) ** 2)
     return np.fft.irfft(np.fft.rfft(_noise(length, 5)) * gain, length)
 
 
-# New ones go to the end: files of tasks hold names, but arrays of them numbers.
+# Append new clips at the end: task files store names, but task arrays store indices.
 FURTHER: dict[str, Callable[[int, int], Samples]] = {
     maker.__name__: maker for maker in (ring, chirp, knock, bell, alarm, bursts, whistle, hum, ticking, water, static)
 }

@@ -1,1 +1,1 @@
-"""Options, air, filters, acoustic measures."""
+"""Options, sources and listeners, air absorption, octave filters, fractional delays."""

@@ -1,4 +1,4 @@
-"""Air: speed of sound and absorption."""
+"""Speed of sound and absorption in air."""
 
 import math
 
@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 
 def speed_of_sound(temperature: float) -> float:
-    """Speed of sound in dry air [m/s] at a temperature in degrees Celsius: 331.3 sqrt(1 + T / 273.15).
+    """Return the speed of sound in dry air [m/s], 331.3 sqrt(1 + T / 273.15), at a temperature in degrees Celsius.
 
     Example:
         >>> round(speed_of_sound(20.0), 2)
@@ -19,7 +19,7 @@ def speed_of_sound(temperature: float) -> float:
 def air_absorption(
     frequency: Float[np.ndarray, " f"], temperature: float = 20.0, humidity: float = 50.0, pressure: float = 101.325
 ) -> Float[np.ndarray, " f"]:
-    """Pure-tone absorption of air [dB/m] by ISO 9613-1:1993, equations 3 to 5.
+    """Compute the pure-tone absorption of air [dB/m] by ISO 9613-1:1993, equations 3 to 5.
 
     Args:
         frequency: [Hz].
@@ -50,5 +50,5 @@ def air_absorption(
 
 
 def energy_attenuation(absorption: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
-    """The m of exp(-m r) for energy [1/m], from an absorption in dB/m."""
+    """Convert an absorption in dB/m to the energy attenuation coefficient m of exp(-m r) [1/m]."""
     return absorption * math.log(10) / 10

@@ -1,4 +1,4 @@
-"""What can be chosen about sound; all of it is fixed when a step is compiled."""
+"""Options of the sound engine; all are static, that is fixed when a step is compiled."""
 
 import math
 from collections.abc import Sequence
@@ -13,15 +13,16 @@ from home_mjx.schema.compiled import BANDS
 from home_mjx.schema.timing import LONGEST, Timing
 
 RECEIVERS = ("binaural", "omni", "array", "ambisonics")
-EARS = ("binaural", "omni")  # receivers that have a left and a right ear
+EARS = ("binaural", "omni")  # receivers with a left and a right channel
 DETECTORS = ("rain", "sphere")
 EARLY = ("physical", "home")
 LATE = ("traced", "baked", "none")
-BAKED = ("bin_seconds", "reflection_order", "temperature", "humidity", "pressure")  # with whose defaults sound is baked
-TAIL_RINGING = 0.016  # [s]
-LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
+# Late reverberation is baked with the default values of these options.
+BAKED = ("bin_seconds", "reflection_order", "temperature", "humidity", "pressure")
+TAIL_RINGING = 0.016  # [s], ringing of the tail's octave filters on each side
+LEAD = 0.001  # [s], minimum of `lead_seconds`: covers the arrival-time offset of any ear from the head centre
 MOST_MICROPHONES = 32
-WIDEST = 1.0  # [m], from the middle of the head to a microphone
+WIDEST = 1.0  # [m], maximum distance of a microphone from the head centre
 
 
 @dataclass(frozen=True)
@@ -29,31 +30,31 @@ class AudioConfig:
     """Options of the sound engine.
 
     Attributes:
-        timing: Sample rate, and length of one sound frame. Octave bands above half the sample rate carry nothing.
-        response_seconds: Length of impulse responses [s]; must hold a whole number of bins.
-        num_rays: Rays of the late part.
-        num_bounces: Reflections traced per ray; what is later is extrapolated.
-        num_reflections: Reflections rendered as paths, the shortest first.
-        reflection_order: Most surfaces, one after the other, that rendered reflections meet. From 2 on faces of
-            furniture, doors and bodies count as well as walls.
-        num_edges: Edges of walls, doorways and furniture that direct sound may bend around, those of the least detour.
-            0: nothing bends, and objects let through what the table of materials says.
-        max_crossings: Surfaces that the direct sound may cross; beyond them it is taken as silent.
+        timing: Sample rate, and length of one sound frame. Octave bands above half the sample rate are silent.
+        response_seconds: Length of impulse responses [s]; a whole number of bins.
+        num_rays: Rays per source that trace the late part.
+        num_bounces: Reflections traced per ray; later energy is extrapolated.
+        num_reflections: Maximum number of reflections rendered as paths, the shortest first.
+        reflection_order: Maximum order of rendered reflections, 1 to 3. At order 1 only walls, floors and ceilings
+            reflect; from order 2 on, faces of furniture, doors and bodies do as well.
+        num_edges: Edges of walls, doorways and furniture that diffract direct sound, those with the shortest detour.
+            0 disables diffraction; objects then transmit sound by their material's transmission coefficient.
+        max_crossings: Maximum number of surfaces that direct sound crosses; it is silent beyond them.
         bin_seconds: Time bin of the energy histogram [s].
-        detector: How late specular energy reaches the receiver. "rain" lets it leave every hit as if scattered: little
-            noise with few rays, and decay times right within a few per cent from a scattering of 0.1 on (-6 % at 0).
-            "sphere" counts specular rays through a sphere: exact at any scattering, but wants thousands of rays.
-        octave_rays: Whether each ray carries one octave alone, and is scattered as that is; `num_rays`, a multiple of
-            7, counts all of them. False: one direction serves all octaves, drawn by their mean scattering, which is
-            wrong where scattering rises with frequency.
-        detector_radius: Radius of that sphere, and the shortest distance that rain sees [m].
-        receiver: "binaural" for two ears on a rigid sphere, "omni" for the same free-field pressure in both channels,
-            "array" for `microphones`, "ambisonics" for four channels of first order, see `ambisonic_gains`.
-        microphones: With the receiver "array", where each is in the frame of the head: +x right, +y up, -z ahead [m].
+        detector: Estimator of late specular energy. "rain" emits it diffusely from every hit. Its variance is low with
+            few rays, and decay times are within a few per cent for scattering of at least 0.1 (-6 % at 0). "sphere"
+            counts specular rays through a sphere: unbiased at any scattering, but needs thousands of rays.
+        octave_rays: Whether each ray carries one octave and scatters by that octave's coefficient. `num_rays` is then a
+            multiple of 7 and counts the rays of all octaves. False: all octaves share one direction, drawn by their
+            mean scattering, which is biased where scattering rises with frequency.
+        detector_radius: Radius of that sphere, and minimum distance between a hit and the source in "rain" [m].
+        receiver: "binaural": two ears on a rigid sphere. "omni": the same free-field pressure in both channels.
+            "array": `microphones`. "ambisonics": four first-order channels, see `ambisonic_gains`.
+        microphones: With the receiver "array", positions in the head frame: +x right, +y up, -z ahead [m].
         head_radius: [m].
         ear_angle: Angle between nose and ears [degrees].
-        pinna: Whether ears have echoes of their own, which tell up from down and front from back, see `pinna_delays`;
-            with the receiver "binaural".
+        pinna: Whether ears have pinna echoes, which distinguish up from down and front from back, see `pinna_delays`;
+            only with the receiver "binaural".
         temperature: [degrees Celsius].
         humidity: Relative humidity [%].
         pressure: [kPa].
@@ -71,7 +72,7 @@ class AudioConfig:
             decay; rounded up to halves of a response.
 
     Raises:
-        ConfigError: For values that cannot be used.
+        ConfigError: If a value is invalid, or options contradict each other.
 
     Example:
         >>> AudioConfig().frame, AudioConfig().response_length
@@ -141,7 +142,7 @@ class AudioConfig:
         _whole("bin_seconds", self.bin_seconds * self.sample_rate, "samples")
         _whole("response_seconds", self.response_seconds / self.bin_seconds, "bins of `bin_seconds`")
         if self.motion and self.num_bins < 2:
-            raise ConfigError("with `motion` a response must have at least two bins: give more `response_seconds`")
+            raise ConfigError("with `motion` a response must have at least two bins: increase `response_seconds`")
         if self.bin_samples % 2:
             raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
         if self.late == "baked":
@@ -153,66 +154,66 @@ class AudioConfig:
     def _check_home(self) -> None:
         for name, value in {"late": "none", "num_edges": 0, "motion": False}.items():
             if getattr(self, name) != value:
-                hint = 'audio_preset("home") has the options of that mode.'
+                hint = 'Use audio_preset("home"), which sets all options of that mode.'
                 raise ConfigError(f"early='home' needs {name}={value!r}, got {getattr(self, name)!r}", hint=hint)
 
     def _check_microphones(self) -> None:
         if isinstance(self.microphones, str) or not isinstance(self.microphones, Sequence):
-            raise ConfigError(f"`microphones` must be a tuple of places, got {shown(self.microphones)}")
+            raise ConfigError(f"`microphones` must be a tuple of positions, got {shown(self.microphones)}")
         if (self.receiver == "array") != bool(self.microphones):
-            hint = 'Give both, such as receiver="array", microphones=((0, 0, 0),).'
-            raise ConfigError('`microphones` and receiver="array" go together', hint=hint)
+            hint = 'Set both, for example receiver="array", microphones=((0, 0, 0),).'
+            raise ConfigError('`microphones` and receiver="array" require each other', hint=hint)
         if len(self.microphones) > MOST_MICROPHONES:
-            raise ConfigError(f"at most {MOST_MICROPHONES} `microphones` are possible, got {len(self.microphones)}")
+            raise ConfigError(f"expected at most {MOST_MICROPHONES} `microphones`, got {len(self.microphones)}")
         for place in self.microphones:
             if isinstance(place, str) or not isinstance(place, Sequence) or len(place) != 3:
                 raise ConfigError(f"each of `microphones` needs three numbers, got {shown(place)}")
             for number in place:
                 check_number("microphones", number)
-        # Lists, as from files of options, as well
+        # Option files yield lists; the configuration must be hashable.
         object.__setattr__(self, "microphones", tuple(tuple(float(x) for x in place) for place in self.microphones))
         if self.receiver_radius > WIDEST:
-            hint = "What is further apart hears other late sound: give it a `Listener` of its own."
-            raise ConfigError(f"`microphones` must be within {WIDEST} m of the middle of the head", hint=hint)
+            hint = "Late reverberation differs farther apart: use a separate `Listener` there."
+            raise ConfigError(f"`microphones` must be within {WIDEST} m of the head centre", hint=hint)
 
     def _check_baked(self) -> None:
         for name in BAKED:
             value = getattr(AudioConfig, name)  # its default
             if getattr(self, name) != value:
                 hint = f"Leave it at {value}, or use late='traced'."
-                raise ConfigError(f"late='baked' has no sound for {name}={getattr(self, name)}", hint=hint)
+                raise ConfigError(f"late='baked' does not support {name}={getattr(self, name)}", hint=hint)
         if not self.num_reflections:
-            hint = "Use at least 1: early paths render what baking leaves out."
+            hint = "Use at least 1: baked energies exclude first-order reflections, which early paths render."
             raise ConfigError("late='baked' needs reflections", hint=hint)
 
     @property
     def sample_rate(self) -> int:
-        """[Hz]."""
+        """Sample rate [Hz]."""
         return self.timing.sample_rate
 
     @property
     def num_channels(self) -> int:
-        """Of what is heard: two ears, microphones, or four of ambisonics."""
+        """Number of output channels: two ears, the microphones, or four of ambisonics."""
         return {"array": len(self.microphones), "ambisonics": 4}.get(self.receiver, 2)
 
     @property
     def num_energies(self) -> int:
-        """Of late sound in a histogram: one per channel, and three flows of ambisonics, see `late_gains`."""
+        """Number of late energies per bin: one per channel, and three intensities of ambisonics, see `late_gains`."""
         return self.num_channels + 3 * (self.receiver == "ambisonics")
 
     @property
     def ray_groups(self) -> int:
-        """Groups of rays that share nothing: one, or one for each octave."""
+        """Number of independent ray groups: one, or one per octave with `octave_rays`."""
         return len(BANDS) if self.octave_rays else 1
 
     @property
     def receiver_radius(self) -> float:
-        """How far ears or microphones are from the middle of the head [m]."""
+        """Maximum distance of ears or microphones from the head centre [m]."""
         return max((math.hypot(*place) for place in self.microphones), default=self.head_radius)
 
     @property
     def lead_seconds(self) -> float:
-        """By how much earlier or later than the middle of the head channels hear sound at most [s]."""
+        """Maximum difference between arrival times at a channel and at the head centre, at least `LEAD` [s]."""
         return max(LEAD, self.receiver_radius / self.speed_of_sound)
 
     @property
@@ -237,39 +238,39 @@ class AudioConfig:
 
     @property
     def num_paths(self) -> int:
-        """Early paths that move, the direct one among them."""
+        """Number of early paths with `motion`, including the direct one."""
         found = 1 + self.num_edges + self.num_reflections
         return found if self.num_heard is None else min(found, self.num_heard)
 
     @property
     def half_length(self) -> int:
-        """Samples of a response's second half, which is heard again and again in its tail."""
+        """Samples of a response's second half, which the tail repeats."""
         return self.num_bins // 2 * self.bin_samples
 
     @property
     def num_tail(self) -> int:
-        """How often that is, 0 without `motion`."""
+        """Number of these repetitions; 0 without `motion`."""
         long = self.motion and self.half_length > 0
         return math.ceil(self.tail_seconds * self.sample_rate / self.half_length - 1e-9) if long else 0
 
     @property
     def memory_length(self) -> int:
-        """Samples of a source's past, this one counting, that are heard."""
+        """Samples of a source's past, including the current one, that contribute to the current output sample."""
         return self.response_length + self.num_tail * self.half_length + self.tail_ringing
 
     @property
     def tail_ringing(self) -> int:
-        """Samples for which octave filters of the tail ring on both sides."""
+        """Samples by which octave filters of the tail ring on each side; 0 without a tail."""
         return round(TAIL_RINGING * self.sample_rate) if self.num_tail else 0
 
     @property
     def ahead(self) -> int:
-        """Samples of a source's future that band-limited delays look at, with `motion`."""
+        """Samples of a source's future that band-limited delays read; 0 without `motion`."""
         return 2 * HALF_WIDTH + math.ceil(self.lead_seconds * self.sample_rate) if self.motion else 0
 
     @property
     def speed_of_sound(self) -> float:
-        """[m/s]."""
+        """Speed of sound at `temperature` [m/s]."""
         return speed_of_sound(self.temperature)
 
 
@@ -277,5 +278,5 @@ def _whole(name: str, value: float, unit: str) -> None:
     if abs(value - round(value)) > 1e-6 or round(value) < 1:
         raise ConfigError(
             f"`{name}` must hold a whole number of {unit}, got {value:g}",
-            hint="Change it or `sample_rate` so that it divides exactly.",
+            hint="Change it or `sample_rate` so that the division is exact.",
         )

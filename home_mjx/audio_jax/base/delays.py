@@ -1,4 +1,4 @@
-"""Delays by fractions of a sample: read from a signal at twice its rate by short polynomials."""
+"""Fractional delays: polynomial interpolation of a signal at twice its sample rate (Farrow structure)."""
 
 import functools
 
@@ -6,16 +6,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-HALF_WIDTH = 16  # [samples]: no kernel rings for longer before its middle; 1 ms at 16 kHz
-SHAPE = 6.0  # of the Kaiser window: flat within 0.01 dB up to 0.44 of the sample rate
-READ = 8  # half samples that are read for one value
-FIRST = -3  # the first of them, from the one before the value
-DEGREE = 5  # of the polynomials: up to 0.44 of the sample rate they err by less than -70 dB
-WIDTH = 2 * HALF_WIDTH + READ  # of a kernel [samples]
+HALF_WIDTH = 16  # [samples], half width of band-limiting kernels: 1 ms at 16 kHz
+SHAPE = 6.0  # beta of the Kaiser window: flat within 0.01 dB up to 0.44 of the sample rate
+READ = 8  # half samples interpolated for one value
+FIRST = -3  # index of the first of them re the half sample before the value
+DEGREE = 5  # of the interpolation polynomials: error below -70 dB up to 0.44 of the sample rate
+WIDTH = 2 * HALF_WIDTH + READ  # [samples], of a delay kernel
 
 
 def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Band-limited pulse at times from its middle [samples]: sinc in a Kaiser window.
+    """Evaluate a Kaiser-windowed sinc pulse at offsets from its centre [samples].
 
     Kaiser, Nonrecursive digital filter design using the I0-sinh window function, 1974.
 
@@ -28,7 +28,7 @@ def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
 
 
 def at_twice_the_rate(signal: Float[Array, " n"]) -> Float[Array, " m"]:
-    """A signal with `windowed_sinc` between each two of its samples; silence before and after it.
+    """Upsample a signal by two with `windowed_sinc`; the signal is zero outside its samples.
 
     Example:
         >>> [round(float(x), 3) for x in at_twice_the_rate(jnp.array([1.0, 0.0]))[:2]]
@@ -44,10 +44,13 @@ def at_twice_the_rate(signal: Float[Array, " n"]) -> Float[Array, " m"]:
 
 
 def read_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
-    """Weights of half samples `FIRST`, `FIRST` + 1, ... for the value so many half samples after number 0.
+    """Compute interpolation weights of half samples `FIRST`, `FIRST` + 1, ... for a value between numbers 0 and 1.
 
     Args:
-        rest: 0 .. 1.
+        rest: Position of the value after number 0 [half samples], 0 .. 1.
+
+    Returns:
+        `READ` weights.
 
     Example:
         >>> round(float(sum(read_weights(jnp.float32(0.3)))), 2)
@@ -63,7 +66,7 @@ def read_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
 
 
 def delay_kernel(delay: Float[Array, "*n"]) -> Float[Array, "*n k"]:
-    """What reading a pulse with a delay of 0 .. 1 samples gives, from `HALF_WIDTH` + 3 samples before it on.
+    """Return the impulse response of a delay of 0 .. 1 samples, `WIDTH` taps from sample -(`HALF_WIDTH` + 3) on.
 
     Example:
         >>> int(delay_kernel(jnp.array([0.0]))[0].argmax()) == HALF_WIDTH + 3
@@ -77,7 +80,7 @@ def delay_kernel(delay: Float[Array, "*n"]) -> Float[Array, "*n k"]:
 
 @functools.cache
 def _pulses() -> Float[np.ndarray, "three read k"]:
-    """What each half sample that is read has of a pulse, by how many half samples before the sample itself."""
+    """Compute a band-limited pulse at each interpolated half sample, for whole delays of 0, 1 and 2 half samples."""
     sample = np.arange(WIDTH) - HALF_WIDTH - 3
     at = 2 * sample[None, None] - np.arange(3)[:, None, None] + (FIRST + np.arange(READ))[None, :, None]
     return windowed_sinc(at / 2).astype(np.float32)
@@ -85,7 +88,7 @@ def _pulses() -> Float[np.ndarray, "three read k"]:
 
 @functools.cache
 def read_polynomials() -> Float[np.ndarray, "read degree"]:
-    """Of `read_weights`, lowest power first: the least squares over all frequencies up to 0.45 of the sample rate."""
+    """Fit the polynomials of `read_weights`, lowest power first, by least squares up to 0.45 of the sample rate."""
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
     power = rest[:, None] ** np.arange(DEGREE + 1)

@@ -1,4 +1,4 @@
-"""How loud a source is in each direction, per octave, around the axis along which it points."""
+"""Source directivity: pressure gain per octave and angle, rotationally symmetric about the source's axis."""
 
 import math
 from collections.abc import Sequence
@@ -13,21 +13,21 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 
-NUM_ANGLES = 181  # every degree
-QUIETER_BEHIND = (2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 18.0)  # [dB] re ahead, of talkers; from 125 to 8000 Hz
+NUM_ANGLES = 181  # one per degree
+QUIETER_BEHIND = (2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 18.0)  # [dB], front-to-back ratio of talkers, 125 to 8000 Hz
 
 
 class Directivity(Pytree):
-    """Pressure in each direction re that ahead; the same all around the axis."""
+    """Pressure in each direction re that on the axis; rotationally symmetric."""
 
-    gain: Float[Array, "a bands"]  # by angle to the axis, from 0 to pi in even steps
+    gain: Float[Array, "a bands"]  # by angle to the axis, from 0 to pi in equal steps
 
 
 def directivities(patterns: Sequence[Directivity]) -> Directivity:
-    """Those of several sources as one record with a leading axis, for `Sounds`.
+    """Stack the directivities of several sources along a new leading axis, for `Sounds`.
 
     Args:
-        patterns: One per source, of the same number of angles.
+        patterns: One per source, all with the same number of angles.
 
     Example:
         >>> directivities([talker(), first_order(0.0)]).gain.shape
@@ -37,37 +37,37 @@ def directivities(patterns: Sequence[Directivity]) -> Directivity:
 
 
 def measured_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:
-    """A pattern from a table.
+    """Make a directivity from a table of measured gains.
 
     Args:
-        gain: Pressure re that on the axis, by angle from 0 to pi in even steps, and octave from 125 to 8000 Hz.
+        gain: Pressure re that on the axis, by angle from 0 to pi in equal steps, and octave from 125 to 8000 Hz.
 
     Raises:
-        ConfigError: It has another shape, or values that are negative or no numbers.
+        ConfigError: The shape is wrong, or a gain is negative or not finite.
     """
     table = np.asarray(gain, np.float32)
     if table.ndim != 2 or table.shape[0] < 2 or table.shape[1] != len(BANDS):
         raise ConfigError(f"a directivity needs (angles, {len(BANDS)}) gains of at least two angles, got {table.shape}")
     if not np.all(np.isfinite(table)) or np.any(table < 0):
-        hint = "They are pressures re that ahead: what sounds with opposite sign counts as its size."
+        hint = "Gains are pressure magnitudes re the axis: use the absolute value where the polarity is inverted."
         raise ConfigError("gains of a directivity must be finite and not negative", hint=hint)
     return Directivity(jnp.asarray(table))
 
 
 def first_order(weight: float | Sequence[float] = 0.5, exponent: float | Sequence[float] = 1.0) -> Directivity:
-    """The pattern |1 - w + w cos θ|ⁿ.
+    """Make the first-order directivity |1 - w + w cos θ|ⁿ.
 
     Its mean energy over the sphere is (1 - s |1 - 2w|²ⁿ⁺¹) / (2w (2n + 1)), s being the sign of 1 - 2w.
 
     Args:
-        weight: w, from 0 (alike everywhere) over 0.5 (cardioid) to 1 (figure of eight); one or one per octave.
-        exponent: n, which makes the pattern narrower; one or one per octave.
+        weight: w, from 0 (omnidirectional) over 0.5 (cardioid) to 1 (figure of eight); one or one per octave.
+        exponent: n, which narrows the pattern; one or one per octave.
 
     Raises:
-        ConfigError: For other values.
+        ConfigError: A value is out of range, or the number of values is neither one nor one per octave.
 
     Example:
-        >>> first_order(0.5).gain[90].tolist()[:2]  # to the side
+        >>> first_order(0.5).gain[90].tolist()[:2]  # at 90 degrees
         [0.5, 0.5]
     """
     w, n = _per_octave("weight", weight, 1.0), _per_octave("exponent", exponent, math.inf)
@@ -76,11 +76,12 @@ def first_order(weight: float | Sequence[float] = 0.5, exponent: float | Sequenc
 
 
 def talker() -> Directivity:
-    """A person who speaks: levels fall from ahead to behind by `QUIETER_BEHIND`, in decibels as (1 - cos θ) / 2.
+    """Make the directivity of a human talker: the level in dB falls by `QUIETER_BEHIND` (1 - cos θ) / 2.
 
-    Rounded figures of the order that Chu and Warnock report (Detailed directivity of sound fields around human
-    talkers, NRC Canada IRC-RR-104, 2002), and for 8 kHz Monson, Hunter and Story (JASA 132, 2012); no table of theirs.
-    With k = level · ln(10) / 10 the mean energy over the sphere is (1 - exp(-k)) / k.
+    The front-to-back ratios are rounded figures of the order that Chu and Warnock report (Detailed directivity of sound
+    fields around human talkers, NRC Canada IRC-RR-104, 2002). The 8 kHz ratio follows Monson, Hunter and Story (JASA
+    132, 2012). Neither source tabulates these values. With k = level · ln(10) / 10 the mean energy over the sphere is
+    (1 - exp(-k)) / k.
 
     Example:
         >>> level = 20 * np.log10(talker().gain[180])
@@ -92,7 +93,7 @@ def talker() -> Directivity:
 
 
 def gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
-    """Pressure gain in directions with these cosines to the axis; between angles of the table energy runs straight."""
+    """Return pressure gains at these cosines to the axis; energy is interpolated linearly between table angles."""
     last = pattern.gain.shape[0] - 1
     place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)
     low = jnp.clip(place.astype(jnp.int32), 0, last - 1)
@@ -101,7 +102,7 @@ def gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n b
 
 
 def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
-    """Energy averaged over all directions re that ahead: 1 over the directivity factor Q.
+    """Compute the energy averaged over the sphere re that on the axis: 1 / Q, Q being the directivity factor.
 
     Example:
         >>> round(float(mean_energy(first_order(0.5))[0]), 4)  # a cardioid has Q = 3
@@ -112,7 +113,7 @@ def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
 
 
 def _solid_angles(count: int) -> Float[np.ndarray, " a"]:
-    """Share of the sphere that each angle stands for: the integral of what runs straight between energies."""
+    """Return quadrature weights over the sphere that are exact for energies linear between table angles."""
     step = math.pi / (count - 1)
     share = np.sin(np.arange(count) * step) * (1 - math.cos(step)) / step
     share[0] = share[-1] = (1 - math.sin(step) / step) / 2

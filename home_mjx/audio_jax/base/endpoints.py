@@ -1,4 +1,4 @@
-"""Who sounds, and who listens."""
+"""Sound sources and listeners."""
 
 import jax
 import jax.numpy as jnp
@@ -14,38 +14,39 @@ from home_mjx.raycast_render.scene.types import Scene
 
 
 class Source(Pytree):
-    """A point source; one with a directivity is turned by `quat`, others sound alike in all directions."""
+    """A point source: omnidirectional, or with a directivity oriented by `quat`."""
 
     pos: Float[Array, "3"]  # [m], world
-    body: Int[Array, ""] | int = -1  # object id of the body that sounds, which does not muffle itself; -1 none
-    quat: Float[Array, "4"] | None = None  # wxyz, in the frame of a listener's head: it points along -z
-    directivity: Directivity | None = None  # its level at 1 m is that ahead
+    body: Int[Array, ""] | int = -1  # object id of the emitting body, transparent to its own sound; -1 none
+    quat: Float[Array, "4"] | None = None  # wxyz, MuJoCo's camera frame as of `Listener`: the axis is -z
+    directivity: Directivity | None = None  # the level at 1 m is that on the axis; None: omnidirectional
 
 
 class Head(Pytree):
-    """What two measured ears hear, by direction: an even grid of elevations from below to above and azimuths.
+    """Measured HRTFs of two ears on a regular grid of directions, see `read_head`.
 
-    Azimuths run from ahead over the left all around, the first one's is not repeated. See `read_head`.
+    Elevations run from below to above. Azimuths run from ahead over the left around the head, without repeating the
+    first.
     """
 
-    delay: Float[Array, "v h 2"]  # [s], of the left and right ear, later than the middle of the head
-    real: Float[Array, "v h 2 s"]  # what ears do to sound without it: values at the frequencies of `shapes`
+    delay: Float[Array, "v h 2"]  # [s], of the left and right ear re the head centre
+    real: Float[Array, "v h 2 s"]  # delay-free ear filters: values at the frequencies of `shapes`
     imag: Float[Array, "v h 2 s"]
-    energy: Float[Array, "v h 2 bands"]  # mean gain of energy per octave
-    sample_rate: int = static()  # [Hz], for which these are
+    energy: Float[Array, "v h 2 bands"]  # mean energy gain per octave
+    sample_rate: int = static()  # [Hz], for which the filters were made
 
 
 class Listener(Pytree):
-    """A head with two ears."""
+    """Pose of a receiver: a head, or the frame of microphones."""
 
-    pos: Float[Array, "3"]  # [m], world, middle of the head
+    pos: Float[Array, "3"]  # [m], world, head centre
     quat: Float[Array, "4"]  # wxyz, in MuJoCo's camera frame: +x right, +y up, looking along -z
-    body: Int[Array, ""] | int = -1  # object id of the listener's own body, transparent to its ears; -1 none
-    head: Head | None = None  # with the receiver "binaural"; None: a rigid sphere
+    body: Int[Array, ""] | int = -1  # object id of the listener's body, transparent to sound that it receives; -1 none
+    head: Head | None = None  # measured HRTFs for the receiver "binaural"; None: a rigid sphere
 
 
 def check_listener(listener: Listener) -> None:
-    """Refuses a head that is not turned but stretched, where its numbers are known: not while a program is traced.
+    """Validate that a listener's quaternion has unit length; tracers are not checked.
 
     Raises:
         ConfigError: The quaternion is not of unit length.
@@ -58,14 +59,14 @@ def check_listener(listener: Listener) -> None:
 
 
 def check_source(source: Source) -> None:
-    """Refuses a source that has a directivity and points nowhere, or a quaternion that stretches.
+    """Validate that a directional source has a quaternion of unit length; tracers are not checked.
 
     Raises:
-        ConfigError: One of these.
+        ConfigError: A source with a directivity has no quaternion, or a quaternion is not of unit length.
     """
     if source.directivity is not None and source.quat is None:
-        hint = "Give its `quat`, as of a listener; (1, 0, 0, 0) points along -z."
-        raise ConfigError("a source with a directivity must be turned somewhere", hint=hint)
+        hint = "Set its `quat`, as for a listener; with (1, 0, 0, 0) it points along -z."
+        raise ConfigError("a source with a directivity needs an orientation", hint=hint)
     if source.quat is not None:
         _check_quat("source", source.quat)
 
@@ -75,15 +76,15 @@ def _check_quat(whose: str, quat: Float[Array, "4"]) -> None:
         return
     norm = float(np.linalg.norm(quat))
     if not abs(norm**2 - 1) < UNIT_SLACK:
-        hint = "Divide it by its length; (1, 0, 0, 0) turns nothing."
+        hint = "Normalise it; (1, 0, 0, 0) is the identity."
         raise ConfigError(f"a {whose}'s quaternion must have unit length, got {norm:.4g}", hint=hint)
 
 
 def given_toward(source: Source, direction: Float[Array, "n 3"]) -> Float[Array, "n bands"] | float:
-    """Pressure per octave that leaves a source in some directions, re that ahead; 1.0 if it is the same everywhere.
+    """Return the source's pressure gain per octave in some directions re its axis; 1.0 if it is omnidirectional.
 
     Args:
-        source: Who sounds. Silent if its quaternion is not of unit length.
+        source: The source; the gains are 0 if its quaternion is not of unit length.
         direction: Unit vectors, world.
     """
     check_source(source)
@@ -95,7 +96,9 @@ def given_toward(source: Source, direction: Float[Array, "n 3"]) -> Float[Array,
 
 
 def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Whether a point is over the floor of a room and in no wall: elsewhere a source sounds, but rays find no way in.
+    """Return whether a point is above the floor of a room and outside all walls.
+
+    A source elsewhere is valid, but rays from a listener indoors do not reach it.
 
     Args:
         scene: The environment.
@@ -115,10 +118,10 @@ def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
 
 
 class Sounds(Pytree):
-    """All that sounds in one environment: e sources, what each plays and when.
+    """The e sound sources of one environment: their poses, clips and schedules.
 
-    A source sounds for `lasts` seconds at the start of every `every` seconds, and was doing so before time 0. If
-    `every` is inf it sounds once, from time 0 on; if `lasts` is inf it always sounds.
+    A source sounds for `lasts` seconds at the start of every period of `every` seconds, also before time 0. If `every`
+    is inf it sounds once, from time 0 on; if `lasts` is inf it always sounds.
 
     Example:
         >>> import jax.numpy as jnp
@@ -128,10 +131,10 @@ class Sounds(Pytree):
     """
 
     pos: Float[Array, "e 3"]  # [m], world
-    body: Int[Array, " e"]  # object id of the body that sounds, which does not muffle itself; -1 none
+    body: Int[Array, " e"]  # object id of the emitting body, transparent to its own sound; -1 none
     clip: Int[Array, " e"]  # index into CLIPS; -1 silent
-    gain: Float[Array, " e"]  # of the clip's pressure
-    every: Float[Array, " e"]  # [s]
-    lasts: Float[Array, " e"]  # [s]
-    quat: Float[Array, "e 4"] | None = None  # with `directivity`: where each points, as `Source.quat`
-    directivity: Directivity | None = None  # one per source, see `directivities`; None: all sound alike everywhere
+    gain: Float[Array, " e"]  # factor on the clip's pressure
+    every: Float[Array, " e"]  # [s], period
+    lasts: Float[Array, " e"]  # [s], duration within a period
+    quat: Float[Array, "e 4"] | None = None  # with `directivity`: orientations, as `Source.quat`
+    directivity: Directivity | None = None  # one per source, see `directivities`; None: all are omnidirectional

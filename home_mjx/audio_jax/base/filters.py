@@ -1,4 +1,4 @@
-"""Octave filters as gains over frequency; host side, so that compiled steps hold them as constants."""
+"""Octave filters as gains over frequency, computed in NumPy so that compiled steps embed them as constants."""
 
 import functools
 
@@ -9,17 +9,17 @@ from home_mjx.schema.compiled import BANDS
 
 TRANSITION = 0.25  # [octaves], width of the overlap of neighbouring bands
 HIGH_PASS = 20.0  # [Hz], half-power point
-RINGING = 0.030  # [s], for which causal filters may ring: it resolves octaves from 125 Hz on
-CAUSAL_SECONDS = 0.048  # in which all but 1e-9 of their energy comes
-FINE = 1 << 15  # samples of the grid on which cepstra are computed
+RINGING = 0.030  # [s], length of the cepstra of causal filters: resolves octaves from 125 Hz on
+CAUSAL_SECONDS = 0.048  # [s], contains all but 1e-9 of the energy of causal filters
+FINE = 1 << 15  # samples of the transform for cepstra
 
 
 def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands f"]:
-    """Gains of the octave bands 125 .. 8000 Hz that add up to one at every frequency.
+    """Compute gains of the octave bands 125 .. 8000 Hz that sum to one at every frequency.
 
-    The first band reaches down to 0 Hz, the last up without end. Bands meet at fc sqrt(2) in sin² ramps, as in Antoni,
-    Orthogonal-like fractional-octave-band filters, JASA 127 (2010). The gains are for amplitudes of deterministic
-    paths; their square roots add up to one in energy, which noise needs.
+    The first band extends down to 0 Hz, the last one upwards without limit. Bands meet at fc sqrt(2) in sin² ramps, as
+    in Antoni, Orthogonal-like fractional-octave-band filters, JASA 127 (2010). The gains apply to amplitudes of
+    deterministic paths; the squares of their square roots sum to one, as noise requires.
 
     Args:
         frequency: [Hz].
@@ -40,19 +40,18 @@ def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands
 
 
 def high_pass(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
-    """Amplitude of a zero-phase high-pass of second order, for noise, whose first band would reach down to 0 Hz."""
+    """Return the gain of a zero-phase second-order high-pass, for noise, whose first band would extend to 0 Hz."""
     square = frequency**2
     return square / (square + (np.sqrt(2) - 1) * HIGH_PASS**2)
 
 
 @functools.cache
 def causal_octaves(size: int, sample_rate: int) -> Complex[np.ndarray, "bands f"]:
-    """Logarithms of the spectra of causal octave filters: exp(log(gain) @ these) has the given gain in each octave.
+    """Compute log spectra of causal octave filters: exp(log(gain) @ table) has the required gain in each octave.
 
-    The level runs from octave to octave as `octave_gains` does, in decibels; the phase is the least that goes with it
-    (minimum phase), so nothing comes before the pulse. From the cepstrum, whose negative half is folded upon its
-    positive one, as in Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5, and which ends softly after
-    `RINGING`. As cepstra of products add up, one product with this table serves any gains.
+    Levels in dB are interpolated between octaves by `octave_gains`. The phase is minimum phase, so the response is
+    causal. It is computed by folding the cepstrum, as in Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5;
+    the cepstrum fades out within `RINGING`. Cepstra of products add, so one product with this table serves any gains.
 
     Args:
         size: Samples of the transform that will use it, at least `RINGING`.

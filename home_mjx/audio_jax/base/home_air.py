@@ -1,11 +1,11 @@
-"""Air as HoME had it, see `propagation/home_paths.py`: for those who compare with it, not for those who want air."""
+"""Air attenuation of HoME (2017), see `propagation/home_paths.py`: for comparison with it only, not physical."""
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 TEMPERATURES, HUMIDITIES = (10.0, 20.0), (40.0, 60.0, 80.0)  # [degrees Celsius], [%]
-# Coefficients per octave [1/1000 m]: Vorländer, Auralization, 2008, whose energies HoME takes for pressures.
+# Coefficients per octave [1/1000 m]: Vorländer, Auralization, 2008. They are for energy; HoME applies them to pressure.
 COEFFICIENTS = np.array(
     [
         [
@@ -20,13 +20,13 @@ COEFFICIENTS = np.array(
         ],
     ]
 )
-LEAST = 1e-7  # of the pressure, which stays
+LEAST = 1e-7  # minimum remaining share of the pressure, so that levels stay finite
 
 
 def home_air_level(
     distance: Float[Array, " p"], temperature: float = 20.0, humidity: float = 65.0
 ) -> Float[Array, "p bands"]:
-    """By how much air changes the level on a way [dB], by HoME's rule: 20 lg(1 - m d), m of its table's nearest row.
+    """Compute the level change by air over a distance d [dB] by HoME's rule 20 lg(1 - m d), m from the nearest row.
 
     Args:
         distance: [m].

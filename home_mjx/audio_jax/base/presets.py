@@ -1,4 +1,4 @@
-"""Three choices of options, by what they cost and how wrong they are.
+"""Three sets of options with their cost and their errors.
 
 Errors are those of `benchmarks/acoustics.py`, in six rooms against a Monte Carlo that shares nothing with the engine,
 the largest over octaves of 125 to 8000 Hz. Rooms that absorb evenly or are bare are named first; then those with a soft
@@ -13,7 +13,7 @@ from home_mjx.core.checks import check_known
 
 PRESETS: dict[str, dict[str, Any]] = {
     # T30 within 1 %, then +-3, +-4, +3 and +-3 %; late slopes within 6 %. EDT within 1 % (-2, -4, +4, -2 %), level
-    # exact (+0.1, +0.2, -0.3, +0.1 dB). Tones at 1.4 m/s: error below -40 dB. Ends after 0.5 s.
+    # exact (+0.1, +0.2, -0.3, +0.1 dB). Tones at 1.4 m/s: error below -40 dB. Responses end after 0.5 s.
     "fast": {
         "motion": True,
         "late": "baked",
@@ -22,7 +22,8 @@ PRESETS: dict[str, dict[str, Any]] = {
         "num_edges": 8,
         "num_heard": 8,
     },
-    # The same late sound, with all first reflections of large rooms. T30 of 0.5 to 2 s read from waveforms within 5 %.
+    # The same late reverberation, with all first-order reflections of large rooms, and a tail: T30 of 0.5 to 2 s
+    # measured from waveforms within 5 %.
     "balanced": {
         "motion": True,
         "late": "baked",
@@ -31,8 +32,8 @@ PRESETS: dict[str, dict[str, Any]] = {
         "num_reflections": 12,
         "num_heard": 10,
     },
-    # Exact but for noise, with no need of baking: T30 within 2 %, then +-8, -9, +-5, and +-8 %; late slopes within
-    # 8 %. EDT within 1 % (3, -2, +6, +-3 %), level exact (+-0.1 dB, beyond the door of coupled rooms -0.5).
+    # Unbiased up to Monte Carlo noise, without baking: T30 within 2 %, then +-8, -9, +-5, and +-8 %; late slopes
+    # within 8 %. EDT within 1 % (3, -2, +6, +-3 %), level exact (+-0.1 dB, beyond the door of coupled rooms -0.5).
     "reference": {
         "motion": True,
         "num_rays": 10_500,
@@ -44,7 +45,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "num_reflections": 62,
     },
 }
-# With rays in every step: for houses that cannot be baked, and for what has been moved about.
+# Changes to the presets for late="traced": for houses that cannot be baked, and rooms whose furniture has moved.
 TRACED: dict[str, dict[str, Any]] = {
     # T30 within 3 %, then -27, -26, -23 to +22 and -53 to +11 %; late slopes of coupled rooms are half as long. EDT
     # within 3 % (-8, -6, +10, -31 %), level exact (-0.4, -0.3, -0.5, -0.8 dB).
@@ -61,9 +62,9 @@ TRACED: dict[str, dict[str, Any]] = {
     },
     "reference": {},
 }
-FIRST_ORDER: dict[str, Any] = {"reflection_order": 1}  # the others are in what has been baked
+FIRST_ORDER: dict[str, Any] = {"reflection_order": 1}  # baked energies contain the higher orders
 
-# Not sound as it is, but as HoME (2017) had it, to compare with it: see `propagation/home_paths.py`.
+# The acoustics of HoME (2017), for comparison only: see `propagation/home_paths.py`.
 HOME: dict[str, Any] = {
     "early": "home",
     "late": "none",
@@ -76,17 +77,17 @@ HOME: dict[str, Any] = {
 
 
 def audio_preset(name: str, **changes: Any) -> AudioConfig:
-    """The options of a preset, "fast", "balanced" or "reference"; what each gets wrong stands beside it in `PRESETS`.
+    """Return the options of the preset "fast", "balanced" or "reference"; `PRESETS` lists their errors.
 
     The first two look late sound up in what has been baked, see `add_bakes`; `make` bakes by itself, unless it is
     given a bank. With `late="traced"` they have rays in every step instead.
 
     Args:
-        name: Of the preset; or "home": as HoME (2017) had it.
-        **changes: Options that shall differ from it.
+        name: Name of the preset; "home" for the acoustics of HoME (2017).
+        **changes: Options that override the preset's.
 
     Raises:
-        ConfigError: There is no such preset, or an option has a value that cannot be used.
+        ConfigError: The preset is unknown, or an option has an invalid value.
 
     Example:
         >>> audio_preset("fast").late, audio_preset("fast", late="traced").num_rays

@@ -1,8 +1,8 @@
-"""Filters that paths share: weighted sums of a few causal ones stand for octave gains, and for ears.
+"""Basis of causal filters shared by all paths; weighted sums of it approximate octave gains and ear filters.
 
-The spectrum of a causal filter follows from its real part. So a filter whose real part runs straight between its values
-at some frequencies is the sum of one fixed causal filter per frequency, each weighted with that value. As sums of
-sounds may be filtered instead of each sound, any number of paths takes no more transforms than there are frequencies.
+The spectrum of a causal filter follows from its real part. A filter with a piecewise linear real part is therefore a
+sum of fixed causal filters, one per knot frequency, weighted with the real part there. Paths are mixed with these
+weights before filtering, so the number of transforms is the number of knots, whatever the number of paths.
 """
 
 import functools
@@ -17,40 +17,40 @@ from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.filters import causal_octaves, octave_gains
 from home_mjx.schema.compiled import BANDS
 
-LOW, STEP = 1100.0, 540.0  # [Hz]: up to the one there are two frequencies per octave, beyond it one per so many
-RINGING = 0.032  # [s], for which filters ring: it resolves octaves from 125 Hz on
-FINER = 4  # times the sample rate, at which they are made
-FINE = 1 << 16  # samples for that
-QUIETEST = 1e-3  # gain of an octave re the loudest of a path, below which it is taken as this
-SOFTEST = 1e-30  # gain of a path below which it is silent
-ROUNDS = 2  # in which octaves are brought to their gains
+LOW, STEP = 1100.0, 540.0  # [Hz], knots: two per octave up to `LOW`, beyond it one every `STEP`
+RINGING = 0.032  # [s], length of basis filters: resolves octaves from 125 Hz on
+FINER = 4  # oversampling factor at which the basis is computed
+FINE = 1 << 16  # samples of the transform for that
+QUIETEST = 1e-3  # minimum octave gain re the loudest octave of a path; lower gains are raised to it
+SOFTEST = 1e-30  # gain at or below which a path is silent
+ROUNDS = 2  # iterations that correct filters to the required octave gains
 
 
 class Shapes(NamedTuple):
-    """Fixed filters, one per frequency between which a real part runs straight."""
+    """Basis filters, one per knot frequency; their real parts are hat functions over the knots."""
 
-    frequency: Float[np.ndarray, " s"]  # [Hz]
-    kernel: Float[np.ndarray, "s t"]  # from HALF_WIDTH samples before time 0 on, limited in band
-    value: Complex[np.ndarray, "s s"]  # of filter i at frequency j, before it is limited
-    octaves: Complex[np.ndarray, "bands s"]  # logarithm of the least-phase filter of each octave at these frequencies
-    centers: Complex[np.ndarray, "s c"]  # of filters at the centres of the octaves that are told apart
+    frequency: Float[np.ndarray, " s"]  # [Hz], knots
+    kernel: Float[np.ndarray, "s t"]  # band-limited impulse responses from HALF_WIDTH samples before time 0 on
+    value: Complex[np.ndarray, "s s"]  # of filter i at knot j, before band limiting
+    octaves: Complex[np.ndarray, "bands s"]  # log spectrum of each octave's minimum-phase filter at the knots
+    centers: Complex[np.ndarray, "s c"]  # of filters at the octave centres below 0.45 of the sample rate
 
 
 def num_taps(sample_rate: int) -> int:
-    """Samples of a shape's kernel after time 0."""
+    """Return the length of a basis filter after time 0 [samples]."""
     return round(RINGING * sample_rate)
 
 
 @functools.cache
 def shapes(sample_rate: int) -> Shapes:
-    """The filters of a sample rate.
+    """Compute the filter basis of a sample rate.
 
     Args:
         sample_rate: [Hz].
 
     Example:
         >>> s = shapes(16000)
-        >>> s.kernel.shape, bool(abs(s.kernel.sum(axis=0)[HALF_WIDTH] - 1) < 0.02)  # together they change nothing
+        >>> s.kernel.shape, bool(abs(s.kernel.sum(axis=0)[HALF_WIDTH] - 1) < 0.02)  # together they are the identity
         ((20, 544), True)
     """
     low = BANDS[0] * 2 ** (np.arange(2 * np.log2(LOW / BANDS[0])) / 2)
@@ -72,15 +72,17 @@ def shapes(sample_rate: int) -> Shapes:
 
 
 def octave_shapes(gain: Float[Array, "*p bands"], sample_rate: int) -> Complex[Array, "*p s"]:
-    """Causal filters with the given gain at the centre of each octave: their values at the frequencies of `shapes`.
+    """Compute minimum-phase filters with the required gain at the centre of each octave, at the knots of `shapes`.
 
-    The level runs from octave to octave in decibels; the phase is the least that goes with it, so nothing comes before
-    the pulse: from the cepstrum, whose negative half is folded upon its positive one, as in Oppenheim and Schafer,
-    Discrete-Time Signal Processing, 13.5. Real parts are the weights of `shapes`.
+    Levels in dB are interpolated between octaves. The minimum phase follows from folding the cepstrum, as in Oppenheim
+    and Schafer, Discrete-Time Signal Processing, 13.5. Real parts of the result are the weights of `shapes`.
 
     Args:
-        gain: 0 and more.
+        gain: At least 0.
         sample_rate: [Hz].
+
+    Returns:
+        Spectra at the knots; 0 for silent paths.
 
     Example:
         >>> octave_shapes(jnp.full((1, 7), 0.5), 16000).real.round(3)[0, :3].tolist()
@@ -104,20 +106,20 @@ def _filter(level: Float[Array, "*p bands"], table: Shapes) -> Complex[Array, "*
 
 
 def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> Complex[Array, "*p m"]:
-    """Of a real and a complex matrix."""
+    """Multiply a real by a complex matrix."""
     parts = [jnp.asarray(x, jnp.float32) for x in (np.real(right), np.imag(right))]
     return jax.lax.complex(*(jnp.matmul(left, x, precision="highest") for x in parts))
 
 
 def _causal(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Causal kernels with these real parts at `FINER` times the rate, which end softly."""
+    """Compute causal impulse responses with these real parts at `FINER` times the rate, faded out at their end."""
     kept = FINER * num_taps(sample_rate)
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
     return np.fft.irfft(real, FINE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
 
 
 def _limited(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """The same at the sample rate, by a filter that looks ahead by `HALF_WIDTH` samples."""
+    """Downsample impulse responses to the sample rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
     place = np.minimum(np.arange(FINE), FINE - np.arange(FINE)) / FINER
     low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, HALF_WIDTH)))
     whole = np.fft.irfft(np.fft.rfft(kernel, FINE) * low_pass, FINE)
@@ -127,20 +129,20 @@ def _limited(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.nda
 def _at(
     kernel: Float[np.ndarray, "n u"], frequency: Float[np.ndarray, " m"], sample_rate: int
 ) -> Complex[np.ndarray, "n m"]:
-    """Spectra of kernels at `FINER` times the rate."""
+    """Evaluate spectra of impulse responses at `FINER` times the rate."""
     time = np.arange(kernel.shape[1]) / (FINER * sample_rate)
     return kernel @ np.exp(-2j * np.pi * time[:, None] * frequency[None])
 
 
 def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
-    """Logarithms of gains per octave, none far below the loudest; and 1 where something sounds, else 0."""
+    """Return log gains per octave, at least `QUIETEST` re the loudest, and 1 for audible paths, 0 for silent ones."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
     return level, (loudest[:, 0] > SOFTEST).astype(jnp.float32)
 
 
 def octave_spectra(gain: Float[Array, "p bands"], size: int, sample_rate: int) -> Complex[Array, "p f"]:
-    """Causal filters with these gains per octave, at the frequencies of a transform of `size` samples."""
+    """Compute spectra of minimum-phase filters with these octave gains for a transform of `size` samples."""
     level, sounds = octave_levels(gain)
     table = causal_octaves(size, sample_rate)
     real, phase = (

@@ -1,1 +1,1 @@
-"""Lines and planes of sound without a house: image sources, and strings around edges of boxes."""
+"""Acoustic geometry independent of houses: image sources, diffraction paths around boxes, wedge diffraction."""

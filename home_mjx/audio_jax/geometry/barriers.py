@@ -1,4 +1,4 @@
-"""Boxes in the way of sound: the taut strings from a source over their edges to a listener."""
+"""Shortest diffraction paths ("taut strings") from a source over edges of boxes to a listener."""
 
 from typing import NamedTuple
 
@@ -12,37 +12,37 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import length3, sum3
 from home_mjx.schema.edges import edge_number
 
-LEAST = 0.01  # [m], distances from edges are taken as at least this
+LEAST = 0.01  # [m], minimum distance from edges
 
 
 class Boxes(Pytree):
-    """Boxes that may stand in the way."""
+    """Oriented boxes that may block direct sound."""
 
     center: Float[Array, "n 3"]  # [m]
     axis: Float[Array, "n 3 3"]  # unit vectors, one per row
     half: Float[Array, "n 3"]  # [m]
-    exposed: Bool[Array, "n edges"]  # edges with air around them, in the order of `schema.edges`
+    exposed: Bool[Array, "n edges"]  # edges surrounded by air, in the order of `schema.edges`
     object_id: Int[Array, " n"]  # -1 architecture
 
 
 class Strings(Pytree):
-    """Taut strings over one edge, or two that are parallel."""
+    """Shortest paths over one edge, or over two parallel edges."""
 
     bend: Bend
-    detour: Float[Array, " e"]  # [m], how much longer than the straight line, were the edge endless
-    reach: Float[Array, " e"]  # [m], the same over what there is of the edge; inf where there is no such string
-    blocked: Bool[Array, " e"]  # the straight line meets the box
-    first: Float[Array, "e 3"]  # [m], world, the edge as the source sees it, a little away from the box
-    last: Float[Array, "e 3"]  # [m], as the listener sees it
-    apex: Float[Array, "e 3"]  # [m], world, where an endless edge would be crossed
-    beyond: Float[Array, "e 2"]  # [m] along the edge, from where an endless one would be crossed to both its ends
+    detour: Float[Array, " e"]  # [m], excess over the straight line for an infinite edge
+    reach: Float[Array, " e"]  # [m], excess over the straight line for the finite edge; inf if there is no such path
+    blocked: Bool[Array, " e"]  # whether the straight line intersects the box
+    first: Float[Array, "e 3"]  # [m], world, diffraction point on the source's side, offset from the box
+    last: Float[Array, "e 3"]  # [m], world, diffraction point on the listener's side, offset from the box
+    apex: Float[Array, "e 3"]  # [m], world, diffraction point of an infinite edge
+    beyond: Float[Array, "e 2"]  # [m], along the edge from the apex of an infinite edge to both ends of the edge
     turn: Float[Array, " e"]  # [rad], at the second edge
-    depth: Float[Array, " e"]  # [m], what `second_edge` calls `reach`
-    object_id: Int[Array, " e"]
+    depth: Float[Array, " e"]  # [m], argument `reach` of `second_edge`
+    object_id: Int[Array, " e"]  # of the box; -1 architecture
 
 
 class _Frame(NamedTuple):
-    """Source and listener seen along edges: u across a face from -half to half, v above it, z along it."""
+    """Source and listener in edge coordinates: u across a face from -half to half, v above it, z along the edge."""
 
     source: Float[Array, "n e 3"]
     listener: Float[Array, "n e 3"]
@@ -52,19 +52,19 @@ class _Frame(NamedTuple):
     exposed: Bool[Array, "n e 2"]  # edges at -half and half
 
 
-# Over each of the six faces one way and the other: axis u and its direction, axis v and its side.
+# Crossings of the six faces in both directions of two axes: axis u and its direction, axis v and its side.
 _OVER = np.array([(u, d, v, s) for v in range(3) for s in (-1, 1) for u in range(3) if u != v for d in (-1, 1)])
 _SIDES = np.array([[edge_number(u, side * d, v, s) for side in (-1, 1)] for u, d, v, s in _OVER.tolist()])
 
 
 def nearest_boxes(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"], count: int) -> Boxes:
-    """The boxes with exposed edges over which the way from source to listener is shortest.
+    """Select the boxes with exposed edges over which the path from source to listener is shortest.
 
     Args:
-        boxes: n of them.
+        boxes: n boxes.
         source: [m].
         listener: [m].
-        count: How many.
+        count: Maximum number of boxes.
 
     Returns:
         `count` boxes, or n if there are fewer.
@@ -75,7 +75,7 @@ def nearest_boxes(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array
         return sum3(boxes.axis * (point - boxes.center)[:, None])
 
     def closer(place: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
-        """From points of the boxes to the line, and back to the boxes."""
+        """Project points of the boxes onto the line, and back onto the boxes."""
         share = sum3((place - source[None]) * way[None]) / jnp.maximum(sum3(way * way), LEAST**2)
         on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
         inside = jnp.clip(local(on_line), -boxes.half, boxes.half)
@@ -89,23 +89,23 @@ def nearest_boxes(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array
 
 
 class _Course(NamedTuple):
-    """A string seen along the edges that it touches."""
+    """Edges of a face that a path touches."""
 
-    first: Array  # u of the first edge that it touches
-    last: Array
-    twice: Array  # it turns at both edges
-    on_first: Array  # if only at one
+    first: Array  # u of the first edge touched
+    last: Array  # u of the last edge touched
+    twice: Array  # whether the path turns at both edges
+    on_first: Array  # whether a path that turns at one edge turns at the first
     possible: Array
 
 
 def strings(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"]) -> Strings:
-    """Strings over the exposed edges of boxes, also those that lie off their box, the straight path being free.
+    """Compute diffraction paths over the exposed edges of boxes, also of boxes that do not block the straight path.
 
-    A string runs over a face from one side of the box to the other, touching one or both of its edges, or from one
-    side to somewhere above the face.
+    A path crosses a face between two opposite sides of the box and touches one or both of its edges. Alternatively it
+    runs from one side to a listener above the face.
 
     Args:
-        boxes: What stands in the house.
+        boxes: n boxes.
         source: [m].
         listener: [m].
 
@@ -141,9 +141,9 @@ def strings(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"]
 
 
 def _meets(frame: _Frame) -> Bool[Array, " n"]:
-    """Whether the straight line meets each box."""
+    """Return whether the straight line intersects each box."""
     half = frame.half[:, 0]
-    lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from the middle
+    lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from box centre
     start, end = frame.source[:, 0] + lift, frame.listener[:, 0] + lift
     way = end - start
     way = jnp.where(jnp.abs(way) < 1e-6, 1e-6, way)
@@ -167,9 +167,9 @@ def _course(frame: _Frame) -> _Course:
 def _bend(
     frame: _Frame, course: _Course, near: Array, far: Array, slope: Array
 ) -> tuple[Bend, Float[Array, "n e"], Float[Array, "n e"]]:
-    """The bend, and the second edge's turn and reach.
+    """Compute the bend of each path, and the turn and `reach` of its second edge.
 
-    Across a thin box both turns act as one, as at the edge of a screen; across a deep one each acts by itself.
+    Both turns over a thin box combine into one, as at the edge of a screen; over a deep box they act separately.
     """
     (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     half, between, twice = frame.half[..., 0], course.last - course.first, course.twice
@@ -181,7 +181,7 @@ def _bend(
     turn = jnp.where(twice, jnp.maximum(up, down) + (1 - depth) * smaller, up + down)
     at_first = jnp.where(twice, up >= down, course.on_first)
     face = jnp.pi / 2 - jnp.where(at_first, up, down)
-    own = jnp.where(at_first, far, near)  # of the edge that turns less
+    own = jnp.where(at_first, far, near)  # distance at the edge with the smaller turn
     reach = 2 * between * own / jnp.maximum(between + own, LEAST)
     source_side, listener_side = near + jnp.where(at_first, 0.0, between), far + jnp.where(at_first, between, 0.0)
     legs = jnp.maximum(source_side, LEAST), jnp.maximum(listener_side, LEAST)

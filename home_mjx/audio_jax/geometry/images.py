@@ -1,4 +1,4 @@
-"""Image sources in rectangles: which sequences of mirrors a source and a listener have a path over."""
+"""Image sources in rectangles up to third order, with geometric validation of their paths."""
 
 import functools
 import itertools
@@ -11,34 +11,34 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import length3, sum3
 
-NOWHERE = 1e-6  # [m], distances from planes that count as none
-TOUCH = 1e-4  # [m], within which a path into a corner meets both of its sides, one way and the other
+NOWHERE = 1e-6  # [m], minimum distance of an image from its mirror plane
+TOUCH = 1e-4  # [m], tolerance at edges of mirrors: a path into a corner is valid in both orders of its sides
 
 
 class Mirrors(Pytree):
-    """Rectangles that mirror sound on the side to which their normal points."""
+    """Rectangles that reflect sound on the side of their normal."""
 
     center: Float[Array, "m 3"]  # [m]
     normal: Float[Array, "m 3"]
     u: Float[Array, "m 3"]  # [m], half extent vectors
     v: Float[Array, "m 3"]
     valid: Bool[Array, " m"]
-    material: Int[Array, " m"] | None = None  # row of the material table; -1, or None: what rays meet there says it
+    material: Int[Array, " m"] | None = None  # row of the material table; -1 or None: that of the surface hit by rays
 
 
 class Images(Pytree):
-    """Paths over mirrors, of `order` reflections each."""
+    """Specular paths of `order` reflections each."""
 
-    length: Float[Array, " i"]  # [m]; inf where the mirrors give no path
-    point: Float[Array, "i k 3"]  # [m], reflections in the order from the listener; further ones are at the source
-    normal: Float[Array, "i k 3"]  # of the mirrors there
+    length: Float[Array, " i"]  # [m]; inf if the path is not valid
+    point: Float[Array, "i k 3"]  # [m], reflection points in order from the listener; padded with the source
+    normal: Float[Array, "i k 3"]  # of the mirrors there; padded with 0
     order: Int[Array, " i"]  # number of reflections
-    mirror: Int[Array, "i k"]  # which mirrors these are; -1 none
+    mirror: Int[Array, "i k"]  # index of each mirror; -1 none
 
 
 @functools.cache
 def sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
-    """All sequences of `order` mirrors of which none follows itself.
+    """Enumerate all sequences of `order` mirrors without immediate repetitions.
 
     Example:
         >>> len(sequences(6, 1)), len(sequences(6, 2)), len(sequences(6, 3))
@@ -50,13 +50,16 @@ def sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
 
 
 def find_images(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], highest: int) -> Images:
-    """Image sources of all orders up to `highest`, found valid by going back from the listener.
+    """Find image sources of all orders up to `highest` and validate their paths backwards from the listener.
 
     Args:
-        mirrors: m of them; there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
+        mirrors: m mirrors; there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
         source: [m].
         listener: [m].
-        highest: Order.
+        highest: Maximum order.
+
+    Returns:
+        One row per sequence, ordered by order; occlusion is not tested.
 
     Example:
         >>> x, y, z = np.eye(3, dtype=np.float32) * 5  # a cube of 10 m
@@ -64,7 +67,7 @@ def find_images(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Arr
         >>> n, u, v = (jnp.array(column) for column in zip(*sides, strict=True))
         >>> cube = Mirrors(-n, n / 5, u, v, jnp.ones(6, bool))
         >>> found = find_images(cube, jnp.array([0.1, 0.2, 0.3]), jnp.array([2.5, -2.4, 3.0]), highest=3)
-        >>> int(jnp.isfinite(found.length).sum())  # and the direct path: 63
+        >>> int(jnp.isfinite(found.length).sum())  # 63 with the direct path
         62
     """
     count = mirrors.valid.shape[0]
@@ -102,10 +105,10 @@ def _of_order(
 
 
 def nearest_mirrors(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], count: int) -> Mirrors:
-    """The mirrors over which the way from source to listener is shortest.
+    """Select up to `count` mirrors with the shortest paths from source to listener.
 
-    Its reflection is put where the image's straight line would meet the plane, or else the nearest point of the
-    rectangle; mirrors whose back both see are left out.
+    The reflection point is the specular point on the plane, clamped to the rectangle. Mirrors that have both source and
+    listener behind them are invalid.
     """
     before = jnp.maximum(_height(mirrors, source[None]), 0), jnp.maximum(_height(mirrors, listener[None]), 0)
     share = before[1] / jnp.maximum(before[0] + before[1], NOWHERE)

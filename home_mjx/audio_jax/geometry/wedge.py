@@ -1,4 +1,4 @@
-"""Diffraction by rigid wedges: the uniform theory of Kouyoumjian and Pathak, and Pierce's second edge."""
+"""Diffraction by rigid wedges: the uniform theory of Kouyoumjian and Pathak, and Pierce's double-edge factor."""
 
 from typing import NamedTuple
 
@@ -7,23 +7,23 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-NEAR_BOUNDARY = 1e-4  # [rad], within which an angle counts as this far from a shadow boundary
-FADE = np.pi / 3  # [rad], past the reflection boundary, over which the reflected wave's share comes in
+NEAR_BOUNDARY = 1e-4  # [rad], minimum angle from a shadow boundary; smaller ones are clamped to it
+FADE = np.pi / 3  # [rad], beyond the reflection boundary, over which the reflected wave's term fades in
 
 
 class Bend(NamedTuple):
-    """How sound bends around edges. Angles are seen along the edge, distances are across it."""
+    """Geometry of diffraction at edges. Angles are in the plane perpendicular to the edge, distances as well."""
 
     near: Float[Array, " e"]  # [m], from the source to the edge
     far: Float[Array, " e"]  # [m], from the edge to the listener
     face: Float[Array, " e"]  # [rad], from the wedge's face to the source
-    turn: Float[Array, " e"]  # [rad], by which the path turns into the shadow; negative where the straight path is free
+    turn: Float[Array, " e"]  # [rad], diffraction angle into the shadow; negative where the straight path is free
     wedge: Float[Array, " e"]  # exterior angle in units of pi: 2 half-plane, 1.5 right-angled edge
     slope: Float[Array, " e"]  # sine of the angle between path and edge
 
 
 def transition(x: Float[Array, "*n"]) -> Complex[Array, "*n"]:
-    """The transition function 2 i sqrt(x) exp(i x) ∫ exp(-i t²) dt from sqrt(x) on, within 0.007 of it.
+    """Approximate the transition function 2 i sqrt(x) exp(i x) ∫ exp(-i t²) dt, t from sqrt(x) on, within 0.007.
 
     Args:
         x: Detour in radians, >= 0.
@@ -46,11 +46,11 @@ def transition(x: Float[Array, "*n"]) -> Complex[Array, "*n"]:
 
 
 def diffracted(bend: Bend, wavenumber: Float[Array, " f"]) -> Complex[Array, "e f"]:
-    """Pressure diffracted by rigid wedges re the free field after the same length of path.
+    """Compute the pressure diffracted by rigid wedges re the free field at the same path length.
 
-    In the shadow it is all there is; where the straight path is free it comes on top of that, and the sum is smooth
-    across the shadow boundary. The part that belongs to the wave reflected by a face fades out where that wave itself
-    is heard, which image sources render.
+    In the shadow it is the total field. Where the straight path is free it adds to that path's field, and the sum is
+    continuous across the shadow boundary. The term of the wave reflected by a face fades out where that wave is
+    present, because image sources render it.
 
     Args:
         bend: Edges.
@@ -74,10 +74,10 @@ def diffracted(bend: Bend, wavenumber: Float[Array, " f"]) -> Complex[Array, "e 
     added = between + 2 * bend.face
     straight = _term(-bend.turn, wedge, length, wavenumber) + _term(jnp.pi + between, wedge, length, wavenumber)
     mirrored = _term(jnp.pi - added, wedge, length, wavenumber) + _term(jnp.pi + added, wedge, length, wavenumber)
-    outside = jnp.minimum(added - jnp.pi, (2 * wedge - 1) * jnp.pi - added)  # of both faces' reflections
+    outside = jnp.minimum(added - jnp.pi, (2 * wedge - 1) * jnp.pi - added)  # angle beyond both reflection boundaries
     share = jnp.clip(outside / FADE, 0.0, 1.0)[:, None]
     scale = jnp.sqrt(2 * jnp.pi * wavenumber)[None] * (2 * wedge * jnp.sqrt(bend.slope * harmonic))[:, None]
-    # in the phase of -exp(-i pi / 4)
+    # The factor has the phase of -exp(-i pi / 4).
     return (straight + share.astype(jnp.complex64) * mirrored) * jax.lax.complex(
         -np.sqrt(0.5) / scale, np.sqrt(0.5) / scale
     )
@@ -86,7 +86,7 @@ def diffracted(bend: Bend, wavenumber: Float[Array, " f"]) -> Complex[Array, "e 
 def _term(
     past: Float[Array, " e"], wedge: Float[Array, " e"], length: Float[Array, " e"], wavenumber: Float[Array, " f"]
 ) -> Complex[Array, "e f"]:
-    """cot(ε / 2n) F(k L a), with ε the angle past the nearest boundary and a = 2 sin²(ε / 2)."""
+    """Evaluate cot(ε / 2n) F(k L a), with ε the angle past the nearest boundary and a = 2 sin²(ε / 2)."""
     period = 2 * jnp.pi * wedge
     past = past - period * jnp.round(past / period)
     past = jnp.where(past < 0, jnp.minimum(past, -NEAR_BOUNDARY), jnp.maximum(past, NEAR_BOUNDARY))
@@ -97,12 +97,12 @@ def _term(
 def second_edge(
     turn: Float[Array, " e"], reach: Float[Array, " e"], wavenumber: Float[Array, " f"]
 ) -> Float[Array, "e f"]:
-    """Factor on pressure that a second edge, parallel to the first, takes from a path that turns at both.
+    """Compute the pressure factor of a second edge, parallel to the first, for paths that turn at both.
 
     Args:
-        turn: At the second edge, the smaller turn [rad]; 0 takes nothing.
-        reach: w (w + s + r) / ((w + s) (w + r)) times 2 r (w + s) / (w + s + r), the edge's own distances, w between
-            the edges [m].
+        turn: Turn at the second edge, the smaller of the two [rad]; the factor is 1 at 0.
+        reach: 2 w r / (w + r) with w the distance between the edges and r that from the second edge to its end of the
+            path [m]. Pierce's form is w (w + s + r) / ((w + s) (w + r)) times 2 r (w + s) / (w + s + r).
         wavenumber: [1/m].
 
     Source: Pierce, Diffraction of sound around corners and over wide barriers, J. Acoust. Soc. Am. 55 (1974), whose

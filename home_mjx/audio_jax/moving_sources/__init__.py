@@ -1,1 +1,1 @@
-"""Sound of sources and heads that move within a frame, and of rooms that ring for longer than a response."""
+"""Rendering of moving sources and listeners (Doppler effect), and of reverberation longer than a response."""

@@ -1,7 +1,7 @@
-"""Early sound of one frame, in which every path has its own delay, different in every sample.
+"""Early sound of one frame, with a time-varying delay per path.
 
-Paths are read from the source, see `reads.py`, and added up with weights of their own in a few sums per channel. Only
-these sums are filtered, see `base/shapes.py`. A still path is one convolution.
+Paths are read from the source through delay lines, see `reads.py`, and mixed into a few buses per channel. Only these
+buses are filtered, see `base/shapes.py`. The result for a static path is an exact convolution.
 """
 
 import jax
@@ -23,14 +23,17 @@ from home_mjx.audio_jax.receivers.hrtf import to_head
 def early_sound(
     sources: Float[Array, "n w"], past: int, pairs: Pairs, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e m"]:
-    """What each channel hears of several sources through paths that move.
+    """Render the early sound of several sources through moving paths.
 
     Args:
-        sources: What leaves each source at 1 m, from `past` samples before the frame on and for as long as is known.
-        past: Samples before the frame's first one.
+        sources: Signal of each source at 1 m, from `past` samples before the frame on.
+        past: Number of samples before the frame's first one.
         pairs: Paths at the frame's start and end, with a leading axis of sources.
         config: Options.
-        head: Measured; None: a rigid sphere.
+        head: Measured HRTFs; None: a rigid sphere.
+
+    Returns:
+        Pressure per channel, `config.frame` samples.
     """
     return early_frame(jax.vmap(lambda source, pair: _reads(source, past, pair, config, head))(sources, pairs), config)
 
@@ -38,20 +41,20 @@ def early_sound(
 def _reads(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig, head: Head | None) -> Reads:
     toward, distances = _to_head(pairs)
     ways = _ways(pairs, channel_delays(toward, distances, config, head))
-    earlier = min(past, config.response_length) + before(config)  # no path is longer than a response
+    earlier = min(past, config.response_length) + before(config)  # delays beyond the response length are not read
     padded = jnp.pad(source, (before(config), margin(config)))[past + before(config) - earlier :]
     padded, start = jnp.pad(padded, (margin(config), 0)), earlier - before(config) + margin(config)
     first, begin = _filtered(padded, start, pairs, ways, config)
     ends = ((pairs.old, toward[0], distances[0]), (pairs.new, toward[2], distances[2]))
     old, new = (path_weights(paths.gain, way, at, config, head) for paths, way, at in ends)
-    rows = jax.tree.map(lambda x: jnp.concatenate([x[:1], x]), ways)  # the first is heard through two filters
+    rows = jax.tree.map(lambda x: jnp.concatenate([x[:1], x]), ways)  # the first path is read from two filter outputs
     starts = jnp.stack([start - begin, start - begin, jnp.int32(start)])
     parts = np.cumsum([0, first.shape[1], first.shape[1]]).astype(np.int32)
     return Reads(padded, first, 2 * (starts + parts), rows, _shares(old, new))
 
 
 def _shares(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[Array, "q e s two"]:
-    """At the frame's start, and what comes until its end; of the first path what each end's filter leaves."""
+    """Return bus gains at the frame's start and their change; the first path cross-fades its two filter outputs."""
     nothing = jnp.zeros_like(old[:1])
     first, last = (jnp.concatenate(x) for x in ((old[:1], nothing, old[1:]), (nothing, new[:1], new[1:])))
     return jnp.stack([first, last - first], axis=-1)
@@ -65,7 +68,7 @@ def _ways(pairs: Pairs, ears: Float[Array, "three p d"]) -> Ways:
 
 
 def _to_head(pairs: Pairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
-    """Directions of paths in the frame of the head, and their lengths, at the start, in the middle, at the end."""
+    """Compute path directions in the head frame and path lengths at the frame's start, middle and end."""
     old, new = pairs.old, pairs.new
     mid = (old.direction * old.distance[:, None] + new.direction * new.distance[:, None]) / 2
     between = jnp.linalg.norm(mid, axis=1)
@@ -81,14 +84,17 @@ def _to_head(pairs: Pairs) -> tuple[Float[Array, "three p 3"], Float[Array, "thr
 def _filtered(
     padded: Float[Array, " n"], start: int, pairs: Pairs, ways: Ways, config: AudioConfig
 ) -> tuple[Float[Array, "2 m"], Array]:
-    """What the first path's filters make of the source around its delay, and the sample with which it begins.
+    """Filter the source with the first path's octave filters of both frame ends, around that path's delay.
 
     Args:
-        padded: The source.
-        start: Its sample that is heard first where there is no delay.
-        pairs: Paths.
-        ways: The same, as they run.
+        padded: The source signal with padding.
+        start: Index of its sample at the frame's first sample for a delay of 0.
+        pairs: Paths at both ends of the frame.
+        ways: Their delays within the frame.
         config: Options.
+
+    Returns:
+        The two filtered signals, and the index of the source sample at which they begin.
     """
     way = (ways.new[0] * jnp.float32(config.sample_rate / config.speed_of_sound)).astype(jnp.int32)
     begin = jnp.clip(start - way - slack(config) - margin(config), -slack(config), padded.shape[0])

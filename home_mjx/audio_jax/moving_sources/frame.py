@@ -1,4 +1,4 @@
-"""One frame of sound while sources and heads move."""
+"""Frames of sound while sources and listeners move."""
 
 import jax
 import jax.numpy as jnp
@@ -16,18 +16,21 @@ from home_mjx.audio_jax.moving_sources.synthesis import late_frame
 def moving_frame(
     source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e m"]:
-    """What both ears, or the channels of another receiver, hear in one frame of a source that moves relative to them.
+    """Render one frame of a source that moves relative to the receiver.
 
-    Early paths keep their pitch: each sample has its own delay. The late part, whose phase says nothing, fades from the
-    old response to the new one, and so does its tail.
+    Early paths have a delay per sample, which yields the Doppler shift. The late part, whose phase is random, and its
+    tail are cross-faded from the old response to the new one.
 
     Args:
-        source: What leaves the source at 1 m, see `given_off`: `config.memory_length` - 1 samples from before the
-            frame, the frame, and `config.ahead` samples after it.
-        old: At the frame's start.
-        new: At its end, which is the next frame's `old`.
-        config: Options.
-        head: Of the listener, where it is a measured one.
+        source: Signal at 1 m, see `given_off`: `config.memory_length` - 1 samples before the frame, the frame, and
+            `config.ahead` samples after it.
+        old: State at the frame's start.
+        new: State at its end, which is the next frame's `old`.
+        config: Options with `motion=True`.
+        head: Measured HRTFs of the listener; None: a rigid sphere.
+
+    Returns:
+        Pressure per channel, `config.frame` samples.
     """
     first, last = jax.tree.map(lambda x: x[None], (old, new))
     return moving_frames(source[None], first, last, config, head)
@@ -36,14 +39,17 @@ def moving_frame(
 def moving_frames(
     sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e m"]:
-    """The same of several sources together, which share the last filters and transforms.
+    """Render one frame of several sources together, which share the final filters and transforms.
 
     Args:
-        sources: What leaves each source.
-        old: At the frame's start, with a leading axis of sources.
-        new: At its end.
-        config: Options.
-        head: Of the listener, where it is a measured one.
+        sources: Signal of each source, as in `moving_frame`.
+        old: States at the frame's start, with a leading axis of sources.
+        new: States at its end.
+        config: Options with `motion=True`.
+        head: Measured HRTFs of the listener; None: a rigid sphere.
+
+    Returns:
+        Pressure per channel, `config.frame` samples.
 
     Example:
         >>> from home_mjx.audio_jax import AudioConfig
@@ -60,7 +66,7 @@ def moving_frames(
 def moving_early(
     sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e m"]:
-    """Early sound of a frame. Arguments as of `moving_frames`."""
+    """Render the early sound of a frame; arguments as in `moving_frames`."""
     pairs = jax.vmap(lambda a, b: paired(a.paths, b.paths, a.quat, b.quat, longest_step(config)))(old, new)
     return early_sound(sources, config.memory_length - 1, pairs, config, head)
 
@@ -68,6 +74,6 @@ def moving_early(
 def moving_late(
     sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig
 ) -> Float[Array, "e m"]:
-    """Late sound of a frame. Arguments as of `moving_frames`."""
+    """Render the late reverberation of a frame; arguments as in `moving_frames`."""
     ends = jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), old, new)
     return late_frame(sources, jax.vmap(jax.vmap(lambda heard: late_sound(heard, config)))(ends), config)

@@ -1,4 +1,4 @@
-"""Which path at a frame's end is which at its start."""
+"""Correspondence between the paths at a frame's start and at its end."""
 
 import jax
 import jax.numpy as jnp
@@ -7,11 +7,11 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.core.pytree import Pytree
 
-NUM_LEAVING = 2  # paths that fade out in one frame, the strongest; beyond them they end at once
+NUM_LEAVING = 2  # maximum number of paths that fade out in one frame, the strongest; others stop at once
 
 
 class Pairs(Pytree):
-    """Paths at the start and the end of a frame, side by side; one that comes or goes has no gain at one of them."""
+    """Corresponding paths at the start and the end of a frame; the gain of new or ending paths is 0 at one end."""
 
     old: Paths
     new: Paths
@@ -22,17 +22,20 @@ class Pairs(Pytree):
 def paired(
     old: Paths, new: Paths, old_quat: Float[Array, "4"], new_quat: Float[Array, "4"], longest_step: float
 ) -> Pairs:
-    """Puts paths of the same name side by side.
+    """Match paths by name.
 
-    Paths whose image of the source has moved by more than `longest_step` [m], that have no partner or are silent at one
-    end stay where they are and fade. Paths without names are told by their place.
+    A path without a partner, silent at one end, or whose image source moves by more than `longest_step` fades in or out
+    in place. Paths without names are matched by index.
 
     Args:
-        old: At the frame's start.
-        new: At its end.
+        old: Paths at the frame's start.
+        new: Paths at its end.
         old_quat: Orientation of the head at the start, wxyz.
-        new_quat: At the end.
-        longest_step: [m].
+        new_quat: Orientation of the head at the end, wxyz.
+        longest_step: Maximum displacement of an image source in one frame [m].
+
+    Returns:
+        The paths of `new`, then up to `NUM_LEAVING` paths of `old` that fade out.
     """
     match = _matches(old, new, longest_step)
     index = jnp.argmax(match, axis=1).astype(jnp.int32)
@@ -48,7 +51,7 @@ def paired(
 
 
 def _matches(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "new old"]:
-    """Which are the same path, heard at both ends."""
+    """Return which pairs are the same path, audible at both ends."""
     same = _names(new)[:, None] == _names(old)[None]
     away = [paths.direction * paths.distance[:, None] for paths in (new, old)]
     near = jnp.linalg.norm(away[0][:, None] - away[1][None], axis=-1) < longest_step

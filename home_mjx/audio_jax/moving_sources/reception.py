@@ -1,4 +1,4 @@
-"""What reaches a head at one moment, in the parts that change in different ways."""
+"""Acoustic state of a receiver at one instant, split into the parts that frames interpolate separately."""
 
 import functools
 
@@ -20,27 +20,30 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-FALL = 1e-3  # -30 dB
+FALL = 1e-3  # energy ratio, -30 dB
 
 
 class Reception(Pytree):
-    """From one source to one head."""
+    """Early paths and late energy from one source to one receiver."""
 
     paths: Paths
     quat: Float[Array, "4"]  # of the head, wxyz
-    energy: Float[Array, "k e bands"]  # of each channel without the paths, per time bin; see `late_energy`
-    draw: Draw  # of the noise that carries it
+    energy: Float[Array, "k e bands"]  # late energy per time bin and channel, without the paths; see `late_energy`
+    draw: Draw  # of the noise that renders it
 
 
 def reception(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Reception:
-    """What `impulse_response` gives, in parts, and what comes after it.
+    """Compute the parts of `impulse_response` that `moving_frame` renders.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
-        key: Random key; keep it while a listener moves.
+        source: The source.
+        listener: The listener.
+        key: Random key; keep it while a listener moves, so that successive states are coherent.
         config: Options.
+
+    Returns:
+        `config.num_paths` early paths, late energies and the noise draw.
 
     Example:
         >>> heard = reception(scene, Source(radio), Listener(ears, quat), jax.random.key(0), config)  # doctest: +SKIP
@@ -56,18 +59,18 @@ def reception(scene: Scene, source: Source, listener: Listener, key: Array, conf
 def received(
     paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> Reception:
-    """The same from paths and an energy histogram; `key` chooses the noise."""
+    """Pack paths and an energy histogram; `key` selects the noise."""
     return Reception(as_many(paths, config.num_paths), head_quat, energy, drawn(key, config))
 
 
 def late_sound(heard: Reception, config: AudioConfig) -> Late:
-    """The response of each channel without the paths, and what rings on after it."""
+    """Compute the late response of each channel as noise shares, its onset, and the levels of its tail."""
     shares = noise_shares(heard.energy, heard.draw, heard.quat, config)
     return Late(shares, onset_of(heard.paths, config), tail_levels(heard.energy, config))
 
 
 def silence(config: AudioConfig) -> Reception:
-    """Nothing, in the shapes of everything."""
+    """Return a silent `Reception` with the static shapes of `config`."""
     count, bands = config.num_paths, len(BANDS)
     distance, name = jnp.ones(count, jnp.float32), jnp.full(count, -1, jnp.int32)
     ahead = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0], jnp.float32), (count, 3))
@@ -80,7 +83,7 @@ def silence(config: AudioConfig) -> Reception:
 
 
 def as_many(paths: Paths, count: int) -> Paths:
-    """The first path, which has filters of its own, and the strongest in their order; or all and silent ones."""
+    """Keep the first path and the strongest others in their order, or pad with silent paths, to `count` paths."""
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     paths = paths.replace(name=name)
@@ -98,11 +101,12 @@ def as_many(paths: Paths, count: int) -> Paths:
 
 
 def ends_early(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
-    """Whether all ends before it has fallen by 30 dB from its loudest bin."""
+    """Return whether the response, with its tail, ends before it has decayed by 30 dB from its loudest bin."""
     share = jnp.asarray(band_shares(config))
     energy = heard.energy[:, : config.num_channels]
     bins = jnp.sum(energy @ share, axis=1)
-    times = 2 if config.receiver == "ambisonics" else config.num_channels  # that energy of a path is heard in all
+    # Energy of a path summed over channels: in ambisonics W has all of it, and Y, Z and X together have it once more.
+    times = 2 if config.receiver == "ambisonics" else config.num_channels
     loudest = jnp.maximum(jnp.max(bins), times * jnp.max(heard.paths.gain**2 @ share))
     if config.num_tail == 0:
         return bins[-1] > FALL * loudest
@@ -112,5 +116,5 @@ def ends_early(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
 
 @functools.cache
 def band_shares(config: AudioConfig) -> Float[np.ndarray, " bands"]:
-    """Which share of white noise each octave has."""
+    """Compute the share of white noise's energy in each octave."""
     return octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1).astype(np.float32)

@@ -1,4 +1,4 @@
-"""The waveforms of a frame: by own kernels on the platforms that have them, by operations of XLA elsewhere."""
+"""Waveforms of a frame: native kernels on CPU and CUDA where available, XLA operations elsewhere."""
 
 import functools
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from home_mjx.core.native.platforms import by_platform
 def filtered_first(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """What the first path's own filters make of its source. Arguments as of `first.filtered_by_xla`."""
+    """Filter the first path's source by its own octave filters; arguments as in `first.filtered_by_xla`."""
     fast: dict[str, Callable[..., Array]] = {}
     if cuda_first.available(config):
         fast["cuda"] = functools.partial(cuda_first.filtered, config=config)
@@ -30,11 +30,14 @@ def filtered_first(
 
 
 def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
-    """What each channel hears of several sources through paths that move.
+    """Render the early sound of several sources through moving paths.
 
     Args:
-        reads: With a leading axis of sources.
+        reads: Delay-line reads, with a leading axis of sources.
         config: Options.
+
+    Returns:
+        Pressure per channel, `config.frame` samples.
     """
     fast: dict[str, Callable[..., Array]] = {}
     if cpu.cpu_available():
@@ -45,7 +48,7 @@ def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
 
 
 def early_by_xla(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
-    """The same in operations of XLA. Arguments as of `early_frame`."""
+    """Render early sound with XLA operations; arguments as in `early_frame`."""
     sums = sums_of(reads, config)
     size, begin = sums.shape[-1], frame_begin(config)
     spectra = jnp.asarray(np.fft.rfft(shapes(config.sample_rate).kernel, size).astype(np.complex64))
@@ -54,7 +57,7 @@ def early_by_xla(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
 
 
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
-    """What each channel hears of the late sound of several sources. Arguments as of `tail.frame_by_xla`."""
+    """Render the late reverberation of several sources; arguments as in `tail.frame_by_xla`."""
     fast: dict[str, Callable[..., Array]] = {}
     if cpu.cpu_available() and cpu.hears(late, config):
         fast["cpu"] = functools.partial(cpu.late_frame, config=config)

@@ -1,1 +1,1 @@
-"""Paths of sound: direct, mirrored, traced."""
+"""Sound propagation: direct and diffracted paths, image sources, ray tracing."""

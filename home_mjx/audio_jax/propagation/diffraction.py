@@ -1,4 +1,4 @@
-"""Direct sound around edges: the straight path near them, and what bends into their shadows."""
+"""Diffraction of direct sound at edges: interference near edges, and sound in their shadows."""
 
 from typing import NamedTuple
 
@@ -18,25 +18,25 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, Ray
 from home_mjx.schema.edges import EDGES
 
-SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, where each octave is evaluated
-BOXES = 3  # that are looked at, per edge that is kept
-ONE_EDGE = 0.02  # [m], strings that touch so near to each other run over pieces of one edge
-SAME = 0.02  # [m], edges that are so near to each other act as one, as of two walls back to back
-LOUDEST = 1.7  # energy re the free field, next to edges
-GRAZING = 1e-3  # [rad], from a shadow boundary, within which rays decide on which side of it a listener is
-LITTLE = 0.1  # share of an edge that counts as none
+SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, frequencies at which each octave is evaluated
+BOXES = 3  # candidate boxes per rendered edge
+ONE_EDGE = 0.02  # [m], maximum distance between apexes of strings over pieces of one edge
+SAME = 0.02  # [m], maximum distance of edges that act as one, as of two walls back to back
+LOUDEST = 1.7  # maximum energy re the free field, next to edges
+GRAZING = 1e-3  # [rad], angle to a shadow boundary below which rays decide on which side the listener is
+LITTLE = 0.1  # minimum share of the wavefront over an edge for it to be the leading string
 
 
 class _Field(NamedTuple):
-    """What strings bring at frequencies of all octaves, re the free field of the straight path."""
+    """Energies of direct sound at the frequencies of all octaves, re the free field of the straight path."""
 
-    straight: Float[Array, " f"]  # energy of the straight path together with edges that it passes
-    bent: Float[Array, "k f"]  # energy of each string where there is no straight path
-    around: Bool[Array, ""]  # some string leads around what is in the way
+    straight: Float[Array, " f"]  # energy of the straight path with the diffraction of edges that it passes
+    bent: Float[Array, "k f"]  # energy of each string if the straight path is blocked
+    around: Bool[Array, ""]  # whether a string leads around the obstacle
 
 
 def house_boxes(scene: Scene) -> Boxes:
-    """All boxes of an environment: static ones, then movable objects, doors and agents."""
+    """Return all boxes of an environment: static ones, then movable objects, doors and agents."""
     physics, house, moving = scene.bank.physics, scene.house, scene.moving
     bits = scene.bank.acoustics.collider_edges[house]
     exposed = (bits[:, None] >> jnp.arange(EDGES, dtype=jnp.int32)[None]) & 1 == 1
@@ -57,16 +57,16 @@ def house_boxes(scene: Scene) -> Boxes:
 
 
 def bent_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
-    """The straight path and those around edges, by the uniform theory of diffraction.
+    """Compute the direct path and diffracted paths around edges, by the uniform theory of diffraction.
 
-    While the straight path is free it is the only one, and edges near it make it softer or a little louder; where
-    something blocks it, sound comes from the edges, and through partitions. Both are equally loud where the one takes
-    over from the other. What objects let through counts only where no edge leads around them.
+    If the straight path is free it is the only one, and edges near it attenuate or slightly amplify it. If it is
+    blocked, sound arrives from the edges and through partitions. The level is continuous between the two cases.
+    Transmission through objects counts only if no edge leads around them.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
+        source: The source.
+        listener: The listener.
         config: Options.
 
     Returns:
@@ -81,13 +81,13 @@ def bent_paths(scene: Scene, source: Source, listener: Listener, config: AudioCo
 def assembled_paths(
     straight: Straight, found: Strings, heard: Bool[Array, " k"], ears: Float[Array, "3"], config: AudioConfig
 ) -> Paths:
-    """The paths that a straight line and strings make, see `bent_paths`.
+    """Assemble paths from the straight line and strings, see `bent_paths`.
 
     Args:
-        straight: What the straight line meets.
+        straight: Surfaces on the straight line.
         found: Strings.
-        heard: Those whose ends source and listener see.
-        ears: Where the listener is [m].
+        heard: Whether source and listener see the string's ends.
+        ears: Position of the listener [m].
         config: Options.
     """
     field = _field(straight, found, heard & ~_repeated(found, heard), config)
@@ -106,13 +106,13 @@ def assembled_paths(
 
 
 def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array, "k 3"]:
-    """Unit vectors from one place to others."""
+    """Return unit vectors from one point to others."""
     away = point - start[None]
     return away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
 
 
 def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> Strings:
-    """The strings of the least detour."""
+    """Select the strings with the shortest detours."""
     boxes = house_boxes(scene)
     body = boxes.object_id
     own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
@@ -123,9 +123,9 @@ def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> St
 
 
 def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config: AudioConfig) -> _Field:
-    """Fields of all strings, added as waves to the one that comes first as far as they arrive together with it.
+    """Sum the fields of all strings, coherently with the leading one to the degree that their arrivals coincide.
 
-    Both with and without the straight path: so the sum is the same on both sides of a shadow boundary.
+    The sum is computed with and without the straight path, and is continuous across a shadow boundary.
     """
     frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(SPREAD)
     wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)
@@ -135,7 +135,7 @@ def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config:
     power = jnp.abs(amplitude) ** 2
 
     def added(start: Float[Array, " f"], late: Float[Array, " k"], most: float) -> tuple[Array, Array]:
-        """Energy of what arrives together, and the rest of each string."""
+        """Return the energy of the coherent sum, and the incoherent rest of each string."""
         phase = wavenumber[None] * jnp.where(heard, late, 0.0)[:, None]
         together = jnp.exp(-((phase / jnp.pi) ** 2))
         whole = jnp.sum(amplitude * together.astype(jnp.complex64), axis=0) + start.astype(jnp.complex64)
@@ -150,7 +150,7 @@ def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config:
 
 
 def _past_ends(straight: Straight, found: Strings, share: Float[Array, "k f"]) -> Float[Array, " f"]:
-    """What passes things that are smaller than the waves: what lies beyond the ends of all edges around them."""
+    """Return the amplitude that passes obstacles smaller than the wavelength, beyond the ends of all their edges."""
     apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
     one_edge = ((apart < ONE_EDGE) & (found.bend.turn > 0)[None]).astype(jnp.float32)
     covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
@@ -160,8 +160,8 @@ def _past_ends(straight: Straight, found: Strings, share: Float[Array, "k f"]) -
 def _amplitudes(
     straight: Straight, found: Strings, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
 ) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
-    """Field of each string re that of the straight path, and the share in it that its piece of the edge has."""
-    # What rays see is not in a shadow, whatever the boxes say that stand for meshes.
+    """Compute the field of each string re the straight path, and the share of its finite edge in that field."""
+    # A point that rays see is not in shadow, even if the box around a mesh blocks the line.
     seen = straight.clear & found.blocked
     turn = jnp.where(seen, jnp.minimum(found.bend.turn, -GRAZING), found.bend.turn)
     grazing = ~straight.clear & (jnp.abs(turn) < GRAZING)
@@ -178,19 +178,19 @@ def _amplitudes(
 
 
 def _repeated(found: Strings, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
-    """Strings that touch the same edge as an earlier one, as where both its faces lead from one side to the other."""
+    """Return which strings touch the same edge as an earlier one, as for both faces of one edge."""
     place = jnp.concatenate([found.apex, found.last, found.beyond], axis=1)
     same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < SAME
     return equals_earlier(same & heard[None])
 
 
 def _octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
-    """Means over the frequencies of each octave."""
+    """Average over the frequencies of each octave."""
     return jnp.mean(power.reshape(*power.shape[:-1], len(BANDS), len(SPREAD)), axis=-1)
 
 
 def _heard(scene: Scene, source: Source, listener: Listener, found: Strings) -> Bool[Array, " k"]:
-    """Whether the source sees where a string leaves its side, and the listener where it arrives."""
+    """Return whether the source sees the first and the listener the last point of each string."""
     there = jnp.isfinite(found.reach)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:

@@ -1,4 +1,4 @@
-"""All early sound: what the options name, one producer of paths after the other."""
+"""Early sound: paths of all producers that the options select."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ from home_mjx.raycast_render.scene.types import Scene
 
 
 def producers_of(config: AudioConfig) -> tuple[PathProducer, ...]:
-    """What finds early paths; the first gives the direct one.
+    """Return the producers of early paths; the first one yields the direct path.
 
     Example:
         >>> [find.__name__ for find in producers_of(AudioConfig(num_edges=8))]
@@ -36,23 +36,23 @@ def early_paths(
     config: AudioConfig,
     producers: Sequence[PathProducer] | None = None,
 ) -> Paths:
-    """The direct path, what bends around edges, and the strongest reflections.
+    """Compute the direct path, diffracted paths and the shortest reflections.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
+        source: The source.
+        listener: The listener.
         config: Options.
-        producers: What finds the paths; the first gives the direct one. None: what the options say.
+        producers: Producers of paths; the first yields the direct path. None: those that the options select.
 
     Returns:
-        The paths of all producers, one after the other: by default 1 + R, R being `config.num_reflections` or the
-        house's number of mirror planes if that is less; as loud as the source is in their directions, which are then
-        forgotten. Silent to a head whose quaternion is not of unit length.
+        The paths of all producers in order, by default 1 + R. R is `config.num_reflections`, or the house's number of
+        mirror planes if that is smaller. Gains include the source's directivity; `departure` is None. Gains are 0 if
+        the listener's quaternion is not of unit length.
 
     Raises:
-        ConfigError: That quaternion is known, not traced; or the source has a directivity, and a producer does not tell
-            in which directions paths leave.
+        ConfigError: A concrete quaternion is not of unit length; or the source has a directivity and a producer does
+            not return departure directions.
 
     Example:
         >>> paths = early_paths(scene, Source(radio), Listener(ears, quat), AudioConfig())  # doctest: +SKIP
@@ -68,15 +68,15 @@ def early_paths(
 
 
 def _aimed(paths: Paths, source: Source) -> Paths:
-    """As loud as the source is in the direction in which each leaves it."""
+    """Apply the source's directivity in the departure direction of each path."""
     if source.directivity is None:
         return paths.replace(departure=None)
     if paths.departure is None:
-        raise ConfigError("a source with a directivity needs paths whose producer tells their `departure`")
+        raise ConfigError("a source with a directivity needs path producers that return `departure`")
     return paths.replace(gain=paths.gain * given_toward(source, paths.departure), departure=None)
 
 
 def _named(paths: Paths, producer: int) -> Paths:
-    """With names that no other producer gives."""
+    """Make names unique across producers."""
     number = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     return paths.replace(name=number + producer * MOST_NAMES)

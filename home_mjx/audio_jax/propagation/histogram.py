@@ -1,4 +1,4 @@
-"""Late energy over time: arrivals put into bins, and the decay beyond the last traced bounce."""
+"""Late energy over time: a histogram of traced arrivals, and exponential decay beyond the last bounce."""
 
 import functools
 
@@ -10,22 +10,22 @@ from jaxtyping import Array, Float, Int
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.tracing import Trace
 
-BLUR = 0.15  # resolution in time of late arrivals, relative to their time
-STEEPEST = 50.0  # largest logarithm of a ratio of energies, so that silence stays finite
+BLUR = 0.15  # half width of the smoothing of late arrivals re their time
+STEEPEST = 50.0  # maximum log ratio of energies, so that the decay of silence stays finite
 
 
 def energy_histogram(
     trace: Trace, ear_gain: Float[Array, "n e bands"], config: AudioConfig
 ) -> Float[Array, "k e bands"]:
-    """Energy per time bin, channel and octave, re the free field of the source at 1 m.
+    """Compute energy per time bin, channel and octave, re the free field of the source at 1 m.
 
-    The traced bounces fill the bins, the later the more widely: what few rays bring in bursts comes densely in a room.
-    A ray's further life is the decay of the rays as a whole: the energy left at its end falls exponentially at the rate
-    at which all rays fell over the later part of the traced time, and gives the ears as much per energy and second as
-    rays did there. Nothing is cut or joined at a fixed time.
+    Traced arrivals are smoothed over a width proportional to their time, because few rays arrive in bursts where a room
+    has dense reflections. Energy that remains in a ray after its last bounce is extrapolated. It decays exponentially
+    at the rate of all rays over the later part of the traced time. Its contribution to the channels per unit of energy
+    is also measured there. There is no fixed cross-over time.
 
     Args:
-        trace: What `trace` gave.
+        trace: Traced rays, from `trace`.
         ear_gain: Energy gain of each channel for each ray's direction.
         config: Options.
 
@@ -43,30 +43,30 @@ def energy_histogram(
     index = jnp.arange(config.num_bins, dtype=jnp.int32)
     inside = ((index >= first) & (index < last)).astype(jnp.float32)
     given = jnp.einsum("k,kec->ec", inside, traced, precision="highest")
-    lived = (before - after) / decay  # energy times bins between the two, falling exponentially
+    lived = (before - after) / decay  # energy integrated over the bins between the two, for exponential decay
     yield_per_bin = given / jnp.maximum(lived, 1e-30)[None]
 
     ends = (trace.travelled[-1:] / metres).astype(jnp.int32)
     ended = _sum_in_bins(ends, trace.remaining[-1:, :, None], config.num_bins)[:, 0]
-    living = _recur(jnp.exp(-decay), ended) - 0.5 * ended  # rays end in the middle of their bin
+    living = _recur(jnp.exp(-decay), ended) - 0.5 * ended  # on average, rays end in the middle of their bin
     traced = jnp.einsum("kj,jec->kec", jnp.asarray(_spread(config.num_bins)), traced, precision="highest")
     return traced + yield_per_bin[None] * living[:, None, :]
 
 
 def _sum_in_bins(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
-    """Sums of values by bin, in the same order every time; those beyond the last bin are left out."""
+    """Sum values by bin in a deterministic order; values beyond the last bin are dropped."""
     return jax.lax.platform_dependent(
         bins, values, cpu=functools.partial(_scatter, count=count), default=functools.partial(_multiply, count=count)
     )
 
 
 def _scatter(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
-    """One value after the other, as CPUs do it."""
+    """Sum by scatter, which is sequential on CPUs."""
     return jax.ops.segment_sum(values.reshape(-1, *values.shape[2:]), bins.reshape(-1), count)
 
 
 def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
-    """Products with matrices of ones, row by row: on GPUs additions to one place have no fixed order."""
+    """Sum by products with indicator matrices, row by row, because GPU scatters add in no fixed order."""
 
     def add(total: Array, row: tuple[Array, Array]) -> tuple[Array, None]:
         member = (row[0][None] == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(jnp.float32)
@@ -77,14 +77,14 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
 
 @functools.cache
 def _spread(count: int) -> Float[np.ndarray, "k j"]:
-    """Share of bin j that goes to bin k: triangles as wide as `BLUR` of their time, no energy lost."""
+    """Return the share of bin j moved to bin k: triangles of half width `BLUR` times their time; columns sum to 1."""
     index = np.arange(count)
     share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(BLUR * index, 1), 0)
     return (share / share.sum(axis=0)).astype(np.float32)
 
 
 def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """First and last bin between which the decay is read: up to where a tenth of the living rays have ended."""
+    """Return the first and last bin of the decay fit, the last one being where a tenth of the rays have ended."""
     alive = jnp.max(trace.remaining[-1], axis=1) > 0
     ends = jnp.sort(jnp.where(alive, trace.travelled[-1], jnp.inf))[alive.size // 10]
     last = jnp.clip(ends / metres, 2, config.num_bins).astype(jnp.int32)
@@ -92,7 +92,7 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
 
 
 def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, " bands"]:
-    """Energy of all rays together at the start of a bin."""
+    """Compute the total energy of all rays at the start of a bin."""
     bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
     energy = jnp.concatenate([trace.leaving[None], trace.remaining])
     chosen = (bounces[None] == jnp.arange(energy.shape[0], dtype=jnp.int32)[:, None]).astype(jnp.float32)
@@ -100,7 +100,7 @@ def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Arra
 
 
 def _recur(factor: Float[Array, " bands"], added: Float[Array, "k bands"]) -> Float[Array, "k bands"]:
-    """y[k] = factor y[k - 1] + added[k]."""
+    """Evaluate the recurrence y[k] = factor y[k - 1] + added[k]."""
 
     def join(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:
         return left[0] * right[0], left[1] * right[0] + right[1]

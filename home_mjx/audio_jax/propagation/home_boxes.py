@@ -1,4 +1,4 @@
-"""Objects as HoME's sound met them: boxes around their models, which mirror and hide."""
+"""Objects in the acoustics of HoME (2017): boxes around their models, which reflect and occlude sound."""
 
 import jax
 import jax.numpy as jnp
@@ -12,12 +12,12 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.categories import coarse_index
 from home_mjx.schema.semantic import Semantic
 
-NEAR_ENDS = 1e-3  # [m] of a leg at both of its ends, where nothing hides it
-LEVEL = 1e-12  # [m], legs along a face
+NEAR_ENDS = 1e-3  # [m], parts at both ends of a leg that are not tested for occlusion
+LEVEL = 1e-12  # [m], minimum component of a leg along an axis, for legs parallel to a face
 
 
 class ModelBoxes(Pytree):
-    """Bounds of models in their own frames, and where these are."""
+    """Bounding boxes of models in their own frames, and the poses of these frames."""
 
     pose: Float[Array, "n 3 4"]  # world from model
     inverse: Float[Array, "n 3 4"]  # model from world
@@ -27,7 +27,7 @@ class ModelBoxes(Pytree):
 
 
 def model_boxes(scene: Scene, source: Source, listener: Listener) -> ModelBoxes:
-    """Around every object but doors, which stand open in HoME, and what the two belong to; agents are none."""
+    """Return the boxes of all objects except doors, which are open in HoME, agents, and the endpoints' own bodies."""
     geometry, house, moving = scene.geometry, scene.house, scene.moving
     static = geometry.instance_object[house]
     still = (static >= 0) & (geometry.instance_body[house] < 0)
@@ -47,7 +47,7 @@ def model_boxes(scene: Scene, source: Source, listener: Listener) -> ModelBoxes:
 
 
 def box_mirrors(boxes: ModelBoxes) -> Mirrors:
-    """All faces of boxes, each a mirror to the outside."""
+    """Return all faces of boxes as mirrors facing outwards."""
     half = (boxes.box[:, 1] - boxes.box[:, 0]) / 2
     middle = jnp.mean(boxes.box, axis=1)
     center = jnp.einsum("nij,nj->ni", boxes.pose[:, :, :3], middle, precision="highest") + boxes.pose[:, :, 3]
@@ -55,7 +55,7 @@ def box_mirrors(boxes: ModelBoxes) -> Mirrors:
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
     side = jnp.asarray(np.tile([-1.0, 1.0], 3), jnp.float32)[None, :, None]
     out, u, v = (edge[:, order[:, i]] for i in range(3))
-    across = jnp.cross(u, v)  # none on flat boxes' narrow sides, which mirror nothing
+    across = jnp.cross(u, v)  # 0 on the narrow sides of flat boxes, which do not reflect
     across = across * jnp.where(jnp.sum(across * out, axis=2, keepdims=True) < 0, -1.0, 1.0)
     normal = across / jnp.maximum(jnp.linalg.norm(across, axis=2, keepdims=True), LEVEL) * side
     faces = Mirrors.unchecked(
@@ -70,7 +70,7 @@ def box_mirrors(boxes: ModelBoxes) -> Mirrors:
 
 
 def hidden_by_boxes(boxes: ModelBoxes, start: Float[Array, "m 3"], end: Float[Array, "m 3"]) -> Bool[Array, " m"]:
-    """Whether straight ways pass a face of a box, `NEAR_ENDS` of them apart."""
+    """Return whether straight legs cross a face of a box, except within `NEAR_ENDS` of their ends."""
     origin = _to_model(boxes, start) + boxes.inverse[None, :, :, 3]
     way = _to_model(boxes, end - start)
     way = jnp.where(jnp.abs(way) < LEVEL, LEVEL, way)

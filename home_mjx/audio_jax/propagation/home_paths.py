@@ -1,9 +1,9 @@
-"""Paths as HoME (2017) had them, for comparison with it: `AudioConfig(early="home")`.
+"""Path model of HoME (2017), for comparison with it: `AudioConfig(early="home")`.
 
-Specular paths alone. The level of a path of length L over materials with absorption α is, per octave,
-20 lg(1 / L) + 20 lg(1 - m L) + Σ 20 lg(1 - α) dB. That is not physics: α and m are energy fractions, which HoME takes
-for fractions of pressure, and it leaves the material of one reflection out, so that paths of one reflection lose
-nothing. Here that is the one next to the listener. Objects are boxes around their models; doors are not there.
+Paths are specular only. The level of a path of length L over materials with absorption α is, per octave,
+20 lg(1 / L) + 20 lg(1 - m L) + Σ 20 lg(1 - α) dB. This is not physical: α and m are energy fractions, which HoME
+applies to pressure. HoME also omits the material of one reflection, so first-order paths lose nothing; here it is the
+reflection next to the listener. Objects are boxes around their models; doors are omitted.
 """
 
 import jax
@@ -23,39 +23,39 @@ from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, Ray
 
-MOST_MIRRORS = {1: (64, 256), 2: (40, 120), 3: (16, 16)}  # sides of rooms and of boxes, by order
-ALIKE = 4  # times as many sequences are looked at as there shall be paths, as some give the same path
-SOFTEST = 1e-7  # 1 - α at least, as float32 had it
-THRESHOLD = 120.0  # [dB], paths that all octaves lose so much of are none
+MOST_MIRRORS = {1: (64, 256), 2: (40, 120), 3: (16, 16)}  # maximum numbers of room and box mirrors, by order
+ALIKE = 4  # candidate sequences per path, because several sequences can yield the same path
+SOFTEST = 1e-7  # minimum of 1 - α, as in HoME's float32
+THRESHOLD = 120.0  # [dB], attenuation of all octaves from which a path is dropped
 
 
 class _Legs(Pytree):
-    """Straight parts of p paths from the listener on, each up to a reflection or the source."""
+    """Straight legs of p paths from the listener on, each up to a reflection or the source."""
 
     start: Float[Array, "p k 3"]
     end: Float[Array, "p k 3"]
     normal: Float[Array, "p k 3"]  # of the mirror at its end; 0 at the source
-    material: Int[Array, "p k"]  # row, if that mirror is the face of a box; otherwise -1
-    to_shell: Bool[Array, "p k"]  # it is a wall, floor or ceiling
-    from_shell: Bool[Array, "p k"]  # it begins on a wall, floor or ceiling
-    last: Bool[Array, "p k"]  # it ends at the source
-    used: Bool[Array, "p k"]
+    material: Int[Array, "p k"]  # row of the material table if that mirror is a face of a box; -1 otherwise
+    to_shell: Bool[Array, "p k"]  # whether that mirror is a wall, floor or ceiling
+    from_shell: Bool[Array, "p k"]  # whether the leg begins on a wall, floor or ceiling
+    last: Bool[Array, "p k"]  # whether the leg ends at the source
+    used: Bool[Array, "p k"]  # False for padding
 
 
 def home_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
-    """The direct path and image sources up to `config.reflection_order`, at HoME's lengths and levels.
+    """Compute the direct path and image sources up to `config.reflection_order` with HoME's lengths and levels.
 
-    HoME gives each path a random sign besides, which this does not. Its lists are complete; here sequences are made of
-    the mirrors next to the two, of so many as `MOST_MIRRORS` says.
+    There are two differences. HoME applies a random sign to each path; this function does not. HoME enumerates all
+    mirrors; here only those nearest to source and listener are used (`MOST_MIRRORS`).
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
-        config: Options: order, number of reflections, temperature and humidity.
+        source: The source.
+        listener: The listener.
+        config: Options; uses order and number of reflections, `max_crossings`, temperature and humidity.
 
     Returns:
-        1 + `config.num_reflections` paths, or fewer if there are not so many sequences; silent ones included.
+        1 + `config.num_reflections` paths, or fewer if there are fewer sequences; silent ones included.
 
     Example:
         >>> home_paths(scene, source, listener, audio_preset("home")).distance.shape  # doctest: +SKIP
@@ -78,7 +78,7 @@ def home_paths(scene: Scene, source: Source, listener: Listener, config: AudioCo
 
 
 def _towards(point: Float[Array, "p 3"], listener: Listener) -> Float[Array, "p 3"]:
-    """Directions from the listener to some points."""
+    """Return unit vectors from the listener to points."""
     away = point - listener.pos[None]
     return away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
 
@@ -86,7 +86,7 @@ def _towards(point: Float[Array, "p 3"], listener: Listener) -> Float[Array, "p 
 def _images(
     scene: Scene, boxes: ModelBoxes, source: Source, listener: Listener, config: AudioConfig
 ) -> tuple[Images, Int[Array, "p k"]]:
-    """The straight way, then the shortest image sources; and material rows of boxes, -1 where there is none."""
+    """Find the straight path, then the shortest image sources; return them and box material rows (-1 if none)."""
     order, shell = config.reflection_order, house_mirrors(scene)
     kinds = shell.replace(material=jnp.full(shell.valid.shape, -1, jnp.int32)), box_mirrors(boxes)
     kept = [nearest_mirrors(m, source.pos, listener.pos, n) for m, n in zip(kinds, MOST_MIRRORS[order], strict=True)]
@@ -94,7 +94,7 @@ def _images(
     found = find_images(mirrors, source.pos, listener.pos, order)
     _, shortest = jax.lax.top_k(-found.length, min(ALIKE * config.num_reflections, found.length.size))
     found = jax.tree.map(lambda x: x[shortest], found)
-    again = repeated(found.length, _towards(found.point[:, 0], listener))  # paths into corners, and over faces in line
+    again = repeated(found.length, _towards(found.point[:, 0], listener))  # paths into corners, and over coplanar faces
     first = jnp.argsort(again, stable=True)[: config.num_reflections]
     found = found.replace(length=jnp.where(again, jnp.inf, found.length))
     straight = Images(
@@ -129,10 +129,10 @@ def _legs(found: Images, material: Int[Array, "p k"], source: Source, listener: 
 
 
 def _met(scene: Scene, legs: _Legs, config: AudioConfig) -> tuple[Bool[Array, "p k"], Float[Array, "p k bands"]]:
-    """Whether the house itself lets each leg pass up to its end, and what absorbs sound there."""
+    """Return whether architecture leaves each leg free up to its end, and the absorption of the surface there."""
     way = legs.end - legs.start
     length = jnp.linalg.norm(way, axis=2)
-    # Two reflections in one corner have no leg between them: the second surface is looked at from the front.
+    # The leg between two reflections in one corner has no length: a ray against the normal hits the second surface.
     none = length < SHORTEST
     toward = jnp.where(none[:, :, None], -legs.normal, way / jnp.maximum(length, SHORTEST)[:, :, None])
     origin = legs.start - jnp.where(none, DEPTH, 0.0)[:, :, None] * toward
@@ -156,7 +156,7 @@ def _shell(
     end: Float[Array, " n"],
     config: AudioConfig,
 ) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-    """Where rays meet the house, through its objects: inf nowhere. Beyond `max_crossings` surfaces they are stopped."""
+    """Cast rays to architecture through objects; return distances (inf if none, 0 after `max_crossings` surfaces)."""
     count = origin.shape[0]
 
     def more(carry: tuple) -> Bool[Array, ""]:

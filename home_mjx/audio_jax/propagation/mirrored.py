@@ -1,4 +1,4 @@
-"""Reflections of several orders: image sources in walls and faces of boxes, validated by rays."""
+"""Higher-order reflections: image sources in walls and faces of boxes, validated by ray casts."""
 
 import jax
 import jax.numpy as jnp
@@ -15,22 +15,24 @@ from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import Ray
 
-MOST_MIRRORS = {1: (32, 32), 2: (12, 8), 3: (8, 4)}  # walls and faces of things of which sequences are made, by order
-DEPTH = 0.06  # [m], within which a surface counts as lying in a mirror's plane, as in `scene_compile`
-SHORTEST = 1e-3  # [m], legs that have a direction
-NAMED_APART = 29.37  # steps of names per unit of a normal and per metre; no round one, which planes would lie between
-SAME = 1e-3  # paths whose lengths [m] and directions differ by less are one
+MOST_MIRRORS = {1: (32, 32), 2: (12, 8), 3: (8, 4)}  # maximum numbers of walls and of faces of objects, by order
+DEPTH = 0.06  # [m], maximum distance of a reflecting surface from its mirror plane, as in `scene_compile`
+SHORTEST = 1e-3  # [m], minimum length of a leg with a direction
+# Quantization steps of names per unit of a normal and per metre. An irregular value keeps planes at round coordinates
+# away from rounding boundaries.
+NAMED_APART = 29.37
+SAME = 1e-3  # [m], and per unit of direction: tolerance within which paths are duplicates
 
 
 def house_mirrors(scene: Scene) -> Mirrors:
-    """The mirror planes of a house: its walls, floors and ceilings."""
+    """Return the mirror planes of a house: its walls, floors and ceilings."""
     planes = scene.bank.acoustics
     flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v, planes.plane_valid
     return Mirrors(*(x[scene.house] for x in flat))
 
 
 def thing_mirrors(scene: Scene, source: Source, listener: Listener) -> Mirrors:
-    """All faces of the boxes that stand for things, doors and bodies, but for the source's and the listener's own."""
+    """Return all faces of the boxes of objects, doors and bodies except the source's and the listener's."""
     boxes = house_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
@@ -43,15 +45,15 @@ def thing_mirrors(scene: Scene, source: Source, listener: Listener) -> Mirrors:
 
 
 def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
-    """Image sources up to `config.reflection_order`, the shortest first, in walls and in faces of furniture.
+    """Compute image sources up to `config.reflection_order` in walls and faces of furniture, the shortest first.
 
-    Sequences are made of the mirrors nearest to the two. A path sounds where each of its legs really meets a surface
-    in the plane of its mirror, whose material then counts, and the last one reaches the source.
+    Sequences are made of the mirrors nearest to source and listener (`MOST_MIRRORS`). A path is audible if each leg
+    hits a surface in the plane of its mirror and the last leg reaches the source. The material is that of the surface.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
+        source: The source.
+        listener: The listener.
         config: Options.
 
     Returns:
@@ -81,14 +83,14 @@ def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: Aud
 
 
 def _departures(found: Images, source: Float[Array, "3"]) -> Float[Array, "p 3"]:
-    """Unit vectors from the source to the reflection that comes first."""
+    """Return unit vectors from the source to the reflection nearest to it."""
     last = jnp.take_along_axis(found.point, found.order[:, None, None] - 1, axis=1)[:, 0]
     way = last - source[None]
     return way / jnp.maximum(jnp.linalg.norm(way, axis=1), NEAREST)[:, None]
 
 
 def names_of(found: Images) -> Int[Array, " p"]:
-    """A number of each path that its planes give: it stays while source and listener move."""
+    """Hash the mirror planes of each path to a name that is stable while source and listener move."""
     order = jnp.arange(found.point.shape[1], dtype=jnp.int32)[None]
     depth = jnp.sum(found.normal * found.point, axis=2)
     plane = jnp.concatenate([found.normal, depth[:, :, None]], axis=2)
@@ -98,13 +100,13 @@ def names_of(found: Images) -> Int[Array, " p"]:
 
 
 def _reflected(scene: Scene, source: Source, listener: Listener, found: Images) -> Float[Array, "p bands"]:
-    """Energy that the surfaces reflect which the legs of paths meet; 0 where a leg meets something else."""
+    """Compute the energy reflected by the surfaces on each path; 0 if a leg is occluded or misses its mirror."""
     count, order = found.point.shape[:2]
     ends = jnp.broadcast_to(listener.pos, (count, 1, 3)), jnp.broadcast_to(source.pos, (count, 1, 3))
     corner = jnp.concatenate([ends[0], found.point, ends[1]], axis=1)
     origin, way = corner[:, :-2], corner[:, 1:-1] - corner[:, :-2]
     length = jnp.linalg.norm(way, axis=2)
-    # Two reflections in one corner have no leg between them: the second surface is looked at from the front.
+    # The leg between two reflections in one corner has no length: a ray against the normal hits the second surface.
     none = length < SHORTEST
     toward = jnp.where(none[:, :, None], -found.normal, way / jnp.maximum(length, SHORTEST)[:, :, None])
     origin = origin - jnp.where(none, DEPTH, 0.0)[:, :, None] * toward
@@ -135,7 +137,7 @@ def _reflected(scene: Scene, source: Source, listener: Listener, found: Images) 
 def _hidden(
     scene: Scene, source: Source, found: Images, corner: Float[Array, "p k 3"], used: Bool[Array, "p legs"]
 ) -> Bool[Array, " p"]:
-    """Whether something stands between the source and the reflection nearest to it."""
+    """Return whether the leg between the source and the reflection nearest to it is occluded."""
     last = jnp.take_along_axis(corner, found.order[:, None, None], axis=1)[:, 0]
     way = last - source.pos[None]
     length = jnp.linalg.norm(way, axis=1)
@@ -145,7 +147,7 @@ def _hidden(
 
 
 def repeated(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Paths that an earlier one equals, as where the faces of two boxes lie in one plane."""
+    """Return which paths duplicate an earlier one, as with coplanar faces of two boxes."""
     near = jnp.abs(length[:, None] - length[None]) < SAME
     near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < SAME
     return equals_earlier(near)

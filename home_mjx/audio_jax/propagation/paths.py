@@ -1,4 +1,4 @@
-"""Early sound: the direct path, through what stands in its way, and first-order reflections."""
+"""Early sound: the direct path, transmitted through obstacles, and first-order reflections."""
 
 import functools
 from collections.abc import Callable
@@ -19,22 +19,22 @@ from home_mjx.raycast_render.casting.cast import cast, cast_through, occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, Ray
 
-SKIN = 1e-4  # [m], by which rays start off a surface and end before one
-MIRROR_DEPTH = 0.03  # [m], within which a surface counts as lying in the mirror plane
-NEAREST = 0.05  # [m], distances are taken as at least this
-MOST_NAMES = 1 << 24  # of one producer's paths
+SKIN = 1e-4  # [m], offset of ray ends from surfaces
+MIRROR_DEPTH = 0.03  # [m], maximum distance of a reflecting surface from its mirror plane
+NEAREST = 0.05  # [m], minimum path length, which bounds gains
+MOST_NAMES = 1 << 24  # range of names of one producer's paths
 
 
 class Paths(Pytree):
     """Sound paths from the source to the listener; the first is the direct one."""
 
-    distance: Float[Array, " p"]  # [m], travelled
-    gain: Float[Array, "p bands"]  # pressure per octave re the source at 1 m; 0 for no path
-    direction: Float[Array, "p 3"]  # unit vector from the listener to where the sound comes from, world
-    # The same number for the same path from step to step, such as that of its mirror plane, so that its delay can run
-    # from the one to the other; unique within what one producer gives, which None numbers in order.
+    distance: Float[Array, " p"]  # [m], path length
+    gain: Float[Array, "p bands"]  # pressure per octave re the source at 1 m; 0 if there is no path
+    direction: Float[Array, "p 3"]  # unit vector from the listener towards the direction of incidence, world
+    # Identity of a path across steps, such as the index of its mirror plane, so that its delay can be interpolated.
+    # Unique within one producer; None: the path's index.
     name: Int[Array, " p"] | None = None
-    # Unit vector from the source to where the path leads first, world: what a source with a directivity needs.
+    # Unit vector from the source along the path's first leg, world; required for sources with a directivity.
     departure: Float[Array, "p 3"] | None = None
 
 
@@ -42,47 +42,47 @@ PathProducer = Callable[[Scene, Source, Listener, AudioConfig], Paths]
 
 
 def equals_earlier(same: Bool[Array, "p p"]) -> Bool[Array, " p"]:
-    """Which of some paths an earlier one equals; `same[i, j]`: path i equals path j."""
+    """Return which paths equal an earlier one; `same[i, j]`: path i equals path j."""
     return jnp.any(same & jnp.tril(jnp.ones(same.shape, bool), -1), axis=1)
 
 
 def no_paths() -> Paths:
-    """Paths of shape (0,)."""
+    """Return paths of shape (0,)."""
     none, nowhere = jnp.zeros(0, jnp.float32), jnp.zeros((0, 3), jnp.float32)
     return Paths(none, jnp.zeros((0, len(BANDS)), jnp.float32), nowhere, none.astype(jnp.int32), nowhere)
 
 
 def air_energy(config: AudioConfig) -> Float[np.ndarray, " bands"]:
-    """The m of exp(-m r) per octave [1/m], for energy."""
+    """Compute the energy attenuation coefficient of air m of exp(-m r) per octave [1/m]."""
     loss = air_absorption(np.array(BANDS), config.temperature, config.humidity, config.pressure)
     return energy_attenuation(loss).astype(np.float32)
 
 
 class Straight(NamedTuple):
-    """What the straight line from the listener to the source meets."""
+    """Surfaces on the straight line from the listener to the source."""
 
     distance: Float[Array, ""]  # [m]
     direction: Float[Array, "3"]  # unit vector from the listener, world
-    partitions: Float[Array, " bands"]  # energy that the partitions on it let through, each counted once
-    objects: Float[Array, " bands"]  # the same of objects
-    within: Bool[Array, ""]  # it meets no partition
-    clear: Bool[Array, ""]  # it meets nothing
-    silent: Bool[Array, ""]  # it meets more than could be followed
+    partitions: Float[Array, " bands"]  # energy transmission of all partitions on the line, each counted once
+    objects: Float[Array, " bands"]  # energy transmission of all objects on the line, each counted once
+    within: Bool[Array, ""]  # whether no partition is on the line
+    clear: Bool[Array, ""]  # whether the line is unobstructed
+    silent: Bool[Array, ""]  # whether `max_crossings` hits were used up before the source
 
 
 def cross(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Straight:
-    """Follows the straight line through whatever stands on it, the two's own bodies aside.
+    """Trace the straight line through all surfaces on it except those of the source's and listener's bodies.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
+        source: The source.
+        listener: The listener.
         config: Options.
     """
     offset = source.pos - listener.pos
     distance = jnp.maximum(length3(offset), NEAREST)
     direction = offset / distance
-    # Leaving out the object just met spares the steps for its other faces.
+    # Excluding the object just hit saves the steps for its other faces.
     hit = cast_through(
         scene,
         listener.pos,
@@ -111,17 +111,17 @@ def cross(scene: Scene, source: Source, listener: Listener, config: AudioConfig)
 
 
 def _let_through(transmission: Float[Array, "n bands"], counts: Bool[Array, " n"]) -> Float[Array, " bands"]:
-    """What is left of energy after surfaces, one after the other: so all platforms round alike."""
+    """Multiply transmission coefficients in order, so that all platforms round alike."""
     return functools.reduce(jnp.multiply, jnp.where(counts[:, None], transmission, 1.0))
 
 
 def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
-    """The straight path, losing the transmission of every partition and object that it crosses, each once.
+    """Compute the direct path, attenuated once by the transmission of each partition and object that it crosses.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
+        source: The source.
+        listener: The listener.
         config: Options.
 
     Returns:
@@ -136,15 +136,15 @@ def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioC
 
 
 def reflected_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
-    """First-order image sources in the house's mirror planes, the shortest first.
+    """Compute first-order image sources in the house's mirror planes, the shortest first.
 
-    A reflection sounds where the ray from the listener really meets a surface in the plane, whose material then counts
-    (a window's where there is one), and the source sees that point.
+    A reflection is audible if a ray from the listener hits a surface in the plane and the source sees that point. The
+    material is that of the surface, for example of a window.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
+        source: The source.
+        listener: The listener.
         config: Options.
 
     Returns:
@@ -186,7 +186,7 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
 def _nearest_mirrors(
     scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
 ) -> tuple[Float[Array, "r 3"], Float[Array, " r"], Int[Array, " r"]]:
-    """Points where the shortest reflections meet their planes, their path lengths, inf for none, and the planes."""
+    """Select the shortest reflections; return their points, path lengths [m] (inf if invalid) and plane indices."""
     planes = scene.bank.acoustics
     center, normal = planes.plane_center[scene.house], planes.plane_normal[scene.house]
     before_source = sum3((source[None] - center) * normal)
@@ -202,5 +202,5 @@ def _nearest_mirrors(
 
 
 def _within(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Whether offsets from rectangles' middles lie within their half extent vectors."""
+    """Return whether offsets from the centres of rectangles are within their half extent vectors."""
     return jnp.abs(sum3(offset * half)) <= sum3(half * half)

@@ -1,4 +1,4 @@
-"""What a ray has hit, as sound sees it."""
+"""Acoustic properties of surfaces at ray hits."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -8,22 +8,22 @@ from home_mjx.raycast_render.scene.surface import material_rows, normals, object
 from home_mjx.raycast_render.scene.types import Hit, Scene, SoundMaterials
 from home_mjx.schema.semantic import Semantic
 
-OBJECT_BARRIER = 1 << 20  # added to object ids, so that they differ from partitions
+OBJECT_BARRIER = 1 << 20  # offset of object ids in `barrier`, which separates them from partitions
 
 
 class AcousticSurface(Pytree):
-    """The surfaces that n rays have hit; whatever stands here for a miss is meaningless."""
+    """Surfaces hit by n rays; values of rays that miss are undefined."""
 
     normal: Float[Array, "n 3"]  # unit, towards the ray's origin
     absorption: Float[Array, "n bands"]
     scattering: Float[Array, "n bands"]
     transmission: Float[Array, "n bands"]
     object_id: Int[Array, " n"]  # -1 architecture
-    barrier: Int[Array, " n"]  # the same number for all faces of one partition or object; -1 none
+    barrier: Int[Array, " n"]  # index shared by all faces of one partition or object; -1 none
 
 
 def sound_materials(scene: Scene) -> SoundMaterials:
-    """How surfaces take sound in an environment: `scene.materials`, or what the bank says.
+    """Return the acoustic materials of an environment: `scene.materials`, or those of the bank if that is None.
 
     Example:
         >>> now = sound_materials(scene)  # doctest: +SKIP
@@ -36,12 +36,12 @@ def sound_materials(scene: Scene) -> SoundMaterials:
 
 
 def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> AcousticSurface:
-    """Looks up the acoustic properties where rays have hit.
+    """Look up the acoustic properties at ray hits.
 
     Args:
         scene: The environment in which the rays were cast.
-        direction: Of the rays.
-        hit: What `cast` gave, with leading shape (n,).
+        direction: Directions of the rays.
+        hit: Hits from `cast`, with leading shape (n,).
     """
     materials = sound_materials(scene)
     row = jnp.maximum(material_rows(scene, hit), 0)

@@ -1,4 +1,4 @@
-"""Late sound: rays from the listener, and the energy that each of their hits would receive from the source."""
+"""Late sound: ray tracing from the listener with next-event estimation of the energy from the source."""
 
 from typing import NamedTuple
 
@@ -17,18 +17,18 @@ from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
 
-FAR = 1e6  # [m], end of rays that still carry energy
+FAR = 1e6  # [m], maximum length of ray segments
 
 
 class Trace(Pytree):
-    """What N rays over B bounces gave. Distances are travelled ones [m], energies re the source at 1 m."""
+    """Arrivals and decay of n rays over b bounces. Distances are path lengths [m], energies re the source at 1 m."""
 
-    direction: Float[Array, "n 3"]  # of each ray as it leaves the listener: where its sound comes from
-    arrival: Float[Array, "a n"]  # distance from source to listener over each hit
-    energy: Float[Array, "a n bands"]  # that arrives so
-    travelled: Float[Array, "b n"]  # distance of each hit from the listener
+    direction: Float[Array, "n 3"]  # of each ray at the listener: its direction of incidence
+    arrival: Float[Array, "a n"]  # path length from source to listener over each hit
+    energy: Float[Array, "a n bands"]  # energy of that arrival
+    travelled: Float[Array, "b n"]  # path length from the listener to each hit
     remaining: Float[Array, "b n bands"]  # energy of each ray after each hit
-    leaving: Float[Array, "n bands"]  # energy with which each ray leaves the listener; sums over rays are 1
+    leaving: Float[Array, "n bands"]  # initial energy of each ray; its sum over rays is 1
 
 
 class _Ray(NamedTuple):
@@ -36,25 +36,25 @@ class _Ray(NamedTuple):
     direction: Float[Array, "n 3"]
     travelled: Float[Array, " n"]
     energy: Float[Array, "n bands"]
-    specular: Float[Array, "n bands"]  # share of the energy that a sphere around the source would count
-    mirrored: Bool[Array, " n"]  # it has met nothing but walls that mirrored it
+    specular: Float[Array, "n bands"]  # share of the energy that the sphere detector counts
+    mirrored: Bool[Array, " n"]  # whether all hits so far were specular reflections in architecture
 
 
 def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Trace:
-    """Traces rays from the listener through specular and Lambert reflections.
+    """Trace rays from the listener through specular and Lambert reflections.
 
-    Sound paths being reversible, a ray's energy times what the source would give to its hit is what the listener
-    hears. Each hit sends to the source, if that is visible, 4 e (1 - absorption) s cos / d², Schröder's diffuse rain
-    with a receiver of unit free-field level at 1 m. The specular rest, (1 - s), is counted as `config.detector` says,
-    but for reflections in walls up to `config.reflection_order`, which early paths render. A directional source gives
-    each as much as leaves it in that direction. With `config.octave_rays` a ray carries one octave, and is scattered as
-    that octave is.
+    By reciprocity, energy traced from the listener equals that from the source. A hit at distance d that sees the
+    source contributes 4 e (1 - absorption) s cos / d², with ray energy e and scattering coefficient s. This is
+    Schröder's diffuse rain, normalized to the free-field level at 1 m. The specular rest (1 - s) is estimated by
+    `config.detector`. Specular reflections in architecture up to `config.reflection_order` are excluded because early
+    paths render them. Contributions are weighted by the source's directivity. With `config.octave_rays` a ray carries
+    one octave and scatters by that octave's coefficient.
 
     Args:
         scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
-        key: Random key, typed or raw; the same key gives the same rays.
+        source: The source.
+        listener: The listener.
+        key: Random key, typed or raw; the same key yields the same rays.
         config: Options.
 
     Returns:
@@ -62,7 +62,7 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     """
     turn_key, choice_key, scatter_key = jax.random.split(key, 3)
     shape = (config.num_bounces, config.num_rays)
-    turn = jax.random.normal(turn_key, (4,), jnp.float32)  # a uniform rotation once normalised
+    turn = jax.random.normal(turn_key, (4,), jnp.float32)  # normalised: a uniformly distributed rotation
     turn = quat_matrix(turn / jnp.linalg.norm(turn))
     carried = _carried(config)
     lattice = np.tile(spread(len(carried) // config.ray_groups), (config.ray_groups, 1))
@@ -85,14 +85,14 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
 
 
 def _carried(config: AudioConfig) -> Float[np.ndarray, "n bands"]:
-    """How much each octave has of each ray: all alike, or a seventh of all rays each."""
+    """Return the share of each octave in each ray: uniform, or one octave per ray with `octave_rays`."""
     if config.octave_rays:
         return np.repeat(np.eye(len(BANDS), dtype=np.float32), config.num_rays // len(BANDS), axis=0)
     return np.full((config.num_rays, len(BANDS)), 1 / len(BANDS), np.float32)
 
 
 class _Walk(NamedTuple):
-    """What all bounces share."""
+    """Constants of a trace, shared by all bounces."""
 
     scene: Scene
     source: Source
@@ -102,7 +102,7 @@ class _Walk(NamedTuple):
     carried: Float[Array, "n bands"]
 
     def bounce(self, ray: _Ray, draw: tuple[Array, Array, Array]) -> tuple[_Ray, tuple[Array, Array, Array, Array]]:
-        """One segment and the reflection at its end."""
+        """Trace one segment and the reflection at its end; the body of the scan over bounces."""
         index, choice, scattered = draw
         alive = jnp.max(ray.energy, axis=1) > 0
         hit = cast(
@@ -137,7 +137,7 @@ class _Walk(NamedTuple):
     def _rain(
         self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n bands"]
     ) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Distance to the source, and the energy that hits scatter there."""
+        """Compute the distance from each hit to the source, and the energy scattered there (diffuse rain)."""
         offset = self.source.pos[None] - point
         distance = jnp.linalg.norm(offset, axis=1)
         toward = offset / jnp.maximum(distance, SKIN)[:, None]
@@ -157,7 +157,7 @@ class _Walk(NamedTuple):
         return distance, self._leaving(energy, -toward)
 
     def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Distance to, and energy of, specular rays that pass through a sphere around the source."""
+        """Compute path lengths and energies of specular rays that pass through a sphere around the source."""
         offset = self.source.pos[None] - ray.origin
         nearest = jnp.sum(offset * ray.direction, axis=1)
         miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
@@ -168,7 +168,7 @@ class _Walk(NamedTuple):
         return ray.travelled + nearest, self._leaving(jnp.where(inside[:, None], energy, 0.0), -ray.direction)
 
     def _leaving(self, energy: Float[Array, "n bands"], direction: Float[Array, "n 3"]) -> Float[Array, "n bands"]:
-        """Of energy that an even source would give in some directions, what this one does."""
+        """Weight energies of an omnidirectional source with this source's directivity."""
         return energy * given_toward(self.source, direction) ** 2
 
 
@@ -179,9 +179,9 @@ def _reflect(
     choice: Float[Array, " n"],
     scattered: Float[Array, "n 3"],
 ) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"], Bool[Array, " n"]]:
-    """New directions, the weight of the specular energy per octave (0 after scattering), and what scatters.
+    """Sample reflected directions; return them, specular weights per octave (0 if scattered) and the scattered rays.
 
-    One direction serves all octaves that a ray carries, drawn by their mean scattering.
+    All octaves of a ray share one direction, drawn by their mean scattering.
     """
     mean = jnp.sum(carried * met.scattering, axis=1)
     mirror = direction - 2 * jnp.sum(direction * met.normal, axis=1, keepdims=True) * met.normal
@@ -194,7 +194,7 @@ def _reflect(
 
 
 def spread(count: int) -> Float[np.ndarray, "n 3"]:
-    """Evenly spread unit vectors: a Fibonacci lattice."""
+    """Return evenly distributed unit vectors (Fibonacci lattice)."""
     index = np.arange(count) + 0.5
     z, turn = 1 - 2 * index / count, index * np.pi * (3 - np.sqrt(5))
     ring = np.sqrt(1 - z * z)

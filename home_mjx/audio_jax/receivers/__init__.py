@@ -1,1 +1,1 @@
-"""Ears, microphones and the diffuse field around them."""
+"""Receivers: HRTFs, microphones, ambisonics, and their coherence in diffuse fields."""

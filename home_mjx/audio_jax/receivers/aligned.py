@@ -1,16 +1,16 @@
-"""Responses of ears as a delay and a filter of least phase."""
+"""Decomposition of ear responses into a delay and a minimum-phase filter."""
 
 import math
 
 import numpy as np
 from jaxtyping import Complex, Float
 
-SOFTEST = 1e-5  # of a spectrum re its largest value
-FINER = 8  # times the sample rate, at which delays are looked for
+SOFTEST = 1e-5  # minimum amplitude of a spectrum re its maximum, before the logarithm
+FINER = 8  # oversampling factor of the search for delays
 
 
 def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m s"]:
-    """Responses of the same amplitudes and the least phase: from the cepstrum, whose negative half is folded over."""
+    """Compute minimum-phase responses with the same magnitude spectra, by folding the cepstrum."""
     size = 2 ** math.ceil(math.log2(8 * response.shape[-1]))
     amplitude = np.abs(np.fft.rfft(response, size))
     level = np.log(np.maximum(amplitude, SOFTEST * amplitude.max(axis=-1, keepdims=True)))
@@ -19,7 +19,7 @@ def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m 
 
 
 def lags(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray, "*m s"]) -> Float[np.ndarray, "*m"]:
-    """By how many samples responses are later than others, where both are most alike."""
+    """Estimate the delays of responses re others [samples], at the maximum of their cross-correlation."""
     size = least.shape[-1]
     cross = np.fft.rfft(response, size) * np.conj(np.fft.rfft(least))
     alike = np.fft.irfft(cross, FINER * size)
@@ -33,7 +33,7 @@ def lags(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray, "*m s"]) 
 def spectrum(
     response: Float[np.ndarray, "*m n"], rate: float, frequency: Float[np.ndarray, " f"]
 ) -> Complex[np.ndarray, "*m f"]:
-    """Of responses, at any frequencies [Hz]."""
+    """Evaluate the spectra of responses at arbitrary frequencies [Hz]."""
     turn = 2 * np.pi * np.outer(np.arange(response.shape[-1]) / rate, frequency)
     rows = response.reshape(-1, response.shape[-1])
     return (rows @ np.cos(turn) - 1j * (rows @ np.sin(turn))).reshape(*response.shape[:-1], -1)

@@ -1,6 +1,6 @@
-"""What each channel of a receiver makes of sound from a direction: of two ears, of microphones, of ambisonics.
+"""Directional responses of receiver channels: ears, microphones, ambisonics.
 
-Directions are those in the frame of the head, MuJoCo's camera frame: +x right, +y up, looking along -z.
+Directions are in the head frame, MuJoCo's camera frame: +x right, +y up, looking along -z.
 """
 
 import jax
@@ -26,14 +26,14 @@ from home_mjx.audio_jax.receivers.hrtf import (
 from home_mjx.audio_jax.receivers.pinna import pinna_energy, with_echoes
 from home_mjx.schema.compiled import BANDS
 
-EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
-NEAREST = 0.02  # [m], distances from microphones are taken as at least this
+EAR_SIZE = 1024  # samples of the transform whose frequencies ear energies are averaged over
+NEAREST = 0.02  # [m], minimum distance from microphones
 
 
 def ear_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "n e bands"]:
-    """Energy gain per octave of each channel, such as both ears, for sound from each direction in the world."""
+    """Compute the energy gain of each channel per octave for sound from each world direction."""
     found = distinct_gains(direction, head_quat, config, head)
     return jnp.broadcast_to(found, (found.shape[0], config.num_channels, found.shape[2]))
 
@@ -41,7 +41,7 @@ def ear_gains(
 def distinct_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "n d bands"]:
-    """The same, once where all channels hear alike: d = 1 of microphones that hear the same from everywhere."""
+    """Compute `ear_gains` of distinct channels only: d = 1 if all have equal gains, as for microphones."""
     if head is not None:
         check_head(head, config)
         return between_directions(head.energy, to_head(direction, head_quat))
@@ -58,7 +58,7 @@ def distinct_gains(
 def late_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "n d bands"]:
-    """What histograms of late sound hold: `distinct_gains`, and of ambisonics W times Y, Z and X, which have signs."""
+    """Compute the gains of late histograms: `distinct_gains`, and for ambisonics the signed products W Y, W Z, W X."""
     energy = distinct_gains(direction, head_quat, config, head)
     if config.receiver != "ambisonics":
         return energy
@@ -69,13 +69,13 @@ def late_gains(
 def channel_delays(
     toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "*p d"]:
-    """By how much channels hear sound later than the middle of the head would [samples]; d = 1 where all hear at once.
+    """Compute arrival delays of channels re the head centre [samples]; d = 1 if they are equal.
 
     Args:
-        toward: Unit vectors to where sound comes from, in the frame of the head.
-        distance: Way that it has come [m].
+        toward: Unit vectors towards the directions of incidence, in the head frame.
+        distance: Path lengths [m].
         config: Options.
-        head: Measured; None: a rigid sphere.
+        head: Measured HRTFs; None: a rigid sphere.
     """
     if head is not None:
         check_head(head, config)
@@ -90,13 +90,13 @@ def channel_delays(
 def channel_values(
     toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig, head: Head | None = None
 ) -> Complex[Array, "p e s"]:
-    """What channels do to sound, without their delay: values of causal filters at the frequencies of `shapes`.
+    """Compute delay-free filters of channels: values of causal filters at the knots of `shapes`.
 
     Args:
-        toward: Unit vectors to where sound comes from, in the frame of the head.
-        distance: Way that it has come [m].
+        toward: Unit vectors towards the directions of incidence, in the head frame.
+        distance: Path lengths [m].
         config: Options.
-        head: Measured; None: a rigid sphere.
+        head: Measured HRTFs; None: a rigid sphere.
     """
     if head is not None:
         check_head(head, config)
@@ -121,12 +121,12 @@ def channel_values(
 
 
 def ambisonic_gains(toward: Float[Array, "p 3"]) -> Float[Array, "p 4"]:
-    """First-order ambisonics in the order ACN and the scale SN3D: W, Y (left), Z (up), X (ahead).
+    """Compute first-order ambisonics gains in ACN order and SN3D scale: W, Y (left), Z (up), X (ahead).
 
     Nachbar, Zotter, Deleflie and Sontacchi, ambiX: a suggested ambisonics format, 2011.
 
     Args:
-        toward: Unit vectors to where sound comes from, in the frame of the head.
+        toward: Unit vectors towards the directions of incidence, in the head frame.
 
     Example:
         >>> ambisonic_gains(jnp.array([[1.0, 0.0, 0.0]])).tolist()  # from the right
@@ -137,16 +137,16 @@ def ambisonic_gains(toward: Float[Array, "p 3"]) -> Float[Array, "p 4"]:
 
 
 def _angles(toward: Float[Array, "*p 3"], config: AudioConfig) -> Float[Array, "*p 2"]:
-    """Between directions and the axes of both ears [rad]."""
+    """Compute the angles between directions and the axes of both ears [rad]."""
     return ear_angles(toward.reshape(-1, 3), config.ear_angle).reshape(*toward.shape[:-1], 2)
 
 
 def _longer(toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p e"]:
-    """By how much spherical waves travel further to microphones than to the middle of the head [m]."""
+    """Compute the excess path length of spherical waves to microphones re the head centre [m]."""
     place = np.asarray(config.microphones, np.float32)
     along = jnp.matmul(toward, jnp.asarray(place.T), precision="highest")
     square = jnp.asarray(np.sum(place**2, axis=1).reshape((1,) * distance.ndim + (-1,)))
-    more = square - 2 * distance[..., None] * along  # of the squares of both ways
+    more = square - 2 * distance[..., None] * along  # difference of the squared path lengths
     way = jnp.sqrt(jnp.maximum(distance[..., None] ** 2 + more, 0.0))
     return more / jnp.maximum(way + distance[..., None], NEAREST)
 
@@ -154,14 +154,14 @@ def _longer(toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: 
 def _ear_delays(
     angle: Float[Array, "*p two"], distance: Float[Array, "*p one"], config: AudioConfig
 ) -> Float[Array, "*p two"]:
-    """By how much ears hear sound from an angle to their axes later than the middle of the head would [samples].
+    """Compute the arrival delay at ears re the head centre [samples], by angle to the ear's axis.
 
-    The way to the ear is straight, or leads along the sphere from where it is touched, as Woodworth has it from afar.
+    The path to the ear is straight, or tangential and then along the sphere: Woodworth's model at finite distance.
     """
-    near = jnp.minimum(config.head_radius / distance, NEARNESS[-1])  # the table of ears has no nearer ones
+    near = jnp.minimum(config.head_radius / distance, NEARNESS[-1])  # limit of the ear filter table
     touched = jnp.arccos(near)
     half = jnp.sin(angle / 2)
-    # sqrt(1 + near² - 2 near cos) - 1 over near, without a difference of large numbers
+    # Equals (sqrt(1 + near² - 2 near cos) - 1) / near without cancellation.
     longer = near - 2 * (1 - 2 * half * half)
     straight = longer / (jnp.sqrt(jnp.maximum(1 + near * longer, 0.0)) + 1)
     around = angle - touched - near / (jnp.sqrt(1 - near * near) + 1)

@@ -1,4 +1,4 @@
-"""Noise of a diffuse field that stays where it is while a head turns in it."""
+"""Noise of a diffuse field that is fixed to the world while the head turns."""
 
 import functools
 import math
@@ -15,27 +15,27 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.schema.compiled import BANDS
 
-NUM_NOISES = 5  # of ears and arrays that turn
+NUM_NOISES = 5  # independent noises of receivers that depend on orientation: circular harmonics up to order 2
 KNOTS = 3  # of amplitude in a bin: its start, middle and end
 
 
 def num_noises(config: AudioConfig) -> int:
-    """Independent noises that make up the field: one where turns change nothing, four of ambisonics."""
+    """Return the number of independent noises of the field: 1 if orientation has no effect, 4 for ambisonics."""
     if config.receiver == "ambisonics":
         return 4
     return 1 if _turning_radius(config) == 0 else NUM_NOISES
 
 
 def ear_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "e c"]:
-    """How much of each noise each channel hears: of ears 1, cos φ, sin φ, cos 2φ, sin 2φ of the azimuth φ of an ear.
+    """Compute the gain of each noise in each channel: 1, cos φ, sin φ, cos 2φ, sin 2φ for an ear with azimuth φ.
 
-    The noises' own levels (`noise_levels`) make two ears of a rigid sphere as coherent as a diffuse field would,
-    and so an ear with itself before and after turns by a right angle and by half a turn. An array turns as a whole, by
-    the azimuth of its right: each microphone hears noises of its own, see `noise`. Ambisonics hears one noise with W,
-    and three in the directions of the world.
+    With the levels of `noise_levels`, two ears of a rigid sphere have the coherence of a diffuse field. The same holds
+    for one ear before and after turns of 90 and 180 degrees. An array turns as a whole, by the azimuth of its right
+    axis; each microphone has separate noises, see `noise`. In ambisonics, one noise is W, and three are along the world
+    axes.
 
     Args:
-        head_quat: Of the head, wxyz.
+        head_quat: Orientation of the head, wxyz.
         config: Options.
     """
     if num_noises(config) == 1:
@@ -58,7 +58,7 @@ def ear_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "
 
 
 def _turning_radius(config: AudioConfig) -> float:
-    """How far from the middle of the head, on average, is what hears, across the axis of its turns [m]."""
+    """Return the RMS distance of the receiver's elements from its vertical axis [m]; 0 if orientation has no effect."""
     if config.receiver in ("omni", "ambisonics"):
         return 0.0
     if config.receiver == "binaural":
@@ -67,7 +67,7 @@ def _turning_radius(config: AudioConfig) -> float:
 
 
 def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: float) -> Float[np.ndarray, " f"]:
-    """Coherence of the pressures at two free points in a diffuse field: sin(k d) / (k d).
+    """Compute the coherence of the pressures at two free-field points in a diffuse field: sin(k d) / (k d).
 
     Cook, Waterhouse, Berendt, Edelman and Thompson, Measurement of correlation coefficients in reverberant sound
     fields, JASA 27 (1955).
@@ -81,7 +81,7 @@ def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: f
 
 
 def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "c f"]:
-    """Amplitude of each noise over frequency; the squares that an ear hears add up to one."""
+    """Compute the amplitude of each noise over frequency; their powers in an ear sum to one."""
     if num_noises(config) != NUM_NOISES:
         return np.ones((num_noises(config), frequency.size))
     if config.receiver == "array":
@@ -99,10 +99,10 @@ def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Flo
 
 @functools.cache
 def noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
-    """White noises of unit variance, split into octaves that are independent of each other.
+    """Generate white noises of unit variance, split into mutually independent octaves.
 
-    As long as a response, and periodic: it goes on at its end as it began. Those of microphones are `own`, a leading
-    axis of them, each as coherent as in a diffuse field with that of the others.
+    They are periodic with the length of a response. Arrays have a leading axis of microphones (`own`), whose noises
+    have the coherence of a diffuse field.
     """
     length = config.response_length
     frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)
@@ -118,10 +118,10 @@ def noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
 
 
 def _coherence_root(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "f e e"]:
-    """Symmetric roots of the matrices of `free_coherence` between microphones.
+    """Compute symmetric square roots of the matrices of `free_coherence` between microphones.
 
-    What sums of independent noises with these weights have in common is the coherence itself, as in Habets, Cohen and
-    Gannot, Generating nonstationary multisensor signals under a spatial coherence constraint, JASA 124 (2008).
+    Independent noises mixed with these weights have that coherence: Habets, Cohen and Gannot, Generating nonstationary
+    multisensor signals under a spatial coherence constraint, JASA 124 (2008).
     """
     place = np.array(config.microphones)
     apart = np.linalg.norm(place[:, None] - place[None], axis=-1)
@@ -132,10 +132,10 @@ def _coherence_root(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> 
 
 @functools.cache
 def noise_bins(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
-    """`noise` in the bins of a histogram, faded: m runs over `KNOTS`, noises and octaves.
+    """Split `noise` into histogram bins and weight it with hat functions: m runs over `KNOTS`, noises and octaves.
 
-    A sum of these with amplitudes at the start, the middle and the end of a bin is noise whose amplitude runs linearly
-    between them; so a response is one product of matrices.
+    Their sum, weighted with amplitudes at the start, middle and end of a bin, is noise with a piecewise linear
+    amplitude. A response is therefore one matrix product.
     """
     knots, whole = knot_hats(config), noise(config)
     own = whole.shape[:-3]
@@ -145,21 +145,21 @@ def noise_bins(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
 
 
 def knot_hats(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
-    """How much of the amplitude at each knot there is in each sample of a bin."""
+    """Compute the linear interpolation weight of each knot at each sample of a bin."""
     place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
     middle = 1 - np.abs(2 * place - 1)
     return np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])
 
 
 class Draw(Pytree):
-    """Which noise an environment hears: one table serves all, each begins at its own place with its own signs."""
+    """Per-environment offset and signs into the shared noise table."""
 
-    start: Int[Array, ""]  # [bins]
-    sign: Float[Array, "c bands"]
+    start: Int[Array, ""]  # [bins], offset
+    sign: Float[Array, "c bands"]  # -1 or 1, of each noise and octave
 
 
 def drawn(key: Array, config: AudioConfig) -> Draw:
-    """What a key chooses."""
+    """Sample the noise offset and signs of an environment."""
     place, signs = jax.random.split(key)
     sign = jax.random.rademacher(signs, (num_noises(config), len(BANDS)), jnp.float32)
     return Draw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)

@@ -1,4 +1,4 @@
-"""Measured heads inside `jit`: what both ears hear from any direction, read from a table over all of them."""
+"""Measured heads inside `jit`: interpolation of HRTF tables over directions."""
 
 import math
 
@@ -11,26 +11,26 @@ from home_mjx.errors import ConfigError
 
 
 def check_head(head: Head, config: AudioConfig) -> None:
-    """Refuses a head that cannot be heard with.
+    """Validate that a measured head matches the options.
 
     Raises:
-        ConfigError: The options have another receiver, ears of their own, or another sample rate.
+        ConfigError: The receiver is not "binaural", `pinna` is set, or the sample rate differs.
     """
     if config.receiver != "binaural":
-        raise ConfigError(f"a measured head has two ears, not receiver={config.receiver!r}", hint='Use "binaural".')
+        raise ConfigError(f"a measured head does not work with receiver={config.receiver!r}", hint='Use "binaural".')
     if config.pinna:
-        raise ConfigError("a measured head has outer ears of its own", hint="Leave `pinna` at False.")
+        raise ConfigError("a measured head already includes its outer ears", hint="Leave `pinna` at False.")
     if head.sample_rate != config.sample_rate:
         text = f"the head was read for {head.sample_rate} Hz, sound has {config.sample_rate} Hz"
-        raise ConfigError(text, hint="Read it again, with these options.")
+        raise ConfigError(text, hint="Read it again with these options.")
 
 
 def between_directions(table: Float[Array, "v h *n"], toward: Float[Array, "*p 3"]) -> Float[Array, "..."]:
-    """Of a table over directions, between the four nearest entries.
+    """Interpolate a table over directions bilinearly between the four nearest entries.
 
     Args:
-        table: By elevation from below to above, and azimuth from ahead over the left all around, see `Head`.
-        toward: Unit vectors to where sound comes from, in the frame of the head: +x right, +y up, looking along -z.
+        table: By elevation from below to above, and azimuth from ahead over the left around the head, see `Head`.
+        toward: Unit vectors towards the directions of incidence, in the head frame: +x right, +y up, looking along -z.
 
     Example:
         >>> table = jnp.arange(12.0).reshape(3, 4)  # every 90 degrees

@@ -1,8 +1,7 @@
-"""Ears on a rigid sphere: what a head does to sound from each direction.
+"""HRTFs of a rigid spherical head.
 
 The head frame is MuJoCo's camera frame: +x right, +y up, looking along -z. An `EarTable` holds the response of one ear
-over the angle between the source and the ear's axis; a measured set would be a second maker of such tables over
-directions, and `ear_spectrum` its only reader.
+over the angle between the source and the ear's axis. For measured HRTFs see `measured.py`.
 """
 
 import functools
@@ -20,26 +19,26 @@ from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.core.transforms import quat_matrix
 
-NUM_ANGLES = 181  # every degree
-NEARNESS = tuple(i * 0.1 for i in range(8))  # radius of the head by distance, of which filters are kept
+NUM_ANGLES = 181  # one per degree
+NEARNESS = tuple(i * 0.1 for i in range(8))  # tabulated ratios of the head's radius to the source's distance
 
 
 class EarTable(NamedTuple):
     """Response of one ear re the free field at the head's centre, by angle between the source and the ear's axis."""
 
     spectrum: Complex[np.ndarray, "a f"]  # without its delay
-    delay: Float[np.ndarray, " a"]  # [s]; negative on the source's side
+    delay: Float[np.ndarray, " a"]  # [s], re the head centre; negative on the source's side
     energy: Float[np.ndarray, "a bands"]  # mean |spectrum|² per octave
 
 
 def sphere_spectrum(
     frequency: Float[np.ndarray, " f"], angle: Float[np.ndarray, " a"], radius: float, speed: float
 ) -> Complex[np.ndarray, "a f"]:
-    """Pressure on a rigid sphere in a plane wave, re the free field at its centre.
+    """Compute the pressure on a rigid sphere in a plane wave, re the free field at its centre.
 
-    The series of Rayleigh for a distant source, as in Duda and Martens, Range dependence of the response of a spherical
-    head model, JASA 104 (1998): H = i / μ² Σ (-i)^m (2m + 1) P_m(cos θ) / h'_m(μ), μ = 2 π f a / c, conjugated for the
-    time convention exp(+iωt) of FFTs.
+    Rayleigh's series for a distant source is H = i / μ² Σ (-i)^m (2m + 1) P_m(cos θ) / h'_m(μ), μ = 2 π f a / c. It is
+    conjugated for the time convention exp(+iωt) of FFTs. Source: Duda and Martens, Range dependence of the response of
+    a spherical head model, JASA 104 (1998).
 
     Args:
         frequency: [Hz].
@@ -62,10 +61,10 @@ def sphere_spectrum(
 def near_sphere_spectrum(
     frequency: Float[np.ndarray, " f"], angle: Float[np.ndarray, " a"], distance: float, radius: float, speed: float
 ) -> Complex[np.ndarray, "a f"]:
-    """The same for a source at a distance, re what it would be at the centre without the sphere.
+    """Compute the pressure on a rigid sphere from a point source, re the free field at its centre.
 
-    H = -(ρ / μ) exp(-i μ ρ) Σ (2m + 1) P_m(cos θ) h_m(μ ρ) / h'_m(μ) with ρ = distance / radius, as in Duda and
-    Martens, conjugated like `sphere_spectrum`, which is its limit.
+    H = -(ρ / μ) exp(-i μ ρ) Σ (2m + 1) P_m(cos θ) h_m(μ ρ) / h'_m(μ) with ρ = distance / radius (Duda and Martens). It
+    is conjugated as in `sphere_spectrum`, which is its limit for large distances.
 
     Args:
         frequency: [Hz].
@@ -86,7 +85,7 @@ def near_sphere_spectrum(
         return sphere_spectrum(frequency, angle, radius, speed)
     mu, rho = np.maximum(2 * np.pi * frequency * radius / speed, 1e-3), distance / radius
     total = np.zeros((angle.size, frequency.size), complex)
-    # From the highest order down: h_m(μ ρ) / h'_m(μ) falls like ρ^-m, while each of the two overflows.
+    # h_m(μ ρ) / h'_m(μ) falls like ρ^-m, while both factors overflow at high orders; such terms are dropped.
     for m in range(int(mu.max() * 1.2) + 60):
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             far = spherical_jn(m, mu * rho) + 1j * spherical_yn(m, mu * rho)
@@ -99,7 +98,7 @@ def near_sphere_spectrum(
 def sphere_delay(
     angle: Float[np.ndarray, " a"], radius: float, speed: float, distance: float = np.inf
 ) -> Float[np.ndarray, " a"]:
-    """Arrival time at a point on a sphere re its centre [s], by Woodworth: straight, then along the surface."""
+    """Compute the arrival time at a point on a sphere re its centre [s] (Woodworth: straight, then on the surface)."""
     if np.isinf(distance):
         return radius / speed * np.where(angle < np.pi / 2, -np.cos(angle), angle - np.pi / 2)
     straight = np.sqrt(distance**2 + radius**2 - 2 * distance * radius * np.cos(angle))
@@ -111,14 +110,14 @@ def sphere_delay(
 def diffuse_coherence(
     frequency: Float[np.ndarray, " f"], angle: float, radius: float, speed: float
 ) -> Float[np.ndarray, " f"]:
-    """Coherence of the pressures at two points of a rigid sphere in a diffuse field.
+    """Compute the coherence of the pressures at two points of a rigid sphere in a diffuse field.
 
-    Both are sums over all directions of what `sphere_spectrum` gives, so by the addition theorem of Legendre's
-    polynomials it is Σ w_m P_m(cos angle) / Σ w_m, w_m = (2m + 1) / |h'_m(μ)|²; real for any two points.
+    It is Σ w_m P_m(cos angle) / Σ w_m with w_m = (2m + 1) / |h'_m(μ)|², which is real. This follows from the addition
+    theorem of Legendre polynomials for the integral of `sphere_spectrum` over all directions.
 
     Args:
         frequency: [Hz].
-        angle: Between the two points, seen from the middle [rad].
+        angle: Between the two points, seen from the centre [rad].
         radius: [m].
         speed: Speed of sound [m/s].
 
@@ -137,10 +136,10 @@ def diffuse_coherence(
 
 @functools.cache
 def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTable:
-    """The table of a spherical head.
+    """Compute the ear table of a spherical head.
 
     Args:
-        taps: Samples of the kernels that will use it.
+        taps: Transform size that defines the frequencies [samples].
         sample_rate: [Hz].
         radius: [m].
         speed: Speed of sound [m/s].
@@ -156,15 +155,15 @@ def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTa
 
 
 class EarShapes(NamedTuple):
-    """What one ear does to sound, without its delay: values of causal filters at the frequencies of `shapes`."""
+    """Delay-free filters of one ear: values of causal filters at the knots of `shapes`."""
 
-    real: Float[np.ndarray, "d a s"]  # by nearness of the source, and angle between it and the ear's axis
+    real: Float[np.ndarray, "d a s"]  # by nearness of the source (`NEARNESS`), and its angle to the ear's axis
     imag: Float[np.ndarray, "d a s"]
 
 
 @functools.cache
 def ear_shapes(sample_rate: int, radius: float, speed: float) -> EarShapes:
-    """Sums of `shapes` that are nearest to a rigid sphere's response up to 0.45 of the sample rate.
+    """Fit sums of `shapes` to a rigid sphere's response up to 0.45 of the sample rate.
 
     Args:
         sample_rate: [Hz].
@@ -185,7 +184,7 @@ def ear_shapes(sample_rate: int, radius: float, speed: float) -> EarShapes:
 
 @functools.cache
 def ear_lateness(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, " a"]:
-    """By how much later than Woodworth's delay each angle's response comes on the whole [s]: the slope of its phase."""
+    """Compute the mean phase delay of the response at each angle beyond Woodworth's delay [s]."""
     frequency, _ = shape_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     ahead = sphere_delay(angle, radius, speed)[:, None]
@@ -195,7 +194,7 @@ def ear_lateness(sample_rate: int, radius: float, speed: float) -> Float[np.ndar
 
 
 def shape_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
-    """Frequencies [Hz] up to 0.45 of the sample rate, and what each of `shapes` is there, re all together."""
+    """Return frequencies [Hz] up to 0.45 of the sample rate, and the response of each of `shapes` re their sum."""
     kernel = shapes(sample_rate).kernel
     frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
     time = (np.arange(kernel.shape[1]) - HALF_WIDTH) / sample_rate
@@ -204,7 +203,7 @@ def shape_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[
 
 
 def nearest_sums(response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]) -> Float[np.ndarray, "a s"]:
-    """Real weights of responses whose sums are nearest to what is wanted, relative to its size."""
+    """Fit real weights of basis responses to required responses by least squares of relative errors."""
     share = 1 / np.maximum(np.abs(wanted), 0.1) ** 2
     count = response.shape[1]
     products = np.real(response.conj()[:, :, None] * response[:, None]).reshape(len(response), -1)
@@ -214,12 +213,12 @@ def nearest_sums(response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarra
 
 
 def ear_values(table: EarShapes, angle: Float[Array, "*n"], nearness: Float[Array, "*n"]) -> Complex[Array, "*n s"]:
-    """Between the nearest entries of a table.
+    """Interpolate ear filters bilinearly over angle and nearness.
 
     Args:
         table: From `ear_shapes`.
         angle: Between the source and the ear's axis [rad].
-        nearness: Radius of the head by distance of the source.
+        nearness: Ratio of the head's radius to the source's distance.
     """
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
@@ -236,29 +235,29 @@ def ear_values(table: EarShapes, angle: Float[Array, "*n"], nearness: Float[Arra
 
 
 def to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, "n 3"]:
-    """World directions in the frame of a head whose orientation is `quat` (wxyz)."""
-    return jnp.matmul(direction, quat_matrix(quat), precision="highest")  # the transpose turns back
+    """Transform world directions to the frame of a head with orientation `quat` (wxyz)."""
+    return jnp.matmul(direction, quat_matrix(quat), precision="highest")  # row vectors: applies the inverse rotation
 
 
 def ear_angles(direction: Float[Array, "n 3"], ear_angle: float) -> Float[Array, "n 2"]:
-    """Angle between each direction in the head frame and the axis of the left and right ear [rad]."""
+    """Compute the angle between each direction in the head frame and the axis of the left and right ear [rad]."""
     side, back = math.sin(math.radians(ear_angle)), -math.cos(math.radians(ear_angle))
     ears = jnp.array([[-side, 0.0, back], [side, 0.0, back]], jnp.float32)
     return jnp.arccos(jnp.clip(jnp.matmul(direction, ears.T, precision="highest"), -1.0, 1.0))
 
 
 def ear_spectrum(table: EarTable, angle: Float[Array, "*n"]) -> tuple[Complex[Array, "*n f"], Float[Array, "*n"]]:
-    """Spectrum without delay, and delay [s], of the ear for each angle, between the two nearest entries."""
+    """Interpolate the delay-free spectrum and the delay [s] of the ear at each angle."""
     return between_angles(table.spectrum, angle), between_angles(table.delay, angle)
 
 
 def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n bands"]:
-    """Energy gain of the ear per octave for each angle."""
+    """Interpolate the energy gain of the ear per octave at each angle."""
     return between_angles(table.energy, angle)
 
 
 def between_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
-    """Of a table by angle between sound and the ear's axis, between the two nearest entries."""
+    """Interpolate a table over the angle between sound and the ear's axis linearly."""
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
     rest = (position - low.astype(jnp.float32)).reshape(angle.shape + (1,) * (rows.ndim - 1)).astype(rows.dtype)

@@ -1,4 +1,4 @@
-"""Echoes in the outer ear, which tell up from down and front from back."""
+"""Pinna echoes, which distinguish up from down and front from back."""
 
 import functools
 import math
@@ -19,19 +19,19 @@ STRENGTH = (0.5, -1.0, 0.5, -0.25, 0.25)
 SWING = (1.0, 5.0, 5.0, 5.0, 5.0)
 MIDDLE = (2.0, 4.0, 7.0, 11.0, 13.0)
 PACE = (1.0, 0.5, 0.5, 0.5, 0.5)
-PARTS = 8  # frequencies per octave, of which energies are means
-LONGEST, STEPS = 36.0, 144  # delay [samples of 1 / RATE], and steps up to it of which filters are kept
+PARTS = 8  # frequencies per octave over which energies are averaged
+LONGEST, STEPS = 36.0, 144  # maximum tabulated delay [samples of 1 / RATE], and steps up to it
 
 
 def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
-    """How much later than the sound itself each echo comes [s].
+    """Compute the delay of each pinna echo after the direct sound [s].
 
-    θ is the angle from the middle plane, φ that around the axis of the ears: 0 ahead, 90° above, 180° behind. The
-    published model ends at 90°; here it goes on to 180°, and from there back to where it was below. No echo comes
-    before its sound.
+    θ is the angle from the median plane, φ that around the interaural axis: 0 ahead, 90° above, 180° behind. The
+    published model ends at 90°; here it continues to 180°, and returns from there to its value below. Delays are at
+    least 0.
 
     Args:
-        toward: Unit vectors to where sound comes from, in the frame of the head: +x right, +y up, looking along -z.
+        toward: Unit vectors towards the directions of incidence, in the head frame: +x right, +y up, looking along -z.
 
     Example:
         >>> [round(float(x) * RATE, 2) for x in pinna_delays(jnp.array([0.0, 0.0, -1.0]))[:2]]  # ahead
@@ -51,13 +51,13 @@ def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
 def with_echoes(
     ears: Complex[Array, "p 2 s"], late: Float[Array, "p 2"], toward: Float[Array, "p 3"], sample_rate: int
 ) -> Complex[Array, "p 2 s"]:
-    """Sound at ears together with its echoes, whose delays are the same at both.
+    """Add pinna echoes to ear filters; echo delays are the same at both ears.
 
     Args:
-        ears: Values of causal filters at the frequencies of `shapes`.
-        late: Delay that these have on the whole [s]. Filters for it and that of an echo together are looked up, since
-            products of delays would be told too coarsely by so few frequencies.
-        toward: Unit vectors to where sound comes from, in the frame of the head.
+        ears: Values of causal filters at the knots of `shapes`.
+        late: Mean delay of these filters [s]. It is removed from them and tabulated together with each echo's delay,
+            because the few knots do not resolve products of delays.
+        toward: Unit vectors towards the directions of incidence, in the head frame.
         sample_rate: [Hz].
     """
     whole = jnp.maximum(pinna_delays(toward)[:, None] + late[..., None], 0.0)
@@ -75,7 +75,7 @@ def with_echoes(
 
 @functools.cache
 def _delayed(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "d s"]]:
-    """Sums of `shapes` that are nearest to a delay, real and imaginary parts of their values."""
+    """Fit sums of `shapes` to pure delays; return real and imaginary parts of their values at the knots."""
     table, (frequency, response) = shapes(sample_rate), shape_responses(sample_rate)
     delay = np.linspace(0, LONGEST / RATE, STEPS + 1)
     value = nearest_sums(response, np.exp(-2j * np.pi * delay[:, None] * frequency)) @ table.value
@@ -83,7 +83,7 @@ def _delayed(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarr
 
 
 def echo_response(toward: Float[Array, "p 3"], frequency: Float[np.ndarray, " f"]) -> Complex[Array, "p f"]:
-    """What sound and echoes together make of sound alone, at any frequencies [Hz]."""
+    """Compute the transfer function of direct sound with its echoes at arbitrary frequencies [Hz]."""
     angle = -2 * math.pi * pinna_delays(toward)[..., None] * jnp.asarray(frequency, jnp.float32)[None, None]
     strength = jnp.asarray(STRENGTH, jnp.float32)[None, :, None]
     real, imag = (jnp.sum(strength * part, axis=1) for part in (jnp.cos(angle), jnp.sin(angle)))
@@ -91,7 +91,7 @@ def echo_response(toward: Float[Array, "p 3"], frequency: Float[np.ndarray, " f"
 
 
 def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, "n bands"]:
-    """Mean energy per octave of sound and echoes re sound alone."""
+    """Compute the mean energy of sound with echoes per octave re sound without them."""
     frequency = _of_octaves(sample_rate)
     power = jnp.abs(echo_response(toward, frequency.ravel())) ** 2
     return jnp.mean(power.reshape(-1, *frequency.shape), axis=-1)
@@ -99,7 +99,7 @@ def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, 
 
 @functools.cache
 def _of_octaves(sample_rate: int) -> Float[np.ndarray, "bands parts"]:
-    """Evenly spread frequencies of each octave, as far as the sample rate has them."""
+    """Return equally spaced frequencies of each octave, up to half the sample rate [Hz]."""
     low = np.minimum(np.array(BANDS) / math.sqrt(2), 0.4 * sample_rate)
     high = np.minimum(np.array(BANDS) * math.sqrt(2), 0.5 * sample_rate)
     place = (np.arange(PARTS) + 0.5) / PARTS

@@ -1,4 +1,4 @@
-"""How loud each channel hears each noise over time, so that together they carry an energy histogram."""
+"""Time-varying gains of the diffuse noises in each channel that realize an energy histogram."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -7,23 +7,23 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.receivers.diffuse import KNOTS, Draw, ear_mix
 from home_mjx.core.pytree import Pytree
 
-TINY = 1e-36  # power of nothing
+TINY = 1e-36  # minimum power, against division by 0
 
 
 class Shares(Pytree):
-    """What channels hear of noises, in parts; `of_bins` puts them together."""
+    """Factors of the noise gains of channels, combined by `of_bins`."""
 
-    power: Float[Array, "*n k e bands"]  # of each sample, in bins from the response's beginning on
-    mix: Float[Array, "*n e c bands"]  # of noises
-    common: Float[Array, "*n k x bands"]  # of the first noise too, in the channels after the first, signed; or of none
-    start: Int[Array, "*n"]  # bin of the noise with which the response begins; it goes around
+    power: Float[Array, "*n k e bands"]  # per sample, in bins from the response's start on
+    mix: Float[Array, "*n e c bands"]  # gain of each noise in each channel
+    common: Float[Array, "*n k x bands"]  # signed power of the first noise in the other channels; x = 0 if unused
+    start: Int[Array, "*n"]  # bin of the periodic noise at the response's start
 
     def amplitude(self) -> Float[Array, "*n k e knots bands"]:
-        """Of noises that are mixed for each channel."""
+        """Compute the amplitudes of each channel's noise mix at the knots of bins."""
         return amplitudes(self.power)
 
     def of_bins(self) -> Float[Array, "*n k e m"]:
-        """Weights of `noise_bins`, in the order of the noise."""
+        """Compute the weights of `noise_bins`, in the noise's bin order."""
         each = self.amplitude()[..., None, :] * self.mix[..., None, :, None, :, :]
         if self.common.shape[-2]:
             shared = jnp.sign(self.common)[..., None, :] * amplitudes(jnp.abs(self.common))
@@ -37,12 +37,12 @@ class Shares(Pytree):
 def noise_shares(
     energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
 ) -> Shares:
-    """What each channel hears of noises that were drawn.
+    """Compute the noise gains of channels for an energy histogram.
 
     Args:
-        energy: Of channels, and of what ambisonics has in common, see `late_energy`.
-        draw: Of the noise.
-        head_quat: Of the head, wxyz.
+        energy: Energies of channels, and cross energies of ambisonics, see `late_energy`.
+        draw: Draw of the noise.
+        head_quat: Orientation of the head, wxyz.
         config: Options.
     """
     mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
@@ -54,9 +54,9 @@ def noise_shares(
 
 
 def amplitudes(power: Float[Array, "*n k e bands"]) -> Float[Array, "*n k e knots bands"]:
-    """Amplitudes at the start, the middle and the end of bins.
+    """Compute amplitudes at the start, middle and end of bins.
 
-    Between knots they run linearly, which is less than the root of a power that does; each bin is made up for it.
+    Linear interpolation of amplitudes has less energy than that of powers; a factor per bin compensates for this.
     """
     before = jnp.concatenate([power[..., :1, :, :], power[..., :-1, :, :]], axis=-3)
     after = jnp.concatenate([power[..., 1:, :, :], power[..., -1:, :, :]], axis=-3)

@@ -1,4 +1,4 @@
-"""Heads from files of the format SOFA (AES69), convention SimpleFreeFieldHRIR; needs the extra `sofa`."""
+"""Heads from SOFA files (AES69), convention SimpleFreeFieldHRIR; requires the extra `sofa`."""
 
 import logging
 from pathlib import Path
@@ -13,14 +13,14 @@ from home_mjx.audio_jax.receivers.measured import measured_head
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, install_hint
 
 CONVENTION = "SimpleFreeFieldHRIR"
-NEAR = 0.9  # of the farthest source's distance: what is nearer is another set of measurements
+NEAR = 0.9  # minimum distance re the farthest source; nearer sources belong to another set of measurements
 SUFFIX = ".sofa"
 
 log = logging.getLogger(__name__)
 
 
 class Measurements(NamedTuple):
-    """What a file holds: m directions, left and right ear."""
+    """Impulse responses of a SOFA file: m directions, left and right ear."""
 
     direction: Float[np.ndarray, "m 3"]  # unit vectors in the frame of the head: +x right, +y up, looking along -z
     response: Float[np.ndarray, "m 2 n"]
@@ -29,19 +29,20 @@ class Measurements(NamedTuple):
 
 
 def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", level: str = "file") -> Head:
-    """A head from a SOFA file of free-field responses of two ears, see `measured_head`.
+    """Read a head from a SOFA file of free-field responses of two ears, see `measured_head`.
 
-    Of files that were measured at several distances the farthest counts.
+    If the file has several source distances, only the farthest is used.
 
     Args:
         path: The file; its name ends in `.sofa`.
-        config: The options with which it will be heard.
+        config: Options of the simulation that will use the head.
         phase: "minimum" or "measured", see `measured_head`.
-        level: "file" or "sphere", see there. Many files are not relative to the free field: take "sphere".
+        level: "file" or "sphere", see `measured_head`. Use "sphere" for files that are not relative to the free field,
+            as many are.
 
     Raises:
-        MissingFileError: There is no such file.
-        DatasetError: It is no SOFA file, follows another convention, or holds what no head is made of.
+        MissingFileError: The file does not exist.
+        DatasetError: The file is not a SOFA file, follows another convention, or has unusable data.
         ConfigError: An option is unknown, or the extra `sofa` is not installed.
 
     Example:
@@ -53,13 +54,13 @@ def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", lev
     try:
         return measured_head(found.direction, found.response, found.rate, config, found.delay, phase, level)
     except ConfigError as error:
-        if type(error) is not ConfigError:  # an unknown word
+        if type(error) is not ConfigError:  # an unknown option value, not a fault of the file
             raise
         raise DatasetError(error.message, file=path, element="Data.IR", hint=error.hint) from error
 
 
 def read_measurements(path: str | Path) -> Measurements:
-    """What a SOFA file holds. Errors as of `read_head`."""
+    """Read the impulse responses of a SOFA file; errors as in `read_head`."""
     path = Path(path)
     sofa = _opened(path)
     response = _numbers(sofa, "Data_IR", path)
@@ -74,10 +75,10 @@ def read_measurements(path: str | Path) -> Measurements:
     away = _in_head(sofa, count, path)
     distance = np.linalg.norm(away, axis=1)
     if not distance.min() > 0:
-        raise DatasetError("a source is in the middle of the head", file=path, element="SourcePosition")
+        raise DatasetError("a source is at the head centre", file=path, element="SourcePosition")
     kept = distance >= NEAR * distance.max()
     if not kept.all():
-        log.info("%s: %d of %d directions are used, those farthest away", path, kept.sum(), count)
+        log.info("%s: using the %d farthest of %d directions", path, kept.sum(), count)
     unit = away[kept] / distance[kept, None]
     return Measurements(unit, response[kept][:, order], rate.item(), late[kept][:, order])
 
@@ -89,14 +90,14 @@ def _opened(path: Path) -> Any:
         raise ConfigError("reading SOFA files needs `sofar`", hint=install_hint("sofa")) from error
     if not path.is_file():
         raise MissingFileError("there is no such file", file=path)
-    if path.suffix != SUFFIX:  # sofar would read another file, with that suffix
+    if path.suffix != SUFFIX:  # sofar would append the suffix and read another file
         raise DatasetError(f"expected a name that ends in {SUFFIX}", file=path)
     try:
-        # Unverified: many published files break small rules. What is used of them is looked at here.
+        # Many published files break minor rules, so sofar does not verify them; all fields used are validated here.
         read: Any = sofar.read_sofa
         sofa = read(str(path), verify=False, verbose=False)
     except (OSError, ValueError, AttributeError, KeyError, TypeError, IndexError, RuntimeError) as error:
-        raise DatasetError(f"it cannot be read as SOFA: {error}", file=path) from error
+        raise DatasetError(f"the file cannot be read as SOFA: {error}", file=path) from error
     if sofa.GLOBAL_SOFAConventions != CONVENTION:
         text = f"expected the convention {CONVENTION}, got {sofa.GLOBAL_SOFAConventions!r}"
         raise DatasetError(text, file=path, element="GLOBAL:SOFAConventions")
@@ -108,14 +109,14 @@ def _numbers(sofa: Any, name: str, path: Path) -> Float[np.ndarray, "..."]:
     try:
         values = np.asarray(getattr(sofa, name), float)
     except (AttributeError, TypeError, ValueError) as error:
-        raise DatasetError("expected numbers, there are none", file=path, element=element) from error
+        raise DatasetError("expected numbers, got none", file=path, element=element) from error
     if not np.isfinite(values).all():
-        raise DatasetError("there are numbers that are not finite", file=path, element=element)
+        raise DatasetError("some numbers are not finite", file=path, element=element)
     return values
 
 
 def _of_all(values: np.ndarray, shape: tuple[int, ...], path: Path, element: str) -> np.ndarray:
-    """One row for all measurements, or one each."""
+    """Broadcast one row to all measurements, or validate one row each."""
     try:
         return np.broadcast_to(np.atleast_2d(values), shape)
     except ValueError as error:
@@ -125,7 +126,7 @@ def _of_all(values: np.ndarray, shape: tuple[int, ...], path: Path, element: str
 
 
 def _left_first(sofa: Any, path: Path) -> list[int]:
-    """In which order the ears are taken."""
+    """Return the indices of the left and the right ear."""
     ears = _numbers(sofa, "ReceiverPosition", path)
     ears = ears[..., 0] if ears.ndim == 3 else ears
     places = _cartesian(_of_all(ears, (2, 3), path, "ReceiverPosition"), sofa, "ReceiverPosition", path)
@@ -135,7 +136,7 @@ def _left_first(sofa: Any, path: Path) -> list[int]:
 
 
 def _in_head(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3"]:
-    """From the middle of the head to the sources [m], in the head's frame."""
+    """Compute vectors from the head centre to the sources [m], in the head frame."""
 
     def vectors(name: str, kind: str) -> np.ndarray:
         return _cartesian(_of_all(_numbers(sofa, name, path), (count, 3), path, name), sofa, kind, path)
@@ -144,14 +145,14 @@ def _in_head(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3"]:
     ahead, up = vectors("ListenerView", "ListenerView"), vectors("ListenerUp", "ListenerView")
     right = np.cross(ahead, up)
     if not np.linalg.norm(right, axis=1).min() > 1e-6:
-        raise DatasetError("up is ahead, or nowhere", file=path, element="ListenerUp")
+        raise DatasetError("the up vector is zero or parallel to the view direction", file=path, element="ListenerUp")
     above = np.cross(right, ahead)
     axes = np.stack([x / np.linalg.norm(x, axis=1, keepdims=True) for x in (right, above, -ahead)], axis=1)
     return np.einsum("mij,mj->mi", axes, away)
 
 
 def _cartesian(values: np.ndarray, sofa: Any, name: str, path: Path) -> np.ndarray:
-    """From azimuth to the left, elevation [degrees] and radius, where the file says so: x ahead, y left, z up."""
+    """Convert coordinates to cartesian (x ahead, y left, z up) if the file declares azimuth, elevation and radius."""
     kind = getattr(sofa, f"{name}_Type", None)
     if kind == "cartesian":
         return values

@@ -1,4 +1,4 @@
-"""Arrangements: small things in other places of their rooms, settled by the physics, for resets to draw from."""
+"""Arrangements: small objects at new poses in their rooms, settled by the physics, which resets sample from."""
 
 from home_mjx.tasks.arrangements.build import Settled, settled_poses
 

@@ -1,4 +1,4 @@
-"""Makes the arrangements of a bank's houses; they are kept on disk."""
+"""Generation of arrangements for a bank's houses, cached on disk."""
 
 import hashlib
 import logging
@@ -24,22 +24,22 @@ from home_mjx.tasks.arrangements.furnished import Furnished
 from home_mjx.tasks.arrangements.rest import has_moved, settle
 from home_mjx.tasks.arrangements.seen import look_below
 
-VERSION = 1  # raise it whenever the same bank and key would give other arrangements
-ROUNDS = 3  # in which what did not come to rest where it was put goes back, and all is settled once more
+VERSION = 1  # of the cache entries; increment it whenever the same bank and key yield other arrangements
+ROUNDS = 3  # maximum number of rounds that restore objects which did not rest where they were placed, and settle again
 
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Settled:
-    """What became of the things of every house h in each arrangement p.
+    """Counts of bodies by outcome, per house h and arrangement p.
 
     Attributes:
-        moved: Things that lie or stand somewhere else.
-        kept: Things that could be elsewhere but are where the house has them: no place was free, or they did not come
-            to rest there.
-        shifted: Other bodies that settling has moved by more than `rest.MOST_MOVED`, or turned.
-        restless: Bodies of any size that are not at rest after all.
+        moved: Objects at a new pose.
+        kept: Selected objects at their initial pose: no candidate was free, or they did not come to rest there.
+        shifted: Other bodies that settling moved by more than `rest.MOST_MOVED`, or turned by more than
+            `rest.MOST_TURNED`.
+        restless: Bodies of any size that are still moving after the last round.
     """
 
     moved: Int[np.ndarray, "h p"]
@@ -51,21 +51,22 @@ class Settled:
 def settled_poses(
     bank: HouseBank, num_arrangements: int, key: Array, progress: bool = False
 ) -> tuple[HouseBank, Settled]:
-    """The bank with other arrangements of the bodies of its houses, all at rest; on the host, once per bank.
+    """Add arrangements of the bodies of its houses to a bank, all at rest; on the host, once per bank.
 
-    Small things (`furnished.MOST_MASS`, `MOST_EDGE`) that carry nothing go elsewhere in their rooms: what lies on
-    furniture on to furniture, what stands on the floor on to the floor, clear of doors, ways and goals, and such that
-    agents can still walk from everywhere to everywhere. Then the physics settles everything for `rest.SECONDS`.
+    Small objects (`furnished.MOST_MASS`, `MOST_EDGE`) that support no others move within their rooms: objects on
+    furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and
+    never disconnect the home region. The physics then settles all bodies for `rest.SECONDS`. Results are cached on
+    disk.
 
     Args:
         bank: The houses.
-        num_arrangements: Of each house.
-        key: Random key: equal keys give equal arrangements of equal banks.
-        progress: Show a progress bar.
+        num_arrangements: Number of arrangements per house.
+        key: Random key; equal keys yield equal arrangements of equal banks.
+        progress: Whether to show a progress bar.
 
     Returns:
-        The bank, whose resets draw an arrangement with `EnvConfig(arrangement="random")`; and what became of the
-        things.
+        The bank, whose resets sample an arrangement with `EnvConfig(arrangement="random")`; and counts of bodies by
+        outcome.
 
     Raises:
         ConfigError: `num_arrangements` is not a whole number of at least 1.
@@ -84,7 +85,7 @@ def settled_poses(
     except FileNotFoundError:
         pass
     except BROKEN as error:
-        log.warning("broken cache entry %s is made again: %s", entry, error)
+        log.warning("rebuilding the broken cache entry %s: %s", entry, error)
     poses, settled = _make(bank, num_arrangements, words, progress)
     try:
         write_entry(entry, {"poses": np.asarray(poses), **vars(settled)}, {})
@@ -94,10 +95,14 @@ def settled_poses(
 
 
 def _checked(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
-    """Raises `ValueError` unless they are numbers, of all bodies of the bank's houses."""
+    """Validate cached poses against the bank.
+
+    Raises:
+        ValueError: The shape or dtype is wrong, or a pose is not finite.
+    """
     places, bodies = bank.physics.body_pos.shape[:2]
     if poses.shape != (places, num, bodies, 7) or poses.dtype != np.float32 or not np.isfinite(poses).all():
-        raise ValueError(f"arrangements are {poses.dtype} {poses.shape}")
+        raise ValueError(f"expected finite float32 poses {(places, num, bodies, 7)}, got {poses.dtype} {poses.shape}")
     return poses
 
 
@@ -106,7 +111,7 @@ def _with(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> HouseBank:
 
 
 def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
-    """Named by all that arrangements are made from."""
+    """Return the cache path, a hash of all inputs of the arrangements."""
     name = hashlib.sha256(repr((VERSION, num_arrangements, words.tolist(), jax.default_backend())).encode())
     read = (bank.physics, bank.navigation, bank.semantics, bank.geometry.triangle, bank.geometry.instance_pose)
     for array in jax.tree.leaves(jax.device_get(read)):
@@ -115,7 +120,7 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
 
 
 def _make(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple[Array, Settled]:
-    """Puts things somewhere, lets all settle, puts back what did not stay where it was put, and so on."""
+    """Place objects, settle all bodies, and repeat with objects restored that did not stay where they were placed."""
     placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
     placed = jnp.repeat(placed[:, None], num, axis=1)
     put, moved, kept = _put(bank, num, words, progress)
@@ -138,7 +143,7 @@ def _make(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple
 def _put(
     bank: HouseBank, num: int, words: np.ndarray, progress: bool
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
-    """Poses in which nothing is in anything, not settled; which bodies are elsewhere, and which might be."""
+    """Return unsettled poses without overlaps, the bodies at new poses, and the selected bodies that did not move."""
     host = jax.device_get(bank)
     placed = np.concatenate([host.physics.body_pos, host.physics.body_quat], axis=-1)
     poses = np.repeat(placed[:, None], num, axis=1)

@@ -1,4 +1,4 @@
-"""Places that things might be put at: on surfaces of their rooms, or on the floor. Most of them are not free."""
+"""Candidate poses of objects on furniture or floors of their rooms; most of them are not free."""
 
 from typing import NamedTuple
 
@@ -9,13 +9,13 @@ from home_mjx.geometry.boxes import BoxSet, join
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.tasks.arrangements.furnished import Furnished
 
-NUM_PLACES = 48  # that are drawn of each thing in each arrangement
-EDGE = 0.015  # [m], from a thing to the edge of what it lies on
-LOWEST, HIGHEST = 0.15, 1.4  # [m] above the floor, of surfaces that things are put on
+NUM_PLACES = 48  # candidates per object and arrangement
+EDGE = 0.015  # [m], minimum distance from an object to the edge of its supporting surface
+LOWEST, HIGHEST = 0.15, 1.4  # [m], range of heights of supporting surfaces above the floor
 
 
 class Places(NamedTuple):
-    """Of k bodies, n of each."""
+    """Candidate poses of k bodies, n each."""
 
     center: Float[np.ndarray, "k n 3"]  # [m]
     yaw: Float[np.ndarray, "k n"]  # [rad]
@@ -23,9 +23,9 @@ class Places(NamedTuple):
 
 
 def draw_places(house: Furnished, rng: np.random.Generator) -> Places:
-    """Random places, on furniture for what lies on furniture, on the floor for the rest, all in the thing's own room.
+    """Sample candidate poses in each object's room: on furniture for objects on furniture, otherwise on the floor.
 
-    Surfaces are the tops of boxes, large ones as much more often as they are larger.
+    Supporting surfaces are tops of boxes, sampled in proportion to their area.
     """
     num = len(house.bodies)
     center = np.repeat(house.bodies.center[:, None], NUM_PLACES, axis=1)
@@ -41,7 +41,7 @@ def draw_places(house: Furnished, rng: np.random.Generator) -> Places:
 
 
 def _on_floor(house: Furnished, body: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """On the floor of the thing's room, at the height at which it stands."""
+    """Sample positions on the floor of the object's room, at its present height [m]."""
     room = int(house.room[body])
     cells = np.argwhere(house.grid[house.level_of(room)] == room)
     row, column = cells[rng.integers(len(cells), size=NUM_PLACES)].T
@@ -52,7 +52,7 @@ def _on_floor(house: Furnished, body: int, rng: np.random.Generator) -> Float[np
 def _on_furniture(
     house: Furnished, stay: BoxSet, body: int, yaw: Float[np.ndarray, " n"], rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n 3"], Bool[np.ndarray, " n"]]:
-    """Within the tops of boxes in the thing's room; unusable where the top is too small."""
+    """Sample positions on tops of boxes in the object's room [m], and whether the top is large enough for each."""
     room, half = int(house.room[body]), house.bodies.half[body]
     level = house.level_of(room)
     high = stay.top - house.floor[level]

@@ -1,4 +1,4 @@
-"""Chooses a free place for each thing, one after the other."""
+"""Sequential choice of a free candidate pose for each object."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -8,22 +8,22 @@ from home_mjx.geometry.boxes import BoxSet, box_set, footprint, footprint_distan
 from home_mjx.tasks.arrangements.candidates import Places
 from home_mjx.tasks.arrangements.furnished import Furnished
 
-GAP = 0.01  # [m], between things in the plan
-TOUCH = 1e-3  # [m]: boxes that overlap by less in height only touch
-PASSAGE = 0.5  # [m], from what stands on the floor to the middle of a way between rooms
+GAP = 0.01  # [m], minimum horizontal clearance between objects
+TOUCH = 1e-3  # [m], vertical overlap up to which boxes only touch
+PASSAGE = 0.5  # [m], minimum distance from an object on the floor to the centre of a portal
 
 
 def choose_places(
     house: Furnished, places: Places, order: Int[np.ndarray, " t"]
 ) -> tuple[BoxSet, Bool[np.ndarray, " k"]]:
-    """Boxes of all bodies, and which of them are at a new place; for the others none was free.
+    """Choose the first free candidate of each object; return the boxes of all bodies and which of them have moved.
 
-    No new place overlaps where any other body is placed in the house: whatever goes back there finds it free.
+    New poses do not overlap the initial pose of any other body, so bodies can always be restored.
 
     Args:
         house: The house.
-        places: What may be chosen, the first that is free is.
-        order: Bodies that are put elsewhere, in turn.
+        places: Candidate poses.
+        order: Indices of the bodies to move, in order.
     """
     now, moved, home = house.bodies, np.zeros(len(house.bodies), bool), house.home
     for body in order.tolist():
@@ -48,7 +48,7 @@ def _with(boxes: BoxSet, rows: Bool[np.ndarray, " k"], box: BoxSet) -> BoxSet:
 
 
 def _is_free(house: Furnished, box: BoxSet, around: BoxSet) -> bool:
-    """Whether a box is clear of others, and of where leaves of doors turn."""
+    """Return whether a box is clear of other boxes and of the sweep of door leaves."""
     meets = (around.bottom < box.top[0] - TOUCH) & (around.top > box.bottom[0] + TOUCH)
     if (overlap(box, around[meets]) > -GAP).any():
         return False
@@ -58,7 +58,7 @@ def _is_free(house: Furnished, box: BoxSet, around: BoxSet) -> bool:
 def _passable(
     house: Furnished, box: BoxSet, room: int, home: Bool[np.ndarray, "l ny nx"]
 ) -> Bool[np.ndarray, "l ny nx"] | None:
-    """The home region that is left beside a box on the floor; None if the box cuts it, or is in the way."""
+    """Return the home region without a box on the floor; None if the box blocks a portal or goal or disconnects it."""
     level = house.level_of(room)
     if (house.room_at(footprint(box, 0), level) != room).any():
         return None
@@ -78,6 +78,6 @@ def _num_patches(cells: Bool[np.ndarray, "ny nx"]) -> int:
 
 
 def _away(box: BoxSet, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-    """Distance in the plan from points near a box's floor [m]; inf on other levels."""
+    """Compute horizontal distances from a box to points on its level [m]; inf for points on other levels."""
     near = abs(points[:, 2] - box.bottom[0]) < 1.0
     return np.where(near, footprint_distance(box, 0, points[:, :2]), np.inf)

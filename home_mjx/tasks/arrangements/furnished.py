@@ -1,4 +1,4 @@
-"""One house of a bank on the host, as things are arranged in it."""
+"""Host-side description of one house for the placement of objects."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,30 +14,30 @@ from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.semantics.supports import SUPPORTS
 from home_mjx.schema.semantic import Semantic
 
-MOST_MASS, MOST_EDGE = 10.0, 0.7  # [kg], [m] in the plan, of what is put elsewhere
-ON_TOP = 0.03  # [m]: what begins so near the top of another thing, and over it, lies on it
-MARGIN = NavigationOptions().margin  # [m], beyond an agent's radius, with which the home region is made
+MOST_MASS, MOST_EDGE = 10.0, 0.7  # [kg], [m], maximum mass and horizontal size of objects that are moved
+ON_TOP = 0.03  # [m], maximum distance from the bottom of an object to the top of the one below that supports it
+MARGIN = NavigationOptions().margin  # [m], clearance of the home region beyond the agent's radius
 
 
 @dataclass(frozen=True)
 class Furnished:
-    """A house with its k bodies as placed; those of the bank's padding are left out.
+    """A house with its k bodies at their initial poses, without the bank's padding.
 
     Attributes:
-        static: Boxes that stay; of those that lean (ramps), the upright boxes around them.
-        bodies: Boxes of the bodies, all upright.
-        drawn: Which bodies are put elsewhere: small ones that carry nothing.
-        lies: Which bodies lie on furniture; the others stand on a floor.
-        room: Of each body; -1 none.
-        doors: Of each leaf that turns: its hinge in the plan and how far the leaf reaches [m].
-        portals: Middles of the ways between rooms [m].
-        goals: Of navigation [m].
-        grid: Room of each cell.
-        home: Cells of the home region.
-        floor: Of each grid [m].
+        static: Boxes of static colliders; tilted ones (ramps) are replaced by upright bounding boxes.
+        bodies: Upright boxes of the bodies.
+        drawn: Whether each body is selected for a new pose: it is small and supports no others.
+        lies: Whether each body is on furniture; the others are on a floor.
+        room: Room of each body; -1 none.
+        doors: Horizontal position of the hinge of each leaf, and the radius that the leaf sweeps [m].
+        portals: Centres of portals [m].
+        goals: Navigation goals [m].
+        grid: Room of each cell; -1 none.
+        home: Whether each cell is in the home region.
+        floor: Height of the floor of each level [m].
         origin: Corner of cell (0, 0) [m].
-        cell: [m].
-        reach: Distance from things at which agents stand, `MARGIN` included [m].
+        cell: Cell size [m].
+        reach: Minimum distance of an agent's centre from objects, including `MARGIN` [m].
     """
 
     static: BoxSet
@@ -57,7 +57,7 @@ class Furnished:
 
     @classmethod
     def of(cls, bank: HouseBank, house: int) -> "Furnished":
-        """A house of a bank."""
+        """Extract a house from a bank."""
         physics, navigation = jax.device_get(jax.tree.map(lambda x: x[house], (bank.physics, _small(bank))))
         used = physics.body_valid
         bodies = _boxes(physics.body_pos[used], physics.body_quat[used], physics.body_size[used])
@@ -84,14 +84,14 @@ class Furnished:
         )
 
     def room_at(self, points: Float[np.ndarray, "n 2"], level: int) -> Int[np.ndarray, " n"]:
-        """Room of each point on a level; -1 outside."""
+        """Return the room of each point on a level; -1 outside."""
         column, row = np.floor((points - self.origin) / self.cell).astype(int).T
         rows, columns = self.grid.shape[1:]
         inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
         return np.where(inside, self.grid[level, row.clip(0, rows - 1), column.clip(0, columns - 1)], -1)
 
     def level_of(self, room: int) -> int:
-        """The grid that a room is in."""
+        """Return the level that contains a room."""
         return int((self.grid == room).any(axis=(1, 2)).argmax())
 
 
@@ -117,7 +117,7 @@ def _matrices(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
 
 
 def _bear(bodies: BoxSet) -> Bool[np.ndarray, " k"]:
-    """Which bodies carry others."""
+    """Return which bodies support others."""
     found = np.zeros(len(bodies), bool)
     for i in range(len(bodies)):
         over = abs(bodies.bottom - bodies.top[i]) < ON_TOP

@@ -1,4 +1,4 @@
-"""Lets the physics settle bodies: what is put somewhere comes to rest there, or does not."""
+"""Settling of bodies by the physics, and detection of bodies that do not rest where they were placed."""
 
 import functools
 
@@ -12,17 +12,17 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.doors import door_angles
 from home_mjx.physics import PhysicsConfig, PhysicsState, Template
 
-SECONDS = 10  # that bodies have to come to rest
-FAR = -10.0  # [m], in x and y from a corner of the house: where the agent stands, who has no part in it
-MOST_MOVED, MOST_TURNED = 0.01, 0.03  # [m], [rad], of what came to rest where it was put
+SECONDS = 10  # [s], simulated time for bodies to come to rest
+FAR = -10.0  # [m], position of the unused agent in x and y re a corner of the house
+MOST_MOVED, MOST_TURNED = 0.01, 0.03  # [m], [rad], maximum displacement of bodies that rest where they were placed
 
 
 def settle(bank: HouseBank, progress: bool = False) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
-    """Poses of the bodies of every house and arrangement after `SECONDS`, doors open, and which have come to rest.
+    """Simulate every house and arrangement for `SECONDS` with open doors; return poses and which bodies are at rest.
 
     Args:
-        bank: Houses; their arrangements are where bodies begin.
-        progress: Show a progress bar.
+        bank: Houses, whose arrangements are the initial poses.
+        progress: Whether to show a progress bar.
     """
     template = Template(PhysicsConfig(), bank.spec)
     houses, arrangements = bank.physics.arrangement.shape[:2]
@@ -33,7 +33,7 @@ def settle(bank: HouseBank, progress: bool = False) -> tuple[Float[Array, "h p k
         state = jax.block_until_ready(_idle(template, bank, house, state))
     pose = state.qpos[:, template.layout.body_qpos].reshape(houses, arrangements, -1, 7)
     speed = state.qvel[:, template.layout.body_qvel].reshape(houses, arrangements, -1, 6)
-    return pose, jnp.all(speed == 0, axis=-1)  # what rests sleeps
+    return pose, jnp.all(speed == 0, axis=-1)  # bodies at rest are asleep, with velocity 0
 
 
 @functools.partial(jax.jit, static_argnums=0)
@@ -49,7 +49,7 @@ def _begin(template: Template, bank: HouseBank, house: Int[Array, " e"], number:
 
 @functools.partial(jax.jit, static_argnums=0)
 def _idle(template: Template, bank: HouseBank, house: Int[Array, " e"], state: PhysicsState) -> PhysicsState:
-    """A second later; nobody does anything."""
+    """Simulate one second without actions."""
 
     def step(state: PhysicsState, _: None) -> tuple[PhysicsState, None]:
         idle = jnp.zeros((1, 3), jnp.float32)
@@ -59,7 +59,7 @@ def _idle(template: Template, bank: HouseBank, house: Int[Array, " e"], state: P
 
 
 def has_moved(before: Float[Array, "*n 7"], after: Float[Array, "*n 7"]) -> Bool[Array, "*n"]:
-    """Whether bodies are elsewhere than they were put, or turned."""
+    """Return whether bodies have moved by more than `MOST_MOVED` or turned by more than `MOST_TURNED`."""
     shift = jnp.linalg.norm(after[..., :3] - before[..., :3], axis=-1)
-    cosine = jnp.abs(jnp.sum(after[..., 3:] * before[..., 3:], axis=-1))  # of half the angle between them
+    cosine = jnp.abs(jnp.sum(after[..., 3:] * before[..., 3:], axis=-1))  # cosine of half the angle between them
     return (shift > jnp.float32(MOST_MOVED)) | (cosine < jnp.cos(jnp.float32(MOST_TURNED / 2)))

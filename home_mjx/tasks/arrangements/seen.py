@@ -1,4 +1,4 @@
-"""Whether what lies at a place looks as if it did: rays down on to what is seen there."""
+"""Visual validation of candidate poses: downward rays test that the visible surface below an object is level."""
 
 import jax
 import jax.numpy as jnp
@@ -14,25 +14,25 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.arrangements.candidates import Places
 from home_mjx.tasks.arrangements.furnished import Furnished
 
-# Categories of what things are put on.
+# Categories of furniture that objects may be placed on.
 CARRIERS = (
     *("bed", "bench_chair", "cart", "counter", "desk", "dresser", "dressing_table", "drinkbar", "kitchen_cabinet"),
     *("kitchen_set", "ottoman", "shelving", "shoes_cabinet", "stand", "storage_bench", "table"),
     *("table_and_chair", "tv_stand", "wardrobe_cabinet", "workplace"),
 )
-LEVEL = 0.01  # [m]: what is seen below a thing lies so near its underside, all over
-ABOVE = 0.5  # [m], of what is above it that is looked at
-SPOTS = np.array([(x, y) for x in (-0.95, 0.0, 0.95) for y in (-0.95, 0.0, 0.95)])  # of the half extents
+LEVEL = 0.01  # [m], maximum distance of the visible surface from the object's underside
+ABOVE = 0.5  # [m], maximum height above the underside from which rays start
+SPOTS = np.array([(x, y) for x in (-0.95, 0.0, 0.95) for y in (-0.95, 0.0, 0.95)])  # ray positions re half extents
 
 
 def look_below(bank: HouseBank, house: int, furnished: Furnished, many: list[Places]) -> Bool[np.ndarray, "p k n"]:
-    """Which places of several arrangements have an even surface below them, and nothing in the way that is only seen.
+    """Return which candidates have a level visible surface below them and no visual-only geometry inside them.
 
     Args:
         bank: The houses.
-        house: Which of them.
-        furnished: The same.
-        many: Places of each arrangement.
+        house: Index of the house.
+        furnished: The same house on the host.
+        many: Candidates of each arrangement.
     """
     used = np.flatnonzero(bank.physics.body_valid[house])
     gone = np.zeros(bank.spec.num_bodies, bool)
@@ -41,7 +41,7 @@ def look_below(bank: HouseBank, house: int, furnished: Furnished, many: list[Pla
     high = np.minimum(2 * furnished.bodies.half[:, 2], ABOVE)
 
     def padded(values: np.ndarray) -> Array:
-        """To the bank's number of bodies, so that its houses share a program."""
+        """Pad to the bank's number of bodies, so that all houses share one compiled program."""
         whole = np.zeros((len(many), len(gone), *values.shape[2:]), bool if values.dtype == bool else np.float32)
         whole[:, used] = values
         return jnp.asarray(whole)
@@ -53,7 +53,7 @@ def look_below(bank: HouseBank, house: int, furnished: Furnished, many: list[Pla
 
 
 def _spots(house: Furnished, places: Places) -> Float[np.ndarray, "k n s 3"]:
-    """Points on the underside of each thing at each place [m]."""
+    """Return points on the underside of each object at each candidate [m]."""
     half = house.bodies.half[:, None, None]
     x, y = np.moveaxis(SPOTS * half[..., :2], -1, 0)
     cosine, sine = np.cos(places.yaw)[..., None], np.sin(places.yaw)[..., None]
@@ -70,7 +70,7 @@ def _even(
     high: Float[Array, "p k n"],
     lies: Bool[Array, "p k n"],
 ) -> Bool[Array, "p k n"]:
-    """Whether rays from so high above spots meet something at the spots' height, furniture if things lie there."""
+    """Return whether rays from `high` above all spots hit a surface at the spots' height, furniture where `lies`."""
     physics = bank.physics
     away = jnp.where(gone[:, None], jnp.float32(1e3), 0.0) + physics.body_pos[house]
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

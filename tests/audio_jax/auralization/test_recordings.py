@@ -50,7 +50,7 @@ def test_files_that_are_no_sound_are_refused(tmp_path):
         recorded_clip(tmp_path / "none.wav", CONFIG)
     path = tmp_path / "words.wav"
     path.write_bytes(b"RIFF no sound at all" * 20)
-    with pytest.raises(ConfigError, match=r"cannot be read: .*Give a WAV or FLAC file"):
+    with pytest.raises(ConfigError, match=r"cannot be read: .*Use a WAV or FLAC file"):
         recorded_clip(path, CONFIG)
     path.write_bytes(b"")
     with pytest.raises(ConfigError, match="cannot be read"):

@@ -94,7 +94,7 @@ def test_bad_weights_and_sources_that_point_nowhere_are_refused():
         with pytest.raises(ConfigError):
             first_order(**wrong)
     scene, head = scene_of(shoebox()), Listener(jnp.float32([1, 1, 1.6]), HEAD)
-    for quat, message in ((None, "must be turned somewhere"), (2 * HEAD, "a source's quaternion")):
+    for quat, message in ((None, "needs an orientation"), (2 * HEAD, "a source's quaternion")):
         with pytest.raises(ConfigError, match=message):
             early_paths(scene, Source(jnp.zeros(3), quat=quat, directivity=CARDIOID), head, OMNI)
     untold = lambda *ends: Paths(jnp.ones(1), jnp.ones((1, 7)), jnp.float32([[1, 0, 0]]))  # noqa: E731

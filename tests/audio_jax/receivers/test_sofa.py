@@ -337,14 +337,14 @@ LATE[:30, :, 10], LATE[30:, :, 250] = 1, 1
     [
         ("Data.IR", np.nan, r"not finite.*Data\.IR"),
         ("Data.IR", 0.0, r"response 0 of the left ear is silent.*Data\.IR"),
-        ("Data.IR", LATE, r"from the middle of the head.*Data\.IR"),
+        ("Data.IR", LATE, r"ms from the head centre.*Data\.IR"),
         ("Data.SamplingRate", -1.0, r"positive rate.*Data\.SamplingRate"),
-        ("Data.SamplingRate", 8000.0, "8000 Hz have nothing for sound of 16000 Hz"),
-        ("SourcePosition", polar(FEW, 0.0), "middle of the head.*SourcePosition"),
+        ("Data.SamplingRate", 8000.0, "8000 Hz do not cover the frequencies of sound of 16000 Hz"),
+        ("SourcePosition", polar(FEW, 0.0), "at the head centre.*SourcePosition"),
         ("SourcePosition", polar(FEW) * [1, 0, 1], "do not surround it"),
         ("SourcePosition", np.inf, "not finite.*SourcePosition"),
         ("SourcePosition:Type", "cubic", "'cubic'.*SourcePosition:Type"),
-        ("ListenerUp", np.array([[1.0, 0, 0]]), "up is ahead.*ListenerUp"),
+        ("ListenerUp", np.array([[1.0, 0, 0]]), "up vector is zero or parallel.*ListenerUp"),
         ("ReceiverPosition", 0.0, "neither ear.*ReceiverPosition"),
     ],
 )
@@ -368,7 +368,7 @@ def test_other_conventions_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"receiver": "omni"}, "two ears"),
+        ({"receiver": "omni"}, "receiver='omni'"),
         ({"pinna": True}, "outer ears"),
         ({"timing": Timing(sample_rate=48000)}, "Hz"),
     ],
