@@ -1,1 +1,1 @@
-"""Tasks with experts of their own, or that lead agents themselves."""
+"""Tasks outside the common rules: exploration, and a task that controls agents itself."""
