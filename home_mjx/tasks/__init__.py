@@ -1,4 +1,4 @@
-"""Environments: tasks on houses, with observations, rewards and resets; and the seams for further tasks and sensors."""
+"""Environments: tasks in houses with observations, rewards and resets; extension points for tasks and sensors."""
 
 from typing import TYPE_CHECKING
 

@@ -1,1 +1,1 @@
-"""Tasks outside the common rules: exploration, and a task that controls agents itself."""
+"""Exploration, and PiedPiper with its scripted agents."""
