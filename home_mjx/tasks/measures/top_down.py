@@ -49,7 +49,7 @@ class TopDownMap(Pytree):
     """
 
     ground: UInt8[Array, "rows columns"]  # `Ground`
-    goal: Bool[Array, "rows columns"]  # of the present stage: cells of its rooms, under its things, of its point
+    goal: Bool[Array, "rows columns"]  # of the present stage: cells of its rooms, under its objects, of its point
     visited: Bool[Array, "rows columns"]  # by this agent
     seen: Bool[Array, "rows columns"]  # by this agent; all other cells are in the fog of war
     start: Int[Array, "2"]  # row and column; -1 on another storey

@@ -1,4 +1,4 @@
-"""Communication: one agent is told the goal room, another one has to go there.
+"""Communication: one agent's instruction names the goal room, another agent has to go there.
 
 A channel of single words, with the speaker and listener of Lowe et al., "Multi-Agent Actor-Critic for Mixed
 Cooperative-Competitive Environments", 2017 (arXiv:1706.02275).
@@ -25,7 +25,7 @@ CHANNELS = ("discrete", "audible")
 
 @dataclass(frozen=True)
 class Communication(Navigation):
-    """Task in which the first agent must enter a room of a type that only the second one is told.
+    """Task in which the first agent must enter a room that only the second one's instruction names.
 
     Both agents may say names of rooms, and observe the other one's word after that step. The meaning of words is theirs
     to agree on; the expert says the name of the room.
