@@ -20,14 +20,8 @@ FUNCTION_WORDS = (
     *("house", "you", "do", "see", "from", "here", "first", "second", "sound", "look", "for", "your", "me", "person"),
 )
 NUMBERS = tuple(str(number) for number in range(11))
-LATER_WORDS = (
-    "does",
-    "have",
-    "one",
-    "ask",
-    "tell",
-    "number",
-)  # after all others, so that existing tokens do not change
+# After all others, so that existing tokens do not change.
+LATER_WORDS = ("does", "have", "one", "ask", "tell", "number")
 NAMED = (Semantic.COARSE, Semantic.FINE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
 
 
