@@ -1,4 +1,4 @@
-"""Environments: tasks on houses, with observations, rewards and resets; and the seams for further tasks and sensors."""
+"""Environments: tasks in houses with observations, rewards and resets; extension points for tasks and sensors."""
 
 from home_mjx.tasks.base.config import DEFAULT_SENSORS, SENSORS, AgentCamera, EnvConfig
 from home_mjx.tasks.base.options import make_config

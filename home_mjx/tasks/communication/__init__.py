@@ -1,1 +1,1 @@
-"""What rows say of speaking, on the device: answers, an oracle's replies, who is told what is to be done."""
+"""Speech columns of rows, on the device: answers, replies of an oracle, recipients of the instruction."""

@@ -1,4 +1,4 @@
-"""What a row says of speaking: the right answer, what an oracle replies, who is told what is to be done."""
+"""Speech columns of rows: the correct answer, the replies of an oracle, the recipients of the instruction."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,40 +9,40 @@ from jaxtyping import Array, Bool, Int
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 
-NUM_REPLIES = 6  # questions that the oracle of a row answers
+NUM_REPLIES = 6  # maximum number of questions that the oracle of a row answers
 NONE = -1  # token of no word
 EVERYBODY = -1
 
 
 class Talk(Pytree):
-    """The columns of a row, or of t rows, that are about speaking; words are tokens, -1 none."""
+    """Speech columns of a row, or of t rows; words are tokens, -1 if none."""
 
-    answer: Int[Array, "*t"]  # to the row's question; where only some agents are told, what these say to the others
-    told: Int[Array, "*t"]  # bits of the agents that are told what is to be done; -1 everybody
-    ask: Int[Array, "*t"]  # so many of the oracle's first questions tell apart what is meant
-    oracle: Int[Array, "*t q 2"]  # questions, and what the oracle replies
+    answer: Int[Array, "*t"]  # to the row's question; word that instructed agents say to the others
+    told: Int[Array, "*t"]  # bit mask of the agents that receive the instruction; -1: all
+    ask: Int[Array, "*t"]  # number of oracle questions, from the first, that identify the target
+    oracle: Int[Array, "*t q 2"]  # questions and replies of the oracle
 
 
 def written_talk(
     answer: int = NONE, told: Sequence[int] | None = None, oracle: Sequence[tuple[int, int]] = (), ask: int = 0
 ) -> dict[str, np.ndarray]:
-    """The arrays of a `Talk`.
+    """Pack speech options into the arrays of a `Talk`.
 
     Args:
-        answer: Token of the right answer.
-        told: Numbers of the agents that are told what is to be done; None: all.
-        oracle: Tokens of questions, and of replies.
-        ask: How many of them, from the first, tell apart what is meant.
+        answer: Token of the correct answer.
+        told: Indices of the agents that receive the instruction; None: all.
+        oracle: Pairs of tokens: question and reply.
+        ask: Number of oracle questions, from the first, that suffice to identify the target.
 
     Raises:
-        ConfigError: There are more questions than a row has room for, or fewer than are to be asked.
+        ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `ask`.
 
     Example:
         >>> written_talk(told=(1,))["told"].tolist()
         2
     """
     if not ask <= len(oracle) <= NUM_REPLIES:
-        raise ConfigError(f"an oracle has room for {ask} to {NUM_REPLIES} replies, got {len(oracle)}")
+        raise ConfigError(f"an oracle must have {ask} to {NUM_REPLIES} replies, got {len(oracle)}")
     table = np.full((NUM_REPLIES, 2), NONE, np.int16)
     table[: len(oracle)] = np.array(oracle, np.int16).reshape(-1, 2)
     bits = EVERYBODY if told is None else sum(1 << agent for agent in set(told))
@@ -51,12 +51,12 @@ def written_talk(
 
 
 def talk_of(columns: Mapping[str, Array]) -> Talk:
-    """What the columns of a row, or of many, say of speaking."""
+    """Extract the speech columns of one or many rows."""
     return Talk(**{name: columns[name].astype(jnp.int32) for name in Talk.__dataclass_fields__})
 
 
 def replies(talk: Talk, said: Int[Array, " a"]) -> Int[Array, " a"]:
-    """What the oracle replies to each agent; -1 nothing, as it was asked nothing that it knows.
+    """Return the oracle's reply to each agent; -1 if the agent did not say one of the oracle's questions.
 
     Example:
         >>> talk = talk_of({k: jnp.asarray(v) for k, v in written_talk(oracle=[(7, 9)]).items()})
@@ -69,12 +69,12 @@ def replies(talk: Talk, said: Int[Array, " a"]) -> Int[Array, " a"]:
 
 
 def is_told(talk: Talk, num_agents: int) -> Bool[Array, " a"]:
-    """Which agents are told what is to be done."""
+    """Return which agents receive the instruction."""
     return (jnp.right_shift(talk.told, jnp.arange(num_agents)) & 1) == 1
 
 
 def of_others(said: Int[Array, " a"]) -> Int[Array, " a"]:
-    """What each agent hears of the others: the word of the first one that has spoken; -1 nobody has.
+    """Return for each agent the word of the first other agent that spoke; -1 if none did.
 
     Example:
         >>> of_others(jnp.array([-1, 5, 6])).tolist()
@@ -86,5 +86,5 @@ def of_others(said: Int[Array, " a"]) -> Int[Array, " a"]:
 
 
 def as_observed(words: Int[Array, " a"]) -> Int[Array, "a 1"]:
-    """One word of each agent as it is observed: silence is the token of padding, 0."""
+    """Convert one word of each agent to its observation, with the padding token 0 for silence."""
     return jnp.maximum(words, 0)[:, None]

@@ -1,1 +1,1 @@
-"""When bodies of an environment make a noise: steps, blows, what slides, and doors."""
+"""Contact sounds of an environment: footsteps, impacts, sliding bodies and doors."""

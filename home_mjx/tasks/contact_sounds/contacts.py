@@ -1,4 +1,4 @@
-"""Blows and sliding, from contacts; doors, from how they move."""
+"""Impact and friction sounds from contacts, and sounds of doors from their motion."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -12,16 +12,16 @@ from home_mjx.tasks.base.snapshot import Snapshot, touch_meaning
 from home_mjx.tasks.contact_sounds.steps import stuff_class
 
 GRAVITY = 9.81  # [m/s²]
-LEAST_BLOW = 0.05  # [N s]
-LEAST_CHANGE = 0.15  # [m/s] of a speed, in a step: less is no blow
-LOUDEST = 30.0  # gain: 30 dB above speech for what is wooden
-FLESH = 0.05  # share of an agent's blow that is heard: what it hits it hits softly
-WITHIN = 0.1  # [m] of where it was hit, a body sounds
-SLOWEST = 0.03  # [m/s] of what slides, so that what trembles is silent
-SLIDING = 0.4  # friction of furniture on its feet
-FASTEST = 3.0  # [m/s], likewise
-LEAST_TURN = 0.05  # [rad/s], or [m/s] of what slides
-AT_STOP = 0.02  # [rad] or [m]
+LEAST_BLOW = 0.05  # [N s] minimum impulse of an impact sound
+LEAST_CHANGE = 0.15  # [m/s] minimum change of speed in a step for an impact sound
+LOUDEST = 30.0  # maximum gain of an impact: 30 dB above speech for wood
+FLESH = 0.05  # gain factor of impacts by agents, whose bodies are soft
+WITHIN = 0.1  # [m] maximum distance of the source from the contact, inside the body
+SLOWEST = 0.03  # [m/s] minimum speed of a sliding sound, so that jitter is silent
+SLIDING = 0.4  # friction coefficient of furniture on its feet
+FASTEST = 3.0  # [m/s] maximum speed that counts for the gain of a sliding sound
+LEAST_TURN = 0.05  # [rad/s], or [m/s] if it slides: minimum speed of a leaf that sounds
+AT_STOP = 0.02  # [rad], or [m] if it slides: maximum distance from an end stop
 
 
 def blows(
@@ -30,15 +30,16 @@ def blows(
     change: Float[Array, " m"],
     snapshot: Snapshot,
 ) -> Strikes:
-    """One per mobile: the impulse of its contacts beyond what it had before, and beyond its weight.
+    """Return one impact per dynamic body, by its contact impulse above that of the previous step and of its weight.
 
-    Two bodies that meet are heard once. Contacts of a step have no time in it: blows begin in the middle of the frame.
+    An impact between two bodies sounds once. Contacts have no time within a step, so impacts begin in the middle of the
+    frame.
 
     Args:
         config: Options.
-        impulse: Of all contacts in the step before [N s].
-        change: How much the speed of each has changed in this one [m/s].
-        snapshot: After it.
+        impulse: Contact impulse of each body in the previous step [N s].
+        change: Change of each body's speed in this step [m/s].
+        snapshot: The environment after the step.
     """
     touch, agents, frame = snapshot.touch, config.num_agents, config.audio.frame
     number = jnp.arange(touch.impulse.shape[0], dtype=jnp.int32)
@@ -53,7 +54,7 @@ def blows(
     softly = jnp.where(is_agent | by_agent, FLESH, 1.0)
     there = told & (blow > LEAST_BLOW) & (change > LEAST_CHANGE)
     return Strikes(
-        pos=touch.place + inwards * (WITHIN / far),  # in the body, which does not hide it, and out of what it hit
+        pos=touch.place + inwards * (WITHIN / far),  # inside the body, which does not occlude it
         body=body,
         row=STRIKES.index("hit_wood") + jnp.asarray(stuff_class())[kind],
         gain=jnp.where(there, jnp.minimum(softly * blow, LOUDEST), 0.0),
@@ -62,7 +63,7 @@ def blows(
 
 
 def middles(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m 3"], Int[Array, " m"]]:
-    """Of all mobiles [m], 0 where there is none, and their object ids."""
+    """Return the centres of all dynamic bodies, agents first [m], 0 for padding, and their object ids."""
     moving, agents = snapshot.scene.moving, config.num_agents
     box, there = moving.box, (moving.instance >= 0)[:, None]
     pos = jnp.where(there, jnp.mean(jnp.where(there[:, None], box, 0.0), axis=1), 0.0)
@@ -70,14 +71,14 @@ def middles(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m 3"],
 
 
 def leaves(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "h 3"], Int[Array, " h"]]:
-    """Middles of doors' leaves [m], and their object ids."""
+    """Return the centres of door leaves [m], and their object ids."""
     pos, body = middles(config, snapshot)
     first = pos.shape[0] - snapshot.door_angle.shape[0]
     return pos[first:], body[first:]
 
 
 def mass_of(config: EnvConfig, snapshot: Snapshot) -> Float[Array, " m"]:
-    """Of mobiles that their contacts carry [kg]; doors hang."""
+    """Return the masses of dynamic bodies that their contacts carry [kg]; 0 for doors, as they hang."""
     bodies = snapshot.bank.physics.body_mass[snapshot.house]
     if snapshot.bodies is not None and snapshot.bodies.mass is not None:
         bodies = bodies * snapshot.bodies.mass
@@ -92,14 +93,14 @@ def sliding(
     impulse: Float[Array, " m"],
     snapshot: Snapshot,
 ) -> tuple[Int[Array, " k"], Float[Array, " k"]]:
-    """What bodies sound like that slide, and how loud: the root of the friction's power [W].
+    """Return the friction sound of each sliding body and its gain, the square root of the friction power [W].
 
     Args:
         config: Options.
-        before: Where bodies were [m].
-        pos: Where they are [m].
-        impulse: Of all contacts in the step before [N s].
-        snapshot: After the step.
+        before: Positions of bodies before the step [m].
+        pos: Positions after the step [m].
+        impulse: Contact impulse of each dynamic body in the previous step [N s].
+        snapshot: The environment after the step.
     """
     agents, count = config.num_agents, pos.shape[0]
     part = slice(agents, agents + count)
@@ -114,12 +115,12 @@ def sliding(
 def door_noises(
     config: EnvConfig, before: Float[Array, " h"], snapshot: Snapshot
 ) -> tuple[Strikes, Int[Array, " h"], Float[Array, " h"]]:
-    """Thuds of leaves that have come to where they are shut or wide open; what those sound like that turn, how loud.
+    """Return impacts of leaves that reach an end stop, and the sounds of moving leaves with their gains.
 
     Args:
         config: Options.
-        before: How far each was open.
-        snapshot: After the step.
+        before: Opening of each leaf before the step [rad], or [m] if it slides.
+        snapshot: The environment after the step.
     """
     physics, house, angle = snapshot.bank.physics, snapshot.house, snapshot.door_angle
     pos, body = leaves(config, snapshot)

@@ -1,4 +1,4 @@
-"""All noises after a control step."""
+"""Contact sounds after a control step."""
 
 import jax
 import jax.numpy as jnp
@@ -16,14 +16,14 @@ from home_mjx.tasks.contact_sounds.steps import footsteps
 def after_step(
     config: EnvConfig, template: physics.Template, before: PhysicsState, after: PhysicsState, snapshot: Snapshot
 ) -> tuple[Noises, Bool[Array, ""]]:
-    """The noises of an environment one control step later, and whether any found no slot, see `Status.NOISES`.
+    """Return the contact sounds after one control step, and whether any found no slot, see `Status.NOISES`.
 
     Args:
         config: Options, with `noises`.
-        template: The physics' model.
-        before: Bodies before the step.
-        after: And after it.
-        snapshot: After it, but its noises are those from before.
+        template: Model of the physics.
+        before: Physics state before the step.
+        after: Physics state after the step.
+        snapshot: The environment after the step, with the contact sounds from before it.
     """
     options, noises, audio = config.noises, snapshot.noises, config.audio
     assert options is not None
@@ -46,11 +46,11 @@ def after_step(
 def _rubs(
     config: EnvConfig, template: physics.Template, before: PhysicsState, after: PhysicsState, snapshot: Snapshot
 ) -> tuple[tuple[Rubs, Bool[Array, ""]], list[Strikes]]:
-    """What slides and turns, bodies first; and thuds of doors."""
+    """Return friction sounds of bodies and doors, in this order, and impacts of door leaves."""
     options, noises, count = config.noises, snapshot.noises, snapshot.bank.spec.num_bodies
     assert options is not None
     assert noises is not None
-    parts: list[tuple[Array, ...]] = []  # places, object ids, kinds of noise, gains
+    parts: list[tuple[Array, ...]] = []  # positions, object ids, kinds of sound, gains
     thuds: list[Strikes] = []
     if options.scrapes:
         earlier, pos = (physics.body_pose(template, state)[0] for state in (before, after))
@@ -60,13 +60,13 @@ def _rubs(
         heard, row, gain = door_noises(config, physics.door_angle(template, before), snapshot)
         parts.append((heard.pos, heard.body, row, gain))
         thuds.append(heard)
-    if not sum(gain.size for *_, gain in parts):  # a house may have nothing that moves
+    if not sum(gain.size for *_, gain in parts):  # a house may have no dynamic bodies
         return (noises.rubs, jnp.zeros((), bool)), thuds
     return with_rubs(noises.rubs, *(jnp.concatenate(x) for x in zip(*parts, strict=True))), thuds
 
 
 def _change(template: physics.Template, before: PhysicsState, after: PhysicsState) -> Float[Array, " m"]:
-    """How much the speed of each mobile has changed [m/s]; of a leaf that turns [rad/s]."""
+    """Return the change of each dynamic body's speed [m/s]; [rad/s] for leaves that turn."""
     layout, change = template.layout, after.qvel - before.qvel
     agents = change[layout.agent_qpos].reshape(-1, 4)[:, :3]
     bodies = change[layout.body_qvel].reshape(-1, 6)[:, :3]

@@ -1,4 +1,4 @@
-"""Footsteps of agents: one at every step's length, on what is under the foot."""
+"""Footsteps of agents: one per step length, with the sound of the floor under the foot."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,18 +15,18 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.sensors.cameras import agent_ids
 
-REACH = 3.0  # [m] under the middle of an agent
-ABOVE = 0.05  # [m] over the floor is a foot, so that the floor does not hide it
-FASTEST = 4.0  # [m/s]: no step is louder than at this speed
+REACH = 3.0  # [m] maximum distance from an agent's middle down to the floor
+ABOVE = 0.05  # [m] height of a foot above the floor, so that the floor does not occlude it
+FASTEST = 4.0  # [m/s] maximum speed that counts for the gain of a footstep
 
 
 def floor_class() -> np.ndarray:
-    """Index into FLOORS of each kind of material; the last for an unknown one, which is soft."""
+    """Return the index into FLOORS of each material kind; the last one is of unknown materials, which are soft."""
     return _classes(FLOORS, FLOOR_KINDS, "soft")
 
 
 def stuff_class() -> np.ndarray:
-    """Index into STUFFS of each kind of material; the last for an unknown one, which is wooden."""
+    """Return the index into STUFFS of each material kind; the last one is of unknown materials, taken as wood."""
     return _classes(STUFFS, STUFF_KINDS, "wood")
 
 
@@ -37,7 +37,7 @@ def _classes(classes: dict, kinds: dict[str, tuple[str, ...]], other: str) -> np
 
 
 def step_length(config: EnvConfig, snapshot: Snapshot) -> Float[Array, ""]:
-    """From one footstep to the next [m], as this episode has drawn it."""
+    """Return the distance between footsteps [m], as drawn for this episode if it varies."""
     assert config.noises is not None
     drawn = None if snapshot.drawn is None else snapshot.drawn.step_length
     return jnp.float32(config.noises.step_length) if drawn is None else drawn
@@ -46,17 +46,17 @@ def step_length(config: EnvConfig, snapshot: Snapshot) -> Float[Array, ""]:
 def footsteps(
     config: EnvConfig, before: Float[Array, "a 3"], snapshot: Snapshot, noises: Noises
 ) -> tuple[Strikes, Float[Array, " a"], Bool[Array, ""]]:
-    """Of one control step; those without gain are none.
+    """Return the footsteps of one control step; those of gain 0 are silent.
 
     Args:
         config: Options.
-        before: Where agents were [m].
-        snapshot: After the step.
-        noises: Before it.
+        before: Positions of agents before the step [m].
+        snapshot: The environment after the step.
+        noises: Contact sounds before the step.
 
     Returns:
-        The steps, how far each agent has walked since the start of the episode [m], and whether one took several, of
-        which only the last is heard.
+        The footsteps, each agent's path length since the start of the episode [m], and whether an agent took several in
+        this step. Of several only the last one sounds.
     """
     length, frame = step_length(config, snapshot), config.audio.frame
     pos = snapshot.pose.pos

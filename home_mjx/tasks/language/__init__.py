@@ -1,1 +1,1 @@
-"""Words, phrases and tokens of tasks."""
+"""Vocabulary, phrases and tokens of task instructions."""

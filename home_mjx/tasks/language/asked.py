@@ -1,4 +1,4 @@
-"""What a row asks for, in words for people."""
+"""Text of a row's goal, for display."""
 
 import numpy as np
 from jaxtyping import Int
@@ -9,12 +9,12 @@ from home_mjx.tasks.rules.words import ANY, Kind, Word
 
 
 def asked(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:
-    """The instruction of a row, or what it means if it has none.
+    """Return the instruction of a row; without one, a phrase for its descriptors.
 
     Args:
         task: Name of the task.
-        tokens: Of the instruction.
-        descriptors: Of the row's program.
+        tokens: Tokens of the instruction.
+        descriptors: Descriptors of the row's program.
 
     Example:
         >>> row = np.full((1, len(Word)), ANY)

@@ -1,4 +1,4 @@
-"""Phrases for things and rooms, and the fewest words by which one thing is meant alone."""
+"""Referring expressions: phrases for objects and rooms, and the smallest set of words that identifies an object."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -11,7 +11,7 @@ from home_mjx.tasks.language.vocabulary import spoken
 from home_mjx.tasks.rules.house_view import Thing
 from home_mjx.tasks.rules.words import Word
 
-# Words that tell things apart, in the order in which people prefer them: Dale and Reiter, "Computational
+# Words that distinguish objects of a category, in the order of people's preference: Dale and Reiter, "Computational
 # Interpretations of the Gricean Maxims in the Generation of Referring Expressions", Cognitive Science 19, 1995.
 TELLING = (Word.COLOR, Word.SIZE, Word.MATERIAL, Word.ROOM_TYPE)
 COLUMN = {
@@ -26,7 +26,7 @@ BEFORE_NOUN = (Word.SIZE, Word.COLOR, Word.MATERIAL)
 
 
 def name(word: Word, value: int) -> str:
-    """How a value of a word is said.
+    """Return the token text of a word's value.
 
     Example:
         >>> name(Word.SIZE, 3)
@@ -36,7 +36,7 @@ def name(word: Word, value: int) -> str:
 
 
 def phrase(meant: dict[Word, int], article: str = "the") -> str:
-    """A phrase for what has these words in common.
+    """Return a noun phrase for the objects that have all of these words.
 
     Example:
         >>> phrase({Word.COARSE: 11, Word.SIZE: 3, Word.ROOM_TYPE: 1})
@@ -51,27 +51,27 @@ def phrase(meant: dict[Word, int], article: str = "the") -> str:
 
 
 def has(thing: Thing, word: Word, value: int) -> bool:
-    """Whether a thing has a word; of colours any of its main ones counts."""
+    """Return whether an object has a word's value; for colour, any of its main colours counts."""
     columns = (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3) if word == Word.COLOR else (COLUMN[word],)
     return any(thing.word(column) == value for column in columns)
 
 
 def fitting(things: Sequence[Thing], meant: dict[Word, int]) -> list[Thing]:
-    """The things that have all of some words."""
+    """Select the objects that have all of the given words."""
     return [thing for thing in things if all(has(thing, word, value) for word, value in meant.items())]
 
 
 def telling(things: Sequence[Thing], thing: Thing, random: np.random.Generator) -> dict[Word, int] | None:
-    """The fewest words that mean this thing alone; None: there are none.
+    """Return a smallest set of words that identifies an object; None if there is no such set.
 
-    Where several sets of words are as few, one of them is drawn.
+    Among several smallest sets one is drawn at random.
     """
     alone = fewest(things, thing)
     return alone[int(random.integers(len(alone)))] if alone else None
 
 
 def fewest(things: Sequence[Thing], thing: Thing, telling: Sequence[Word] = TELLING) -> list[dict[Word, int]]:
-    """All sets of the fewest words, of those by which things are told apart, that mean this thing alone."""
+    """Return all smallest sets of words that identify an object: its category and words from `telling`."""
     noun = {Word.COARSE: thing.word(Semantic.COARSE)}
     known = [word for word in telling if thing.word(COLUMN[word]) >= 0]
     for count in range(len(known) + 1):

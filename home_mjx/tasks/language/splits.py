@@ -1,6 +1,6 @@
-"""Tasks that are kept from training: those with some words, or with combinations of words.
+"""Held-out tasks: those whose instruction has certain words, or that combine words in a held-out way.
 
-An agent that has learned `red`, `chair` and `lamp` should know what `red lamp` means, though nobody has said it to it.
+They test compositional generalization: an agent trained on `red`, `chair` and `lamp` should understand `red lamp`.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ SAID = (Word.FINE, Word.COARSE, Word.COLOR, Word.MATERIAL, Word.SIZE, Word.ROOM_
 
 
 def mentions(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
-    """The rows whose instruction has one of these words.
+    """Return a mask of the rows whose instruction has any of these words.
 
     Raises:
         ConfigError: The vocabulary lacks a word.
@@ -31,20 +31,20 @@ def mentions(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
     """
     if isinstance(words, str) or not isinstance(words, Iterable):
-        raise ConfigError(f"expected several words, got {words!r}", hint=f'Write ("{words}",).')
+        raise ConfigError(f"expected a sequence of several words, got {words!r}", hint=f'Write ("{words}",).')
     tokens = [token for word in words for token in tokenize(word)]
     return np.asarray(np.isin(np.asarray(tasks.rows.columns["tokens"]), tokens).any(axis=-1))
 
 
 def new_combinations(tasks: TaskBank, part: float = 0.2, seed: int = 0) -> Bool[np.ndarray, " t"]:
-    """The rows that speak of a held-out combination: two or more words for one thing, such as `red` and `lamp`.
+    """Return a mask of the rows with a held-out combination of two or more words for one target.
 
-    Whether a combination is held out follows from its words and the seed alone: it is the same in all houses and tasks.
+    Only its words and the seed decide whether a combination is held out, so it is the same in all houses and tasks.
 
     Args:
-        tasks: Rows.
-        part: Of all combinations, from 0 to 1.
-        seed: Another one holds out others.
+        tasks: Task bank.
+        part: Fraction of all combinations to hold out, from 0 to 1.
+        seed: Seed of the choice of combinations.
 
     Example:
         >>> held_out = new_combinations(tasks)  # doctest: +SKIP
@@ -56,7 +56,7 @@ def new_combinations(tasks: TaskBank, part: float = 0.2, seed: int = 0) -> Bool[
 def has_new_combination(
     descriptors: Int[np.ndarray, "t d words"], part: float = 0.2, seed: int = 0
 ) -> Bool[np.ndarray, " t"]:
-    """As `new_combinations`, of descriptors whose columns are those of `Word`."""
+    """Return the mask of `new_combinations` for descriptors with the columns of `Word`."""
     check_number("part", part, 0, 1)
     check_number("seed", seed, *SEEDS, whole=True)
     said = descriptors[..., list(SAID)]
@@ -67,6 +67,6 @@ def has_new_combination(
 
 
 def _uniform(words: np.ndarray, seed: int) -> float:
-    """A number from 0 to 1, the same for the same words and seed on any machine."""
+    """Hash words and seed to a number from 0 to 1, the same on any machine."""
     data = words.astype("<i4").tobytes() + seed.to_bytes(8, "little", signed=True)
     return int.from_bytes(hashlib.blake2b(data, digest_size=8).digest(), "little") / 2**64

@@ -1,4 +1,4 @@
-"""Tokens: one per word of the tasks' language, the same for all houses and tasks."""
+"""Vocabulary of the tasks' language: one token per word, the same for all houses and tasks."""
 
 from collections.abc import Iterable, Sequence
 from functools import cache
@@ -11,7 +11,7 @@ from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
 
 PAD = 0
-# Words that are no names of things or of what they are like. New ones go to the end: tokens keep their numbers.
+# Words other than names of objects and their properties. Append new ones to `LATER_WORDS`: tokens must not change.
 FUNCTION_WORDS = (
     *("the", "a", "an", "is", "are", "in", "on", "of", "to", "and", "then", "before", "after", "it", "there", "any"),
     *("go", "walk", "find", "enter", "leave", "take", "pick", "up", "bring", "put", "place", "open", "close", "drop"),
@@ -20,12 +20,13 @@ FUNCTION_WORDS = (
     *("house", "you", "do", "see", "from", "here", "first", "second", "sound", "look", "for", "your", "me", "person"),
 )
 NUMBERS = tuple(str(number) for number in range(11))
-LATER_WORDS = ("does", "have", "one", "ask", "tell", "number")  # behind all others, so that tokens keep their numbers
+# After all others, so that existing tokens do not change.
+LATER_WORDS = ("does", "have", "one", "ask", "tell", "number")
 NAMED = (Semantic.COARSE, Semantic.FINE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
 
 
 def spoken(name: str) -> str:
-    """How a name of a vocabulary is said.
+    """Return the word for a name of a semantic vocabulary.
 
     Example:
         >>> spoken("Living_Room"), spoken("decoration stone")
@@ -36,7 +37,7 @@ def spoken(name: str) -> str:
 
 @cache
 def words() -> tuple[str, ...]:
-    """All words, by token; the first one is padding.
+    """Return all words in the order of their tokens; the first one is padding.
 
     Example:
         >>> words()[:3]
@@ -52,10 +53,10 @@ def _tokens() -> dict[str, int]:
 
 
 def tokenize(text: str) -> tuple[int, ...]:
-    """Tokens of a text.
+    """Convert a text to tokens.
 
     Raises:
-        ConfigError: It has a word that the vocabulary lacks.
+        ConfigError: A word is not in the vocabulary.
 
     Example:
         >>> detokenize(tokenize("go to the red chair in the living_room"))
@@ -68,13 +69,13 @@ def tokenize(text: str) -> tuple[int, ...]:
 
 
 def detokenize(tokens: Iterable[int] | Int[np.ndarray, " n"] | Int[Array, " n"]) -> str:
-    """The text of tokens; padding is left out.
+    """Convert tokens to a text, without padding.
 
     Raises:
-        ConfigError: There is no such token.
+        ConfigError: A token is out of range.
     """
     numbers: Sequence[int] = np.asarray(tokens).tolist()
     wrong = [number for number in numbers if not 0 <= number < len(words())]
     if wrong:
-        raise ConfigError(f"there are tokens 0 to {len(words()) - 1}, got {wrong[0]}")
+        raise ConfigError(f"a token must be from 0 to {len(words()) - 1}, got {wrong[0]}")
     return " ".join(words()[number] for number in numbers if number != PAD)

@@ -1,1 +1,1 @@
-"""What is told of an episode that no agent observes."""
+"""Measures of an episode that agents do not observe."""

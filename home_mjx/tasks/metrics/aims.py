@@ -1,4 +1,4 @@
-"""Where the goal of an episode is, as cells of a storey."""
+"""Goal of an episode as cells of a storey."""
 
 from typing import Any
 
@@ -15,12 +15,12 @@ from home_mjx.tasks.suite.point_nav import PointNavState
 
 
 def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Cells of a storey where the goal of the present stage is: of rooms, under things, of a point or an agent.
+    """Return the cells of a storey that hold the goal of the present stage: its rooms, objects, point or agent.
 
     Args:
         snapshot: The environment.
-        task: The task's state; of one that is neither PointNav's nor a row's nothing is known.
-        level: The storey.
+        task: State of the task; tasks other than PointNav and those of rows have no goal cells.
+        level: Index of the storey.
     """
     bank, house = snapshot.bank, snapshot.house
     if isinstance(task, PointNavState):
@@ -38,7 +38,7 @@ def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Arr
 
 
 def _of_point(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """The cell of a point [m]; none if it is inf."""
+    """Return the cell of a point [m]; no cell if it is inf."""
     bank = snapshot.bank
     known = jnp.all(jnp.isfinite(point))
     at = cell_of(bank, snapshot.house, jnp.where(known, point, 0.0))
@@ -47,7 +47,7 @@ def _of_point(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""
 
 
 def _under(snapshot: Snapshot, meant: Bool[Array, " i"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Cells that the bounds of things are over, where these are now: their corners, added up along both axes."""
+    """Rasterize the present bounds of objects in plan: differences at their corners, summed along both axes."""
     bank, house, boxes = snapshot.bank, snapshot.house, boxes_now(snapshot)
     rows, columns = bank.navigation.room.shape[2:]
     boxes = jnp.where(meant[:, None, None], boxes, 0.0)

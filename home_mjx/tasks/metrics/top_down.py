@@ -1,7 +1,7 @@
-"""A map of an agent's storey from above, with its goal, its way and what it has seen: as Habitat's `top_down_map`.
+"""Top-down map of an agent's storey with its goal, its path and the area it has seen, as Habitat's `top_down_map`.
 
-A measure for who evaluates, draws or debugs, not an observation: it shows what agents cannot know. Savva et al.,
-"Habitat: A Platform for Embodied AI Research", 2019 (arXiv:1904.01201).
+A measure for evaluation, visualization and debugging, not an observation: it has information that agents lack. Savva et
+al., "Habitat: A Platform for Embodied AI Research", 2019 (arXiv:1904.01201).
 """
 
 import math
@@ -21,34 +21,37 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.metrics.aims import goal_cells
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 
-NUM_RAYS = 64  # across the view
-ELSEWHERE = -1
+NUM_RAYS = 64  # number of rays across the horizontal field of view
+ELSEWHERE = -1  # row and column of positions on another storey
 
 
 class Ground(IntEnum):
-    """What a cell of a map is."""
+    """Class of a map cell."""
 
-    OUTSIDE = 0  # of all rooms, or within a wall
-    BLOCKED = 1  # in a room, but an agent's middle cannot be there
-    FREE = 2  # agents can go there; of the house as compiled, whatever has been moved since
+    OUTSIDE = 0  # outside of all rooms, or within a wall
+    BLOCKED = 1  # in a room, but too narrow for an agent
+    FREE = 2  # agents can go there in the house as compiled; later moves of objects do not count
 
 
 class MapMemory(Pytree):
-    """What a map remembers of an episode; A agents, the cells of all storeys of the house."""
+    """Map data accumulated over an episode; A agents, the cells of all storeys of the house."""
 
-    start: Float[Array, "a 3"]  # [m]
-    last: Float[Array, "a 3"]  # [m], where each agent was
-    visited: Bool[Array, "a levels rows columns"]  # its middle has been there
-    seen: Bool[Array, "a levels rows columns"]  # was in its view, with nothing between at the height of its eyes
+    start: Float[Array, "a 3"]  # [m], first position of each agent
+    last: Float[Array, "a 3"]  # [m], last position of each agent
+    visited: Bool[Array, "a levels rows columns"]  # cells that the agent's centre has passed through
+    seen: Bool[Array, "a levels rows columns"]  # cells that have been in its view, unoccluded at eye height
 
 
 class TopDownMap(Pytree):
-    """The storey of one agent, of A. Cells have the edge `bank.spec.cell`; rows go along +y, columns along +x."""
+    """Map of the storey of one agent, of A.
+
+    Cells have the edge `bank.spec.cell`; rows go along +y, columns along +x.
+    """
 
     ground: UInt8[Array, "rows columns"]  # `Ground`
-    goal: Bool[Array, "rows columns"]  # of the present stage: cells of its rooms, under its things, of its point
+    goal: Bool[Array, "rows columns"]  # of the present stage: cells of its rooms, under its objects, of its point
     visited: Bool[Array, "rows columns"]  # by this agent
-    seen: Bool[Array, "rows columns"]  # by this agent; the rest lies in the fog of war
+    seen: Bool[Array, "rows columns"]  # by this agent; all other cells are in the fog of war
     start: Int[Array, "2"]  # row and column; -1 on another storey
     agents: Int[Array, "a 2"]  # row and column of every agent; -1 on another storey
     yaw: Float[Array, " a"]  # [rad], from +x to +y
@@ -56,11 +59,11 @@ class TopDownMap(Pytree):
 
 
 def remember_map(snapshot: Snapshot, memory: MapMemory | None = None) -> MapMemory:
-    """What a map remembers after a reset or a step. To be called after each; for one environment, inside `jit`.
+    """Update the map memory; to be called after each reset and step, for one environment, inside `jit`.
 
     Args:
-        snapshot: The environment. When its episode has just begun, also by an automatic reset, memory begins anew.
-        memory: Of the step before; None: there is none.
+        snapshot: The environment. At the first step of an episode, also after an automatic reset, memory is cleared.
+        memory: Memory of the previous step; None if there is none.
 
     Example:
         >>> memory = remember_map(core.snapshot(params, state))  # doctest: +SKIP
@@ -82,16 +85,16 @@ def remember_map(snapshot: Snapshot, memory: MapMemory | None = None) -> MapMemo
 
 
 def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 0) -> TopDownMap:
-    """The map of one agent's storey.
+    """Return the map of one agent's storey.
 
     Args:
         snapshot: The environment.
-        task: The task's state, `State.task`. PointNav and tasks that are rows of a task bank have goals.
-        memory: See `remember_map`.
-        agent: Whose map.
+        task: State of the task, `State.task`. PointNav and tasks of a task bank's rows have goals.
+        memory: Map memory, see `remember_map`.
+        agent: Index of the agent.
 
     Raises:
-        ConfigError: There is no such agent.
+        ConfigError: The agent does not exist.
 
     Example:
         >>> found = top_down_map(core.snapshot(params, state), state.task, memory)  # doctest: +SKIP
@@ -121,7 +124,7 @@ def _on(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*a 2"]:
 
 
 def _walked(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
-    """Cells on the straight way from where agents were."""
+    """Return the cells on the straight line from each agent's previous position to the present one."""
     bank, house, config = snapshot.bank, snapshot.house, snapshot.config
     way = max(body.forward_speed for body in config.physics.agents) * config.timing.ctrl_dt
     parts = jnp.linspace(0, 1, 2 + math.ceil(2 * way / bank.spec.cell))
@@ -135,7 +138,7 @@ def _walked(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a lev
 
 
 def _in_view(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
-    """Cells to whose middle nothing is in the way of a level look, within the width of the view and `depth_max`."""
+    """Return the cells seen at eye height: unoccluded, within the horizontal field of view and `depth_max`."""
     bank, house, config, pose = snapshot.bank, snapshot.house, snapshot.config, snapshot.pose
     levels, rows, columns = bank.navigation.room.shape[1:]
     half = math.atan(math.tan(math.radians(config.fovy) / 2) * config.width / config.height)

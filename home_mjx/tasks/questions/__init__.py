@@ -1,1 +1,1 @@
-"""Tasks in which agents speak: questions about houses, a dialogue with an oracle, telling each other."""
+"""Tasks with speech: questions about houses, dialogues with an oracle, communication between agents."""

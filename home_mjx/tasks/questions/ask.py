@@ -1,4 +1,4 @@
-"""All questions of each kind that a house has an answer to."""
+"""Generation of all questions that a house can answer, by kind."""
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations, permutations
@@ -26,8 +26,8 @@ from home_mjx.tasks.rules.house_view import HouseView, Thing
 from home_mjx.tasks.rules.program import Meant
 from home_mjx.tasks.rules.words import Word
 
-MARGIN = 2.0  # a thing is larger if its bounds hold as many times more
-NEXT_TO, AWAY = 0.3, 1.5  # [m]: gaps between bounds that are next to each other, and those that are not
+MARGIN = 2.0  # minimum ratio of the volumes of bounds in questions about size
+NEXT_TO, AWAY = 0.3, 1.5  # [m] maximum gap between bounds next to each other; minimum gap otherwise
 SMALL = (
     *("vase", "indoor_lamp", "television", "computer", "music", "books", "plant", "kitchen_appliance", "toy", "candle"),
     *("clock", "decoration", "kitchenware", "household_appliance", "picture_frame", "trinket", "magazines", "pillow"),
@@ -41,17 +41,17 @@ ATTRIBUTES = {
 
 
 def attributes(things: Sequence[Thing], kind: str, about: Sequence[Thing] | None = None) -> Iterator[Question]:
-    """What one thing is like, or in which room it is.
+    """Yield questions about an attribute of single objects, or about the room they are in.
 
     Args:
-        things: Among which a phrase tells it apart.
+        things: Objects among which a phrase must identify one.
         kind: A key of `ATTRIBUTES`.
-        about: Those that are asked about; None: all.
+        about: Objects to ask about; None: all.
     """
     word = OF_WORD[kind]
     for thing in askable(things if about is None else about):
         value = thing.word(COLUMN[word])
-        several = word == Word.COLOR and thing.word(Semantic.BASIC_2) >= 0  # its colour is not one
+        several = word == Word.COLOR and thing.word(Semantic.BASIC_2) >= 0  # more than one main colour
         if value < 0 or several:
             continue
         for words in described(things, thing, (word,)):
@@ -60,13 +60,16 @@ def attributes(things: Sequence[Thing], kind: str, about: Sequence[Thing] | None
 
 
 def rooms(view: HouseView) -> list[tuple[int, int]]:
-    """Number and type of the rooms that are the only ones of their type."""
+    """Return index and type of the rooms that are unique in their type."""
     types = view.room_types.tolist()
     return [(room, kind) for room, kind in enumerate(types) if kind >= 0 and types.count(kind) == 1]
 
 
 def in_rooms(view: HouseView) -> Iterator[tuple[str, int, int]]:
-    """Category, type of a room, and how many of that category are in it; only where all of them can be seen."""
+    """Yield an object category, a room type, and the number of objects of the category in that room.
+
+    Only for rooms that are unique in their type, and for categories whose objects are all visible and in a room.
+    """
     things: dict[str, list[Thing]] = {name: [] for name in NOUNS}
     for thing in askable(view.things):
         things[noun(thing)].append(thing)
@@ -80,7 +83,7 @@ def _is_in_room(thing: Thing) -> bool:
 
 
 def existence(view: HouseView) -> Iterator[Question]:
-    """Whether a room has a thing of a category."""
+    """Yield questions about the presence of a category in a room."""
     for category, kind, number in in_rooms(view):
         place = spoken(ROOM_TYPES[kind])
         texts = f"is there {one_of(category)} in the {place}", f"does the {place} have {one_of(category)}"
@@ -88,7 +91,7 @@ def existence(view: HouseView) -> Iterator[Question]:
 
 
 def count(view: HouseView) -> Iterator[Question]:
-    """How many things of a category a room has."""
+    """Yield questions about the number of objects of a category in a room."""
     for category, kind, number in in_rooms(view):
         if 1 <= number <= MOST:
             place, thing = spoken(ROOM_TYPES[kind]), spoken(category)
@@ -97,7 +100,7 @@ def count(view: HouseView) -> Iterator[Question]:
 
 
 def comparison(view: HouseView) -> Iterator[Question]:
-    """Which of two things is larger, and whether they have the same colour or material."""
+    """Yield questions that compare two objects by size or by colour."""
     own = alone(view.things)
     for a, b in permutations(own, 2):
         ratio = volume(a) / volume(b)
@@ -112,7 +115,7 @@ def comparison(view: HouseView) -> Iterator[Question]:
 
 
 def relation(view: HouseView) -> Iterator[Question]:
-    """What stands on a thing, whether something does, and whether two things are next to each other."""
+    """Yield questions about the objects on a support, and about the proximity of two objects."""
     bearers = {thing.word(Semantic.SUPPORTER) for thing in view.things}
     for thing in askable(view.things):
         if thing.object_id in bearers:
@@ -139,7 +142,7 @@ def _on(view: HouseView, thing: Thing, words: dict[Word, int]) -> Iterator[Quest
 
 
 def the(thing: Thing) -> str:
-    """A thing that is the only one of its category.
+    """Return a noun phrase for an object that is the only one of its category.
 
     Example:
         >>> the(thing)  # doctest: +SKIP
@@ -149,22 +152,22 @@ def the(thing: Thing) -> str:
 
 
 def meant(thing: Thing) -> Meant:
-    """A thing that is the only one of its category."""
+    """Return a descriptor of an object that is the only one of its category."""
     return Meant.thing(coarse=thing.word(Semantic.COARSE))
 
 
 def is_plain(thing: Thing) -> bool:
-    """Whether it has one main colour."""
+    """Return whether an object has exactly one main colour."""
     return thing.word(Semantic.BASIC) >= 0 and thing.word(Semantic.BASIC_2) < 0
 
 
 def volume(thing: Thing) -> float:
-    """Of its bounds [m^3]; at least a cubic centimetre."""
+    """Compute the volume of an object's bounds [m^3]; at least 1e-6."""
     return max(float(np.prod(thing.box[1] - thing.box[0])), 1e-6)
 
 
 def gap_between(a: Thing, b: Thing) -> float:
-    """Between the bounds of two things [m]."""
+    """Compute the gap between the bounds of two objects [m]."""
     return float(np.linalg.norm(np.maximum(np.maximum(a.box[0] - b.box[1], b.box[0] - a.box[1]), 0)))
 
 

@@ -1,7 +1,7 @@
-"""Rows of which each question has each of its answers as often, so that questions alone tell nothing.
+"""Balanced selection of rows: each question has each of its answers equally often, so that text alone predicts nothing.
 
-In older sets of questions about houses much can be answered without looking: Anand et al., "Blindfold Baselines for
-Embodied QA", 2018 (arXiv:1811.05013). So a question is kept only if it has at least two answers in the bank.
+In earlier datasets much can be answered without looking: Anand et al., "Blindfold Baselines for Embodied QA", 2018
+(arXiv:1811.05013). A question is therefore kept only if it has at least two answers in the bank.
 """
 
 from collections import Counter, defaultdict
@@ -14,22 +14,22 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.rules.build import Drawn
 from home_mjx.tasks.rules.task_bank import TaskBank
 
-Block = list[Drawn]  # one question with each of its answers, once
+Block = list[Drawn]  # rows of one question, one for each of its answers
 
 
 def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list[Drawn]:
-    """Rows chosen such that each text is the instruction of as many rows with each of its answers.
+    """Select rows such that each question occurs equally often with each of its answers.
 
     Args:
-        drawn: Rows with a `group`: the kind of the question and the question.
-        most: Rows per house.
-        random: Draws which rows of a group are kept, and in what words they ask.
+        drawn: Rows whose `group` is the kind and the text of their question.
+        most: Maximum number of rows per house.
+        random: Random generator for the choice among the rows of a group, and of their wording.
 
     Returns:
-        Of each kind of question as many as there are of the others, as long as there are.
+        Rows of all kinds of questions, in equal numbers while a kind has rows left.
 
     Raises:
-        ConfigError: No question has two answers, or none has room.
+        ConfigError: No question has two answers, or none fits in the maximum number of rows.
     """
     turns: dict[str, list[Block]] = {}
     for (kind, _), rows in sorted(_grouped(drawn).items()):
@@ -37,7 +37,7 @@ def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list
     waiting = {kind: [blocks[i] for i in random.permutation(len(blocks))] for kind, blocks in turns.items() if blocks}
     if not waiting:
         houses = len({row.house for row in drawn})
-        hint = "Give more houses, see num_houses: only questions that have different answers in them are asked."
+        hint = "Give more houses, see num_houses: a question must have different answers in them."
         raise ConfigError(f"no question has two answers in {houses} houses", hint=hint)
     kept: list[Drawn] = []
     taken: Counter[int] = Counter()
@@ -51,8 +51,8 @@ def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list
             if not waiting[kind]:
                 del waiting[kind]
     if not kept:
-        hint = "Give more rows per house or more houses: a question comes with each of its answers."
-        raise ConfigError(f"no question with all its answers has room in {most} rows per house", hint=hint)
+        hint = "Give more rows per house or more houses: each question is kept with all its answers."
+        raise ConfigError(f"no question with all its answers fits in {most} rows per house", hint=hint)
     return kept
 
 
@@ -64,7 +64,7 @@ def _grouped(drawn: list[Drawn]) -> dict[tuple[str, str], list[Drawn]]:
 
 
 def _blocks(rows: list[Drawn], random: np.random.Generator) -> list[Block]:
-    """Blocks of one question: of as many of its answers, the most frequent, as give the most rows."""
+    """Split the rows of one question into blocks of its k most frequent answers, with the k that keeps most rows."""
     by_answer: dict[int, list[Drawn]] = defaultdict(list)
     for i in random.permutation(len(rows)):
         by_answer[rows[i].row.answer].append(rows[i])
@@ -76,14 +76,14 @@ def _blocks(rows: list[Drawn], random: np.random.Generator) -> list[Block]:
 
 
 def _worded(block: Block, random: np.random.Generator) -> Block:
-    """The rows of a block ask in the same words, so that words tell nothing either."""
+    """Assign the same wording to all rows of a block, so that wording does not predict the answer either."""
     texts = (block[0].row.tokens, *block[0].row.wordings)
     tokens = texts[int(random.integers(len(texts)))]
     return [replace(row, row=replace(row.row, tokens=tokens)) for row in block]
 
 
 def chance(tasks: TaskBank) -> float:
-    """How often an agent is right that knows only what each question's answers are, and draws one of them."""
+    """Return the accuracy of drawing at random among the answers that each question has in these tasks."""
     texts, answers = _asked(tasks)
     own: dict[bytes, set[int]] = defaultdict(set)
     for text, answer in zip(texts, answers.tolist(), strict=True):
@@ -92,17 +92,17 @@ def chance(tasks: TaskBank) -> float:
 
 
 def prior_accuracy(learned: TaskBank, tasks: TaskBank) -> float:
-    """How often the best agent is right that reads questions but looks at nothing.
+    """Return the accuracy of the best agent that reads questions but observes nothing else.
 
-    To each text it gives the answer that was the most frequent one where it has learned; to a text that it has not met
-    the most frequent of all answers.
+    It gives each question its most frequent answer in `learned`, and an unseen question the most frequent answer of
+    all.
 
     Args:
-        learned: Where it has learned.
-        tasks: Where it is judged; maybe the same.
+        learned: Tasks on which it was trained.
+        tasks: Tasks on which it is evaluated; may be the same.
 
     Raises:
-        ConfigError: One of them asks nothing.
+        ConfigError: One of them has no questions.
 
     Example:
         >>> prior_accuracy(env.params.tasks, held_out.params.tasks)  # doctest: +SKIP
@@ -118,7 +118,7 @@ def prior_accuracy(learned: TaskBank, tasks: TaskBank) -> float:
 
 
 def _asked(tasks: TaskBank) -> tuple[list[bytes], Int[np.ndarray, " t"]]:
-    """Texts and answers of the rows that ask."""
+    """Return the texts and the answers of the rows that ask a question."""
     tokens, answers = (np.asarray(tasks.rows.columns[name]) for name in ("tokens", "answer"))
     if not (answers >= 0).any():
         raise ConfigError("no row asks a question", hint="Give rows of HouseQA or VQA.")

@@ -1,7 +1,7 @@
-"""Communication: one agent knows where to go, another one has to go there.
+"""Communication: one agent's instruction names the goal room, another agent has to go there.
 
-A channel of single words, as in Lowe et al., "Multi-Agent Actor-Critic for Mixed Cooperative-Competitive Environments",
-2017 (arXiv:1706.02275), whose speaker and listener these are.
+A channel of single words, with the speaker and listener of Lowe et al., "Multi-Agent Actor-Critic for Mixed
+Cooperative-Competitive Environments", 2017 (arXiv:1706.02275).
 """
 
 from collections.abc import Iterator
@@ -25,15 +25,15 @@ CHANNELS = ("discrete", "audible")
 
 @dataclass(frozen=True)
 class Communication(Navigation):
-    """The first agent goes into a room of a type that only the second one is told.
+    """Task in which the first agent must enter a room that only the second one's instruction names.
 
-    Both may say names of rooms, and hear what the other one has said after that step. Which word means what is theirs
+    Both agents may say names of rooms, and observe the other one's word after that step. The meaning of words is theirs
     to agree on; the expert says the name of the room.
 
     Attributes:
-        channel: "discrete": the other one's word is the observation `heard_words`, wherever it is. "audible": each word
-            is a sound of its own, which goes out from who says it through the house, so that rooms and shut doors
-            muffle it: hear it with `audio`, `stft` or `log_mel`. Nothing else sounds.
+        channel: "discrete": the other agent's word is the observation `heard_words`, at any distance. "audible": each
+            word is a sound of its own, emitted by its speaker and attenuated by rooms and closed doors. It is observed
+            with `audio`, `stft` or `log_mel`; there are no other sounds.
     """
 
     channel: str = "discrete"
@@ -49,26 +49,26 @@ class Communication(Navigation):
 
     @property
     def hears(self) -> tuple[str, ...]:
-        """Each other, unless words are sounds."""
+        """The other agent's word, unless words are sounds."""
         return ("heard_words",) if self.channel == "discrete" else ()
 
     @property
     def needs_ears(self) -> bool:
-        """Words that are sounds are observed nowhere else."""
+        """True if words are sounds, as they are then not observed otherwise."""
         return self.channel == "audible"
 
     @property
     def num_sources(self) -> int:
-        """Of words that are sounds, both voices."""
+        """Number of sound sources: both voices if words are sounds, else 1."""
         return 2 if self.channel == "audible" else 1
 
     @property
     def least_agents(self) -> int:
-        """A listener and a speaker."""
+        """Minimum number of agents: a listener and a speaker."""
         return 2
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Types of rooms that the house has, again and again in another order."""
+        """Yield the room types of the house, repeatedly and in random order."""
         types = np.unique(view.room_types[view.room_types >= 0])
         while len(types) > 1:
             for kind in random.permutation(types).tolist():

@@ -1,4 +1,4 @@
-"""Dialogue: find one of several things of a category, and ask an oracle which one is meant."""
+"""Dialogue: find one of several objects of a category by asking an oracle."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -26,13 +26,13 @@ TEXTS = ("find one {} and ask which", "go to one {} and ask which one")
 
 @dataclass(frozen=True)
 class Dialogue(Navigation):
-    """Go to one thing of a category of which there are several, and look at it; an oracle tells what it is like.
+    """Task of going to one of several objects of a category, and looking at it; an oracle describes it.
 
-    Agents ask by saying `colour`, `size`, `material`, `room`, or `on`; the word that answers is the observation `reply`
-    after that step. Each question costs `question_cost`.
+    Agents ask by saying `colour`, `size`, `material`, `room` or `on`. The oracle's one-word answer is the observation
+    `reply` after that step. Each question costs `question_cost`.
 
     Attributes:
-        success_distance: From the thing [m].
+        success_distance: Maximum distance from the object [m].
     """
 
     success_distance: float = 1.0
@@ -43,16 +43,16 @@ class Dialogue(Navigation):
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """What can be asked."""
+        """Questions that agents can ask."""
         return tuple(f"say:{word}" for word in (*QUESTIONS.values(), "on"))
 
     @property
     def hears(self) -> tuple[str, ...]:
-        """The oracle."""
+        """The oracle's reply."""
         return ("reply",)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Things that are not alone in their category, but told apart by what the oracle replies."""
+        """Yield objects that share their category with others, but are identified by the oracle's replies."""
         things = askable(view.things)
         found = [(thing, words) for thing in things for words in described(view.things, thing)[:1] if len(words) > 1]
         found = [(thing, words) for thing, words in found if self._is_apart(thing, things)]
@@ -62,7 +62,7 @@ class Dialogue(Navigation):
                 yield self._row(view.things, thing, words, random)
 
     def _is_apart(self, thing: Thing, things: Sequence[Thing]) -> bool:
-        """Whether nobody is near it who is near another one of its category."""
+        """Return whether no place is within `success_distance` of both this object and a peer of its category."""
         peers = [other for other in things if noun(other) == noun(thing) and other.object_id != thing.object_id]
         return bool(peers) and min(gap_between(thing, other) for other in peers) > 2 * self.success_distance
 
@@ -83,13 +83,13 @@ class Dialogue(Navigation):
 
 
 def reply(thing: Thing, word: Word) -> str:
-    """What the oracle says that a thing is like; of several colours the main one."""
+    """Return the oracle's word for a property of an object; of several colours the main one."""
     value = thing.word(COLUMN[word])
     return name(word, value) if value >= 0 else UNKNOWN
 
 
 def bearer(things: Sequence[Thing], thing: Thing) -> str:
-    """What a thing stands, lies or hangs on."""
+    """Return the oracle's word for the object or surface that an object rests on or hangs from."""
     support = thing.word(Semantic.SUPPORT)
     if support < 0:
         return UNKNOWN

@@ -1,6 +1,6 @@
 """HouseQA: walk through a house to answer a question about it.
 
-Das et al., "Embodied Question Answering", CVPR 2018 (arXiv:1711.11543), whose houses were those of SUNCG.
+Das et al., "Embodied Question Answering", CVPR 2018 (arXiv:1711.11543), on houses of SUNCG.
 """
 
 from collections.abc import Iterator
@@ -22,17 +22,17 @@ from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature, Kind
 
 KINDS = tuple(ASK)
-OFFERED = 256  # questions of each kind per house, from which balanced ones are chosen
+OFFERED = 256  # maximum number of questions of each kind per house before balancing
 SPOKEN = When(Feature.SAID, least=0)
 
 
 @dataclass(frozen=True)
 class Asking(RowTask):
-    """What tasks share that ask a question.
+    """Base of tasks that ask a question.
 
     Attributes:
-        kinds: Of questions.
-        success_reward: For the right answer.
+        kinds: Kinds of questions.
+        success_reward: Reward for the correct answer.
     """
 
     kinds: tuple[str, ...] = KINDS
@@ -47,17 +47,17 @@ class Asking(RowTask):
 
     @property
     def known_kinds(self) -> tuple[str, ...]:
-        """Kinds of questions that there are."""
+        """All kinds of questions that the task supports."""
         return KINDS
 
     @property
     def name(self) -> str:
-        """Of the task."""
+        """Name of the task."""
         return type(self).__name__
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """The words that answer questions of these kinds."""
+        """Answers to questions of these kinds, as speech actions."""
         return tuple(f"answer:{word}" for word in answers_to(self.kinds))
 
     @property
@@ -66,21 +66,21 @@ class Asking(RowTask):
         return (self,)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """All questions to which a house has an answer."""
+        """Yield the questions that a house can answer."""
         raise NotImplementedError
 
     def choose(self, drawn: list[Drawn], num_tasks: int, random: np.random.Generator) -> list[Drawn]:
-        """Such that each question has each of its answers as often."""
+        """Select rows such that each question occurs equally often with each of its answers."""
         return balanced(drawn, num_tasks, random)
 
 
 @dataclass(frozen=True)
 class HouseQA(Asking):
-    """Answer a question about the house; an answer ends the episode.
+    """Task of answering a question about the house; an answer ends the episode.
 
     Attributes:
-        look_distance: From where a thing that is asked about counts as looked at [m]; for the expert, and for the
-            progress that is rewarded. Whoever knows the answer earlier may give it.
+        look_distance: Distance within which a visible object counts as looked at [m]; used by the expert and for the
+            progress reward. An agent may answer earlier.
     """
 
     look_distance: float = 2.0
@@ -90,7 +90,7 @@ class HouseQA(Asking):
         check_number("look_distance", self.look_distance, 0.5)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """All questions to which the house has an answer; of many the same as in other houses."""
+        """Yield up to `OFFERED` questions of each kind; the choice by hash prefers the same texts in all houses."""
         for kind in dict.fromkeys(self.kinds):
             known = {question.texts[0]: question for question in ASK[kind](view)}
             for text in sorted(known, key=lambda text: crc32(text.encode()))[:OFFERED]:
@@ -109,7 +109,7 @@ class HouseQA(Asking):
         )
 
     def _stages(self, looks: tuple[Meant, ...], answer: int) -> list[Stage]:
-        """A stage per thing to look at, and one in which all is known; answers are taken in all of them."""
+        """Return a stage per object or room to look at, and a last one; an answer ends the episode in each of them."""
         ends = answered(answer, self.success_reward)
         stages = [Stage((*ends, Go(at + 1, self._there(at, look))), guide=at) for at, look in enumerate(looks)]
         return [*stages, Stage(ends, guide=len(looks) - 1)]
@@ -121,6 +121,6 @@ class HouseQA(Asking):
 
 
 def answered(answer: int, reward: float) -> tuple[Go, Go]:
-    """The ends of a question: the right answer, and any other."""
+    """Return the transitions for the correct answer, and for any other."""
     right = When(Feature.SAID, least=answer, most=answer)
     return Go(SUCCESS, (right,), reward=reward), Go(FAILURE, (SPOKEN,))

@@ -1,4 +1,4 @@
-"""A question, and the words that answer questions."""
+"""Questions, and the words that answer them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from home_mjx.tasks.rules.words import Word
 from home_mjx.tasks.suite.navigation import NO_GOALS
 
 YES_NO = ("yes", "no")
-MOST = 6  # things that are counted
+MOST = 6  # maximum answer to questions of kind `count`
 NOUNS = tuple(name for name in COARSE if name not in NO_GOALS)
 OF_WORD = {"colour": Word.COLOR, "material": Word.MATERIAL, "size": Word.SIZE, "location": Word.ROOM_TYPE}
 ANSWERS = {
@@ -31,13 +31,13 @@ ANSWERS = {
 
 @dataclass(frozen=True)
 class Question:
-    """A question about a house and its answer.
+    """Question about a house, with its answer.
 
     Attributes:
         kind: A key of `ANSWERS`.
-        texts: Ways to ask it; the first one is its name.
+        texts: Equivalent wordings; the first one is its name.
         answer: One word.
-        looks: What one has to look at to know, in this order.
+        looks: Objects or rooms to look at before answering, in this order.
     """
 
     kind: str
@@ -47,7 +47,7 @@ class Question:
 
 
 def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
-    """The words that answer questions of some kinds, each once.
+    """Return the words that answer questions of some kinds, without duplicates.
 
     Example:
         >>> answers_to(("existence", "count"))[:3]
@@ -57,17 +57,17 @@ def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
 
 
 def noun(thing: Thing) -> str:
-    """Coarse category of a thing."""
+    """Return the name of an object's coarse category."""
     return COARSE[thing.word(Semantic.COARSE)]
 
 
 def askable(things: Sequence[Thing]) -> list[Thing]:
-    """Things that questions are about: neither parts of the house nor unknown."""
+    """Select the objects that questions may be about: neither parts of the house nor of unknown category."""
     return [thing for thing in things if thing.word(Semantic.COARSE) >= 0 and noun(thing) not in NO_GOALS]
 
 
 def one_of(name: str) -> str:
-    """A thing of a category.
+    """Return a category with its indefinite article.
 
     Example:
         >>> one_of("ottoman"), one_of("sofa")
@@ -78,12 +78,12 @@ def one_of(name: str) -> str:
 
 
 def described(things: Sequence[Thing], thing: Thing, without: Sequence[Word] = ()) -> list[dict[Word, int]]:
-    """The sets of fewest words that mean a thing alone, and of which none is unknown of another one of its category.
+    """Return the smallest sets of words that identify an object and are known of all objects of its category.
 
     Args:
-        things: Among which it is told apart.
+        things: Objects among which it is identified.
         thing: One of them.
-        without: Words that must not be told.
+        without: Words that must not be used.
     """
     peers = [other for other in things if other.word(Semantic.COARSE) == thing.word(Semantic.COARSE)]
     found = fewest(things, thing, [word for word in TELLING if word not in without])
@@ -91,11 +91,11 @@ def described(things: Sequence[Thing], thing: Thing, without: Sequence[Word] = (
 
 
 def alone(things: Sequence[Thing]) -> list[Thing]:
-    """Askable things that are the only ones of their category, by its name."""
+    """Select the askable objects that are the only ones of their category, sorted by its name."""
     nouns = [thing.word(Semantic.COARSE) for thing in things]
     return sorted((t for t in askable(things) if nouns.count(t.word(Semantic.COARSE)) == 1), key=noun)
 
 
 def is_on(thing: Thing, other: Thing) -> bool:
-    """Whether a thing stands or lies on another one."""
+    """Return whether an object rests on another one."""
     return thing.word(Semantic.SUPPORTER) == other.object_id

@@ -1,4 +1,4 @@
-"""VQA: one look, one question, one answer.
+"""VQA: one image, one question, one answer.
 
 Antol et al., "VQA: Visual Question Answering", ICCV 2015 (arXiv:1505.00468).
 """
@@ -26,13 +26,13 @@ LATE = When(Feature.TIME, least=1)
 
 @dataclass(frozen=True)
 class VQA(Asking):
-    """Answer a question about what is in view from where one stands, in the first step.
+    """Task of answering a question about the current view in the first step.
 
-    Views are those of the default camera, level, 90° tall and wide.
+    Views are those of the default camera: level, with a field of view of 90° in height and width.
 
     Attributes:
-        num_views: Per house, from which questions are asked.
-        least_part: Of the image that a thing must fill to be asked about.
+        num_views: Number of views per house for which questions are generated.
+        least_part: Minimum fraction of the image that an object must cover to be asked about.
     """
 
     kinds: tuple[str, ...] = KINDS
@@ -50,7 +50,7 @@ class VQA(Asking):
         return KINDS
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """All questions about views drawn at random."""
+        """Yield all questions about randomly drawn views."""
         cells = random.choice(np.flatnonzero(~view.graph.at_leaf), self.num_views)
         places = view.graph.place[cells]
         yaws = random.uniform(-np.pi, np.pi, self.num_views)
@@ -59,7 +59,7 @@ class VQA(Asking):
                 yield self._row(question, place, float(yaw))
 
     def _questions(self, view: HouseView, parts: dict[int, float]) -> Iterator[Question]:
-        """About what fills some part of an image each, by object id."""
+        """Yield questions about a view, given the fraction of the image that each object id covers."""
         seen = [thing for thing in view.everything if thing.object_id in parts]
         clear = [thing for thing in seen if parts[thing.object_id] >= self.least_part]
         nouns, known = sorted({noun(thing) for thing in askable(view.everything)}), {}
@@ -84,13 +84,13 @@ class VQA(Asking):
 
 
 def in_view(kind: str, nouns: Sequence[str], seen: Sequence[Thing], clear: Sequence[Thing]) -> Iterator[Question]:
-    """Whether things of a category are in view, or how many; nothing of categories of which one is hardly in view.
+    """Yield questions about the presence or number of a category's objects, unless one of them is hardly in view.
 
     Args:
         kind: "existence" or "count".
-        nouns: Categories that are asked about.
-        seen: What is in view at all.
-        clear: What is in view well.
+        nouns: Categories to ask about.
+        seen: Objects of which any part is in view.
+        clear: Objects that are well in view.
     """
     well = {thing.object_id for thing in clear}
     faint = {noun(thing) for thing in askable(seen) if thing.object_id not in well}

@@ -1,1 +1,1 @@
-"""Tasks as rows of arrays: what is meant, what must hold, what comes next; one program steps any mix of them."""
+"""Tasks as rows of arrays: descriptors, conditions and transitions; one compiled program steps any mix of them."""

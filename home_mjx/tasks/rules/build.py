@@ -1,4 +1,4 @@
-"""From what generators write to a task bank."""
+"""Task bank construction from the rows that task generators yield."""
 
 import itertools
 from collections.abc import Hashable, Iterator, Sequence
@@ -23,27 +23,27 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Use, Word
 from home_mjx.tasks.sounds.row import Sound, written_sounds
 
-ROOM = 0.15  # [m]: who walks in steps comes no nearer to the middle of a cell
+ROOM = 0.15  # [m] distance tolerance: agents move in steps and may miss the centre of a cell by this much
 
 
 @dataclass(frozen=True)
 class Row:
-    """One task of a house as a generator writes it.
+    """One task of a house, as a generator yields it.
 
     Attributes:
-        meant: What it speaks of.
-        stages: What must hold, and what comes next.
-        goal: Descriptor whose distance from the start is the length of the shortest path.
-        tokens: Its instruction.
-        sounds: What sounds; none: the house's own source.
+        meant: Descriptors of the objects, rooms, points or agents that the task refers to.
+        stages: Stages with their conditions and transitions; an episode begins in the first one.
+        goal: Descriptor whose distance from the start is the shortest-path length.
+        tokens: Tokens of the instruction.
+        sounds: Sounds of the task; none: the house's own source.
         pose: Start on the floor [m] and yaw [rad]; None: drawn at random.
-        answer: Token of the right answer to its question; -1: there is none to answer.
-        told: Numbers of the agents that are told what is to be done; None: all.
-        oracle: Tokens of questions that agents may ask, and of what is replied.
-        ask: How many of these, from the first, tell apart what is meant.
-        group: For a generator's `choose`, such as rows that ask the same; None: none.
-        wordings: Other instructions that say the same.
-        then: Descriptors that are gone to after the goal, whose ways count to the length as well.
+        answer: Token of the correct answer to the row's question; -1 if it asks none.
+        told: Indices of the agents that receive the instruction; None: all.
+        oracle: Tokens of the questions that agents may ask, each with the token of the reply.
+        ask: Number of oracle questions, from the first, that suffice to identify the target.
+        group: Key for a generator's `choose`, such as rows with the same question; None: ungrouped.
+        wordings: Paraphrases of the instruction, as tokens.
+        then: Descriptors visited after the goal, in order; their legs are added to the shortest-path length.
     """
 
     meant: Sequence[Meant]
@@ -63,27 +63,27 @@ class Row:
 
 @runtime_checkable
 class Generator(Protocol):
-    """Writes tasks of a house."""
+    """Task generator: yields the tasks of a house as rows."""
 
     @property
     def name(self) -> str:
-        """Of the task."""
+        """Name of the task."""
         ...
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Tasks of one house, in an order drawn at random, as many as it has; none if it has none."""
+        """Yield the tasks of one house, in random order and as many as it has."""
         ...
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A row of a house that can be done.
+    """A feasible row of a house.
 
     Attributes:
-        row: As its generator has written it.
+        row: The row as its generator yielded it.
         house: Index of the house.
-        task: Number of the generator.
-        own: Columns: start, yaw, length, and the field of each descriptor.
+        task: Index of the generator.
+        own: Columns `start`, `yaw`, `length`, and `field` with one entry per descriptor.
     """
 
     row: Row
@@ -94,19 +94,19 @@ class Drawn:
 
 @runtime_checkable
 class Choosing(Protocol):
-    """A generator that writes all tasks that a house has, and then chooses among those of all houses."""
+    """Generator that yields every task of each house and then selects among those of all houses."""
 
     def choose(self, drawn: list[Drawn], num_tasks: int, random: np.random.Generator) -> list[Drawn]:
-        """Which rows to keep, at most `num_tasks` per house; they may be changed."""
+        """Select the rows to keep, at most `num_tasks` per house; they may be modified copies."""
         ...
 
 
 @runtime_checkable
 class Keeping(Protocol):
-    """A generator that keeps some of its rows alone, by what they speak of, such as those to train with."""
+    """Generator that filters its rows by their descriptors, such as those of a training split."""
 
     def keeps(self, descriptors: Int[np.ndarray, "t d words"]) -> Bool[np.ndarray, " t"]:
-        """Which rows to keep. Columns of descriptors are those of `Word`."""
+        """Return a mask of the rows to keep; the columns of a descriptor are those of `Word`."""
         ...
 
 
@@ -119,20 +119,20 @@ def build_task_bank(
     most: float = np.inf,
     progress: bool = False,
 ) -> TaskBank:
-    """Draws tasks of all houses.
+    """Build a task bank with tasks of all houses.
 
     Args:
         bank: The houses.
-        generators: Of tasks.
-        num_tasks: Rows per house and generator, where the house has so many. A generator that is `Choosing` writes all
-            and then keeps some.
-        seed: Of the draw.
-        least: Least shortest path from start to goal [m].
-        most: Greatest one [m].
+        generators: Task generators.
+        num_tasks: Maximum number of rows per house and generator. A generator that is `Choosing` yields all its rows
+            and then selects.
+        seed: Seed of the random draws.
+        least: Minimum shortest-path length from start to goal [m].
+        most: Maximum shortest-path length from start to goal [m].
         progress: Show a progress bar.
 
     Raises:
-        ConfigError: No house has a task.
+        ConfigError: No house has a feasible task, or the generators keep none.
     """
     drawn: list[Drawn] = []
     fields = {}
@@ -143,15 +143,17 @@ def build_task_bank(
         drawn += found
     names = tuple(generator.name for generator in generators)
     if not drawn:
-        hint = "Choose other lengths, or other houses."
-        raise ConfigError(f"no house has a task of {', '.join(names)} with a way of {least} m to {most} m", hint=hint)
+        hint = "Choose other path lengths, or other houses."
+        raise ConfigError(
+            f"no house has a task of {', '.join(names)} with a shortest path of {least} m to {most} m", hint=hint
+        )
     kept = _chosen(generators, drawn, num_tasks, np.random.default_rng([seed, bank.num_houses]))
     if len(kept) < len(drawn):
         kept, fields = _used(kept, fields)
     columns = _kept(generators, [_columns(one) for one in _in_turns(kept)])
     if not columns:
         hint = "Give more houses, or a larger `num_tasks`."
-        raise ConfigError(f"of {len(drawn)} tasks of {', '.join(names)} none is kept", hint=hint)
+        raise ConfigError(f"none of the {len(drawn)} tasks of {', '.join(names)} is kept", hint=hint)
     return packed(bank, columns, fields, names)
 
 
@@ -163,7 +165,7 @@ def _some(generator: Generator, view: HouseView, random: np.random.Generator, mo
 def _chosen(
     generators: Sequence[Generator], drawn: list[Drawn], num_tasks: int, random: np.random.Generator
 ) -> list[Drawn]:
-    """Those that generators keep which choose."""
+    """Apply `choose` of the generators that are `Choosing`; keep the rows of all others."""
     kept = [one for one in drawn if not isinstance(generators[one.task], Choosing)]
     for task, generator in enumerate(generators):
         if isinstance(generator, Choosing):
@@ -172,7 +174,7 @@ def _chosen(
 
 
 def _kept(generators: Sequence[Generator], columns: list[dict]) -> list[dict]:
-    """The rows that their generators keep."""
+    """Apply `keeps` of the generators that are `Keeping`; keep the rows of all others."""
     kept = np.ones(len(columns), bool)
     tasks = np.array([column["task"] for column in columns], int)
     for task, generator in enumerate(generators):
@@ -183,12 +185,12 @@ def _kept(generators: Sequence[Generator], columns: list[dict]) -> list[dict]:
 
 
 def _used(rows: list[Drawn], fields: dict[int, np.ndarray]) -> tuple[list[Drawn], dict[int, np.ndarray]]:
-    """Rows with the fields that they use alone."""
+    """Drop distance fields that no row uses, and renumber the rows' `field` columns."""
     found, kept = [], {}
     for house, field_ in fields.items():
         own = [row for row in rows if row.house == house]
         used = np.unique([column for row in own for column in row.own["field"].tolist() if column >= 0]).astype(int)
-        place = np.full(field_.shape[1] + 1, -1, np.int16)  # the last one, which -1 means, stays -1
+        place = np.full(field_.shape[1] + 1, -1, np.int16)  # index -1 selects the extra last entry, which stays -1
         place[used] = np.arange(len(used))
         kept[house] = field_[:, used]
         found += [replace(row, own=row.own | {"field": place[row.own["field"]]}) for row in own]
@@ -209,7 +211,7 @@ def _of_house(
     random: np.random.Generator,
     limits: tuple[float, float],
 ) -> tuple[list[Drawn], np.ndarray]:
-    """A house's tasks that can be done, and the fields of what they mean."""
+    """Return the feasible rows of a house, and the distance fields of their descriptors."""
     columns = [written(row.meant, row.stages) for _, row in rows]
     for _, row in rows:
         check_success(row.stages)
@@ -230,11 +232,11 @@ def _of_house(
 
 
 def can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
-    """Whether there is a way to all that stages lead to, and as near to it as conditions ask.
+    """Return whether all guide descriptors are reachable, as closely as the distance conditions require.
 
     Args:
-        column: Of one task.
-        nearest: How near one can come to what each field leads to [m].
+        column: Columns of one row, with `field`.
+        nearest: Minimum distance over the home cells to the target of each field [m].
     """
     field_, guide = column["field"], column["guide"]
     asked = column["feature"] == Feature.DISTANCE
@@ -246,22 +248,22 @@ def can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
 
 
 def padded(tokens: Sequence[int]) -> Int[np.ndarray, " n"]:
-    """Tokens of an instruction, filled up.
+    """Pad the tokens of an instruction with 0 to `NUM_TOKENS`.
 
     Raises:
-        ConfigError: There are too many.
+        ConfigError: There are more than `NUM_TOKENS` tokens.
     """
     if len(tokens) > NUM_TOKENS:
-        raise ConfigError(f"an instruction has room for {NUM_TOKENS} words, got {len(tokens)}")
+        raise ConfigError(f"an instruction has at most {NUM_TOKENS} words, got {len(tokens)}")
     whole = np.zeros(NUM_TOKENS, np.int16)
     whole[: len(tokens)] = tokens
     return whole
 
 
 def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[np.ndarray, "c g"]:
-    """Distances of a house's cells to what its tasks' descriptors mean; adds `field` to their columns.
+    """Compute the distance fields of a house's descriptors, and add the column `field` to its rows.
 
-    What several descriptors mean alike has one field. What cannot be reached has none: -1.
+    Descriptors with the same end cells share a field. -1 if a descriptor has no end cell, or is an agent or nothing.
     """
     if not columns:
         return view.graph.fields([])
@@ -287,9 +289,9 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
 
 
 def _near_enough(column: dict, d: int, ends: Ends) -> Ends:
-    """Of the cells that ways to descriptor `d` end at those that are as near to it as conditions ask; all, if none is.
+    """Keep the end cells of descriptor `d` that meet its distance conditions; all, if none does.
 
-    Without that a way could end at the nearest of several things, which can be seen but not come near enough to.
+    Otherwise a path could end at the nearest of several objects that is visible but not approachable closely enough.
     """
     cells, away = ends
     asked = (column["feature"] == Feature.DISTANCE) & (column["first"] == d)
@@ -298,7 +300,7 @@ def _near_enough(column: dict, d: int, ends: Ends) -> Ends:
 
 
 def _use(view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"]) -> tuple[Use, float]:
-    """What agents go to what descriptor `d` means for; if to put something there, its radius [m]."""
+    """Return the purpose of going to descriptor `d`, and the plan radius of an object to be put there [m]."""
     feature, first, second = (column[name].tolist() for name in ("feature", "first", "second"))
     conditions = list(zip(feature, first, second, strict=True))
     put = [i for feature, i, j in conditions if feature == Feature.ON and j == d]
@@ -312,7 +314,7 @@ def _use(view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"
 def _start(
     view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
 ) -> dict | None:
-    """A start at random among cells whose way to the goal is neither too short nor too long; None: there is none."""
+    """Draw a random start cell whose path length to the goal is within limits; None if there is no such cell."""
     way = np.where(field_ == FIELD_FAR, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]) & ~view.graph.at_leaf)
     if not len(fit):
@@ -323,13 +325,13 @@ def _start(
 
 
 def _ways_between(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
-    """Ways from where one field leads to, on to where the next one does [m]."""
+    """Return the sum of path lengths from the target of each field to that of the next [m]."""
     ends = [int(np.argmin(fields[:, stop])) for stop in stops]
     return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))
 
 
 def _posed(view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]) -> dict | None:
-    """A start that a row says; None: there is no way from there."""
+    """Return the start that a row prescribes; None if no path leads from there to the goal."""
     place, yaw = np.asarray(pose[0], np.float32), np.float32(pose[1])
     cell = np.argmin(np.linalg.norm(view.graph.place - place, axis=1))
     if way[cell] == FIELD_FAR or view.graph.cut_off[cell]:
@@ -338,7 +340,7 @@ def _posed(view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[
 
 
 def _in_turns(drawn: list[Drawn]) -> list[Drawn]:
-    """In an order in which houses take turns, so that the first rows are of as many houses as there are."""
+    """Interleave the rows of different houses, so that the first rows cover as many houses as possible."""
     counts: dict[int, Iterator[int]] = {}
     turns = [next(counts.setdefault(row.house, itertools.count())) for row in drawn]
     return [drawn[i] for i in np.lexsort([[row.house for row in drawn], turns])]
@@ -347,9 +349,9 @@ def _in_turns(drawn: list[Drawn]) -> list[Drawn]:
 def packed(
     bank: HouseBank, rows: list[dict], fields: dict[int, UInt16[np.ndarray, "c g"]], names: tuple[str, ...]
 ) -> TaskBank:
-    """Columns of rows, and the fields of their houses, as one task bank."""
+    """Pack the columns of rows and the distance fields of their houses into a task bank."""
     arrays = {name: jnp.asarray(np.stack([row[name] for row in rows])) for name in rows[0]}
-    count = max(1, *(f.shape[1] for f in fields.values()))  # rows may mean nothing that is anywhere
+    count = max(1, *(f.shape[1] for f in fields.values()))  # at least one column, even if no row has a field
     whole = np.full((bank.navigation.field.shape[0], count), FIELD_FAR, np.uint16)
     for house, field_ in fields.items():
         first = int(bank.navigation.first_cell[house])

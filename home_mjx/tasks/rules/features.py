@@ -1,4 +1,4 @@
-"""What conditions look at, for every agent and descriptor at once: no branch, whatever the mix of tasks."""
+"""Feature values that conditions test, for all agents and descriptors at once and without branching on the task."""
 
 import jax
 import jax.numpy as jnp
@@ -14,13 +14,13 @@ from home_mjx.tasks.rules.words import Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.sight import clear, look_points
 
-FAR = 1000.0  # [m]: away from what is nowhere
-REST = 0.03  # [m]
-BELOW, ABOVE = 2.0, 1.0  # [m]: what is lower or higher, relative to an agent's middle, is on another storey
+FAR = 1000.0  # [m] distance to a target that does not exist or is on another storey
+REST = 0.03  # [m] maximum gap between an object's underside and the top of its support
+BELOW, ABOVE = 2.0, 1.0  # [m] points farther below or above an agent's middle are on another storey
 
 
 def boxes_now(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
-    """World bounds of all instances where they are now [m]."""
+    """Return the current world bounds of all instances [m]."""
     scene, geometry = snapshot.scene, snapshot.bank.geometry
     model = jnp.maximum(geometry.instance_model[scene.house], 0)
     placed = jax.vmap(bounds)(geometry.instance_pose[scene.house], geometry.model_box[model])
@@ -29,24 +29,24 @@ def boxes_now(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
 
 
 class Looked(Pytree):
-    """What conditions look at, and what was found on the way to it, which experts need; A agents."""
+    """Feature values used by conditions, plus intermediate results reused by the expert policies; A agents."""
 
     values: Float[Array, "feature a d d"]  # of agent a, descriptors i and j
-    box: Float[Array, "a d 2 3"]  # [m], bounds of the nearest thing that is meant
-    points: Float[Array, "a d p 3"]  # [m], where each agent would look for it
-    free: Bool[Array, "a d p"]  # nothing is before these
+    box: Float[Array, "a d 2 3"]  # [m], bounds of the nearest target
+    points: Float[Array, "a d p 3"]  # [m], points on these bounds that each agent inspects
+    free: Bool[Array, "a d p"]  # line of sight to these points is free
 
 
 def look(
     snapshot: Snapshot, program: Program, means: Means, field: UInt16[Array, "cell f"], time: Int[Array, ""]
 ) -> Looked:
-    """Values of all features.
+    """Compute the values of all features.
 
     Args:
         snapshot: The environment.
-        program: What is to be done.
-        means: What its descriptors mean.
-        field: Of the task bank.
+        program: Program of the episode.
+        means: Resolved targets of its descriptors.
+        field: Distance fields of the task bank.
         time: Steps since the stage began.
     """
     agents, descriptors = snapshot.pose.yaw.shape[0], program.field.shape[0]
@@ -77,7 +77,7 @@ def look(
 def nearest_meant(
     snapshot: Snapshot, program: Program, means: Means, boxes: Float[Array, "i 2 3"]
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
-    """Straight distance from each agent's middle to the nearest thing that is meant [m], and that thing's bounds."""
+    """Return the straight distance from each agent's middle to the nearest target [m], and the target's bounds."""
     pos, kind = snapshot.pose.pos, program.descriptor[:, Word.KIND]
     away = jax.vmap(
         lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1)
@@ -97,10 +97,10 @@ def nearest_meant(
 
 
 def emitters(snapshot: Snapshot, program: Program, means: Means) -> tuple[Float[Array, "d 3"], Int[Array, " d"]]:
-    """Where the sound of what each descriptor means comes from [m], inf for what does not sound; and its object id.
+    """Return the sound position of each descriptor [m], inf if it has none, and its object id; -1 if it has none.
 
-    Objects and agents sound in their middle (of several the first does), places so far above the floor as
-    `EnvConfig.source_height` says.
+    Objects emit from their middle (the first of several targets), agents from theirs, places from
+    `EnvConfig.source_height` above the floor.
     """
     kind = program.descriptor[:, Word.KIND]
     first = jnp.argmax(means.instance, axis=1)
@@ -118,14 +118,14 @@ def emitters(snapshot: Snapshot, program: Program, means: Means) -> tuple[Float[
 def distances(
     snapshot: Snapshot, program: Program, field: UInt16[Array, "cell f"], straight: Float[Array, "a d"]
 ) -> Float[Array, "a d"]:
-    """Along the shortest path [m]; where a descriptor has no field, straight."""
+    """Return shortest-path distances to each descriptor [m]; straight distances where it has no field."""
     column = jnp.maximum(program.field, 0)
     way = jax.vmap(lambda at: geodesic_distance(snapshot.bank, snapshot.house, column, at, field))(snapshot.pose.pos)
     return jnp.where(program.field < 0, straight, jnp.minimum(way, FAR))
 
 
 def sights(snapshot: Snapshot, box: Float[Array, "a d 2 3"]) -> tuple[Float[Array, "a d p 3"], Bool[Array, "a d p"]]:
-    """Where each agent would look for what has these bounds [m], and where nothing is before them."""
+    """Return the points that each agent inspects on a target's bounds [m], and whether its line of sight is free."""
     eyes, own = eye_position(snapshot.config, snapshot.pose), agent_ids(snapshot.bank, box.shape[0])
 
     def one(eye: Array, own: Array, box: Array) -> tuple[Array, Array]:
@@ -136,7 +136,7 @@ def sights(snapshot: Snapshot, box: Float[Array, "a d 2 3"]) -> tuple[Float[Arra
 
 
 def in_frame(snapshot: Snapshot, points: Float[Array, "a d p 3"]) -> Bool[Array, "a d p"]:
-    """Which points are in each agent's view, if nothing is before them."""
+    """Return whether points are within each agent's field of view, regardless of occlusion."""
     config, pose = snapshot.config, snapshot.pose
     way = points - eye_position(config, pose)[:, None, None]
     known = jnp.all(jnp.isfinite(way), axis=-1)
@@ -149,7 +149,7 @@ def in_frame(snapshot: Snapshot, points: Float[Array, "a d p 3"]) -> Bool[Array,
 def _in_view(
     way: Float[Array, "a d p 3"], yaw: Float[Array, " a"], pitch: Float[Array, " a"]
 ) -> tuple[Float[Array, "a d p"], Float[Array, "a d p"], Float[Array, "a d p"]]:
-    """Ways along the optical axis, to the left and up of the image [m]."""
+    """Project offsets on the camera axes: forward, left and up in the image [m]."""
     cos, sin = jnp.cos(yaw)[:, None, None], jnp.sin(yaw)[:, None, None]
     level, left = cos * way[..., 0] + sin * way[..., 1], cos * way[..., 1] - sin * way[..., 0]
     cos, sin = jnp.cos(pitch)[:, None, None], jnp.sin(pitch)[:, None, None]
@@ -157,20 +157,20 @@ def _in_view(
 
 
 def held(snapshot: Snapshot, means: Means) -> Bool[Array, "a d"]:
-    """Whether each agent holds something that is meant."""
+    """Return whether each agent holds a target of each descriptor."""
     body = snapshot.bank.geometry.instance_body[snapshot.house]
     mine = (body[None] == snapshot.held[:, None]) & (snapshot.held[:, None] >= 0)
     return jnp.any(mine[:, None] & means.instance[None], axis=-1)
 
 
 def inside(snapshot: Snapshot, means: Means) -> Bool[Array, "a d"]:
-    """Whether each agent is in a room that is meant."""
+    """Return whether each agent is in a target room of each descriptor."""
     room = jax.vmap(lambda at: room_of(snapshot.bank, snapshot.house, at))(snapshot.pose.pos)
     return jnp.take(means.room, jnp.maximum(room, 0), axis=1).T & (room >= 0)[:, None]
 
 
 def beside(means: Means, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
-    """Least gap between things that two descriptors mean [m]."""
+    """Return the minimum gap between targets of each pair of descriptors [m]."""
     gap = jnp.maximum(boxes[:, None, 0] - boxes[None, :, 1], boxes[None, :, 0] - boxes[:, None, 1])
     away = jnp.linalg.norm(jnp.maximum(gap, 0), axis=-1)
     away = jnp.where(jnp.eye(len(boxes), dtype=bool), FAR, away)
@@ -179,9 +179,10 @@ def beside(means: Means, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
 
 
 def rests(means: Means, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
-    """Whether something that the first descriptor means lies on something that the second means.
+    """Return whether a target of the first descriptor rests on a target of the second, for each pair.
 
-    Its middle is above the other's plan, its underside at most `REST` above the other's top or within its upper half.
+    The middle of the first is above the second's footprint. Its underside is at most `REST` above the second's top, and
+    not below the second's middle.
     """
     middle, low, high = boxes.mean(axis=1), boxes[:, 0], boxes[:, 1]
     over = (middle[:, None, :2] >= low[None, :, :2]) & (middle[:, None, :2] <= high[None, :, :2])
@@ -192,7 +193,7 @@ def rests(means: Means, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
 
 
 def opened(snapshot: Snapshot, means: Means) -> Float[Array, " d"]:
-    """Widest opening of the doors that are meant: 0 shut, 1 wide."""
+    """Return the widest opening of each descriptor's doors: 0 closed, 1 wide open."""
     physics, house = snapshot.bank.physics, snapshot.house
     closed, wide = physics.door_closed[house], physics.door_wide[house]
     part = jnp.abs(snapshot.door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)

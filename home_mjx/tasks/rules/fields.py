@@ -1,4 +1,4 @@
-"""Distances of all cells of a house to what descriptors mean, on the host."""
+"""Geodesic distance fields from all cells of a house to the targets of descriptors (NumPy, host only)."""
 
 from collections.abc import Sequence
 
@@ -16,33 +16,33 @@ from home_mjx.geometry.geodesic import grid_edges
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
 
-STEP = 0.35  # [m], at most, between cells of a ramp and of the level that it leads to
-STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
-BRUSHES = 4.0  # who brushes the leaf of an open door may shut it
-PUSHES = BRUSHES**2  # and who walks into it does
-MARGIN = 0.15  # [m], to a leaf
-TURNING = 0.4  # [m]: so near to where it fits what is carried can be turned
-TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
+STEP = 0.35  # [m] maximum height difference between joined cells of a ramp and of its upper level
+STOREY = 2.5  # [m] maximum height above a floor that belongs to its storey
+BRUSHES = 4.0  # path cost factor where an agent brushes the leaf of an open door, which may close it
+PUSHES = BRUSHES**2  # path cost factor where an agent walks into the leaf, which closes it
+MARGIN = 0.15  # [m] minimum clearance to a leaf that is not brushed
+TURNING = 0.4  # [m] maximum distance to a cell in which the carried object has room to turn
+TINY = 1e-6  # [m] minimum edge length: sparse matrices drop edges of length 0
 
-# Cells from which a goal is reached, and how far it is from each [m]; as many of both.
+# End cells of the paths to a goal, and the remaining distance from each to the goal [m].
 Ends = tuple[Int[np.ndarray, "_"], Float[np.ndarray, "_"]]
 
 
 class CellGraph:
-    """The cells of a house's home region, and the ways between them.
+    """Graph of the cells in a house's home region.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        brushes: So many times as long counts a way on which an agent would brush the leaf of an open door; the square
-            of it one on which it would walk into the leaf.
+        brushes: Cost factor of edges on which an agent would brush the leaf of an open door. The square of it applies
+            where the agent would walk into the leaf.
 
     Attributes:
-        place: Middle of each home cell, on the floor [m].
-        room: Room of each home cell; -1 none.
+        place: Centre of each home cell, on the floor [m].
+        room: Room of each home cell; -1 if none.
         at_leaf: Home cells in which an agent touches the leaf of an open door, or which such a leaf cuts off.
-        cut_off: Home cells out of which no way leads to most of the house but by pushing a leaf, which may shut it for
-            good. There nothing begins and nothing is to be reached.
+        cut_off: Home cells whose every path to most of the house pushes a leaf, which may close the door for good.
+            Neither starts nor goals are placed there.
     """
 
     def __init__(self, bank: HouseBank, house: int, brushes: float = BRUSHES) -> None:
@@ -68,7 +68,7 @@ class CellGraph:
         self._edges = sources, targets, np.maximum(slow[sources], slow[targets]) * lengths
 
     def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
-        """From the middle of each cell to the nearest leaf, doors open [m]."""
+        """Return the plan distance from each cell centre to the nearest leaf, doors open [m]; inf if none."""
         leaves = jax.tree.map(lambda x: x[house], Leaf.of(jax.tree.map(jnp.asarray, bank.physics)))
         pos, quat = (np.asarray(x) for x in leaves.moved(jnp.asarray(bank.physics.door_wide[house])))
         found = np.full(len(self.place), np.inf)
@@ -80,7 +80,7 @@ class CellGraph:
         return found
 
     def fields(self, ends: Sequence[Ends]) -> UInt16[np.ndarray, "c g"]:
-        """Distances of all of the house's cells to goals, ordered and kept as in `Navigation.field`."""
+        """Compute the distances of all cells of the house to goals, ordered and quantized as in `Navigation.field`."""
         home = self.distances(ends)
         parts = [(np.argwhere(self._home), home)]
         around = [self._rank <= rank for rank in (1, 2)]
@@ -92,10 +92,10 @@ class CellGraph:
         return np.where(np.isfinite(whole), units, FIELD_FAR).astype(np.uint16)
 
     def distances(self, ends: Sequence[Ends]) -> Float[np.ndarray, "c g"]:
-        """Of each home cell to goals [m]; inf where there is no way."""
+        """Compute the distances of each home cell to goals [m]; inf if unreachable."""
         cells, goals = len(self.place), len(ends)
         sources, targets, lengths = self._edges
-        # From each goal to its ends and never back, so that no way leads through a goal.
+        # Edges lead from each goal to its end cells and never back, so that no path passes through a goal.
         begins = np.concatenate([sources, targets, *[np.full(len(n), cells + g) for g, (n, _) in enumerate(ends)]])
         stops = np.concatenate([targets, sources, *[number for number, _ in ends]])
         ways = np.concatenate([lengths, lengths, *[np.maximum(way, TINY) for _, way in ends]])
@@ -103,9 +103,10 @@ class CellGraph:
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
     def around(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> Ends:
-        """The cells of a box's storey that are nearest to it in the plan, at most so many, and how far it is.
+        """Return the cells of a box's storey that are nearest to it in plan, at most `most`, and their distances [m].
 
-        None at the leaf of an open door: who goes there may push it, and then it hides what is behind.
+        Cells at the leaf of an open door are excluded: an agent may push the leaf, which then hides the object behind
+        it.
         """
         here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY)
         storey = np.flatnonzero(here & ~self.at_leaf)
@@ -115,24 +116,24 @@ class CellGraph:
         return storey[order], away[order]
 
     def inside(self, rooms: Bool[np.ndarray, " r"]) -> Ends:
-        """The cells of some rooms."""
+        """Return the cells of the given rooms, at distance 0, without those that are cut off."""
         cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)] & ~self.cut_off)
         return cells, np.zeros(len(cells))
 
     def at(self, place: Float[np.ndarray, " 3"]) -> Ends:
-        """The cell that is nearest to a point."""
+        """Return the cell nearest to a point, and its plan distance [m]."""
         nearest = np.argmin(np.linalg.norm(self.place - place, axis=1))
         return np.array([nearest]), np.linalg.norm(self.place[[nearest], :2] - place[:2], axis=1)
 
     def leads_out(self, cells: Int[np.ndarray, " n"], wide: Bool[np.ndarray, " c"]) -> Bool[np.ndarray, " n"]:
-        """Which of some cells are at most `TURNING` from cells that are wide and joined by such to most wide ones."""
+        """Return which cells are within `TURNING` of the largest connected set of wide cells."""
         out = self.place[~_beyond(~wide, *self._edges[:2])]
         if not len(out):
             return np.zeros(len(cells), bool)
         return KDTree(out).query(self.place[cells])[0] <= TURNING
 
     def _between_levels(self) -> list[tuple[np.ndarray, ...]]:
-        """Ways from the top of a ramp, which is in the grid of the level below, to the floor that it leads to."""
+        """Return the edges from the top of a ramp, in the grid of the lower level, to the floor it leads to."""
         number = np.where(self._home, np.cumsum(self._home).reshape(self._home.shape) - 1, -1)
         ways = []
         for level in range(len(number) - 1):
@@ -147,7 +148,7 @@ class CellGraph:
 def _beyond(
     blocked: Bool[np.ndarray, " c"], sources: Int[np.ndarray, " e"], targets: Int[np.ndarray, " e"]
 ) -> Bool[np.ndarray, " c"]:
-    """Which cells are blocked, or joined to fewer others than most are by ways on which none is."""
+    """Return which cells are blocked, or outside the largest connected set of unblocked cells."""
     free = ~blocked[sources] & ~blocked[targets]
     count = len(blocked)
     joined = csr_matrix((np.ones(free.sum()), (sources[free], targets[free])), shape=(count, count))

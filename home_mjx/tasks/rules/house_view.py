@@ -1,4 +1,4 @@
-"""One house of a bank as generators of tasks read it, on the host."""
+"""View of one house of a bank for task generators (host side)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,16 +19,16 @@ from home_mjx.tasks.rules.words import Kind, Use
 from home_mjx.tasks.sensors.reaching import gaps_carrying, plan_radius, put_from, taken_from
 from home_mjx.tasks.sensors.sight import ids_in_view, seen_from
 
-HAND = 0.93  # [m], how far hands reach: less than `Body.reach`, as agents do not stand in the middle of cells
-CELLS = 64  # that are nearest to a thing are tried
-BLOCK = 1024  # cells that are looked at together
-EVERY = 4  # cell in reach of a hand is tried
-REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
-STOREY = 2.0  # [m] above the highest floor: what is wholly higher is out of reach
-BELOW_TOP = 0.1  # [m], eyes of an agent
-HEADINGS = 9  # of a half turn that are tried
-APART = 0.05  # [m], between what is carried and who carries it, besides `CARRY`
-SLACK = 0.04  # [m] by which what is carried may brush something: its circle in the plan is wider than itself
+HAND = 0.93  # [m] maximum reach from a cell centre: below `Body.reach`, as agents stop beside the centre
+CELLS = 64  # number of cells tested per instance, nearest first
+BLOCK = 1024  # number of cells per batch of clearance queries
+EVERY = 4  # stride of the cells within hand reach that are tested
+REACH = 0.3  # [m] paths to an object may end this much farther from it than the nearest cell
+STOREY = 2.0  # [m] height above the highest floor; objects entirely above it are out of reach
+BELOW_TOP = 0.1  # [m] depth of the eyes below the top of an agent's body
+HEADINGS = 9  # number of heading intervals tested per half turn
+APART = 0.05  # [m] gap between the carrying agent and the carried object, added to `CARRY`
+SLACK = 0.04  # [m] allowed overlap of a carried object: its circle in plan is wider than its shape
 
 
 @dataclass(frozen=True)
@@ -37,27 +37,27 @@ class Thing:
 
     object_id: int
     row: Int[np.ndarray, " columns"]  # of the semantic table; columns are those of `Semantic`
-    box: Float[np.ndarray, "2 3"]  # [m], world bounds where it stands
-    body: int  # movable body; -1 static
+    box: Float[np.ndarray, "2 3"]  # [m], world bounds at the initial pose
+    body: int  # movable body; -1 if static
 
     def word(self, column: Semantic) -> int:
-        """A column of its semantic row; -1 unknown."""
+        """Return a column of the object's semantic row; -1 if unknown."""
         return int(self.row[column])
 
     @property
     def coarse(self) -> str:
-        """Its coarse category."""
+        """Name of the coarse category."""
         return COARSE[self.word(Semantic.COARSE)] if self.word(Semantic.COARSE) >= 0 else "unknown"
 
 
 class HouseView:
-    """What generators need to know of a house.
+    """Geometry, semantics and reachability of one house, for task generators.
 
     Args:
         bank: The houses, with arrays on the host.
         house: Index of the house.
         boxes: World bounds of its instances [m].
-        device: The houses, for rays.
+        device: The same houses on the device, for ray casting.
     """
 
     def __init__(self, bank: HouseBank, house: int, boxes: Float[np.ndarray, "i 2 3"], device: HouseBank) -> None:
@@ -68,12 +68,12 @@ class HouseView:
 
     @cached_property
     def graph(self) -> CellGraph:
-        """Where agents can walk."""
+        """Graph of the cells that agents can walk in."""
         return CellGraph(self.bank, self.house)
 
     @cached_property
     def things(self) -> tuple[Thing, ...]:
-        """The objects of the house, and of its plot; trees, roofs and neighbours that nobody gets to are left out."""
+        """Objects in the house and on its lot, without trees, roofs and neighbouring buildings out of reach."""
         low, high = np.asarray(self.bank.physics.lot[self.house])
         floors = np.asarray(self.bank.navigation.floor[self.house])
         top = floors[np.isfinite(floors)].max() + STOREY
@@ -86,7 +86,7 @@ class HouseView:
 
     @cached_property
     def everything(self) -> tuple[Thing, ...]:
-        """All objects that can be seen; a door's frame and leaves are one."""
+        """All rendered objects; a door's frame and leaves are one object."""
         geometry = self.bank.geometry
         ids, rows = geometry.instance_object[self.house], geometry.instance_semantic[self.house]
         semantics, found = np.asarray(self.bank.semantics), []
@@ -98,13 +98,13 @@ class HouseView:
         return tuple(found)
 
     def instance_of(self, thing: Thing) -> int:
-        """The instance that a thing is; -1: it has several parts."""
+        """Return the instance of an object; -1 if it has several parts."""
         parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
         return int(parts[0]) if len(parts) == 1 else -1
 
     @cached_property
     def room_types(self) -> Int[np.ndarray, " r"]:
-        """Of each room, index into ROOM_TYPES; -1 unknown, and padding."""
+        """Type of each room as an index into ROOM_TYPES; -1 if unknown, and for padding."""
         return np.asarray(self.bank.navigation.room_type[self.house])
 
     def ends(
@@ -116,15 +116,15 @@ class HouseView:
         use: Use = Use.LOOK,
         radius: float = 0.0,
     ) -> Ends:
-        """Cells from which what a descriptor means is reached, and how far it is from each [m].
+        """Return the end cells of paths to a descriptor's targets, and the distance from each to its target [m].
 
         Args:
-            kind: Of the descriptor.
-            instances: That it means.
-            rooms: That it means.
-            place: That it means [m].
-            use: What an agent goes there for.
-            radius: Of what is to be put there [m].
+            kind: Kind of the descriptor.
+            instances: Its target instances.
+            rooms: Its target rooms.
+            place: Its target point [m].
+            use: Purpose of going there.
+            radius: Plan radius of an object to be put there [m].
         """
         if kind == Kind.PLACE:
             return self.graph.at(place)
@@ -139,7 +139,10 @@ class HouseView:
         return cells, away
 
     def _nearest_of(self, which: list[int]) -> list[Ends]:
-        """Cells beside each of some instances to which no other of them is nearer: the nearest one must be seen."""
+        """Return, for each of some instances, the cells beside it to which none of the others is nearer.
+
+        Conditions test the nearest target, so this one must be visible from a path's end.
+        """
         parts, boxes = [], self._boxes[which]
         for at, instance in enumerate(which):
             cells, away = self.beside(instance)
@@ -150,7 +153,7 @@ class HouseView:
         return parts
 
     def radius(self, instance: int) -> float:
-        """How far a movable thing reaches from its middle in the plan [m]; 0 of what does not move."""
+        """Return the plan radius of a movable object around its middle [m]; 0 if it is static."""
         body, physics = int(self.bank.geometry.instance_body[self.house, instance]), self.bank.physics
         if body < 0:
             return 0.0
@@ -158,7 +161,7 @@ class HouseView:
         return round(float(plan_radius(size, quat)) + 0.005, 2)
 
     def taken(self, instance: int) -> Ends:
-        """Cells from which a hand can take an instance and carry it away; none, if there are none."""
+        """Return the cells from which a hand can take an instance and carry it away; empty if there are none."""
 
         def there(eyes: Array) -> Array:
             box = jnp.asarray(self._boxes[instance], jnp.float32)
@@ -174,7 +177,7 @@ class HouseView:
         return self._taken[instance]
 
     def _can_turn(self, instance: int, cells: Int[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-        """In which cells an agent that has taken an instance can make a half turn, one way round or the other."""
+        """Return in which cells an agent that holds an instance can make a half turn, to the left or to the right."""
         place, radius = self.graph.place[cells], self.radius(instance)
         begin = np.arctan2(*(self._boxes[instance].mean(axis=0) - place)[:, 1::-1].T)
         yaw = begin[:, None] + np.linspace(-np.pi, np.pi, 2 * HEADINGS + 1)
@@ -185,7 +188,7 @@ class HouseView:
         return np.logical_or(free[:, : HEADINGS + 1].all(axis=1), free[:, HEADINGS:].all(axis=1))
 
     def _gaps_carrying(self, instance: int, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-        """From places on the floor to what is as high as agents carry an instance [m]."""
+        """Return the plan gap from floor points to the nearest box at the height of a carried instance [m]."""
         half = np.float32(np.diff(self._boxes[instance, :, 2]).item() / 2)
         own, eyes = jnp.int32(self.bank.geometry.instance_object[self.house, instance]), self._eyes(places)
         blocks = np.full((-len(eyes) % BLOCK + len(eyes), 3), np.inf, np.float32)
@@ -197,7 +200,7 @@ class HouseView:
         return np.concatenate([np.zeros(0), *parts])[: len(eyes)]
 
     def put(self, instance: int, radius: float) -> Ends:
-        """Cells from which a hand can put something of a radius [m] on an instance; none, if there are none."""
+        """Return the cells from which a hand can put an object of some radius [m] on an instance; may be empty."""
 
         def there(eyes: Array) -> Array:
             box, size = jnp.asarray(self._boxes[instance], jnp.float32), jnp.float32(radius)
@@ -210,7 +213,7 @@ class HouseView:
         return jnp.int32(self.house)
 
     def _at_hand_of(self, key: tuple[int, float], there: Callable[[Array], Array]) -> Ends:
-        """Of the cells that are in reach of an instance those for which a test of the eyes holds."""
+        """Return the cells within hand reach of an instance whose eye positions pass a test."""
         if key not in self._at_hand:
             box = self._boxes[key[0]]
             cells, away = self.graph.around(box[0], box[1], EVERY * CELLS)
@@ -220,15 +223,16 @@ class HouseView:
         return self._at_hand[key]
 
     def _padded_eyes(self, cells: Int[np.ndarray, " c"]) -> Float[np.ndarray, "n 3"]:
-        """Where eyes are above cells [m]; inf beyond."""
+        """Return eye positions above cells [m], padded with inf to `CELLS` rows."""
         eyes = np.full((CELLS, 3), np.inf)
         eyes[: len(cells)] = self._eyes(self.graph.place[cells])
         return eyes
 
     def beside(self, instance: int) -> Ends:
-        """Cells beside an instance from all over which it can be seen: the nearest, and those hardly farther away.
+        """Return the cells near an instance with a robust view of it: the nearest ones, and up to `REACH` farther.
 
-        None, if it cannot be seen from any of the `CELLS` nearest: a thing behind a wall, or in a chest.
+        Robust: visible from the cell's centre and from all positions of `sight.SHIFTS` around it. Empty if no cell of
+        the `CELLS` nearest qualifies, as for an object behind a wall or in a chest.
         """
         if instance not in self._beside:
             box = self._boxes[instance]
@@ -239,16 +243,16 @@ class HouseView:
         return self._beside[instance]
 
     def can_be_seen(self, thing: Thing) -> bool:
-        """Whether a thing can be seen from beside it."""
+        """Return whether an object is visible from a cell beside it."""
         parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
         return any(len(self.beside(part)[0]) for part in parts.tolist())
 
     def looks(self, places: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]) -> list[dict[int, float]]:
-        """What an agent sees that looks straight ahead: which part of the image objects fill, by object id.
+        """Render level views, and return the fraction of the image that each visible object covers, by object id.
 
         Args:
-            places: On the floor [m].
-            yaw: [rad].
+            places: Positions on the floor [m].
+            yaw: Headings [rad].
         """
         images = ids_in_view(self._device, self.house, self._eyes(places), yaw)
         found = [np.unique(image[image >= 0], return_counts=True) for image in images]
@@ -259,7 +263,7 @@ class HouseView:
 
 
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
-    """A view of each house."""
+    """Create a view of each house."""
     geometry = bank.geometry
     boxes = np.asarray(_boxes(geometry.instance_pose, geometry.instance_model, geometry.model_box))
     host = bank.replace(geometry=bank.geometry.replace(gpu=None))
@@ -273,5 +277,5 @@ def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
 
 @jax.jit
 def _boxes(pose: Array, model: Array, model_box: Array) -> Float[Array, "h i 2 3"]:
-    """World bounds of the instances of all houses [m]."""
+    """Compute the world bounds of the instances of all houses [m]."""
     return jax.vmap(jax.vmap(bounds))(pose, model_box[jnp.maximum(model, 0)])

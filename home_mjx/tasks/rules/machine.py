@@ -1,4 +1,4 @@
-"""From features to what comes next: integer compares, the same for every task."""
+"""State machine of task stages: from feature values to the next stage by integer compares, the same for every task."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -8,11 +8,14 @@ from home_mjx.tasks.rules.words import NUM_CONDITIONS
 
 
 def conditions(program: Program, table: Float[Array, "feature a d d"]) -> Bool[Array, " c"]:
-    """Which conditions hold.
+    """Evaluate the conditions of a program.
 
     Args:
-        program: What is to be done.
-        table: See `features.Looked`.
+        program: Program of the episode.
+        table: Feature values, see `features.Looked`.
+
+    Returns:
+        Whether each condition holds.
     """
     first, second = jnp.maximum(program.first, 0), jnp.maximum(program.second, 0)
     value = table[program.feature, :, first, second]  # (c, a)
@@ -24,15 +27,15 @@ def conditions(program: Program, table: Float[Array, "feature a d d"]) -> Bool[A
 def advance(
     program: Program, stage: Int[Array, ""], holds: Bool[Array, " c"]
 ) -> tuple[Int[Array, ""], Float[Array, ""], Bool[Array, ""]]:
-    """The first transition that may be taken.
+    """Take the first transition of a stage whose conditions hold.
 
     Args:
-        program: What is to be done.
-        stage: Where it is; what has ended stays there.
-        holds: Of each condition.
+        program: Program of the episode.
+        stage: Present stage; an episode that has ended stays in its final stage.
+        holds: Whether each condition holds.
 
     Returns:
-        The next stage, the transition's reward, and whether one was taken.
+        The next stage, the transition's reward, and whether a transition was taken.
     """
     bits = jnp.sum(jnp.where(holds, jnp.left_shift(1, jnp.arange(NUM_CONDITIONS)), 0)).astype(jnp.int32)
     at = jnp.maximum(stage, 0)

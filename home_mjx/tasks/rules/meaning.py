@@ -1,4 +1,4 @@
-"""Which instances and rooms of a house a row's descriptors mean; on the host and on the device alike."""
+"""Resolution of a row's descriptors to instances and rooms of a house; on the device and, batched, from the host."""
 
 import functools
 import operator
@@ -13,7 +13,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Kind, Word
 
-# Columns of the semantic table, any of which must have the value of a word.
+# Columns of the semantic table by word; an object matches if any of them has the word's value.
 COLUMNS = {
     Word.FINE: (Semantic.FINE,),
     Word.COARSE: (Semantic.COARSE,),
@@ -28,19 +28,19 @@ BELOW = {Word.ON: Semantic.SUPPORTER, Word.IN: Semantic.CONTAINER}
 
 
 class Means(Pytree):
-    """What each of d descriptors means in a house."""
+    """Resolved targets of d descriptors in a house."""
 
-    instance: Bool[Array, "d i"]  # instances of objects
-    room: Bool[Array, "d r"]
+    instance: Bool[Array, "d i"]  # target instances of objects
+    room: Bool[Array, "d r"]  # target rooms
 
 
 def means(bank: HouseBank, house: Int[Array, ""], descriptor: Int[Array, "d words"]) -> Means:
-    """What a row's descriptors mean in a house, as the house was compiled.
+    """Resolve a row's descriptors to instances and rooms, by the house's compiled semantics.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        descriptor: Columns are those of `Word`.
+        descriptor: Descriptors, with the columns of `Word`.
     """
     geometry, types = bank.geometry, bank.navigation.room_type[house]
     known = geometry.instance_object[house] >= 0
@@ -62,12 +62,15 @@ def _instances(
 def _resting(
     rows: Int[Array, "i columns"], fits: Bool[Array, "d i"], descriptor: Int[Array, "d words"]
 ) -> Bool[Array, "d i"]:
-    """Those that are on or in what another descriptor means, which itself rests on nothing."""
+    """Keep the instances that are on or in a target of another descriptor.
+
+    That descriptor's own words `ON` and `IN` are ignored: relations are not nested.
+    """
     found = fits
     for word, column in BELOW.items():
         other = descriptor[:, word]
         carries = (rows[:, None, Semantic.OBJECT] == rows[None, :, column]) & (rows[None, :, column] != ANY)
-        chosen = jnp.take(fits, jnp.clip(other, 0, NUM_DESCRIPTORS - 1), axis=0)  # what that descriptor means
+        chosen = jnp.take(fits, jnp.clip(other, 0, NUM_DESCRIPTORS - 1), axis=0)  # targets of that descriptor
         carried = jnp.any(chosen[:, :, None] & carries[None], axis=1)
         found = found & ((other[:, None] == ANY) | carried)
     return found
@@ -81,11 +84,11 @@ def _rooms(types: Int[Array, " r"], descriptor: Int[Array, "d words"]) -> Bool[A
 
 
 def means_on_host(bank: HouseBank, house: int, descriptors: np.ndarray) -> Means:
-    """The same of many rows at once, as NumPy arrays with a leading axis of rows."""
-    room = 1 << (len(descriptors) - 1).bit_length()  # few different sizes: each is compiled
+    """Resolve the descriptors of many rows at once; NumPy arrays with a leading axis of rows."""
+    room = 1 << (len(descriptors) - 1).bit_length()  # a power of two, as every size is compiled separately
     whole = np.full((room, *descriptors.shape[1:]), ANY, np.int32)
     whole[: len(descriptors)] = descriptors
     return jax.tree.map(lambda x: np.asarray(x)[: len(descriptors)], _many(bank, jnp.int32(house), whole))
 
 
-_many = jax.jit(jax.vmap(means, (None, None, 0)))  # here, so that it is compiled once for all houses
+_many = jax.jit(jax.vmap(means, (None, None, 0)))  # at module level, so that it is compiled once for all houses

@@ -1,4 +1,4 @@
-"""What is to be done, written by a person, and the same as arrays."""
+"""Task programs: user-facing dataclasses, and their packed form as arrays."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,9 +26,10 @@ FAR = np.inf
 
 
 class Program(Pytree):
-    """What is to be done in one episode: d descriptors, c conditions, s stages with g transitions each.
+    """Packed program of one episode: d descriptors, c conditions, s stages with g transitions each.
 
-    In each step the first transition of the present stage whose needs all hold, and whose bars do not, is taken.
+    In each step the first transition of the present stage is taken whose `needs` all hold and none of whose `bars`
+    holds.
     """
 
     descriptor: Int[Array, "*t d words"]  # columns are those of `Word`
@@ -37,23 +38,25 @@ class Program(Pytree):
     feature: Int[Array, "*t c"]  # of `Feature`
     first: Int[Array, "*t c"]  # descriptor i
     second: Int[Array, "*t c"]  # descriptor j
-    agent: Int[Array, "*t c"]  # whose feature; -1 any agent's
-    least: Float[Array, "*t c"]  # holds from here ...
-    most: Float[Array, "*t c"]  # ... to here
-    needs: Int[Array, "*t s g"]  # bits of conditions that must hold; -1: no such transition
-    bars: Int[Array, "*t s g"]  # bits of conditions that must not
+    agent: Int[Array, "*t c"]  # agent whose feature is tested; -1: any agent's
+    least: Float[Array, "*t c"]  # minimum of the feature, inclusive
+    most: Float[Array, "*t c"]  # maximum of the feature, inclusive
+    needs: Int[Array, "*t s g"]  # bit mask of conditions that must hold; -1: no transition
+    bars: Int[Array, "*t s g"]  # bit mask of conditions that must not hold
     next: Int[Array, "*t s g"]  # stage, SUCCESS or FAILURE
     reward: Float[Array, "*t s g"]  # of the transition
-    guide: Int[Array, "*t s"]  # descriptor, progress towards which is rewarded; -1 none
+    guide: Int[Array, "*t s"]  # descriptor towards which progress is rewarded; -1 if none
 
 
 @dataclass(frozen=True)
 class Meant:
-    """What a descriptor speaks of, and where: one of `Meant.thing`, `.space`, `.at`, `.someone`, `.hidden`.
+    """Descriptor: selects the objects, rooms, point or agent that a task refers to.
+
+    Made by `Meant.thing`, `.of`, `.space`, `.at`, `.someone` or `.hidden`.
 
     Attributes:
-        words: Values of `Word` by name, in small letters.
-        place: [m], of a place.
+        words: Values of `Word` by name, in lower case.
+        place: Position of a point [m]; inf for other kinds.
     """
 
     words: dict[str, int] = field(default_factory=dict)
@@ -61,12 +64,12 @@ class Meant:
 
     @classmethod
     def hidden(cls) -> "Meant":
-        """Nothing. As the first descriptor it keeps `goal_words` and `goal` from telling what the others mean."""
+        """Select nothing. As first descriptor it hides the targets from the observations `goal` and `goal_words`."""
         return cls({})
 
     @classmethod
     def thing(cls, **words: int) -> "Meant":
-        """Objects that have these words in common.
+        """Select the objects that have all of these words.
 
         Example:
             >>> Meant.thing(coarse=3, color=1).words["coarse"]
@@ -76,29 +79,29 @@ class Meant:
 
     @classmethod
     def of(cls, words: Mapping[Word, int]) -> "Meant":
-        """Objects that have these words in common, by `Word`."""
+        """Select the objects that have all of these words, by `Word`."""
         return cls.thing(**{word.name.lower(): value for word, value in words.items()})
 
     @classmethod
     def space(cls, **words: int) -> "Meant":
-        """Rooms that have these words in common."""
+        """Select the rooms that have all of these words."""
         return cls({"kind": Kind.ROOM, **words})
 
     @classmethod
     def at(cls, place: Sequence[float]) -> "Meant":
-        """A point on the floor [m]."""
+        """Select a point on the floor [m]."""
         x, y, z = (float(v) for v in place)
         return cls({"kind": Kind.PLACE}, (x, y, z))
 
     @classmethod
     def someone(cls, agent: int) -> "Meant":
-        """An agent."""
+        """Select an agent by its index."""
         return cls({"kind": Kind.AGENT, "agent": agent})
 
 
 @dataclass(frozen=True)
 class When:
-    """A condition: a feature between two limits, both included.
+    """Condition: a feature between two limits, both inclusive.
 
     Example:
         >>> near = When(Feature.DISTANCE, 0, most=0.2)
@@ -114,7 +117,7 @@ class When:
 
 @dataclass(frozen=True)
 class Go:
-    """A transition: where to, if all of `needs` hold and none of `bars`."""
+    """Transition to the stage `next`, possible if all of `needs` hold and none of `bars` does."""
 
     next: int
     needs: tuple[When, ...] = ()
@@ -124,17 +127,18 @@ class Go:
 
 @dataclass(frozen=True)
 class Stage:
-    """What an agent is at; `guide` is the descriptor, progress towards which is rewarded."""
+    """Stage of a task: transitions in order of priority; progress towards the descriptor `guide` is rewarded."""
 
     ways: tuple[Go, ...]
     guide: int = ANY
 
 
 def written(descriptors: Sequence[Meant], stages: Sequence[Stage]) -> dict[str, np.ndarray]:
-    """The arrays of a `Program`, but for `field`, which the task bank fills.
+    """Pack descriptors and stages into the arrays of a `Program`, except `field`, which the task bank adds.
 
     Raises:
-        ConfigError: There are more of something than a row has room for, or a number names what is not there.
+        ConfigError: A row has no space for all of them, there is no stage, or a number refers to a missing descriptor
+            or stage.
 
     Example:
         >>> there = When(Feature.DISTANCE, 0, most=0.2), When(Feature.STOPPED, least=1)
@@ -152,8 +156,8 @@ def written(descriptors: Sequence[Meant], stages: Sequence[Stage]) -> dict[str, 
     room = (NUM_DESCRIPTORS, NUM_CONDITIONS, NUM_STAGES, NUM_TRANSITIONS)
     for (name, count), most in zip(counts.items(), room, strict=True):
         if count > most or (count == 0 and name == "stages"):
-            hint = "Leave some out, or make two tasks of it." if count else "Give at least one."
-            raise ConfigError(f"a task has room for 1 to {most} {name}, got {count}", hint=hint)
+            hint = "Leave some out, or split the task in two." if count else "Give at least one."
+            raise ConfigError(f"a task must have 1 to {most} {name}, got {count}", hint=hint)
     _check(descriptors, known, stages)
     return _descriptors(descriptors) | _conditions(known) | _stages(stages, known)
 
@@ -164,7 +168,7 @@ def _check(descriptors: Sequence[Meant], known: dict[When, int], stages: Sequenc
     for number in used:
         if not ANY <= number < len(descriptors):
             hint = "Descriptors are numbered from 0, in the order of `meant`."
-            raise ConfigError(f"a task speaks of descriptor {number}, but has {len(descriptors)}", hint=hint)
+            raise ConfigError(f"a task refers to descriptor {number}, but has {len(descriptors)}", hint=hint)
     for way in (way for stage in stages for way in stage.ways):
         if not FAILURE <= way.next < len(stages):
             hint = "Stages are numbered from 0; SUCCESS and FAILURE end a task."
@@ -172,10 +176,10 @@ def _check(descriptors: Sequence[Meant], known: dict[When, int], stages: Sequenc
 
 
 def check_success(stages: Sequence[Stage]) -> None:
-    """Refuses stages none of which, followed from the first one, leads to `SUCCESS`; others must have been `written`.
+    """Check that `SUCCESS` can be reached from the first stage; the stages must be valid for `written`.
 
     Raises:
-        ConfigError: So it is.
+        ConfigError: No sequence of transitions from the first stage leads to `SUCCESS`.
 
     Example:
         >>> check_success([Stage((Go(1),)), Stage((Go(SUCCESS),))])

@@ -1,4 +1,4 @@
-"""The task that does what a row says."""
+"""Task whose episodes are rows of a task bank."""
 
 from dataclasses import dataclass
 
@@ -24,17 +24,17 @@ from home_mjx.tasks.rules.words import ANY, FAILURE, NUM_TOKENS, SUCCESS, Featur
 from home_mjx.tasks.sounds.emit import emitted
 from home_mjx.tasks.sounds.row import Emission, emission_of, is_audible
 
-FARTHEST = 1000.0  # [m]: no house is larger
-LEAP = 2.0  # [m]: what comes from another storey, or from nowhere, has made no progress of more than that
+FARTHEST = 1000.0  # [m] upper bound of distances; no house is larger
+LEAP = 2.0  # [m] maximum progress per step: distances jump when a target changes storey or appears
 COSTS = ("step_cost", "contact_cost", "question_cost", "failure_cost")
 HEARD = {
-    "reply": "token of what an oracle has replied to the last word",
-    "heard_words": "token of what another agent has said last, unless words are sounds",
+    "reply": "token of the oracle's reply to the last word",
+    "heard_words": "token of the last word of another agent, unless words are sounds",
 }
 
 
 class RowState(Pytree):
-    """Where an episode stands; A agents."""
+    """Task state of one episode; A agents."""
 
     program: Program
     means: Means
@@ -45,36 +45,36 @@ class RowState(Pytree):
     stage: Int[Array, ""]
     since: Int[Array, ""]  # step in which the stage began
     gained: Float[Array, ""]  # reward of the last transition
-    distance: Float[Array, "a d"]  # [m], to what each descriptor means
-    place: Float[Array, "a 3"]  # [m], of each agent
-    walked: Float[Array, " a"]  # [m]
+    distance: Float[Array, "a d"]  # [m], to the nearest target of each descriptor
+    place: Float[Array, "a 3"]  # [m], position of each agent
+    walked: Float[Array, " a"]  # [m], length of each agent's path
     collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
     talk: Talk
-    reply: Int[Array, " a"]  # token, of the oracle in the last step; -1 none
-    asked: Int[Array, ""]  # questions that the oracle has answered
-    spoken: Int[Array, ""]  # words that were said
-    mistakes: Int[Array, ""]  # such as wrong stops and answers: one at most where they end the episode
-    looked: Looked | None  # what the last transition was decided by, if `RowTask.keep_looks`
+    reply: Int[Array, " a"]  # token of the oracle's reply in the last step; -1 if none
+    asked: Int[Array, ""]  # number of questions that the oracle has answered
+    spoken: Int[Array, ""]  # number of words that agents have said
+    mistakes: Int[Array, ""]  # number of wrong stops, answers and the like; at most 1 where they end the episode
+    looked: Looked | None  # features that decided the last transition, if `RowTask.keep_looks`
 
 
 @dataclass(frozen=True)
 class RowTask(Task):
-    """Base of tasks whose episodes are rows of a `TaskBank`: whatever the rows, the compiled step is the same.
+    """Base of tasks whose episodes are rows of a `TaskBank`; the compiled step is the same for any rows.
 
     Attributes:
-        num_tasks: Rows per house, where it has so many.
-        task_seed: Of their draw.
-        min_length: Least shortest path from start to goal [m].
-        max_length: Greatest one [m].
-        progress_reward: Per metre towards what a stage leads to.
-        step_cost: Taken every step.
-        contact_cost: Taken while touching anything but the floor.
-        question_cost: Taken for each question that an oracle answers.
-        failure_cost: Taken for a mistake, such as a wrong `stop` or answer; running out of time is none. Without it,
-            agents that are not yet good at going on learn to stop at once.
-        mistakes_end: A mistake ends the episode. False, for training: it costs, and the episode goes on.
-        keep_looks: States keep what conditions have looked at, so that experts need not look again: `with_expert`
-            wants it.
+        num_tasks: Maximum number of rows per house.
+        task_seed: Seed of the rows' random draws.
+        min_length: Minimum shortest-path length from start to goal [m].
+        max_length: Maximum shortest-path length from start to goal [m].
+        progress_reward: Reward per metre of progress towards the stage's guide.
+        step_cost: Cost of every step.
+        contact_cost: Cost of a step in which the agent touches anything but the floor.
+        question_cost: Cost of each question that an oracle answers.
+        failure_cost: Cost of a mistake, such as a wrong `stop` or answer; running out of time is not a mistake. At 0,
+            agents that still navigate poorly learn to stop at once.
+        mistakes_end: A mistake ends the episode. False, for training: it costs, and the episode continues.
+        keep_looks: States keep the feature values of conditions, so that experts need not compute them again; required
+            by `with_expert`.
     """
 
     num_tasks: int = 64
@@ -99,27 +99,27 @@ class RowTask(Task):
 
     @property
     def stops_for_good(self) -> bool:
-        """Where mistakes end episodes."""
+        """True if mistakes end episodes."""
         return self.mistakes_end
 
     @property
     def generators(self) -> tuple[Generator, ...]:
-        """Who writes the rows."""
+        """Generators of the rows."""
         raise NotImplementedError
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """What agents may say in any of the tasks."""
+        """Speech actions of all generators."""
         return tuple(dict.fromkeys(word for task in self._others for word in getattr(task, "speech", ())))
 
     @property
     def hears(self) -> tuple[str, ...]:
-        """What agents hear in any of the tasks: of `HEARD`."""
+        """Speech observations of all generators, from `HEARD`."""
         return tuple(dict.fromkeys(name for task in self._others for name in getattr(task, "hears", ())))
 
     @property
     def least_agents(self) -> int:
-        """As many as the tasks need."""
+        """Minimum number of agents, the largest of all generators."""
         return max((getattr(task, "least_agents", 1) for task in self._others), default=1)
 
     @property
@@ -128,8 +128,8 @@ class RowTask(Task):
 
     @property
     def observation_spec(self) -> Specs:
-        """`goal`, `goal_words` and `instruction`; `reply` and `heard_words` in tasks in which these are heard."""
-        polar = "of a goal that is a place: distance [m], cosine and sine of its bearing, left positive; else 0"
+        """Specs of `goal`, `goal_words` and `instruction`; of `reply` and `heard_words` in tasks that use them."""
+        polar = "distance [m], cosine and sine of the bearing of a goal point, left positive; 0 for other goals"
         return {
             "goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (FARTHEST, 1.0, 1.0), polar),
             "goal_words": ArraySpec((len(Word),), "int32", -1, 32767, "first descriptor, columns `Word`; -1 any"),
@@ -138,12 +138,12 @@ class RowTask(Task):
         }
 
     def task_bank(self, bank: HouseBank) -> TaskBank:
-        """Rows for these houses."""
+        """Build a task bank for these houses."""
         limits = self.min_length, self.max_length
         return build_task_bank(bank, self.generators, self.num_tasks, self.task_seed, *limits)
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> RowState:
-        """The first stage of the row's program."""
+        """Return the state at the first stage of the row's program."""
         if columns is None or not isinstance(snapshot.tasks, TaskBank):
             hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
             raise ConfigError(f"{type(self).__name__} needs a task bank", hint=hint)
@@ -174,7 +174,7 @@ class RowTask(Task):
         )
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
-        """The next stage, if its conditions hold."""
+        """Compute the feature values and take the first transition whose conditions hold."""
         state = state.replace(program=_followed(snapshot, state))
         time = snapshot.step - state.since
         looked = look(snapshot, state.program, state.means, snapshot.tasks.field, time)
@@ -201,12 +201,12 @@ class RowTask(Task):
         )
 
     def sounds(self, snapshot: Snapshot, state: RowState) -> Sounds:
-        """Those of the row; if it has none, the house's source."""
+        """Return the current sounds of the row; if it has none, the house's source."""
         point, body = emitters(snapshot, state.program, state.means)
         return emitted(snapshot, state.emission, point, body, snapshot.tasks.field, state.program.field)
 
     def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
-        """What `observation_spec` promises."""
+        """Compute the observations of `observation_spec`."""
         pose, place = snapshot.pose, state.program.place[0]
         known = jnp.all(jnp.isfinite(place))
         offset = jnp.where(known, place[:2] - pose.pos[:, :2], 0.0)
@@ -223,7 +223,7 @@ class RowTask(Task):
         }
 
     def reward(self, snapshot: Snapshot, before: RowState, state: RowState) -> Float[Array, " a"]:
-        """The transition's reward, progress towards what the stage leads to, less costs."""
+        """Compute the transition's reward plus that of progress towards the stage's guide, minus costs."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -LEAP, LEAP))
@@ -233,14 +233,14 @@ class RowTask(Task):
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
-        """A stage that ends the episode, or all agents that act have stopped."""
+        """Return whether a final stage is reached, or all acting agents stopped and mistakes end episodes."""
         return (state.stage < 0) | (self.have_stopped(snapshot) & self.mistakes_end)
 
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
-        """Habitat's: success, SPL, soft SPL, distance to the goal [m], collisions; and the stage.
+        """Return Habitat's metrics (success, SPL, soft SPL, distance to the goal [m], collisions) and the stage.
 
-        See `path_scores`. Paths are those of the first agent.
-        Where agents speak also whether the row's question was `answered`, right or wrong, and the `questions` asked.
+        See `path_scores`; path lengths are those of the first agent. Tasks with speech add `answered`, whether the
+        row's question was answered, rightly or wrongly, and `questions`, the number of questions asked.
         """
         success = (state.stage == SUCCESS).astype(jnp.float32)
         goal = jnp.maximum(state.program.guide[0], 0)
@@ -262,7 +262,7 @@ class RowTask(Task):
 
 
 def _followed(snapshot: Snapshot, state: RowState) -> Program:
-    """The program with the places of sounds that walk where they are now."""
+    """Return the program with the current positions of moving sound sources."""
     count = min(snapshot.sounds.clip.shape[0], state.emission.emitter.shape[0])
     speed, emitter = state.emission.speed[:count], state.emission.emitter[:count].astype(jnp.int32)
     place = snapshot.sounds.pos[:count].at[:, 2].add(-jnp.float32(snapshot.config.source_height))

@@ -1,4 +1,4 @@
-"""Many tasks as rows of arrays, beside the houses that they are in."""
+"""Task bank: many tasks as rows of arrays, with the distance fields of their descriptors."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -13,8 +13,8 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.rules.program import Program
 
-WHOLE = 2**30  # parts of a sum of weights
-TINY, GREAT = 1e-30, 1e30  # less is nothing, more is as much: sums stay finite
+WHOLE = 2**30  # integer units in the sum of all weights
+TINY, GREAT = 1e-30, 1e30  # smaller weights count as 0, larger ones are clipped, so that sums stay finite
 
 
 class TaskBank(Pytree):
@@ -22,10 +22,10 @@ class TaskBank(Pytree):
 
     Attributes:
         rows: House, start and yaw of each task; `columns` holds its program, tokens, length and so on.
-        field: Distances of all cells to what descriptors of their house mean, as in `Navigation.field`.
-        names: What tasks there are; `rows.columns["task"]` is an index into them.
-        weights: How often each row is drawn, against the others; an argument like the rest, so that a curriculum
-            changes them without compiling anew. None: resets draw all alike, and batches take them in order.
+        field: Distances of all cells to the targets of their house's descriptors, stored as in `Navigation.field`.
+        names: Names of the generators; `rows.columns["task"]` is an index into them.
+        weights: Relative frequency at which each row is drawn. As a traced argument it lets a curriculum change the
+            weights without recompiling. None: resets draw uniformly, and batches take the rows in order.
     """
 
     rows: Episodes
@@ -34,22 +34,22 @@ class TaskBank(Pytree):
     weights: Float[Array, " t"] | None = None
 
     def __len__(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return len(self.rows)
 
     def pick(self, index: Int[Array, "..."]) -> "TaskBank":
-        """Some rows, such as those of a split; the others are gone, the fields stay; errors as of `Episodes.pick`."""
+        """Return a bank with some rows, such as those of a split, and all fields; raises as `Episodes.pick` does."""
         rows = self.rows.pick(index)
         return self.replace(rows=rows, weights=None if self.weights is None else self.weights[index])
 
     def weighted(self, weights: Any) -> "TaskBank":
-        """The same rows, drawn as often as weights say; also inside `jit`, where their number alone is checked.
+        """Return the same rows with weights for drawing; inside `jit` only the number of weights is checked.
 
         Args:
-            weights: One per row, none negative; a row of weight 0 is never drawn.
+            weights: One per row, not negative; a row of weight 0 is never drawn.
 
         Raises:
-            ConfigError: They are not one finite number per row, or all 0.
+            ConfigError: They are not one finite number of at least 0 per row, or all are 0.
 
         Example:
             >>> easy = tasks.weighted(tasks.rows.columns["length"] < 5.0)  # doctest: +SKIP
@@ -60,14 +60,14 @@ class TaskBank(Pytree):
         return new
 
     def check_weights(self) -> None:
-        """Raises `ConfigError` if rows cannot be drawn by their weights."""
+        """Raise `ConfigError` if rows cannot be drawn by their weights."""
         weights = self.weights
         if weights is None:
             return
         if weights.shape != (len(self),):
             message = f"expected {len(self)} weights, one per task, got an array of shape {weights.shape}"
             raise ConfigError(
-                message, hint="A mask or a number per task will do: tasks.rows.columns has what they are."
+                message, hint="Give a mask or a number per task; tasks.rows.columns holds their properties."
             )
         if isinstance(weights, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
             return
@@ -77,23 +77,23 @@ class TaskBank(Pytree):
             message = f"the weight of task {wrong[0]} must be 0 or a positive number, got {host[wrong[0]]}"
             raise ConfigError(message, hint="A task of weight 0 is never drawn.")
         if not (host >= TINY).any():
-            hint = "Let at least one task have a weight: is the limit of a curriculum below its shortest task?"
-            raise ConfigError(f"the weights of all {len(host)} tasks are 0: there is none to draw", hint=hint)
+            hint = "Give at least one task a weight: is the limit of a curriculum below its shortest task?"
+            raise ConfigError(f"the weights of all {len(host)} tasks are 0: no task can be drawn", hint=hint)
 
     def has_weight(self) -> Bool[Array, ""]:
-        """Whether some row can be drawn; also inside `jit`."""
+        """Return whether any row can be drawn; also inside `jit`."""
         if self.weights is None:
             return jnp.ones((), bool)
         return jnp.any(_usable(self.weights) & (self.weights >= TINY))
 
     def draw(self, key: Array) -> Int[Array, ""]:
-        """The number of a row.
+        """Draw the number of a row by weight.
 
-        Inside `jit`, where weights cannot be refused, those that are no finite number of at least 0 count as 0; if no
-        row has a weight, all are drawn alike, and `State.status` of the reset has the flag `WEIGHTS`.
+        Inside `jit`, where weights cannot be rejected, those that are negative or not finite count as 0. If no row has
+        a weight, the draw is uniform and `State.status` of the reset has the flag `WEIGHTS`.
 
-        Weights are rounded to parts of 2^30 of their sum, of which any but 0 has one, and added as whole numbers:
-        sums of floating-point numbers in parallel are not monotonic, and would now and then draw a row of weight 0.
+        Weights are rounded to multiples of 2^-30 of their sum, at least one for any weight above 0, and added as
+        integers. Parallel floating-point sums are not monotonic and would occasionally draw a row of weight 0.
         """
         if self.weights is None:
             return jax.random.randint(key, (), 0, len(self))
@@ -106,13 +106,13 @@ class TaskBank(Pytree):
         return jnp.searchsorted(until, at, side="right").astype(jnp.int32)
 
     def where(self, mask: Any) -> "TaskBank":
-        """The rows for which a mask holds, on the host.
+        """Return a bank with the rows for which a mask is true; host only.
 
         Args:
             mask: One truth value per row.
 
         Raises:
-            ConfigError: There is none, or the mask is not one truth value per row.
+            ConfigError: The mask is not one truth value per row, or none is true.
 
         Example:
             >>> long = tasks.where(np.asarray(tasks.rows.columns["length"]) > 5)  # doctest: +SKIP
@@ -123,24 +123,24 @@ class TaskBank(Pytree):
             raise ConfigError(message, hint="Write a comparison, or tasks.pick(numbers) for rows by their numbers.")
         index = np.flatnonzero(chosen)
         if not len(index):
-            raise ConfigError("no task is left", hint="Choose tasks by a mask that holds for some of them.")
+            raise ConfigError("the mask selects no task", hint="Give a mask that is true for at least one task.")
         return self.pick(jnp.asarray(index, jnp.int32))
 
 
 def _usable(weights: Any) -> Any:
-    """Which numbers may be weights."""
+    """Return which numbers are valid weights."""
     return (weights >= 0) & (weights < np.inf)
 
 
 def _numbers(weights: Any) -> Float[Array, "..."]:
-    """Weights as an array.
+    """Convert weights to an array.
 
     Raises:
-        ConfigError: They are no real numbers.
+        ConfigError: They are not real numbers.
     """
     try:
         array = weights if isinstance(weights, Array) else np.asarray(weights)
-    except ValueError:  # of lists that are not equally long
+    except ValueError:  # nested lists of different lengths
         array = np.asarray("")
     if array.dtype.kind not in "biuf":
         raise ConfigError(f"expected weights, one number per task, got {str(weights)[:60]}", hint="Write [1.0, 0.5].")
@@ -148,5 +148,5 @@ def _numbers(weights: Any) -> Float[Array, "..."]:
 
 
 def program_of(columns: Mapping[str, Array]) -> Program:
-    """The program among the columns of a row, or of many."""
+    """Extract the program from the columns of one or many rows."""
     return Program(**{name: columns[name] for name in Program.__dataclass_fields__})

@@ -1,19 +1,19 @@
-"""What the numbers of a row stand for."""
+"""Capacities of a row, and enumerations of the codes in its columns."""
 
 from enum import IntEnum
 
-NUM_DESCRIPTORS = 4  # things, rooms or places that a row speaks of
+NUM_DESCRIPTORS = 4  # objects, rooms, places or agents that a row refers to
 NUM_CONDITIONS = 8
 NUM_STAGES = 6
-NUM_TRANSITIONS = 4  # out of each stage
+NUM_TRANSITIONS = 4  # per stage
 NUM_TOKENS = 32  # of the instruction
 
-ANY = -1  # in a descriptor: whatever it is; elsewhere: none
+ANY = -1  # in a descriptor: any value; elsewhere: none
 SUCCESS, FAILURE = -1, -2  # stages that end an episode
 
 
 class Kind(IntEnum):
-    """What a descriptor speaks of."""
+    """Kind of a descriptor's target."""
 
     NOTHING = -1
     OBJECT = 0
@@ -23,7 +23,7 @@ class Kind(IntEnum):
 
 
 class Word(IntEnum):
-    """Columns of a descriptor: its kind, and what all that it means have in common; `ANY` where it does not matter."""
+    """Columns of a descriptor: its kind, and the properties that all targets share; `ANY` if unconstrained."""
 
     KIND = 0
     FINE = 1  # index into FINE
@@ -34,33 +34,33 @@ class Word(IntEnum):
     ROOM_TYPE = 6  # index into ROOM_TYPES; of a room, or of the room that an object is in
     OBJECT_ID = 7  # one object of the house
     ROOM = 8  # one room of the house, or the room that an object is in
-    ON = 9  # number of another descriptor of the row: stands or lies on one of these
-    IN = 10  # alike: is in one of these
-    AGENT = 11  # number of an agent
+    ON = 9  # index of another descriptor of the row: rests on one of its targets
+    IN = 10  # likewise: is inside one of its targets
+    AGENT = 11  # index of an agent
 
 
 class Feature(IntEnum):
-    """What a condition looks at; `i` and `j` are its descriptors."""
+    """Quantity that a condition tests; `i` and `j` are its descriptors."""
 
-    TRUE = 0  # 1
+    TRUE = 0  # always 1
     DISTANCE = 1  # [m], along the shortest path to the nearest i
-    STRAIGHT = 2  # [m], to the nearest i where it is now, in a straight line
+    STRAIGHT = 2  # [m], in a straight line to the nearest i at its present place
     SEEN = 3  # 1: the nearest i is in view
     HELD = 4  # 1: the agent holds an i
     INSIDE = 5  # 1: the agent is in room i
-    BESIDE = 6  # [m], least gap between an i and a j where they are now
+    BESIDE = 6  # [m], minimum gap between an i and a j at their present places
     ON = 7  # 1: an i rests on a j
     OPEN = 8  # widest opening of the doors i, 0 shut to 1 wide
     STOPPED = 9  # 1: the agent has chosen `stop`
     TIME = 10  # steps since the stage began
     TOUCHED = 11  # 1: the agent touched anything but the floor in the last step
-    CLEAR = 12  # 1: nothing is between the agent's eyes and the nearest i, whichever way it looks
-    SAID = 13  # token of the word that the agent said in the last step; -1 none
+    CLEAR = 12  # 1: the line of sight to the nearest i is free, whatever the agent's heading
+    SAID = 13  # token of the word that the agent said in the last step; -1 if none
 
 
 class Use(IntEnum):
-    """What an agent goes to a thing for, which says where it goes to."""
+    """Purpose of going to an object; it determines the end cells of paths."""
 
     LOOK = 0
-    TAKE = 1  # a condition asks that it be held
-    PUT = 2  # a condition asks that something be on it
+    TAKE = 1  # a condition requires that it is held
+    PUT = 2  # a condition requires that an object rests on it

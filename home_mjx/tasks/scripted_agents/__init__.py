@@ -1,1 +1,1 @@
-"""Tasks with experts of their own, or that lead agents themselves."""
+"""Exploration, and PiedPiper with its scripted agents."""

@@ -1,4 +1,4 @@
-"""Exploration: come near every part of the house.
+"""Exploration: cover the floor of a house.
 
 Coverage as the measure: Chen et al., "Learning Exploration Policies for Navigation", 2019 (arXiv:1903.01959).
 """
@@ -19,29 +19,29 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.experts.explore import seek
 
-TILE = 0.5  # [m], edge of what is covered at once
-LEAST_RADIUS = 0.5  # [m]: less, and a tile might not be covered from anywhere
+TILE = 0.5  # [m] edge length of a tile
+LEAST_RADIUS = 0.5  # [m] minimum cover radius: below it, a tile may not be coverable from any position
 
 
 class Tiles(Pytree):
-    """A house's floor in tiles, per level, row and column."""
+    """Floor of a house in tiles, per level, row and column."""
 
-    free: Int[Array, "levels ty tx"]  # cells in it where agents can walk
-    room: Int[Array, "levels ty tx"]  # of the one of these cells that is nearest to its middle; -1 none
-    middle: Bool[Array, "levels rows columns"]  # which cells of the house's grids these nearest ones are
+    free: Int[Array, "levels ty tx"]  # number of walkable cells in the tile
+    room: Int[Array, "levels ty tx"]  # room of the walkable cell nearest to the tile's centre; -1 if none
+    middle: Bool[Array, "levels rows columns"]  # mask of these nearest cells in the house's grids
 
 
 class ExplorationState(Pytree):
-    """What has been covered; A agents."""
+    """Coverage of one episode; A agents."""
 
     free: Int[Array, "levels ty tx"]
     room: Int[Array, "levels ty tx"]
     covered: Bool[Array, "levels ty tx"]
-    gained: Float[Array, " a"]  # [m²], that each agent covered in the last step
+    gained: Float[Array, " a"]  # [m²], area that each agent covered in the last step
     collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Towards the nearest tile that nobody has covered; `stop` where none is left."""
+        """Return the action towards the nearest uncovered tile; `stop` if none is left."""
         tiles = tiles_of(snapshot.bank, snapshot.house)
         left = _of_cells(~self.covered, snapshot.bank)
         return seek(snapshot, tiles.middle & left, left)
@@ -49,17 +49,17 @@ class ExplorationState(Pytree):
 
 @dataclass(frozen=True)
 class Exploration(Task):
-    """Cover as much of the house's free floor as the time allows; several agents do it together.
+    """Task of covering as much of the house's free floor as possible within the episode; several agents cooperate.
 
-    The floor is divided into tiles of 0.5 m. One is covered once an agent was within `cover_radius` of its middle, in
-    the same room. The episode ends with the time, or when all agents have stopped.
+    The floor is divided into tiles of 0.5 m. A tile is covered once an agent was within `cover_radius` of its centre,
+    in the same room. The episode ends at the time limit, or when all agents have stopped.
 
     Attributes:
-        cover_radius: [m].
-        area_reward: Per square metre of free floor that an agent covers first.
-        step_cost: Taken every step.
-        contact_cost: Taken while touching anything but the floor.
-        success_coverage: Part of the floor from which on the metric `success` is 1.
+        cover_radius: Distance from an agent within which tiles are covered [m].
+        area_reward: Reward per square metre of free floor that an agent covers first.
+        step_cost: Cost of every step.
+        contact_cost: Cost of a step in which the agent touches anything but the floor.
+        success_coverage: Minimum covered fraction of the floor for the metric `success`.
     """
 
     cover_radius: float = 2.0
@@ -75,7 +75,7 @@ class Exploration(Task):
         check_number("success_coverage", self.success_coverage, 0, 1)
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> ExplorationState:
-        """What can be covered from the start."""
+        """Return the state with the tiles that are covered at the start."""
         tiles, zero = tiles_of(snapshot.bank, snapshot.house), jnp.zeros_like(snapshot.pose.yaw)
         near = self._near(snapshot, tiles.room)
         return ExplorationState(
@@ -87,7 +87,7 @@ class Exploration(Task):
         )
 
     def update(self, snapshot: Snapshot, state: ExplorationState) -> ExplorationState:
-        """What is covered now."""
+        """Add the tiles that agents cover now."""
         near = self._near(snapshot, state.room)
         cells = jnp.sum(state.free[None] * (near & ~state.covered[None]), axis=(1, 2, 3))
         return state.replace(
@@ -97,12 +97,12 @@ class Exploration(Task):
         )
 
     def reward(self, snapshot: Snapshot, before: ExplorationState, state: ExplorationState) -> Float[Array, " a"]:
-        """The area, less costs."""
+        """Compute the reward for newly covered area minus costs."""
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
         return jnp.float32(self.area_reward) * state.gained - costs
 
     def metrics(self, snapshot: Snapshot, state: ExplorationState) -> dict[str, Float[Array, ""]]:
-        """Part of the free floor that is covered, whether that is enough, collisions."""
+        """Return the covered fraction of the free floor, success, and collisions."""
         whole = jnp.maximum(jnp.sum(state.free), 1).astype(jnp.float32)
         coverage = jnp.sum(state.free * state.covered).astype(jnp.float32) / whole
         return {
@@ -112,7 +112,7 @@ class Exploration(Task):
         }
 
     def _near(self, snapshot: Snapshot, room: Int[Array, "levels ty tx"]) -> Bool[Array, "a levels ty tx"]:
-        """Which tiles each agent covers from where it is."""
+        """Return which tiles each agent covers from its position."""
         bank, house = snapshot.bank, snapshot.house
         edge = jnp.float32(_cells(bank) * bank.spec.cell)
         levels, rows, columns = room.shape
@@ -130,7 +130,7 @@ class Exploration(Task):
 
 
 def tiles_of(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
-    """The tiles of a house."""
+    """Divide the floor of a house into tiles."""
     count, home = _cells(bank), is_home(bank, house, bank.navigation.cell[house])
     levels, rows, columns = home.shape
     place = (np.arange(count) + 0.5) / count - 0.5
@@ -146,12 +146,12 @@ def tiles_of(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
 
 
 def _cells(bank: HouseBank) -> int:
-    """Cells along the edge of a tile."""
+    """Return the number of cells along the edge of a tile."""
     return max(round(TILE / bank.spec.cell), 1)
 
 
 def _in_tiles(values: Array, count: int) -> Array:
-    """Values of cells (levels, rows, columns) as (levels, ty, tx, cells of a tile); beyond the grid they are 0."""
+    """Group cell values (levels, rows, columns) by tile (levels, ty, tx, cells), padded with 0 beyond the grid."""
     levels, rows, columns = values.shape
     values = jnp.pad(values, ((0, 0), (0, -rows % count), (0, -columns % count)))
     tiles = values.reshape(levels, values.shape[1] // count, count, values.shape[2] // count, count)
@@ -159,6 +159,6 @@ def _in_tiles(values: Array, count: int) -> Array:
 
 
 def _of_cells(tiles: Bool[Array, "levels ty tx"], bank: HouseBank) -> Bool[Any, "levels rows columns"]:
-    """The value of the tile that each cell is in."""
+    """Expand tile values to cells."""
     rows, columns = bank.navigation.room.shape[2:]
     return jnp.repeat(jnp.repeat(tiles, _cells(bank), axis=1), _cells(bank), axis=2)[:, :rows, :columns]

@@ -1,4 +1,4 @@
-"""PiedPiper: follow the one who sounds, one of the tasks that HoME was made for (arXiv:1711.11017)."""
+"""PiedPiper: follow the agent that emits sound, one of the tasks proposed with HoME (arXiv:1711.11017)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
@@ -25,47 +25,48 @@ from home_mjx.tasks.suite.audio_nav import DISTRACTING, NUM_PLACES, SPLITS
 from home_mjx.tasks.suite.navigation import Navigation
 
 FOLLOWER, PIPER = 0, 1  # agents
-ROUTE = 2  # first of the two descriptors between which the piper walks
-THERE = 0.5  # [m]: then they turn round
-PACE = 3  # every so many steps who is led rests
-PATIENCE = 30  # steps in touch with something, after which the first of them turns round as well; the next later
-APART = 0.9  # [m]: the expert comes no nearer
-LOOKS = 0.15  # [rad]: who waits looks at the piper so nearly
-CLOSE = 3.0  # [m]: if the piper is so near, the expert walks straight to it where the way is free
+ROUTE = 2  # index of the first of two descriptors, the ends of the piper's route
+THERE = 0.5  # [m] distance to the end of a route at which scripted agents turn round
+PACE = 3  # period in steps at which scripted agents pause
+PATIENCE = 30  # steps in contact before a blocked agent turns round, times its index
+APART = 0.9  # [m] minimum distance that the expert keeps
+LOOKS = 0.15  # [rad] maximum heading error towards the piper while the expert waits
+CLOSE = 3.0  # [m] maximum distance at which the expert walks straight to the piper if the path is free
 
 
 class PiedPiperState(RowState):
-    """Where an episode stands, and where those who are led are going; A agents."""
+    """Task state of one episode, with the routes of the scripted agents; A agents."""
 
-    stray: Int[Array, "2"]  # the house's goals between which the others walk
-    heading: Int[Array, " a"]  # 0 or 1: to which end of its route
-    blocked: Int[Array, " a"]  # steps in touch with something, one after the other
-    near: Int[Array, ""]  # steps in which the follower was near
+    stray: Int[Array, "2"]  # goals of the house, the ends of the others' route
+    heading: Int[Array, " a"]  # end of its route that the agent heads for, 0 or 1
+    blocked: Int[Array, " a"]  # number of consecutive steps in contact
+    near: Int[Array, ""]  # number of steps in which the follower was near the piper
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """The follower's: towards the piper, see `_chase`; beside it, it keeps an eye on the piper."""
+        """Return the follower's action: approach the piper, see `_chase`; beside it, keep facing it."""
         pos, own = snapshot.pose.pos, jnp.array([FOLLOWER])
         waits = (jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < APART)[None]
         error = turn_towards(snapshot, _chase(snapshot, self)[None], own)
-        # No action does nothing: who waits looks to and fro.
+        # There is no idle action, so the waiting expert turns to and fro.
         error = jnp.where(waits & (jnp.abs(error) < LOOKS), ON_THE_SPOT, error)
         return to_actions(snapshot.config, error, -snapshot.pose.pitch[own], waits, jnp.zeros_like(waits))
 
 
 @dataclass(frozen=True)
 class PiedPiper(Navigation):
-    """Stay near the agent that plays. The task itself leads that one, and the others, which make other noises.
+    """Task of staying near the piper, an agent that plays sound. The task controls all agents but the first.
 
-    The first agent is yours. The second, the piper, walks to and fro between two places of the house, at two thirds of
-    the speed. So do the others, between two places that are as far from the piper's as the house has them: whoever
-    follows the nearest agent may follow the wrong one. Outwardly there is your agent alone: its action, its
-    observations, its reward.
+    The caller controls the first agent, the follower. The piper walks to and fro between two places of the house, at
+    two thirds of full speed. The others do so between two places as far from the piper's as possible, and emit
+    distracting sounds. Following the nearest agent may thus mean following the wrong one. The environment exposes
+    actions, observations and rewards of the follower only.
 
     Attributes:
-        others: So many agents beside the piper, 0 or 1.
-        follow_distance: Near is so near to the piper [m], at first with nothing between.
-        follow_steps: So many steps one after the other.
-        clip_split: What the piper plays: "heard", "unheard" or "all" of `audio_nav.SPLITS`.
+        others: Number of agents besides follower and piper, 0 or 1.
+        follow_distance: Maximum distance to the piper that counts as following [m]; the first time with a free line of
+            sight.
+        follow_steps: Number of consecutive steps of following for success.
+        clip_split: Sounds of the piper: "heard", "unheard" or "all" of `audio_nav.SPLITS`.
     """
 
     others: int = 1
@@ -82,41 +83,41 @@ class PiedPiper(Navigation):
 
     @property
     def needs_stop(self) -> bool:
-        """No."""
+        """Always False."""
         return False
 
     @property
     def observation_spec(self) -> Specs:
-        """None: what there is to know is heard and seen."""
+        """No observations: the agent must rely on its other sensors."""
         return {}
 
     @property
     def num_acting(self) -> int:
-        """The follower."""
+        """Number of agents that the caller controls: the follower."""
         return FOLLOWER + 1
 
     @property
     def least_agents(self) -> int:
-        """The follower, the piper and the others."""
+        """Number of agents: follower, piper and others."""
         return 2 + self.others
 
     @property
     def most_agents(self) -> int:
-        """No more than it needs: whoever else there is would stand still and be in nobody's row."""
+        """Maximum number of agents, equal to the minimum: further agents would have no role."""
         return self.least_agents
 
     @property
     def num_sources(self) -> int:
-        """Everybody's but the follower's."""
+        """Number of sound sources: one per agent except the follower."""
         return 1 + self.others
 
     @property
     def clips(self) -> tuple[str, ...]:
-        """The piper's, and the others' noises."""
+        """Sounds of the piper and of the others."""
         return (*SPLITS[self.clip_split], *(DISTRACTING if self.others else ()))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Pairs of places of the house."""
+        """Yield pairs of places of the house as the piper's route."""
         free = random.permutation(np.flatnonzero(~view.graph.at_leaf))[:NUM_PLACES]
         while len(free) > 1:
             first, second = view.graph.place[random.choice(free, 2, replace=False)].tolist()
@@ -133,7 +134,7 @@ class PiedPiper(Navigation):
         return [Stage((Go(1, (near, clear)),), guide=0), Stage((win, Go(0, bars=(near,))), guide=0)]
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PiedPiperState:
-        """Everybody sets out to the first end of their route."""
+        """Return the state in which all scripted agents head for the first end of their route."""
         agents = snapshot.pose.yaw.shape[0]
         base, zero = super().init(snapshot, key, columns), jnp.zeros(agents, jnp.int32)
         own = {option.name: getattr(base, option.name) for option in fields(RowState)}
@@ -141,7 +142,7 @@ class PiedPiper(Navigation):
         return PiedPiperState(**own, stray=stray, heading=zero, blocked=zero, near=zero[0])
 
     def lead(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
-        """The piper and the others, down the distances to where they are going, but for every third step."""
+        """Return actions of the scripted agents: descend the distance field, with a pause every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
         error = turn_towards(snapshot, _aims(snapshot, state))
@@ -153,12 +154,12 @@ class PiedPiper(Navigation):
         return jnp.arange(len(everybody)) != FOLLOWER, jnp.where(rests, nothing, actions)
 
     def update(self, snapshot: Snapshot, state: PiedPiperState) -> PiedPiperState:
-        """The next stage; and who has arrived, or cannot go on, turns round."""
+        """Update the stage; scripted agents that have arrived or are blocked turn round."""
         new = super().update(snapshot, state)
         assert isinstance(new, PiedPiperState)
         blocked = jnp.where(snapshot.contact, state.blocked + 1, 0)
         left = _left(snapshot, state)
-        # Not both at once: the first needs the time to turn and to go.
+        # Agents turn at different times: the first one needs time to turn and move away.
         turns = (left < THERE) | (blocked >= PATIENCE * jnp.arange(len(blocked)))
         near = (new.distance[FOLLOWER, 0] <= jnp.float32(self.follow_distance)).astype(jnp.int32)
         return new.replace(
@@ -168,16 +169,16 @@ class PiedPiper(Navigation):
         )
 
     def observe(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Array]:
-        """Nothing."""
+        """Return no observations."""
         return {}
 
     def reward(self, snapshot: Snapshot, before: PiedPiperState, state: PiedPiperState) -> Float[Array, " a"]:
-        """The follower's: progress towards the piper, success, less costs."""
+        """Return the follower's reward; 0 for all other agents."""
         reward = super().reward(snapshot, before, state)
         return jnp.where(jnp.arange(len(reward)) == FOLLOWER, reward, 0.0)
 
     def metrics(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Float[Array, ""]]:
-        """Success, distance from the follower to the piper [m], part of the steps near it, collisions, stage."""
+        """Return success, distance to the piper [m], fraction of steps near it, collisions and stage."""
         steps = jnp.maximum(snapshot.step, 1).astype(jnp.float32)
         return {
             "success": (state.stage == SUCCESS).astype(jnp.float32),
@@ -189,7 +190,7 @@ class PiedPiper(Navigation):
 
 
 def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"]:
-    """Two of the house's goals: that which is farthest from both ends of a route, and then from these and the first."""
+    """Return two goals of the house: the farthest from both ends of a route, then the farthest from these three."""
     bank, house = snapshot.bank, snapshot.house
     to_goals = jax.vmap(lambda end: geodesic_distance(bank, house, None, end))(route)
     first = jnp.argmax(jnp.min(to_goals, axis=0))
@@ -198,21 +199,22 @@ def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"
 
 
 def _ends(state: PiedPiperState) -> Int[Array, "2"]:
-    """Columns of the task bank's fields: distances to both ends of the piper's route."""
+    """Return the columns of the task bank's fields with distances to both ends of the piper's route."""
     return jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
 
 
 def _columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[Array, " a"]]:
-    """Where each agent is heading to: column of the task bank's fields for the piper, of the house's for the others."""
+    """Return each agent's destination: column of the task bank's fields for the piper, of the house's for others."""
     return _ends(state)[state.heading], state.stray[state.heading]
 
 
 def _chase(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
-    """Where the follower walks straight on its way to the piper [m].
+    """Return the point that the follower walks straight to on its way to the piper [m].
 
-    That is the piper, if it is close and the way is free. Else it is the way to one end of the piper's route: to that
-    which the piper walks to, if the follower has farther to go there, and so gets behind it; or else to the other one,
-    from which the piper comes to meet it. So no field of distances to where the piper is need be made.
+    That is the piper, if it is within `CLOSE` and the path is free. Otherwise it is the next point on the path to one
+    end of the piper's route. The follower takes the end that the piper heads for if it is farther from there than the
+    piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No distance field
+    to a moving piper is needed.
     """
     pos, field = snapshot.pose.pos, snapshot.tasks.field
     ends = _ends(state)
@@ -226,7 +228,7 @@ def _chase(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
 
 
 def _left(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
-    """How far each agent still has to walk [m]."""
+    """Return each agent's remaining path length [m]."""
 
     def to(pos: Array, column: Array, field: Array | None) -> Array:
         return geodesic_distance(snapshot.bank, snapshot.house, column, pos, field)
@@ -238,7 +240,7 @@ def _left(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
 
 
 def _aims(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:
-    """Where each agent walks straight on its way [m]."""
+    """Return the point that each agent walks straight to on its path [m]."""
     own, stray = _columns(state)
     fields_ = snapshot.tasks.field, snapshot.bank.navigation.field
 

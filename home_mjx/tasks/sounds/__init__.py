@@ -1,1 +1,1 @@
-"""What sounds in an episode: as rows of tasks say it, and where and when it does."""
+"""Sounds of an episode: as declared in rows of tasks, and as sources over time."""

@@ -1,4 +1,4 @@
-"""Where things sound in an environment, now."""
+"""Present sound sources of an environment."""
 
 import jax
 import jax.numpy as jnp
@@ -19,13 +19,13 @@ NO_BODY, SILENT = -1, -1
 def house_sounds(
     config: EnvConfig, bank: HouseBank, house: Int[Array, ""], key: Array, clip: Int[Array, ""] | None = None
 ) -> Sounds:
-    """One source at a random place of a house that plays a clip for ever; further ones are silent.
+    """Return one source at a random place of a house that plays a clip without end; further ones are silent.
 
     Args:
         config: Options.
         bank: The houses.
-        house: Which of them.
-        key: Of the place.
+        house: Index of the house.
+        key: Random key of the place.
         clip: Index into `CLIPS`; None: `config.clip`.
     """
     number = config.num_sources
@@ -48,15 +48,15 @@ def emitted(
     field: UInt16[Array, "cell f"],
     column: Int[Array, " d"],
 ) -> Sounds:
-    """What a row's sounds are now; of a row without any, what sounded before.
+    """Return the present sources of a row's sounds; for a row without sounds, the previous sources.
 
     Args:
-        snapshot: The environment; at step 0 nothing has moved yet.
-        emission: The row's sounds.
-        point: Where each descriptor's sound comes from [m]; inf: from nowhere.
-        body: Object id of what each descriptor means; -1 none.
-        field: Of the task bank.
-        column: Of each descriptor in it; -1 none.
+        snapshot: The environment; at step 0 no source has moved yet.
+        emission: Sounds of the row.
+        point: Sound position of each descriptor [m]; inf if it has none.
+        body: Object id of each descriptor's target; -1 if none.
+        field: Distance fields of the task bank.
+        column: Column of each descriptor's field; -1 if none.
     """
     before = snapshot.sounds
     count = min(before.clip.shape[0], NUM_SOUNDS)

@@ -1,4 +1,4 @@
-"""The sounds of a row: written by a person, and the same as arrays."""
+"""Sounds of a row: user-facing dataclass, and packed form as arrays."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,28 +13,28 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 
-NUM_SOUNDS = 4  # of a row
+NUM_SOUNDS = 4  # maximum number of sounds of a row
 NOBODY = -1
 COLUMN = "sound_{}"
-VOICE = "voice"  # clip of a descriptor that is an agent: the words that it says, as they are said
-VOICED = -2  # its number; see `voice`
+VOICE = "voice"  # clip name of the words that an agent says
+VOICED = -2  # number of that clip; see `voice`
 
 
 @dataclass(frozen=True)
 class Sound:
-    """What one of a row's descriptors plays, and when.
+    """Sound that a descriptor's target emits, with its schedule.
 
     Attributes:
-        emitter: Number of the descriptor: an object, whose middle it comes from, a place or an agent.
-        clip: Name of the sound, from `home_mjx.audio_jax.CLIPS`; or "voice": of an agent, what it says.
-        every: It begins anew so often [s]; inf: once.
-        lasts: So long each time [s]; inf: always.
-        gain: Of its pressure.
-        towards: A place that goes on along the shortest way to what this descriptor means; -1: it stays.
-        speed: So fast [m/s].
+        emitter: Index of the descriptor: an object, which emits from its middle, a place or an agent.
+        clip: Name of a clip of `home_mjx.audio_jax.CLIPS`; or "voice" for the words of an agent.
+        every: Repetition period [s]; inf: played once.
+        lasts: Duration of each repetition [s]; inf: unlimited.
+        gain: Factor on the sound pressure.
+        towards: Index of the descriptor that a place moves to along the shortest path; -1: it does not move.
+        speed: Speed of that motion [m/s].
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is invalid.
 
     Example:
         >>> Sound(0, "bell", every=3.0, lasts=1.0).gain
@@ -60,38 +60,38 @@ class Sound:
             check_number(name, getattr(self, name), 0)
         if self.clip == VOICE and (math.isfinite(min(self.every, self.lasts)) or self.towards != NOBODY):
             raise ConfigError(
-                "a voice is heard when its agent speaks, and where that is",
+                "a voice sounds when and where its agent speaks",
                 hint="Leave out `every`, `lasts` and `towards`.",
             )
 
 
 class Emission(Pytree):
-    """The sounds of one episode: s rows, see `Sound`."""
+    """Sounds of one episode: s entries, see `Sound`."""
 
-    emitter: Int[Array, "*t s"]  # descriptor; -1 none
-    clip: Int[Array, "*t s"]  # index into CLIPS; VOICED: what the agent says
+    emitter: Int[Array, "*t s"]  # descriptor; -1 if none
+    clip: Int[Array, "*t s"]  # index into CLIPS; VOICED: words of the agent
     every: Float[Array, "*t s"]  # [s]
     lasts: Float[Array, "*t s"]  # [s]
     gain: Float[Array, "*t s"]
-    towards: Int[Array, "*t s"]  # descriptor; -1 stays
+    towards: Int[Array, "*t s"]  # descriptor; -1 if it does not move
     speed: Float[Array, "*t s"]  # [m/s]
 
 
 def written_sounds(sounds: Sequence[Sound], num_descriptors: int) -> dict[str, np.ndarray]:
-    """The columns of an `Emission`.
+    """Pack sounds into the columns of an `Emission`.
 
     Raises:
-        ConfigError: There are more than a row has room for, or one names a descriptor that the row lacks.
+        ConfigError: There are more than `NUM_SOUNDS`, or one refers to a missing descriptor.
 
     Example:
         >>> written_sounds([Sound(0, "bell")], 1)["sound_emitter"].tolist()
         [0, -1, -1, -1]
     """
     if len(sounds) > NUM_SOUNDS:
-        raise ConfigError(f"a task has room for {NUM_SOUNDS} sounds, got {len(sounds)}")
+        raise ConfigError(f"a task has at most {NUM_SOUNDS} sounds, got {len(sounds)}")
     for number in (number for sound in sounds for number in (sound.emitter, sound.towards)):
         if number >= num_descriptors:
-            raise ConfigError(f"a sound is of descriptor {number}, but the task has {num_descriptors}")
+            raise ConfigError(f"a sound refers to descriptor {number}, but the task has {num_descriptors}")
     rows = [(s.emitter, _number(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
     rows += [(NOBODY, 0, math.inf, math.inf, 0.0, NOBODY, 0.0)] * (NUM_SOUNDS - len(sounds))
     kinds = {"emitter": np.int8, "clip": np.int16, "towards": np.int8}
@@ -103,12 +103,12 @@ def written_sounds(sounds: Sequence[Sound], num_descriptors: int) -> dict[str, n
 
 
 def emission_of(columns: Mapping[str, Array]) -> Emission:
-    """The sounds among the columns of a row, or of many."""
+    """Extract the sounds from the columns of one or many rows."""
     return Emission(**{name: columns[COLUMN.format(name)] for name in Emission.__dataclass_fields__})
 
 
 def read_sounds(columns: Mapping[str, np.ndarray]) -> list[Sound]:
-    """The sounds among the columns of a row; undoes `written_sounds`."""
+    """Unpack the sounds of a row; the inverse of `written_sounds`."""
     values = {name: np.asarray(columns[COLUMN.format(name)]).tolist() for name in Emission.__dataclass_fields__}
     values["clip"] = [clip_name(number) for number in values["clip"]]
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
@@ -116,7 +116,7 @@ def read_sounds(columns: Mapping[str, np.ndarray]) -> list[Sound]:
 
 
 def clip_name(number: int) -> str:
-    """Name of the clip that has this number in an `Emission`.
+    """Return the name of the clip with this number in an `Emission`.
 
     Example:
         >>> clip_name(0), clip_name(VOICED)
@@ -130,5 +130,5 @@ def _number(clip: str) -> int:
 
 
 def is_audible(emission: Emission) -> Bool[Array, "*t"]:
-    """Whether somebody's words are sounds: then they are heard in no other way."""
+    """Return whether the words of any agent are sounds; then no other observation has them."""
     return jnp.any((emission.clip == VOICED) & (emission.emitter >= 0), axis=-1)

@@ -1,4 +1,4 @@
-"""Going down a field of distances without a body: from cell to cell, to the neighbour that is nearest to the goal."""
+"""Motion of sound sources without a body: descent of a distance field from cell to cell."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, UInt16
@@ -7,7 +7,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.grid import cell_of, is_home, row_of_cell
 from home_mjx.schema.compiled import FIELD_FAR
 
-PARTS = 4  # of a way: none goes farther than to the next cell
+PARTS = 4  # number of parts of a move; each one ends at the next cell at the latest
 
 
 def strolled(
@@ -19,22 +19,22 @@ def strolled(
     way: Float[Array, ""],
     height: Float[Array, ""],
 ) -> Float[Array, "3"]:
-    """A point above the floor after a way along the shortest path.
+    """Return the position of a point above the floor after a move along the shortest path.
 
     Args:
         bank: The houses.
         house: Index of the house.
         field: Distances of all cells to goals, stored as in `Navigation.field`.
         goal: Column of the field.
-        pos: Where it is [m].
-        way: How far it goes at most [m]; of a way longer than `PARTS` cells the rest is not gone.
-        height: Of the point above the floor [m].
+        pos: Position before the move [m].
+        way: Maximum length of the move [m]; the part of it beyond `PARTS` cells is dropped.
+        height: Height of the point above the floor [m].
     """
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
     around = jnp.array([(0, dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)], jnp.int32)
     limits = jnp.array(numbers.shape, jnp.int32) - 1
     for _ in range(PARTS):
-        # As an agent's, whose middle says on which level it is.
+        # The level is looked up at the height of an agent's middle.
         at = cell_of(bank, house, pos.at[2].add(jnp.float32(bank.spec.agent_height / 2) - height))
         near = jnp.clip(at + around, 0, limits)
         cell = numbers[near[:, 0], near[:, 1], near[:, 2]]

@@ -1,8 +1,8 @@
-"""Words as sounds: each is a chord of its own, which reverberation does not blur and walls do not hide.
+"""Words as sounds: one chord per word, which can be decoded despite reverberation and attenuation by walls.
 
-As in the tones of telephones (ITU-T Q.23) a sign is several sines at once, one of each group, so that it is told by
-which one of a group is there, however loud. Equal steps on the mel scale (O'Shaughnessy, "Speech Communication", 1987)
-give every tone a band of its own in `log_mel`.
+As in telephone signalling (DTMF, ITU-T Q.23), a sign is several simultaneous sines, one of each group of frequencies.
+It is decoded from which tone of each group is present, at any level. Equal steps on the mel scale (O'Shaughnessy,
+"Speech Communication", 1987) put each tone into a band of its own in `log_mel`.
 """
 
 import functools
@@ -18,19 +18,18 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.errors import ConfigError
 
-NUM_GROUPS, NUM_CHOICES = 6, 4  # of tones, and tones of each
-NUM_WORDS = NUM_CHOICES ** (NUM_GROUPS - 1)  # the last group is a check
-LOWEST, HIGHEST = 300.0, 3600.0  # [Hz]: of the lowest and the highest tone
-WORD_SECONDS = 0.2
-SOFT = 0.01  # [s], in which a word begins, and ends
-SILENCE = -1  # token of no word
+NUM_GROUPS, NUM_CHOICES = 6, 4  # groups of tones, and tones of each group
+NUM_WORDS = NUM_CHOICES ** (NUM_GROUPS - 1)  # the last group is a check digit
+LOWEST, HIGHEST = 300.0, 3600.0  # [Hz] frequencies of the lowest and the highest tone
+WORD_SECONDS = 0.2  # [s] duration of a word
+SOFT = 0.01  # [s] duration of fade-in and fade-out
+SILENCE = -1  # token if no word is said
 
 
 def chord(token: Int[Array, "*n"]) -> Int[Array, "*n groups"]:
-    """Numbers of the tones that make up a word, one of each group; any two words differ in at least two of them.
+    """Return the indices of a word's tones, one of each group; any two words differ in at least two of them.
 
-    They are the digits of its token to the base 4, the last one first, and one more that makes their sum a multiple
-    of 4.
+    They are the base-4 digits of its token, the last one first, and a check digit that makes their sum a multiple of 4.
 
     Example:
         >>> chord(jnp.array([0, 1, 27])).tolist()
@@ -42,11 +41,11 @@ def chord(token: Int[Array, "*n"]) -> Int[Array, "*n groups"]:
 
 
 def word_sound(token: Int[Array, ""], config: AudioConfig) -> Float[Array, " n"]:
-    """Pressure at 1 m from who says a word, for `WORD_SECONDS`; its RMS is about that of every clip.
+    """Synthesize a word for `WORD_SECONDS`: pressure at 1 m, with about the RMS of a clip.
 
     Args:
-        token: Of the word; -1: silence.
-        config: For its sample rate.
+        token: Token of the word; -1: silence.
+        config: Options with the sample rate.
 
     Raises:
         ConfigError: The sample rate is too low for the highest tone.
@@ -60,7 +59,7 @@ def word_sound(token: Int[Array, ""], config: AudioConfig) -> Float[Array, " n"]
 
 
 def num_remembered(config: AudioConfig) -> int:
-    """Frames back to the first one, a word of which may still be heard; this frame counts.
+    """Return the number of frames, including this one, whose words may still be audible.
 
     Example:
         >>> num_remembered(AudioConfig())
@@ -71,13 +70,13 @@ def num_remembered(config: AudioConfig) -> int:
 
 
 def voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w"]:
-    """What leaves mouths in this frame, and before it for as long as it rings on; as `given_off` for `moving_frame`.
+    """Synthesize the signals that speakers emit in this frame and its past, as `given_off` for `moving_frame`.
 
-    A word begins with the frame in which it is said. Who speaks again before a word has ended says both at once.
+    A word begins with the frame in which it is said. Words that a speaker says before the last one has ended overlap.
 
     Args:
-        said: Tokens that each of e has said in this frame (row 0) and in `num_remembered` - 1 before; -1 none.
-        config: For the lengths.
+        said: Tokens of e speakers in this frame (row 0) and in the `num_remembered` - 1 before; -1 if none.
+        config: Options with the lengths of frame and memory.
 
     Example:
         >>> config = AudioConfig()
@@ -96,11 +95,11 @@ def voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w"]:
 
 
 def voice_power(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w bands"]:
-    """Power of what `voices` gives, per time bin and octave, as `band_level` takes it.
+    """Return the power of the signals of `voices` per time bin and octave, as `band_level` takes it.
 
     Args:
         said: As for `voices`.
-        config: For the lengths.
+        config: Options with the lengths of frame and bins.
     """
     frame, past = round(config.frame / config.bin_samples), config.num_bins - 1
     length = round(WORD_SECONDS / config.bin_seconds)
@@ -113,7 +112,7 @@ def voice_power(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e
 
 @functools.cache
 def _tones(sample_rate: int) -> Float[np.ndarray, "tones n"]:
-    """All tones with soft ends; of those of a chord each has a sixth of its power."""
+    """Synthesize all tones with faded ends; each has a sixth of the power of a chord."""
     if sample_rate <= 2 * HIGHEST:
         raise ConfigError(
             f"words have tones up to {HIGHEST:g} Hz, but the sample rate is {sample_rate} Hz",
@@ -122,7 +121,7 @@ def _tones(sample_rate: int) -> Float[np.ndarray, "tones n"]:
     time = np.arange(_length(sample_rate)) / sample_rate
     soft = np.clip(np.minimum(time, WORD_SECONDS - time) / SOFT, 0, 1)
     group = np.arange(NUM_GROUPS * NUM_CHOICES) // NUM_CHOICES
-    phase = -math.pi * group * (group + 1) / NUM_GROUPS  # of low peaks: Schroeder, IEEE Trans. IT 16 (1970)
+    phase = -math.pi * group * (group + 1) / NUM_GROUPS  # low crest factor: Schroeder, IEEE Trans. IT 16 (1970)
     sines = np.sin(2 * np.pi * tone_frequencies()[:, None] * time + phase[:, None])
     tones = (LOUDNESS * math.sqrt(2 / NUM_GROUPS) * soft * sines).astype(np.float32)
     tones.flags.writeable = False
@@ -130,7 +129,7 @@ def _tones(sample_rate: int) -> Float[np.ndarray, "tones n"]:
 
 
 def tone_frequencies() -> Float[np.ndarray, " tones"]:
-    """Of all tones [Hz], group by group.
+    """Return the frequencies of all tones [Hz], group by group.
 
     Example:
         >>> tone_frequencies()[[0, -1]].round(6).tolist()

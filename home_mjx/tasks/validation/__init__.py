@@ -1,1 +1,1 @@
-"""What rows of a task bank may hold, whether they come from a file or as arrays."""
+"""Validation of the rows of a task bank, from files or as arrays."""

@@ -1,4 +1,4 @@
-"""The first row of arrays that cannot be done, and why."""
+"""Validation of rows as arrays: the first invalid row, and the reason."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -16,20 +16,20 @@ from home_mjx.tasks.validation.starts import can_stand
 from home_mjx.tasks.validation.table import MEANT, Range
 from home_mjx.tasks.validation.waiting import least_steps
 
-STOREY = 4.0  # [m]: starts are no higher above the highest floor
-BENEATH = 1.0  # [m]: nor lower below the lowest one
+STOREY = 4.0  # [m] maximum height of a start above the highest floor
+BENEATH = 1.0  # [m] maximum depth of a start below the lowest floor
 SOUNDING = (Kind.OBJECT, Kind.PLACE, Kind.AGENT)
 Columns = Mapping[str, np.ndarray]
 
 
 class Fault(NamedTuple):
-    """What is wrong with a row.
+    """Reason why a row is invalid.
 
     Attributes:
-        row: Its number.
-        field: What of it is wrong.
-        message: Why.
-        hint: What to do.
+        row: Index of the row.
+        field: Name of the invalid field.
+        message: Description of the fault.
+        hint: Advice on how to correct it.
     """
 
     row: int
@@ -46,15 +46,15 @@ def first_fault(
     hints: Mapping[str, str],
     most_steps: float = np.inf,
 ) -> Fault | None:
-    """The first fault that rows have; None: they have none.
+    """Return the first fault of rows; None if all are valid.
 
     Args:
-        rows: Any rows; columns that are in none of the tables are not looked at.
+        rows: Any rows; columns that neither table lists are not checked.
         bank: Their houses.
-        limits: What columns may hold, see `limits`.
-        features: What values features can have, see `feature_limits`.
-        hints: What to do about a column, or a feature, by name in small letters.
-        most_steps: Of an episode.
+        limits: Ranges of the columns, see `limits`.
+        features: Ranges of the features, see `feature_limits`.
+        hints: Hints by name of a column, or of a feature in lower case.
+        most_steps: Maximum number of steps of an episode.
     """
     columns = numbers_of(rows)
     ranges = {name: limits[name] for name in columns if name in limits}
@@ -66,7 +66,7 @@ def first_fault(
 
 
 def numbers_of(rows: Episodes) -> dict[str, np.ndarray]:
-    """The columns of rows by name, on the host; those of descriptors by word."""
+    """Return the columns of rows by name as NumPy arrays, those of descriptors also by word."""
     host = jax.tree.map(np.asarray, rows)
     columns = {"house": host.house, "start": host.start, "yaw": host.yaw, **host.columns}
     if "descriptor" in columns:
@@ -75,7 +75,7 @@ def numbers_of(rows: Episodes) -> dict[str, np.ndarray]:
 
 
 def _first(wrong: Bool[np.ndarray, "t ..."]) -> tuple[int, ...] | None:
-    """Where an array holds first; None: nowhere."""
+    """Return the index of the first true element; None if there is none."""
     return tuple(int(i) for i in np.unravel_index(np.argmax(wrong), wrong.shape)) if wrong.any() else None
 
 
@@ -89,7 +89,7 @@ def _out_of_range(columns: Columns, ranges: Mapping[str, Range], hints: Mapping[
 
 
 def _outside(columns: Columns, bank: HouseBank) -> Fault | None:
-    """Whether a start is not in the house's grid, or on another storey than it has."""
+    """Find a start outside the grid of its house, or too far above or below its floors."""
     navigation, house, start = bank.navigation, columns["house"], columns["start"]
     size = np.array(navigation.room.shape[:1:-1]) * bank.spec.cell
     low, floor = np.asarray(navigation.origin)[house], np.asarray(navigation.floor)[house]
@@ -100,7 +100,7 @@ def _outside(columns: Columns, bank: HouseBank) -> Fault | None:
     if at is None:
         return None
     place = ", ".join(f"{x:g}" for x in start[at[0]])
-    return Fault(at[0], "start", f"`start` ({place}) is not in its house", "Begin on the floor of a room [m].")
+    return Fault(at[0], "start", f"`start` ({place}) is not in its house", "Start on the floor of a room [m].")
 
 
 def _stuck(columns: Columns, bank: HouseBank) -> Fault | None:
@@ -109,9 +109,9 @@ def _stuck(columns: Columns, bank: HouseBank) -> Fault | None:
 
 
 def no_room(row: int, start: Float[np.ndarray, "3"]) -> Fault:
-    """What is wrong with a row that begins where nobody can stand."""
+    """Return the fault of a row that starts where no agent can stand."""
     place = ", ".join(f"{x:g}" for x in start)
-    return Fault(row, "start", f"nobody can stand at `start` ({place})", "Begin on a free piece of floor [m].")
+    return Fault(row, "start", f"no agent can stand at `start` ({place})", "Start on a free part of the floor [m].")
 
 
 def _too_late(columns: Columns, most_steps: float) -> Fault | None:
@@ -121,14 +121,14 @@ def _too_late(columns: Columns, most_steps: float) -> Fault | None:
     at = _first(late & np.isfinite(least_steps(at_once))) if late.any() else None
     if at is None:
         return None
-    message = f"success takes {steps[at[0]]:g} steps of `time` at least, an episode has {most_steps:g}"
-    return Fault(at[0], "needs", message, "Give a longer episode_length, or let the task ask for less `time`.")
+    message = f"success takes at least {steps[at[0]]:g} steps of `time`, an episode has {most_steps:g}"
+    return Fault(at[0], "needs", message, "Set a longer episode_length, or require less `time` in the task.")
 
 
 def _of_programs(
     columns: Columns, features: Float[np.ndarray, "features 2"], hints: Mapping[str, str]
 ) -> Iterator[Fault]:
-    """Conditions that never hold, or of nothing; descriptors without what they name; sounds of what has no place."""
+    """Yield conditions that never hold or test nothing, incomplete descriptors, and sounds without a position."""
     needs, bars = (_bits(columns[name]) for name in ("needs", "bars"))
     yield from _never(columns, needs, features, hints)
     kind, feature = columns["meant.kind"], columns["feature"]
@@ -137,8 +137,8 @@ def _of_programs(
         at = _first(asked & (_of(kind, columns[name]) == Kind.NOTHING))
         if at is not None:
             what = Feature(int(feature[at])).name.lower()
-            message = f"`{what}` looks at descriptor {columns[name][at]}, which is nothing"
-            yield Fault(at[0], name, message, f"Let `{name}` be the number of one of `meant`.")
+            message = f"`{what}` tests descriptor {columns[name][at]}, which selects nothing"
+            yield Fault(at[0], name, message, f"Set `{name}` to the index of an item of `meant`.")
     nowhere = (kind == Kind.PLACE) & ~np.isfinite(columns["place"]).all(axis=-1)
     nobody = (kind == Kind.AGENT) & (columns["meant.agent"] < 0)
     for wrong, name in ((nowhere, "place"), (nobody, "agent")):
@@ -151,7 +151,7 @@ def _of_programs(
 def _never(
     columns: Columns, used: Bool[np.ndarray, "t c"], features: np.ndarray, hints: Mapping[str, str]
 ) -> Iterator[Fault]:
-    """Conditions that are asked for and that no value of their feature fulfils."""
+    """Yield required conditions that no value of their feature fulfils."""
     feature, least, most = (columns[name] for name in ("feature", "least", "most"))
     at = _first(used & (np.maximum(least, features[feature, 0]) > np.minimum(most, features[feature, 1])))
     if at is not None:
@@ -166,24 +166,29 @@ def _of_sounds(columns: Columns, kind: np.ndarray) -> Iterator[Fault]:
     mute = (emitter >= 0) & ~np.isin(_of(kind, emitter), SOUNDING)
     lost = (emitter >= 0) & (towards >= 0) & (_of(kind, towards) == Kind.NOTHING)
     voiceless = (emitter >= 0) & (clip == VOICED) & (_of(kind, emitter) != Kind.AGENT)
-    for wrong, name, of in ((mute, "emitter", "object, a place or an agent"), (lost, "towards", "place or an object")):
+    for wrong, name, of in (
+        (mute, "emitter", "an object, a place or an agent"),
+        (lost, "towards", "a place or an object"),
+    ):
         at = _first(wrong)
         if at is not None:
             number = columns[f"sound_{name}"][at]
-            yield Fault(at[0], "sounds", f"`{name}` is descriptor {number}, which is no {of}", "Name another one.")
+            yield Fault(
+                at[0], "sounds", f"`{name}` is descriptor {number}, which is not {of}", "Choose another descriptor."
+            )
     at = _first(voiceless)
     if at is not None:
         hint = 'Only agents have a "voice": {"kind": "agent", "agent": 0}.'
-        yield Fault(at[0], "sounds", f"the voice is of descriptor {emitter[at]}, which is no agent", hint)
+        yield Fault(at[0], "sounds", f"the voice belongs to descriptor {emitter[at]}, which is not an agent", hint)
 
 
 def _bits(numbers: np.ndarray) -> Bool[np.ndarray, "t c"]:
-    """Which conditions are asked for by any transition."""
+    """Return which conditions are used by any transition."""
     asked = np.where(numbers < 0, 0, numbers).astype(int).reshape(len(numbers), -1)
     return (np.bitwise_or.reduce(asked, axis=1)[:, None] >> np.arange(NUM_CONDITIONS) & 1) == 1
 
 
 def _of(kind: np.ndarray, number: np.ndarray) -> np.ndarray:
-    """Kinds of the descriptors that have these numbers; nothing of -1."""
+    """Return the kinds of the descriptors with these indices; NOTHING for -1."""
     found = np.take_along_axis(kind, np.maximum(number, 0).astype(int), axis=1)
     return np.where(number < 0, Kind.NOTHING, found)

@@ -1,4 +1,4 @@
-"""Whether tasks fit an environment: refused when they are given, not when a reset draws them."""
+"""Validation of tasks against an environment, when they are passed in and not only when a reset draws them."""
 
 from typing import Any
 
@@ -20,33 +20,33 @@ from home_mjx.tasks.sounds.row import written_sounds
 from home_mjx.tasks.validation.faults import first_fault
 from home_mjx.tasks.validation.table import SHORT, Range, feature_limits, index_of, limits
 
-OTHER_HOUSES = "Make them for these houses: task.task_bank(bank), load_tasks(path, bank) or sample_episodes(bank, ...)."
+OTHER_HOUSES = "Create tasks for these houses: task.task_bank(bank), load_tasks(path, bank) or sample_episodes(bank)."
 
 
 def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> None:
-    """Refuses tasks that an environment could not begin, or that nobody could do.
+    """Check that an environment can begin these tasks, and that they can be solved.
 
     Args:
         config: Options of the environment.
-        task: What its agents are to do.
+        task: Task of its agents.
         bank: Its houses.
-        tasks: What `EnvParams.tasks` is to be; arrays that are traced are not looked at.
+        tasks: Value for `EnvParams.tasks`; traced arrays are not checked.
 
     Raises:
-        ConfigError: They are nothing that resets take rows from, there are none, they lack a column, they are of other
-            houses, or a row holds what it must not; says which, and what is allowed.
+        ConfigError: They are of another type, empty, lack a column or belong to other houses, or a row has an invalid
+            value. The message has the allowed values.
     """
     if tasks is None:
         return _check_needs_none(task)
     if not isinstance(tasks, Episodes | TaskBank):
-        hint = "Give `Episodes` of `sample_episodes` or `load_episodes`, or a `TaskBank` of `load_tasks`."
+        hint = "Give `Episodes` from `sample_episodes` or `load_episodes`, or a `TaskBank` from `load_tasks`."
         raise ConfigError(f"expected tasks, got {type(tasks).__name__}", hint=hint)
     if any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(tasks)):  # pyright: ignore
         return None
     rows = tasks.rows if isinstance(tasks, TaskBank) else tasks
     _check_columns(task, tasks, rows)
     if not len(rows):
-        raise ConfigError("there are no tasks", hint="Give at least one, or None: then resets draw afresh.")
+        raise ConfigError("there are no tasks", hint="Give at least one, or None to let resets draw new episodes.")
     ranges = limits() | {"goal": index_of(bank.navigation.goal.shape[1], none=False)}
     if isinstance(tasks, TaskBank):
         ranges |= _of_bank(bank, tasks)
@@ -55,7 +55,7 @@ def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> N
 
 
 def blank_row() -> dict[str, np.ndarray]:
-    """The columns of a row that says nothing: their names, shapes and types.
+    """Return the columns of an empty row, with their names, shapes and dtypes.
 
     Example:
         >>> blank_row()["place"].shape
@@ -73,15 +73,15 @@ def _check_needs_none(task: Task) -> None:
 
 
 def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> None:
-    """Refuses rows of another kind of task, and columns that are not as long as others."""
+    """Check that rows have the columns of the task, each with the right shape and one entry per row."""
     name, own = type(task).__name__, blank_row() if isinstance(task, RowTask) else {}
     if own and not isinstance(tasks, TaskBank):
-        hint = "Give a `TaskBank`, such as of task.task_bank(bank) or load_tasks(path, bank)."
-        raise ConfigError(f"the rows of {name} are a TaskBank, got {type(tasks).__name__}", hint=hint)
+        hint = "Give a `TaskBank`, such as task.task_bank(bank) or load_tasks(path, bank)."
+        raise ConfigError(f"the rows of {name} must be a TaskBank, got {type(tasks).__name__}", hint=hint)
     lost = [column for column in (*own, *task.columns) if column not in rows.columns]
     if lost:
         hint = f"Give rows that were made for {name}."
-        raise ConfigError(f"the rows lack what {name} needs: {', '.join(lost)}", hint=hint)
+        raise ConfigError(f"the rows lack columns that {name} needs: {', '.join(lost)}", hint=hint)
     shapes = {"house": (), "start": (3,), "yaw": ()} | {column: value.shape for column, value in own.items()}
     arrays = {"house": rows.house, "start": rows.start, "yaw": rows.yaw, **rows.columns}
     for column, array in arrays.items():
@@ -92,7 +92,7 @@ def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> No
 
 
 def _of_bank(bank: HouseBank, tasks: TaskBank) -> dict[str, Range]:
-    """What columns may hold that are numbers of something of the task bank."""
+    """Return the ranges of columns that index arrays of the task bank."""
     cells, fields = tasks.field.shape
     if cells != bank.navigation.field.shape[0] or not fields:
         message = f"the tasks have distances of {cells} cells, the houses have {bank.navigation.field.shape[0]}"

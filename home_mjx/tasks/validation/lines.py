@@ -1,4 +1,4 @@
-"""What a line of a task file is made of; numbers are those of the one table."""
+"""Schema of a line of a task file; the ranges of numbers come from `table`."""
 
 import functools
 from collections.abc import Callable, Iterator, Mapping
@@ -24,30 +24,30 @@ from home_mjx.tasks.sounds.row import NUM_SOUNDS, VOICE
 from home_mjx.tasks.validation.table import MEANT, MOST_AGENTS, Range, index_of, limits
 
 ENDS = ("success", "failure")
-MOST_SHOWN = 60  # characters of a wrong value
-Check = Callable[[Any, str], None]  # of a value at a place of the line: raises `DatasetError` if it cannot be used
+MOST_SHOWN = 60  # maximum number of characters of an invalid value in a message
+Check = Callable[[Any, str], None]  # checks a value at a place of the line; raises `DatasetError` if it is invalid
 
 
 @dataclass(frozen=True)
 class Many:
-    """A list of so many, each of one form."""
+    """Schema of a list with `least` to `most` items of one form."""
 
     form: "Form"
     most: int
     least: int = 0
 
 
-Form = Check | Many | Mapping[str, "Form"]  # of a mapping: fields whose names end in "?" may be left out
+Form = Check | Many | Mapping[str, "Form"]  # fields of a mapping whose names end in "?" are optional
 
 
 def check_line(line: Any) -> None:
-    """Refuses a line that does not have the form of a task.
+    """Check that a line has the form of a task.
 
     Args:
-        line: What its JSON holds.
+        line: Decoded JSON of the line.
 
     Raises:
-        DatasetError: Names the field, such as `stages[0].ways[1].reward`, and says what it may be.
+        DatasetError: Names the field, such as `stages[0].ways[1].reward`, and its allowed values.
 
     Example:
         >>> check_line(["house"])
@@ -60,7 +60,7 @@ def check_line(line: Any) -> None:
 
 @contextmanager
 def part(name: str) -> Iterator[None]:
-    """Names the field that is at fault if what is made of it is refused."""
+    """Convert a `ConfigError` raised in this context to a `DatasetError` at the named field."""
     try:
         yield
     except ConfigError as error:
@@ -69,7 +69,7 @@ def part(name: str) -> Iterator[None]:
 
 @functools.cache
 def line_form() -> Form:
-    """The fields of a line."""
+    """Return the schema of a line."""
     place = Many(_within(limits()["place"]._replace(besides=())), 3, 3)
     words = {f"{word.name.lower()}?": _word(word) for word in list(Word)[1:]}
     meant = {"kind": _one_of([kind.name.lower() for kind in Kind]), "place?": place, **words}
@@ -97,7 +97,7 @@ def _check(value: Any, form: Form, place: str) -> None:
         _check_type(value, list, "a list", place)
         if not form.least <= len(value) <= form.most:
             many = str(form.most) if form.least == form.most else f"{form.least} to {form.most}"
-            raise DatasetError(f"expected {many} of these, got {len(value)}", element=place)
+            raise DatasetError(f"expected {many} items, got {len(value)}", element=place)
         for number, item in enumerate(value):
             _check(item, form.form, f"{place}[{number}]")
     else:
@@ -125,7 +125,7 @@ def _check_type(value: Any, kind: type, text: str, place: str) -> None:
 
 
 def _text(value: Any, place: str) -> None:
-    _check_type(value, str, "a text", place)
+    _check_type(value, str, "a string", place)
 
 
 def _number(column: str) -> Check:
@@ -164,7 +164,7 @@ def _next(value: Any, place: str) -> None:
 
 
 def _shown(value: Any) -> str:
-    """A value as a message has it, however long or deep it is."""
+    """Format a value for a message, shortened to `MOST_SHOWN` characters."""
     if isinstance(value, dict | list):
         return f"{'an object' if isinstance(value, dict) else 'a list'} of {len(value)}"
     if isinstance(value, int) and abs(value) > 10**MOST_SHOWN:

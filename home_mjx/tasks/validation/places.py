@@ -1,4 +1,4 @@
-"""Whether rows that somebody has written can be done in their house, on the host."""
+"""Feasibility of user-written rows in their house (host side)."""
 
 import numpy as np
 from jaxtyping import UInt16
@@ -18,13 +18,15 @@ NAMED = (Kind.OBJECT, Kind.ROOM)
 def first_impossible(
     bank: HouseBank, view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
 ) -> Fault | None:
-    """The first row of a house that names what it has not, begins where nobody can stand, or asks for too much.
+    """Return the first infeasible row of a house; None if all are feasible.
+
+    Feasible: the house has its targets, an agent can stand at its start, and paths lead close enough to its targets.
 
     Args:
         bank: The houses.
         view: The house.
         rows: Columns of its rows, with `field`.
-        fields: Distances of its cells, as `add_fields` gives them.
+        fields: Distances of its cells, as returned by `add_fields`.
     """
     descriptor = np.stack([row["descriptor"] for row in rows])
     means = means_on_host(bank, view.house, descriptor)
@@ -38,8 +40,8 @@ def first_impossible(
             return no_room(number, row["start"])
         if lost[number].any():
             name = f"meant[{np.argmax(lost[number])}]"
-            return Fault(number, name, "the house has nothing that this means", "`HouseView.things` lists what it has.")
+            return Fault(number, name, "the house has no such object or room", "`HouseView.things` lists its objects.")
         if not can_be_done(row, nearest):
-            message = "no way leads to what the task asks for, or none as near to it"
-            return Fault(number, "meant", message, "Name another goal, or let `most` of `distance` be greater.")
+            message = "no path leads to a target of the task, or none close enough to it"
+            return Fault(number, "meant", message, "Choose another goal, or a greater `most` of `distance`.")
     return None

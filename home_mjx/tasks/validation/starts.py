@@ -1,4 +1,4 @@
-"""Where episodes may begin, on the host."""
+"""Valid starts of episodes (host side)."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -10,14 +10,14 @@ AROUND = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
 
 
 def can_stand(bank: HouseBank, house: Int[np.ndarray, " t"], start: Float[np.ndarray, "t 3"]) -> Bool[np.ndarray, " t"]:
-    """Whether an agent fits at a place, and ways lead from there to everything.
+    """Return whether an agent fits at each position and can reach the home region from there.
 
-    It does in or beside a cell of the home region, which has room for the body that the houses were compiled for.
+    True in or next to a cell of the home region, which is free for the body size that the houses were compiled for.
 
     Args:
         bank: The houses.
-        house: Which of them, of each place.
-        start: [m], on the floor.
+        house: Index of the house of each position.
+        start: Positions on the floor [m].
     """
     navigation = bank.navigation
     numbers, height = np.asarray(navigation.cell), np.asarray(navigation.height)
@@ -25,7 +25,7 @@ def can_stand(bank: HouseBank, house: Int[np.ndarray, " t"], start: Float[np.nda
     first = np.asarray(navigation.first_cell)[house]
     end = first + np.asarray(navigation.num_cells)[house]
     plan = np.floor((start[:, :2] - np.asarray(navigation.origin)[house]) / bank.spec.cell)
-    column, row = np.clip(plan, -2, np.array(size[::-1]) + 1).astype(int).T  # far outside is as good as just outside
+    column, row = np.clip(plan, -2, np.array(size[::-1]) + 1).astype(int).T  # keeps integers in range
     found = np.zeros(len(house), bool)
     for level in range(levels):
         for away in AROUND:

@@ -1,4 +1,4 @@
-"""The one table of what the columns of a task bank may hold: files and arrays are checked by it."""
+"""Ranges of the columns of a task bank, shared by the validation of files and of arrays."""
 
 import functools
 import operator
@@ -18,20 +18,20 @@ from home_mjx.tasks.rules.words import FAILURE, NUM_CONDITIONS, NUM_DESCRIPTORS,
 from home_mjx.tasks.sounds.row import VOICED
 
 INF = float("inf")
-GREAT = 1e6  # of a reward, a length [m], a limit of a condition
-MOST_AGENTS = 15  # bits of the column `told`
+GREAT = 1e6  # maximum of a reward, a length [m] or a limit of a condition
+MOST_AGENTS = 15  # maximum number of agents: bits of the column `told`
 SHORT = 2**15 - 1
-MEANT = "meant.{}"  # name of a column of descriptors
+MEANT = "meant.{}"  # name of a descriptor's column, by word
 
 
 class Range(NamedTuple):
-    """Numbers that a column may hold.
+    """Range of allowed numbers.
 
     Attributes:
-        least: From here ...
-        most: ... to here.
-        whole: Integers alone.
-        besides: Further ones, such as infinity where it stands for no limit.
+        least: Minimum, inclusive.
+        most: Maximum, inclusive.
+        whole: Integers only.
+        besides: Further allowed values, such as infinity for no limit.
 
     Example:
         >>> print(Range(0, 3, whole=True))
@@ -46,24 +46,24 @@ class Range(NamedTuple):
     besides: tuple[float, ...] = ()
 
     def holds(self, values: Any) -> Any:
-        """Whether a number, or each of an array, is one of these."""
+        """Return whether a number, or each of an array, is within the range."""
         within = (values >= self.least) & (values <= self.most)
         return functools.reduce(operator.or_, [values == number for number in self.besides], within)
 
     def __str__(self) -> str:
-        """Such as in messages."""
+        """Return the wording for messages."""
         others = "".join(f" or {number:g}" for number in self.besides)
         return f"a {'whole ' if self.whole else ''}number from {self.least:g} to {self.most:g}{others}"
 
 
 def index_of(count: int, none: bool = True) -> Range:
-    """Numbers of one of so many; -1 is none, where there may be none."""
+    """Return the range of indices into `count` items; with `none` it includes -1."""
     return Range(-1 if none else 0, count - 1, whole=True)
 
 
 @functools.cache
 def limits() -> dict[str, Range]:
-    """What each column may hold, whatever the houses and the environment; columns of descriptors as `meant.<word>`.
+    """Return the range of each column for any houses and environment; descriptor columns as `meant.<word>`.
 
     Example:
         >>> print(limits()["reward"])
@@ -94,10 +94,10 @@ def _of_word(word: Word) -> Range:
 
 
 def feature_limits(config: EnvConfig | None = None) -> Float[np.ndarray, "features 2"]:
-    """Least and greatest value that each feature can have.
+    """Return the minimum and maximum of each feature.
 
     Args:
-        config: Of the environment; None: of any.
+        config: Options of the environment; None: any environment.
 
     Example:
         >>> feature_limits(EnvConfig(hands=False))[Feature.HELD].tolist()

@@ -1,4 +1,4 @@
-"""How long a row makes agents wait, whatever they do."""
+"""Lower bound on the number of steps before a task can succeed."""
 
 from collections.abc import Mapping
 
@@ -9,9 +9,9 @@ from home_mjx.tasks.rules.words import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Feat
 
 
 def least_steps(columns: Mapping[str, np.ndarray]) -> Float[np.ndarray, " t"]:
-    """Steps that pass before a row can succeed: the least sum of `TIME` on a way through its stages.
+    """Return the minimum number of steps before a row can succeed: the least sum of `TIME` along its stages.
 
-    It is a bound from below: what else a way needs is taken to come at once. inf: no way leads to success.
+    All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success.
 
     Args:
         columns: `needs`, `next`, `feature` and `least` of the rows, see `Program`.
@@ -25,7 +25,7 @@ def least_steps(columns: Mapping[str, np.ndarray]) -> Float[np.ndarray, " t"]:
         [80.0]
     """
     needs, after = columns["needs"], columns["next"].astype(int)
-    taken = np.where(needs >= 0, 0.0, np.inf)  # of each transition
+    taken = np.where(needs >= 0, 0.0, np.inf)  # minimum number of steps before each transition
     for condition in range(NUM_CONDITIONS):
         asked = (needs >= 0) & (needs.astype(int) >> condition & 1 == 1)
         time = columns["feature"][:, condition] == Feature.TIME

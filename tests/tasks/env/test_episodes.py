@@ -185,7 +185,7 @@ def test_episodes_of_other_houses_are_refused(bank, env):
     assert env.with_tasks(episodes).params.tasks is episodes
     inside = episodes.start.at[2].set(jnp.array([0.0, 0.5, 0.0]))
     assert int(episodes.house[2]) == 0
-    with pytest.raises(ConfigError, match=r"nobody can stand at `start` \(0, 0.5, 0\) \(at task 2"):
+    with pytest.raises(ConfigError, match=r"no agent can stand at `start` \(0, 0.5, 0\) \(at task 2"):
         env.with_tasks(episodes.replace(start=inside))
 
 

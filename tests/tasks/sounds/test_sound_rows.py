@@ -100,7 +100,7 @@ def test_sounds_are_read_as_they_were_written():
         (lambda: Sound(0, "bell", every=float("nan")), "every"),
         (lambda: written_sounds([Sound(2, "bell")], 2), "descriptor 2"),
         (lambda: written_sounds([Sound(0, "bell", towards=1)], 1), "descriptor 1"),
-        (lambda: written_sounds([Sound(0, "bell")] * 5, 1), "room for 4"),
+        (lambda: written_sounds([Sound(0, "bell")] * 5, 1), "at most 4"),
         (lambda: AudioNav(clip_split="new"), "new"),
         (lambda: AudioNav(schedule="seldom"), "seldom"),
         (lambda: AudioNav(moving=True, distractors=2), "distractors"),

@@ -67,7 +67,7 @@ NEED = ("stages", 0, "ways", 0, "needs", 0)
         ),
         (("stages", 0, "ways", 0, "reward"), math.inf, "stages[0].ways[0].reward"),
         (("start",), [1e6, 0.0, 0.0], "start[0]"),
-        (("start",), [900.0, 0.0, 0.0], "nobody can stand"),
+        (("start",), [900.0, 0.0, 0.0], "no agent can stand"),
         (("start",), None, "expected a list, got None"),
         (("yaw",), 1e300, "yaw"),
         (("yaw",), True, "yaw"),
@@ -80,18 +80,18 @@ NEED = ("stages", 0, "ways", 0, "needs", 0)
         (("meant", 0, "coarse"), "sofaa", "Did you mean `sofa`"),
         (("meant", 0, "object_id"), 70_000, "meant[0].object_id"),
         (("meant", 0, "object_id"), 10**400, "a number of more than 60 digits"),
-        (("meant", 0, "object_id"), 9999, "the house has nothing that this means"),
+        (("meant", 0, "object_id"), 9999, "the house has no such object or room"),
         (("meant", 0, "on"), 99, "meant[0].on"),
         (("meant", 2, "place"), GONE, "meant"),
         (("meant", 3, "agent"), GONE, "has no `agent`"),
-        (("meant", 0), {"kind": "nothing"}, "no way leads"),
-        (("stages", 0, "ways"), [], "expected 1 to 4 of these, got 0"),
+        (("meant", 0), {"kind": "nothing"}, "no path leads"),
+        (("stages", 0, "ways"), [], "expected 1 to 4 items, got 0"),
         (("stages", 0, "ways", 0, "next"), 1.5, "expected the number of a stage, success or failure"),
         (("stages", 0, "ways", 0, "next"), 4, "stage 4"),
         (("stages", 0, "guide"), math.inf, "stages[0].guide"),
         ((*NEED, "feature"), "near", "Did you mean"),
         ((*NEED, "most"), math.nan, "most"),
-        ((*NEED, "most"), 1e-3, "none as near to it"),
+        ((*NEED, "most"), 1e-3, "none close enough to it"),
         ((*NEED, "least"), 2000.0, "never from 2000"),
         ((*NEED, "agent"), 300, "agent"),
         (("told",), [10**12], "told[0]"),
@@ -103,7 +103,7 @@ NEED = ("stages", 0, "ways", 0, "needs", 0)
         (("answer",), "yes no", "expected one word, got 2"),
         (("instruction",), "go to the blorb", "instruction"),
         (("sounds", 0, "every"), 0.0, "sounds[0].every"),
-        (("sounds", 0, "emitter"), 1, "which is no object"),
+        (("sounds", 0, "emitter"), 1, "which is not an object"),
         (("sounds", 0, "clip"), "bel", "Did you mean `bell`"),
         (("sounds", 0, "x"), 1, "unknown field 'x'"),
     ],
@@ -222,9 +222,7 @@ def test_success_after_the_end_of_an_episode_is_refused(env, lines, tmp_path, wa
     if fits:
         env.with_tasks(tasks)
         return
-    with pytest.raises(
-        ConfigError, match=r"steps of `time` at least, an episode has 500 \(at task 0, needs.* episode_length"
-    ):
+    with pytest.raises(ConfigError, match=r"steps of `time`, an episode has 500 \(at task 0, needs.* episode_length"):
         env.with_tasks(tasks)
 
 
@@ -251,15 +249,21 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
     for wrong, said in (
         (5, "expected tasks, got int"),
         ([1], "expected tasks, got list"),
-        (point, "are a TaskBank, got Episodes"),
+        (point, "must be a TaskBank, got Episodes"),
         (tasks.pick(jnp.zeros(0, jnp.int32)), "there are no tasks"),
         (tasks.replace(field=tasks.field[:5]), "distances of 5 cells"),
         (tasks.replace(field=tasks.field[:, :0]), "cells"),
-        (tasks.replace(rows=rows.replace(columns={"length": columns["length"]})), "lack what Rich needs: descriptor"),
+        (
+            tasks.replace(rows=rows.replace(columns={"length": columns["length"]})),
+            "lack columns that Rich needs: descriptor",
+        ),
         (tasks.replace(rows=rows.replace(columns=short)), "`reward` must have the shape"),
         (tasks.replace(rows=rows.replace(house=rows.house + 100)), "`house` must be a whole number from 0 to 1"),
         (tasks.replace(rows=rows.replace(start=rows.start.at[1].add(500.0))), "not in its house .at task 1, start"),
-        (tasks.replace(rows=rows.replace(start=rows.start.at[1, 2].add(1.0))), "nobody can stand .* .at task 1, start"),
+        (
+            tasks.replace(rows=rows.replace(start=rows.start.at[1, 2].add(1.0))),
+            "no agent can stand .* .at task 1, start",
+        ),
         (tasks.replace(rows=rows.replace(yaw=rows.yaw.at[2].set(jnp.nan))), "`yaw` .* got nan .at task 2"),
         (tasks.replace(names=()).replace(weights=jnp.zeros(4)), "weights of all 4 tasks are 0"),
     ):
@@ -274,11 +278,11 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
         env.with_tasks(None)
     points = HouseholdEnv(CONFIG, PointNav()).bind(generated_bank)
     points.with_tasks(point)
-    with pytest.raises(ConfigError, match=r"nobody can stand .* \(at task 1, start"):
+    with pytest.raises(ConfigError, match=r"no agent can stand .* \(at task 1, start"):
         points.with_tasks(point.replace(start=point.start.at[1].set(in_a_wall(generated_bank, int(point.house[1])))))
     with pytest.raises(ConfigError, match="`goal` must be"):
         points.with_tasks(point.replace(columns=point.columns | {"goal": jnp.array([0, 999])}))
-    with pytest.raises(ConfigError, match="lack what PointNav needs: goal"):
+    with pytest.raises(ConfigError, match="lack columns that PointNav needs: goal"):
         points.with_tasks(tasks)
 
 
