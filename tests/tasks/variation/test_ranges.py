@@ -164,7 +164,7 @@ def test_what_is_no_variation_is_refused():
         ({"rgb_preset": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
         ({}, {"noise_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
         ({}, {"step_length": (0.5, 0.8)}, "Bodies make no noises: give noises="),
-        ({}, {"clips": ("radio", "bell")}, 'has not the sounds "bell"'),
+        ({}, {"clips": ("radio", "bell")}, 'lacks the sounds "bell"'),
         ({"sensors": ("rgb",)}, {"camera_fovy": (-95, 0)}, "field of view of camera `head` would be -5 to 90 degrees"),
     ],
 )
