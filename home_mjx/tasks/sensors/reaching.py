@@ -44,7 +44,7 @@ def plan_radius(size: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array
 
 
 def take_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
-    """Return aim points on an object with these bounds: on the upright plane through its centre that faces the eye [m]."""
+    """Return aim points on an object with these bounds: on the vertical plane through its centre facing the eye [m]."""
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
     way = middle - eye
     across = jnp.stack([-way[1], way[0]])
