@@ -30,8 +30,8 @@ class InstructionFollowing(Navigation):
     Attributes:
         num_parts: Maximum number of objects, from 1 to 3.
         success_distance: Maximum distance to each object [m].
-        combinations: Instructions to keep: "all"; "seen", those for training; or "new", those with a combination
-            of words for one object that no "seen" instruction has, see `new_combinations`.
+        combinations: Instructions to keep: "all"; "seen", those for training; or "new", those that describe
+            an object with words that "seen" ones never combine, see `new_combinations`.
         unseen_part: Fraction of all combinations of words that is new.
     """
 

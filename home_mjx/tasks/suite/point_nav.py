@@ -82,7 +82,7 @@ class PointNav(Task):
         return ("goal", "length")
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PointNavState:
-        """Return the initial state, with the goal of `columns` or a random one, if possible at `min_distance` or more."""
+        """Return the initial state, with the goal of `columns` or a random one, if possible beyond `min_distance`."""
         if columns is None:
             goal = goals.choose_goal(snapshot, key, self.min_distance)
         else:
