@@ -131,7 +131,7 @@ def test_ranges_go_to_names_and_back():
         ({"lamps": 1.5}, "`lamps` must be a finite number of at least 0 and at most 1"),
         ({"lamps": (0, 1)}, "`lamps` must be"),
         ({"exposure": (2, 1)}, r"`exposure` is empty: from 2 to 1.*exposure=\(1, 2\)"),
-        ({"exposure": (0.5, 1, 2)}, "`exposure` must be .least, greatest."),
+        ({"exposure": (0.5, 1, 2)}, "`exposure` must be .minimum, maximum."),
         ({"exposure": "bright"}, "`exposure`"),
         ({"colors": (0, 2)}, "`colors` must be a finite number of at least 0 and at most 1"),
         ({"friction": (0, 1)}, "`friction`"),
