@@ -1,4 +1,4 @@
-"""What can be chosen about an environment; everything here is fixed when its step is compiled."""
+"""Static options of an environment: a change of any of them compiles a new step."""
 
 import dataclasses
 import math
@@ -28,9 +28,9 @@ DOOR_STATES = ("open", "closed", "placed", "random")
 ARRANGEMENTS = ("placed", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 ACTION_KINDS = ("continuous", "discrete")
-MOST_SOURCES = 256  # each is traced for every agent
-MOVE_TIME = 0.3  # [s], a step of discrete actions: a whole number of the default `sim_dt`
-DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # and what the task adds
+MOST_SOURCES = 256  # maximum number of sound sources; each is traced for every agent
+MOVE_TIME = 0.3  # [s], length of a step of discrete actions; a multiple of the default `sim_dt`
+DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # the task's own are added
 
 
 @dataclass(frozen=True)
@@ -38,14 +38,14 @@ class AgentCamera:
     """A camera on an agent's head.
 
     Attributes:
-        name: First part of its observations' names.
-        kinds: What it gives, from `VIEW_KINDS`.
-        lens: How it images.
-        fovy: Vertical field of view [degrees]; of an orthographic camera the height of the image [m].
-        offset: From the eyes [m], forward, left and up of the body.
-        yaw: Turned to the left of straight ahead [degrees].
-        pitch: Turned up [degrees].
-        looks: It follows the agent's looking up and down.
+        name: Camera name in observation names, as in `pixels/<name>_rgb`.
+        kinds: Image kinds to compute, from `VIEW_KINDS`.
+        lens: Projection model and image size.
+        fovy: Vertical field of view [degrees]; for an orthographic camera the height of the image [m].
+        offset: Position relative to the eyes [m]: forward, left and up in the body frame.
+        yaw: Rotation to the left of straight ahead [degrees].
+        pitch: Upward rotation [degrees].
+        looks: If True, the camera pitches with the agent's head.
 
     Example:
         >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), looks=False).lens.shape
@@ -72,7 +72,7 @@ class AgentCamera:
         for name, value in zip(("offset",) * 3 + ("yaw", "pitch"), (*self.offset, self.yaw, self.pitch), strict=True):
             check_number(f"{name} of camera {self.name}", value)
         if "intrinsics" in self.kinds and not has_intrinsics(self.lens):
-            raise ConfigError(f"camera `{self.name}` of model `{self.lens.model}` has no matrix of intrinsics")
+            raise ConfigError(f"camera `{self.name}` of model `{self.lens.model}` has no intrinsic matrix")
         check_number(f"fovy of camera {self.name}", self.fovy)
         limit = math.inf if self.lens.model == "orthographic" else 180
         if not (0 < self.fovy < limit):
@@ -81,20 +81,20 @@ class AgentCamera:
 
 @dataclass(frozen=True)
 class EnvConfig:
-    """Options of an environment; those of its task and of its houses are records of their own.
+    """Options of an environment; the options of its task and its houses are separate records.
 
     Attributes:
-        sensors: What is observed, from `SENSORS`, the task's own and registered ones; nothing else is computed. None:
+        sensors: Observations to compute, from `SENSORS`, the task's own and registered sensors. None:
             `DEFAULT_SENSORS` and all that the task adds.
         width: Image width of the head camera [px].
-        height: Image height [px].
-        fovy: Vertical field of view [degrees].
+        height: Image height of the head camera [px].
+        fovy: Vertical field of view of the head camera [degrees].
         samples: Rays per pixel of the colour image.
-        rgb_preset: How colour images are lit: "fast", "lit", or a `Lit` with options.
-        cameras: Further cameras, beside the `head` camera of the sensors.
-        depth_max: Observed depth is clipped here [m].
-        look_rate: Fastest change of pitch [rad/s].
-        pitch_max: Largest look up or down [rad].
+        rgb_preset: Shading of colour images: "fast", "lit", or a `Lit` with options.
+        cameras: Further cameras, in addition to the `head` camera of the sensors.
+        depth_max: Maximum observed depth; larger values are clipped [m].
+        look_rate: Maximum rate of change of pitch [rad/s].
+        pitch_max: Maximum pitch, up or down [rad].
         episode_length: Steps until truncation.
         actions: "continuous": numbers in [-1, 1], parts of the fastest rates. "discrete", or a `DiscreteActions` with
             options: an integer, one of a few moves. If no move fits into the default `ctrl_dt`, that becomes 0.3 s.
@@ -109,18 +109,18 @@ class EnvConfig:
             arrangements, by key, in which agents have room; see `home_mjx.tasks.arrangements`).
         source_height: Sound source above the floor [m].
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
-        num_sources: How many things may sound at once, at most 256; each is traced for itself. At least as many as the
-            task needs.
+        num_sources: Maximum number of simultaneous sound sources, at most 256; each is traced separately. Raised to the
+            number that the task needs.
         clips: Further sounds that may be played; those of the task are added.
-        noises: Sounds of bodies: footsteps, impacts, scrapes, doors; see `NoiseConfig`. None: bodies are silent.
-        executor: Ray executor, None for the platform's best.
-        body: Size, mass and eye height of every agent; physics, cameras and ears take theirs from here.
-        timing: The clock; physics and sound take theirs from here.
+        noises: Contact sounds: footsteps, impacts, scrapes, doors; see `NoiseConfig`. None: bodies are silent.
+        executor: Ray-casting backend; None: the fastest on this platform.
+        body: Size, mass and eye height of every agent, shared with physics, cameras and ears.
+        timing: Time steps, shared with physics and sound.
         physics: Agents, bodies and solver.
-        audio: Sound.
+        audio: Room acoustics and receiver.
 
     Raises:
-        ConfigError: A value cannot be used, or `physics` or `audio` has another body or clock.
+        ConfigError: A value is invalid, or `physics` or `audio` has a different body or timing.
     """
 
     sensors: tuple[str, ...] | None = None
@@ -175,10 +175,10 @@ class EnvConfig:
 
     def _check_numbers(self) -> None:
         for name in ("width", "height", "samples", "episode_length"):
-            check_number(name, getattr(self, name), 1, 2**31 - 1, whole=True)  # programs count in 32 bits
+            check_number(name, getattr(self, name), 1, 2**31 - 1, whole=True)  # counters on the device have 32 bits
         check_number("num_sources", self.num_sources, 1, MOST_SOURCES, whole=True)
         limits = {
-            "fovy": (4, 179.9),  # [degrees]; less is an angle in radians
+            "fovy": (4, 179.9),  # [degrees]; smaller values are probably radians
             "source_height": (0, 10),
             "depth_max": (0.01, math.inf),
             "look_rate": (0, math.inf),
@@ -192,10 +192,10 @@ class EnvConfig:
         if not all(isinstance(camera, AgentCamera) for camera in self.cameras):
             raise ConfigError(f"`cameras` must be AgentCameras, got {self.cameras!r}")
         names = ["head", *(camera.name for camera in self.cameras)]
-        Lens(self.width, self.height, samples=self.samples)  # refuses images that are too large
+        Lens(self.width, self.height, samples=self.samples)  # raises if the image is too large
         if len(set(names)) < len(names):
             text = ", ".join(names[1:])
-            raise ConfigError(f"`cameras` must have names of their own, none of them `head`; got {text}")
+            raise ConfigError(f"`cameras` must have distinct names other than `head`, got {text}")
 
     def _check_actions(self) -> None:
         if isinstance(self.actions, str):
@@ -208,7 +208,7 @@ class EnvConfig:
             self._fit_moves(self.discrete)
 
     def _fit_moves(self, moves: DiscreteActions) -> None:
-        """Makes the default step so long that moves fit into it."""
+        """Extend the default `ctrl_dt` if a move does not fit into it; raise if it still does not."""
         least = max(moves.least_time(body) for body in self.physics.bodies or (self.body,))
         if least > self.timing.ctrl_dt == Timing().ctrl_dt:
             self._set(timing=dataclasses.replace(self.timing, ctrl_dt=MOVE_TIME))
@@ -219,7 +219,7 @@ class EnvConfig:
             )
 
     def _share(self) -> None:
-        """Hands body and clock to the engines, which must not have others."""
+        """Copy body and timing into the engines' options; raise if those have conflicting ones."""
         parts: dict[str, Any] = {"physics": (PhysicsConfig, ("body", "timing")), "audio": (AudioConfig, ("timing",))}
         for part, (cls, records) in parts.items():
             given = getattr(self, part)
@@ -230,22 +230,22 @@ class EnvConfig:
                 if theirs not in (ours, type(theirs)()):
                     raise ConfigError(
                         f"`{part}.{name}` is {theirs}, but the environment's `{name}` is {ours}",
-                        hint=f"Give `{name}` to the environment alone: physics and sound take it from there.",
+                        hint=f"Set `{name}` of the environment only: physics and sound take it from there.",
                     )
             self._set(**{part: dataclasses.replace(given, **{name: getattr(self, name) for name in records})})
 
     @property
     def num_agents(self) -> int:
-        """Agents per environment."""
+        """Number of agents per environment, including those that the task controls."""
         return self.physics.num_agents
 
     @property
     def num_heard(self) -> int:
-        """Sources that are traced: what plays clips, then noises of bodies."""
+        """Number of traced sources: clips first, then contact sounds."""
         return self.num_sources + (0 if self.noises is None else self.noises.num_noises)
 
     def of_first(self, num_agents: int) -> "EnvConfig":
-        """The options of the first agents alone.
+        """Return the options restricted to the first `num_agents` agents.
 
         Example:
             >>> EnvConfig(physics=PhysicsConfig(num_agents=3)).of_first(2).num_agents
@@ -258,19 +258,19 @@ class EnvConfig:
 
     @property
     def discrete(self) -> DiscreteActions | None:
-        """The moves; None: actions are continuous."""
+        """Discrete moves; None: actions are continuous."""
         if isinstance(self.actions, DiscreteActions):
             return self.actions
         return DiscreteActions() if self.actions == "discrete" else None
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """What the numbers of a continuous action mean, or which discrete ones there are."""
+        """Names of the elements of a continuous action, or of the discrete actions."""
         own, hands = (ACTION_NAMES, HAND_NAMES) if self.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
         return (*own, *(hands if self.hands else ()), *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":
-        """A copy with some fields changed; physics and sound follow a new body or clock."""
+        """Return a copy with some fields changed; physics and sound follow a new body or timing."""
         bare: dict[str, Any] = {
             "physics": dataclasses.replace(self.physics, body=Body(), timing=Timing()),
             "audio": dataclasses.replace(self.audio, timing=Timing()),
@@ -279,7 +279,7 @@ class EnvConfig:
 
     @property
     def views(self) -> tuple[AgentCamera, ...]:
-        """All cameras of an agent: the head's, if any sensor needs it, then `cameras`."""
+        """All cameras of an agent: the head camera if any sensor needs it, then `cameras`."""
         names = DEFAULT_SENSORS if self.sensors is None else self.sensors
         kinds = tuple(name for name in names if name in VIEW_KINDS)
         head = AgentCamera("head", kinds, Lens(self.width, self.height, samples=self.samples), self.fovy)

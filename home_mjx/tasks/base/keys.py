@@ -1,4 +1,4 @@
-"""Random keys: typed and raw uint32 ones are both taken, and raw ones are kept in the state."""
+"""Random keys: typed and raw uint32 keys are accepted, and raw ones are kept in the state."""
 
 import jax
 import jax.numpy as jnp
@@ -6,16 +6,16 @@ from jaxtyping import Array, UInt32
 
 from home_mjx.errors import ConfigError
 
-SOUND, RENEW, DOORS, ARRANGEMENT, VARIATION = 1, 2, 3, 4, 5  # tags of `fold`
+SOUND, RENEW, DOORS, ARRANGEMENT, VARIATION = 1, 2, 3, 4, 5  # tags of `fold`, one per use
 
 
 def to_raw(key: Array) -> UInt32[Array, "2"]:
-    """The two words of a threefry key, from any kind of key.
+    """Return the two words of a threefry key, from any kind of key.
 
     Brax's wrappers need raw keys in the state, see its `EpisodeWrapper`.
 
     Raises:
-        ConfigError: It is no key, or several.
+        ConfigError: Not a key, or several keys.
     """
     if not hasattr(key, "dtype"):
         raise ConfigError(f"expected a random key, got {key!r}", hint="Write jax.random.key(0).")
@@ -32,10 +32,10 @@ def to_raw(key: Array) -> UInt32[Array, "2"]:
 
 
 def split(raw: UInt32[Array, "2"], num: int) -> tuple[Array, ...]:
-    """`num` typed threefry keys, whatever JAX's default generator is."""
+    """Return `num` typed threefry keys, independent of JAX's default generator."""
     return tuple(jax.random.split(jax.random.wrap_key_data(raw, impl="threefry2x32"), num))
 
 
 def fold(raw: UInt32[Array, "2"], tag: int) -> Array:
-    """A typed key of its own for each `tag`, independent of every `split` of the same key."""
+    """Return a typed key for `tag`, independent of other tags and of every `split` of the same key."""
     return jax.random.fold_in(jax.random.wrap_key_data(raw, impl="threefry2x32"), tag)

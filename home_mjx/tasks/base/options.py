@@ -1,4 +1,4 @@
-"""Options by name: flat, dotted or as whole records, into nested frozen dataclasses."""
+"""Options by name (flat, dotted, or whole records) for nested frozen dataclasses."""
 
 import dataclasses
 import functools
@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.tasks.base.config import DiscreteActions, EnvConfig
 
-# Names of 0.1.0, and what they are now.
+# Option names of 0.1.0 and their replacements.
 RENAMED = {
     "agent_radius": "body.radius",
     "agent_height": "body.height",
@@ -22,7 +22,7 @@ MOVES = (
 )
 WITHIN = "PointNav has `success_radius`, tasks whose goals are things or sounds have `success_distance`."
 HOUSES = "Give `houses`, such as the folder of a dataset, `num_houses` and `split`."
-# Words of the field, and what does that here.
+# Option names of other simulators and their counterparts here.
 FIELD_WORDS = {
     "num_envs": "Batch with `jax.vmap` over keys, with `AutoReset`, or with `gymnasium.make_vec(..., num_envs=...)`.",
     "seed": "Randomness comes from the key of `reset(key)`.",
@@ -48,24 +48,24 @@ FIELD_WORDS = {
     "frame_skip": "Give `ctrl_dt` and `sim_dt`.",
     "dt": "Give `ctrl_dt` (environment step) or `sim_dt` (physics step).",
 }
-# Of the compiler, but given by the environment's body.
+# Compiler options that follow from the environment's body, so they cannot be set by name.
 DERIVED = {"compile.navigation.agent_radius", "compile.navigation.agent_height"}
 
 Records = Mapping[str, Any]  # frozen dataclasses by prefix; "" is the environment's
 
 
 def override(records: Records, given: Mapping[str, Any], others: Iterable[str] = ()) -> dict[str, Any]:
-    """Records with some of their fields replaced.
+    """Return the records with some of their fields replaced.
 
     Args:
         records: By prefix; "" is the environment's, whose own fields need no prefix.
         given: Values by name: `width`, `physics.friction`, or a whole record as in `physics=PhysicsConfig()`. A flat
-            name finds a field at any depth, if there is only one of that name.
-        others: Names that who calls knows besides, to be suggested for unknown ones.
+            name matches a field at any depth if only one field has that name.
+        others: Further names that the caller accepts, as suggestions for unknown names.
 
     Raises:
-        ConfigError: A name is unknown, with the closest known one, or could mean several fields; or a `ctrl_dt` was
-            given into which no move fits.
+        ConfigError: A name is unknown (with the closest known one) or matches several fields, or no move fits into the
+            requested `ctrl_dt`.
 
     Example:
         >>> override({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[""].physics.friction
@@ -82,7 +82,7 @@ def override(records: Records, given: Mapping[str, Any], others: Iterable[str] =
 
 
 def _check_clock(asked: Mapping[str, Any], config: Any) -> None:
-    """Refuses a step that was asked for and is too short: a default one would have become longer."""
+    """Raise if a requested `ctrl_dt` is too short for the moves: only the default one may be lengthened."""
     wanted = asked.get("timing.ctrl_dt")
     if wanted is not None and config.timing.ctrl_dt != wanted:
         raise ConfigError(
@@ -92,10 +92,10 @@ def _check_clock(asked: Mapping[str, Any], config: Any) -> None:
 
 
 def make_config(**options: Any) -> EnvConfig:
-    """An `EnvConfig` from options by name, see `override`.
+    """Return an `EnvConfig` from options by name, see `override`.
 
     Raises:
-        ConfigError: For an unknown option, with the closest known one.
+        ConfigError: An option is unknown (with the closest known one) or invalid.
 
     Example:
         >>> make_config(width=32, num_agents=2).physics.num_agents
@@ -105,7 +105,7 @@ def make_config(**options: Any) -> EnvConfig:
 
 
 def _fields(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
-    """Dotted paths of a record and its fields at all depths; body and clock only where they belong."""
+    """Yield dotted paths of a record and its fields at all depths; body and timing only of their owner."""
     if prefix:
         yield prefix
     own = {field.name for field in dataclasses.fields(record)}
@@ -121,13 +121,13 @@ def _fields(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> I
 
 
 def _path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
-    """The full path that a name means."""
+    """Return the full path that an option name refers to."""
     found = [path for path in known if path.rpartition(".")[2] == name]
     if name in known and not any(known[path] == "task" for path in found if path != name):
         return name
     if not found:
         _refuse(name, known, others)
-    if len(found) > 1:  # a task's option that is named like another must not be lost in silence
+    if len(found) > 1:  # a task's option that shares a name must not be ignored silently
         raise ConfigError(f"the option `{name}` could be any of {', '.join(found)}", hint="Write one of them in full.")
     return found[0]
 
@@ -141,7 +141,7 @@ def _refuse(name: str, known: Iterable[str], others: Iterable[str]) -> NoReturn:
 
 
 def _replaced(record: Any, changes: Mapping[str, Any], full: str) -> Any:
-    """A record with changes by path below it, all made at once: one alone might not be possible. "" is all of it."""
+    """Return a record with changes by relative path ("": the record), made together: one alone may be invalid."""
     if "" in changes:
         record = _typed(full, changes[""], record)
     below: dict[str, dict[str, Any]] = {}
@@ -159,15 +159,15 @@ def _field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any
     if dataclasses.is_dataclass(old):
         return _replaced(old, changes, full)
     value = changes[""]
-    if full == "actions" and isinstance(value, Mapping):  # as JSON has them
+    if full == "actions" and isinstance(value, Mapping):  # from JSON
         return override({"": DiscreteActions()}, value)[""]
-    if full.startswith("task."):  # other records check themselves, with better messages
+    if full.startswith("task."):  # other records validate themselves, with better messages
         _check_like(full, value, old)
-    return tuple(value) if isinstance(value, list) else value  # options are hashable
+    return tuple(value) if isinstance(value, list) else value  # options must be hashable
 
 
 def _check_like(name: str, value: Any, default: Any) -> None:
-    """Refuses a plain value of another type than the default's; whole numbers are numbers."""
+    """Raise if a plain value's type differs from the default's; integers are accepted as floats."""
     wanted = type(default)
     taken = {bool: bool, int: numbers.Integral, float: numbers.Real, str: str}.get(wanted)
     if taken is None:

@@ -1,4 +1,4 @@
-"""The seam of sensors: what agents observe."""
+"""Base class and registry of sensors."""
 
 from typing import Any
 
@@ -12,16 +12,16 @@ from home_mjx.tasks.base.specs import Specs
 
 
 class Sensor:
-    """Base of sensors: a name, what it promises, and how it observes.
+    """Base class of sensors: a name, an observation spec, and the functions that compute observations.
 
-    All methods are for one environment with A agents and run inside `jit`. These are the agents that act, see
-    `Task.num_acting`: `config` and `snapshot` are of no others.
+    All methods are for one environment with A agents and run inside `jit`. These are the acting agents, see
+    `Task.num_acting`: `config` and `snapshot` are restricted to them.
 
     Attributes:
-        name: As given in `sensors=`.
-        costly: It casts rays. `AutoReset` then computes it for final observations only if asked to.
-        keeper: The sensor whose memory it reads instead of its own, such as the sound of which it gives a spectrum.
-            That is kept up to date once for all that read it, and observed only if it is asked for as well.
+        name: Name in `sensors=`.
+        costly: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
+        keeper: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is updated once
+            for all its readers. The keeper's own observation is computed only if it is in `sensors=` as well.
 
     Example:
         >>> class Compass(Sensor):
@@ -41,7 +41,7 @@ class Sensor:
     keeper: "Sensor | None" = None
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Observations by name, each as one agent has it."""
+        """Return the specs of the observations by name, for one agent."""
         raise NotImplementedError
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
@@ -49,19 +49,19 @@ class Sensor:
         return ()
 
     def init(self, config: EnvConfig) -> Any:
-        """What the sensor remembers, before the first `update`; the same structure as `update` returns."""
+        """Return the sensor state before the first `update`; `update` must return the same structure."""
         return ()
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Any:
-        """What the sensor remembers after a reset (`snapshot.step` is 0) or a step. Called once for each."""
+        """Return the sensor state after a reset (`snapshot.step` is 0) or a step. Called once for each."""
         return state
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> dict[str, Array]:
-        """What `spec` promises, with a leading agent axis. Called any number of times; changes nothing."""
+        """Return the observations of `spec` with a leading agent axis. Pure; called any number of times."""
         raise NotImplementedError
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Int[Array, ""] | int:
-        """Flags of `Status`: what the sensor has lost."""
+        """Return flags of `Status` for data that the sensor has lost."""
         return 0
 
 
@@ -69,10 +69,10 @@ _REGISTRY: dict[str, Sensor] = {}
 
 
 def register_sensor(sensor: Sensor) -> None:
-    """Makes a sensor known by its name, for `sensors=` of every environment made from now on.
+    """Register a sensor by its name, for `sensors=` of every environment made from now on.
 
     Raises:
-        ConfigError: It is no `Sensor`, has no name, or the name is taken.
+        ConfigError: Not a `Sensor`, no name, or the name is taken.
     """
     if not isinstance(sensor, Sensor):
         raise ConfigError(f"expected a sensor, got {sensor!r}", hint="Write register_sensor(MySensor()), an instance.")
@@ -86,5 +86,5 @@ def register_sensor(sensor: Sensor) -> None:
 
 
 def registered_sensors() -> dict[str, Sensor]:
-    """Sensors by name, those of images apart: cameras make these."""
+    """Return registered sensors by name, without images: those are made by the cameras."""
     return dict(_REGISTRY)

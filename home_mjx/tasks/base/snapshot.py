@@ -18,67 +18,67 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.variation.draw import Drawn, Mount
 
-UNDERFOOT = 0.15  # [m]: a box of the architecture that reaches no higher above the bottom of what touches it is a floor
+UNDERFOOT = 0.15  # [m], maximum height of a static box's top above a body's bottom for the box to count as floor
 
 
 class Touch(Pytree):
-    """What touched each mobile in the last step: agents, then movable bodies, then doors; see `PhysicsState`."""
+    """Contacts of each dynamic body in the last step: agents, then movable bodies, then doors; see `PhysicsState`."""
 
-    impulse: Float[Array, " m"]  # [N s], of all contacts
-    place: Float[Array, "m 3"]  # [m], of the strongest
-    other: Int[Array, " m"]  # what that was with: a mobile; -1 nothing, -2 the floor, -3 - c static box c
+    impulse: Float[Array, " m"]  # [N s], sum over all contacts
+    place: Float[Array, "m 3"]  # [m], position of the strongest contact
+    other: Int[Array, " m"]  # the other body of the strongest contact; -1 none, -2 the floor, -3 - c static box c
 
 
 class Snapshot(Pytree):
-    """A agents in one house. Built where it is used and never stored, so that what nobody reads costs nothing."""
+    """A agents in one house. Built where it is used and never stored, so XLA removes the fields that nobody reads."""
 
     step: Int[Array, ""]  # steps since reset; 0: the episode has just begun
     key: UInt32[Array, "2"]  # of the episode
     pose: AgentPose
     velocity: Float[Array, "a 3"]  # forward and left [m/s], yaw rate [rad/s]
-    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, and does nothing more
-    said: Int[Array, " a"]  # token of the word that it said in the last step; -1 none
+    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, see `Task.stops_for_good`
+    said: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
     contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     held: Int[Array, " a"]  # movable body in each hand; -1 none
-    door_angle: Float[Array, " h"]  # [rad] about +z from as placed, of what slides [m]
+    door_angle: Float[Array, " h"]  # [rad] about +z from the angle in the file; of sliding leaves the shift [m]
     touch: Touch
     sounds: Sounds
-    action: Float[Array, "a n"]  # the last one: numbers, or 1 at the chosen move; 0 at the start
-    reward: Float[Array, " a"]  # the last one; 0 at the start, and while the task computes the next
-    scene: Scene  # the same as rays see it
+    action: Float[Array, "a n"]  # the last action: numbers, or one-hot for discrete moves; 0 at the start
+    reward: Float[Array, " a"]  # the last reward; 0 at the start; while the task computes the next, the one before
+    scene: Scene  # the same instant for ray casting
     tasks: Any  # `EnvParams.tasks`
     config: EnvConfig = static()
-    drawn: Drawn | None = None  # of what varies from episode to episode
-    noises: Noises | None = None  # of bodies, with `EnvConfig.noises`
+    drawn: Drawn | None = None  # sample of the domain randomisation; None: nothing varies
+    noises: Noises | None = None  # contact sounds, with `EnvConfig.noises`
     head: Head | None = None  # `EnvParams.head`
 
     @property
     def bank(self) -> HouseBank:
-        """The houses."""
+        """Bank of the houses."""
         return self.scene.bank
 
     @property
     def house(self) -> Int[Array, ""]:
-        """Index into the bank."""
+        """Index of the house in the bank."""
         return self.scene.house
 
     @property
     def bodies(self) -> Scale | None:
-        """Friction and mass of movable bodies in this episode against the house's; None: the same."""
+        """Factors of friction and mass of movable bodies in this episode; None: 1."""
         return None if self.drawn is None else self.drawn.bodies
 
     @property
     def mount(self) -> Mount | None:
-        """How cameras are mounted in this episode; None: as their options say."""
+        """Camera offsets of this episode; None: as in the options."""
         return None if self.drawn is None else self.drawn.mount
 
     @property
     def source(self) -> Float[Array, "3"]:
-        """Where the first sound comes from [m]."""
+        """Position of the first sound source [m]."""
         return self.sounds.pos[0]
 
     def of_first(self, num_agents: int) -> "Snapshot":
-        """The same instant for the first agents alone; the others are things in it: in `scene`, `touch` and `sounds`.
+        """Return the snapshot restricted to the first agents; others remain in `scene`, `touch` and `sounds`.
 
         Example:
             >>> own = snapshot.of_first(core.num_agents)  # doctest: +SKIP
@@ -94,28 +94,31 @@ class Snapshot(Pytree):
 
 
 class TouchMeaning(Pytree):
-    """What met in the strongest contact of each mobile: rows as of `bank.semantics`, columns `Semantic`; -1 unknown."""
+    """Semantics of both sides of each dynamic body's strongest contact; -1 unknown.
 
-    own: Int[Array, "m columns"]  # of the mobile itself
-    other: Int[Array, "m columns"]  # of what touched it; -1 nothing, and what lies outdoors
+    Rows are those of `bank.semantics`, columns `Semantic`.
+    """
+
+    own: Int[Array, "m columns"]  # of the body itself
+    other: Int[Array, "m columns"]  # of the other side; -1 if there is none, or outdoors
 
 
 def touch_meaning(scene: Scene, touch: Touch | PhysicsState) -> TouchMeaning:
-    """Category, material and whatever else is known of both sides of each mobile's strongest contact.
+    """Return category, material and other semantics of both sides of each dynamic body's strongest contact.
 
-    Of objects these are their own. The floor and walls are those of the room that the mobile is in, and of its walls
-    the first one; so are invisible barriers.
+    Objects have semantics of their own. The floor and walls are those of the body's room, of its walls the first one.
+    Invisible barriers count as walls.
 
     Args:
-        scene: Where everything is.
-        touch: What touched each mobile.
+        scene: House and poses.
+        touch: Contacts of each dynamic body.
 
     Example:
         >>> meaning = touch_meaning(snapshot.scene, snapshot.touch)  # doctest: +SKIP
         >>> on_glass = meaning.other[:, Semantic.MATERIAL] == number_of(Semantic.MATERIAL, "glass")  # doctest: +SKIP
     """
     bank, house, moving = scene.bank, scene.house, scene.moving
-    agents = moving.instance.shape[0] - bank.spec.num_bodies - bank.spec.num_doors  # they are the last there
+    agents = moving.instance.shape[0] - bank.spec.num_bodies - bank.spec.num_doors  # agents come last there
     there, own, box = (jnp.roll(x, agents, axis=0) for x in (moving.instance >= 0, moving.semantic, moving.box))
     own = jnp.where(there, own, -1)
     box = jnp.where(there[:, None, None], box, 0.0)
@@ -127,7 +130,7 @@ def touch_meaning(scene: Scene, touch: Touch | PhysicsState) -> TouchMeaning:
 def _fixed_rows(
     bank: HouseBank, house: Int[Array, ""], other: Int[Array, " m"], box: Float[Array, "m 2 3"]
 ) -> Int[Array, " m"]:
-    """Semantic rows of what does not move but touches mobiles with these bounds; -1 where a mobile or nothing does."""
+    """Return semantic rows of static contacts of bodies with these bounds; -1 without a static contact."""
     physics, number = bank.physics, jnp.maximum(STATIC - other, 0)
     static, item = other <= STATIC, physics.collider_object[house, number]
     top = physics.collider_pos[house, number, 2] + physics.collider_size[house, number, 2]

@@ -1,4 +1,4 @@
-"""Shapes and limits of observations and actions."""
+"""Shapes and bounds of observations and actions."""
 
 import math
 from collections.abc import Mapping
@@ -17,17 +17,17 @@ HAND_MOVE_NAMES = ("pick", "drop", "throw", "open", "close")
 
 @dataclass(frozen=True)
 class DiscreteActions:
-    """One of a few moves per step, as in Habitat, whose names and sizes these are.
+    """Discrete actions: one move per step, with Habitat's names and step sizes.
 
     A move covers its whole distance or angle within the step if nothing is in the way.
 
     Attributes:
-        forward_step_size: Of `move_forward` [m].
-        turn_angle: Of `turn_left` and `turn_right` [degrees].
-        tilt_angle: Of `look_up` and `look_down` [degrees].
+        forward_step_size: Distance of `move_forward` [m].
+        turn_angle: Angle of `turn_left` and `turn_right` [degrees].
+        tilt_angle: Angle of `look_up` and `look_down` [degrees].
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is invalid.
 
     Example:
         >>> round(DiscreteActions(turn_angle=30).least_time(Body()), 3)  # [s], for a turn
@@ -43,20 +43,20 @@ class DiscreteActions:
             check_number(f"actions.{option.name}", getattr(self, option.name), 0)
 
     def least_time(self, body: Body) -> float:
-        """What a body needs for its longest move at full speed [s]."""
+        """Return the time that a body needs for its longest move or turn at full speed [s]."""
         return max(self.forward_step_size / body.forward_speed, math.radians(self.turn_angle) / body.turn_rate)
 
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """What an array may hold.
+    """Shape, type and bounds of an array.
 
     Attributes:
-        shape: Of one agent's array.
-        dtype: NumPy's name of its type.
-        low: Least value: one for all, or one per element of the last axis.
-        high: Greatest value, alike.
-        text: What it means, with units.
+        shape: Shape for one agent.
+        dtype: NumPy name of the element type.
+        low: Minimum: one for all elements, or one per element of the last axis.
+        high: Maximum, in the same form.
+        text: Description with units.
 
     Example:
         >>> ArraySpec((3,), "float32", -1.0, 1.0, "a direction").for_agents(2).shape
@@ -70,12 +70,12 @@ class ArraySpec:
     text: str = ""
 
     def for_agents(self, num_agents: int) -> "ArraySpec":
-        """The array of all agents: with a leading axis if there are several."""
+        """Return the spec of all agents, with a leading axis if there are several."""
         shape = self.shape if num_agents == 1 else (num_agents, *self.shape)
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
     def of_one(self, num_agents: int) -> "ArraySpec":
-        """One agent's part of the array of all; undoes `for_agents`.
+        """Return the spec of one agent; inverse of `for_agents`.
 
         Example:
             >>> ArraySpec((2, 3)).of_one(2).shape
@@ -85,7 +85,7 @@ class ArraySpec:
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Least and greatest value of every element."""
+        """Return minimum and maximum of every element."""
         low, high = (np.broadcast_to(np.asarray(x, self.dtype), self.shape) for x in (self.low, self.high))
         return low, high
 

@@ -1,4 +1,4 @@
-"""What an environment carries from step to step, and what its functions take besides."""
+"""State and parameters of an environment, and tables of episodes."""
 
 from typing import Any
 
@@ -14,13 +14,13 @@ from home_mjx.errors import ConfigError, OutOfRangeError
 from home_mjx.tasks.variation.draw import Drawn
 from home_mjx.tasks.variation.ranges import Variation
 
-ON_FLOOR = 0.3  # [m]: starts of episodes are no farther from a floor
+ON_FLOOR = 0.3  # [m], maximum height difference between an episode's start and the floor
 
 
 class Episodes(Pytree):
-    """Episodes drawn beforehand, one per row; or one of them without the leading axis.
+    """Episodes sampled in advance, one per row; or one episode without the leading axis.
 
-    Starts are settled: they lie on the floor in free space, and houses are compiled with movable objects at rest.
+    Starts are settled: on the floor, in free space. Houses are compiled with movable objects at rest.
     """
 
     house: Int[Array, "*e"]  # index into the bank
@@ -29,25 +29,25 @@ class Episodes(Pytree):
     columns: dict[str, Array]  # the task's own, see `Task.columns`
 
     def pick(self, index: Int[Array, "..."] | int) -> "Episodes":
-        """One episode, or some; also inside `jit`.
+        """Return one episode, or several; also inside `jit`.
 
-        Inside `jit`, an index out of range takes the nearest row.
+        Inside `jit`, an out-of-range index selects the nearest row.
 
         Raises:
             OutOfRangeError: An index is out of range; it is an `IndexError`, too.
-            ConfigError: It is no whole number.
+            ConfigError: An index is not an integer.
         """
         if not isinstance(index, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
             check_rows(index, len(self))
         return jax.tree.map(lambda rows: rows[index], self)
 
     def __len__(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return self.house.shape[0]
 
 
 def check_rows(index: Any, count: int, what: str = "episodes") -> None:
-    """Raises `ConfigError` unless `index` is the number of one of so many rows, or an array of such."""
+    """Raise `ConfigError` unless `index` is an integer, or an integer array, with values from 0 to `count` - 1."""
     array = np.asarray(index)
     if array.dtype.kind not in "biu":
         hint = "Write tasks.pick(jnp.array([0, 2])), or tasks.where(mask) for those for which a comparison holds."
@@ -59,13 +59,13 @@ def check_rows(index: Any, count: int, what: str = "episodes") -> None:
 
 
 class EnvParams(Pytree):
-    """What a jitted environment takes as an argument, and what may be exchanged without compiling anew.
+    """Arguments of the jitted functions of an environment, exchangeable without recompilation.
 
     Attributes:
         bank: The houses. Another bank of the same `BankSpec` and shapes runs the same program.
-        tasks: Episodes, or a `TaskBank`, that resets take their rows from; None: every reset draws afresh.
-        variation: Ranges of domain randomisation, from which each reset draws; None: nothing varies.
-        head: Measured ears of all agents, see `audio_jax.read_head`; None: a rigid sphere.
+        tasks: `Episodes` or a `TaskBank` whose rows resets use; None: every reset samples a new episode.
+        variation: Ranges of domain randomisation, sampled at each reset; None: nothing varies.
+        head: Measured head-related transfer functions of all agents, see `audio_jax.read_head`; None: a rigid sphere.
 
     Example:
         >>> params = EnvParams(bank)  # doctest: +SKIP
@@ -79,47 +79,49 @@ class EnvParams(Pytree):
 
 
 class World(Pytree):
-    """One environment besides its bodies, its task and its sensors; A agents."""
+    """State of one environment besides physics and task: house, clock, sounds and sensor states; A agents."""
 
     key: UInt32[Array, "2"]
     house: Int[Array, ""]  # index into the bank
-    episode: Int[Array, ""]  # row of `EnvParams.tasks`, counted on by automatic resets; -1: drawn afresh
+    episode: Int[Array, ""]  # row of `EnvParams.tasks`, increased by automatic resets; -1: sampled
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
-    said: Int[Array, " a"]  # token of the word said in the last step; -1 none
+    said: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
     sounds: Sounds
-    action: Float[Array, "a n"]  # the last one: numbers, or 1 at the chosen move; 0 at the start
-    reward: Float[Array, " a"]  # the last one; 0 at the start
-    sensors: dict[str, Any]  # what sensors remember, by their names
-    faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number
-    drawn: Drawn | None = None  # from `EnvParams.variation`
-    noises: Noises | None = None  # of bodies, with `EnvConfig.noises`
+    action: Float[Array, "a n"]  # the last action: numbers, or one-hot for discrete moves; 0 at the start
+    reward: Float[Array, " a"]  # the last reward; 0 at the start
+    sensors: dict[str, Any]  # sensor states by sensor name
+    faults: Int[Array, ""]  # number of episodes of this environment that ended because a pose was not finite
+    drawn: Drawn | None = None  # sample of `EnvParams.variation`
+    noises: Noises | None = None  # contact sounds, with `EnvConfig.noises`
 
     @property
     def source(self) -> Float[Array, "*n 3"]:
-        """Where the first sound comes from [m]."""
+        """Position of the first sound source [m]."""
         return self.sounds.pos[..., 0, :]
 
     def with_source(self, pos: Float[Array, "*n 3"]) -> "World":
-        """The same world, its first sound elsewhere [m]."""
+        """Return a copy with the first sound source at `pos` [m]."""
         return self.replace(sounds=self.sounds.replace(pos=self.sounds.pos.at[..., 0, :].set(pos)))
 
 
 class State(Pytree):
-    """One environment between two steps. obs and reward are of the agents that act; one of them has no agent axis.
+    """One environment between two steps.
+
+    `obs` and `reward` cover the acting agents; a single one has no agent axis.
 
     Attributes:
-        physics: Poses and speeds, see `PhysicsState`.
-        world: House, time, and what sensors remember.
+        physics: Poses and velocities, see `PhysicsState`.
+        world: House, clock, sounds and sensor states.
         task: The task's own state, such as its goal.
-        obs: Observations by name, see `Environment.observation_spec`.
-        reward: Of the last step, per agent that acts.
+        obs: Observations by name, see `HouseholdEnv.observation_spec`.
+        reward: Reward of the last step, per acting agent.
         terminated: The task has ended the episode.
-        truncated: The time is up.
+        truncated: The episode has reached `episode_length`.
         metrics: Float scalars by name.
-        status: Flags of `Status`: what the last step lost; 0 is nothing.
-        info: Scratch space: the environment hands it on as it is. `AutoReset` puts `final_obs` here.
+        status: Flags of `Status`: data that the last step lost; 0: nothing.
+        info: Scratch space that the environment passes on unchanged. `AutoReset` stores `final_obs` here.
     """
 
     physics: Any
@@ -135,5 +137,5 @@ class State(Pytree):
 
     @property
     def done(self) -> Bool[Array, "*n"]:
-        """The episode is over."""
+        """End of the episode: terminated or truncated."""
         return self.terminated | self.truncated

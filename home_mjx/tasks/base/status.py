@@ -1,4 +1,4 @@
-"""What went wrong inside a jitted step: one integer of flags per environment."""
+"""Errors inside a jitted step: one integer of flags per environment."""
 
 from enum import IntFlag
 from typing import Any
@@ -11,32 +11,32 @@ from home_mjx.errors import HomeMjxError
 
 
 class Status(IntFlag):
-    """Flags of `State.status`; 0 means that the last step lost nothing.
+    """Flags of `State.status`; 0: the last step lost nothing.
 
     Example:
         >>> Status(5)
         <Status.NOT_A_NUMBER|CONTACT_PAIRS: 5>
     """
 
-    NOT_A_NUMBER = 1  # a pose or speed was not finite; the step was undone and the episode ended
+    NOT_A_NUMBER = 1  # a pose or velocity was not finite; the step was undone and the episode ended
     STATIC_BOXES = 2  # more static boxes touched an agent or a body than it has contact slots
-    CONTACT_PAIRS = 4  # pairs of bodies touched that the broad phase had not chosen
-    CONTACT_POINTS = 8  # there were more contact points than the solver takes
+    CONTACT_PAIRS = 4  # bodies touched whose pair the broad phase had not selected
+    CONTACT_POINTS = 8  # there were more contact points than the solver's maximum
     RESPONSE_CUT = 16  # sound decays so slowly that the impulse response ends before it has fallen by 30 dB
 
     OUTSIDE = 32  # an agent or a movable body is beyond the fence around the lot, or under the ground floor
 
-    ACTION = 64  # a number of the action was NaN, which counted as 0, or out of range: clipped, or no discrete action
+    ACTION = 64  # an action element was NaN (used as 0) or out of range (clipped), or not a discrete action
 
-    WEIGHTS = 128  # no task had a weight that is a number above 0: the reset drew as if all weighed alike
+    WEIGHTS = 128  # no task had a finite weight above 0: the reset sampled all with the same probability
 
-    NOISES = 256  # more noises of bodies than there are slots: one was not heard or cut off, see `NoiseConfig`
+    NOISES = 256  # more contact sounds than slots: one was dropped or cut off, see `NoiseConfig`
 
-    UNHEARD = 512  # a source plays that nobody hears: outside, sealed off, in a wall, or too far away
+    UNHEARD = 512  # a clip reaches no agent: its source is outside, sealed off, in a wall, or too far away
 
     @classmethod
     def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
-        """Names of the flags that are set.
+        """Return the names of the flags that are set.
 
         Example:
             >>> Status.names(3)
@@ -46,11 +46,11 @@ class Status(IntFlag):
 
 
 class StatusError(HomeMjxError, RuntimeError):
-    """Environments lost something inside a jitted step."""
+    """A jitted step of at least one environment has lost data."""
 
 
 def flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
-    """The flags whose condition holds anywhere.
+    """Return the flags whose condition holds anywhere.
 
     Example:
         >>> int(flags(CONTACT_POINTS=jnp.array([False, True]), STATIC_BOXES=jnp.array(False)))
@@ -61,11 +61,11 @@ def flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
 
 
 def check_status(state: Any, ignore: int = 0) -> None:
-    """Raises `StatusError` if a step lost something; for tests and debugging, on the host.
+    """Raise `StatusError` if a step lost something; for tests and debugging, on the host.
 
     Args:
         state: A `State`, of one environment or a batch.
-        ignore: Flags of `Status` that are accepted.
+        ignore: Flags of `Status` to ignore.
 
     Example:
         >>> check_status(env.step(state, action))  # doctest: +SKIP
@@ -76,12 +76,12 @@ def check_status(state: Any, ignore: int = 0) -> None:
         first = f"environment {wrong[0]}: {', '.join(Status.names(status.flat[wrong[0]]))}"
         raise StatusError(
             f"{len(wrong)} of {status.size} environments lost something in the last step; {first}",
-            hint="`home_mjx.tasks.Status` says what each flag means; `dump_flagged` keeps the step for a replay.",
+            hint="`home_mjx.tasks.Status` explains the flags; `dump_flagged` saves the step for a replay.",
         )
 
 
 def status_report(status: np.ndarray) -> dict[str, np.ndarray]:
-    """Per flag, which environments have it.
+    """Return a mask of environments per flag, by lower-case flag name.
 
     Args:
         status: Flags of a batch (n,).

@@ -1,4 +1,4 @@
-"""The seam of tasks: what agents are to do."""
+"""Base class of tasks, and path metrics."""
 
 import inspect
 from typing import Any
@@ -18,10 +18,10 @@ from home_mjx.tasks.base.state import Episodes
 
 
 class Task:
-    """Base of tasks. A subclass is a frozen dataclass: its fields are options that `make` takes.
+    """Base class of tasks. A subclass is a frozen dataclass: its fields are options that `make` takes.
 
-    All methods are for one environment with A agents and run inside `jit`, but for those of episode files. A task's
-    state is a pytree of its own; its structure must be the same from `init` and from `update`.
+    All methods are for one environment with A agents and run inside `jit`, except those for episode files. A task's
+    state is any pytree; `init` and `update` must return the same structure.
 
     Example:
         >>> import dataclasses
@@ -37,110 +37,110 @@ class Task:
 
     @property
     def observation_spec(self) -> Specs:
-        """Sensors that the task adds, by name, each as one agent sees it."""
+        """Specs of the observations that the task adds, by name, for one agent."""
         return {}
 
     @property
     def needs_stop(self) -> bool:
-        """Whether the task waits for agents to say `stop`, and so needs discrete actions."""
+        """True if agents must choose `stop`, so that actions must be discrete."""
         return False
 
     @property
     def needs_hands(self) -> bool:
-        """Whether agents need hands for it."""
+        """True if agents need hands."""
         return False
 
     @property
     def needs_ears(self) -> bool:
-        """Whether what agents have to know is to be heard alone."""
+        """True if the task's information is audible only."""
         return False
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """Discrete actions by which agents speak: words of the tasks' language after `say:` or `answer:`; none here.
+        """Discrete actions that speak: `say:` or `answer:` and a word of the tasks' language; by default none.
 
-        What an agent has said is in `Snapshot.said`.
+        `Snapshot.said` holds the words that agents have spoken.
         """
         return ()
 
     @property
     def least_agents(self) -> int:
-        """How many agents the task needs."""
+        """Minimum number of agents."""
         return 1
 
     @property
     def most_agents(self) -> int | None:
-        """How many agents it can have; None: any number."""
+        """Maximum number of agents; None: no limit."""
         return None
 
     @property
     def num_acting(self) -> int | None:
-        """How many agents act for the caller, the first ones; None: all that there are.
+        """Number of agents that act for the caller, the first ones; None: all.
 
-        Outwardly the environment has these alone: its actions, observations and rewards are theirs. The others are the
-        task's, which leads them, see `lead`, or lets them stand. In a task's own methods A is always of all agents.
+        The environment's actions, observations and rewards are for these only. The task controls the others, see
+        `lead`, or leaves them idle. In the task's own methods A counts all agents.
         """
         return None
 
     @property
     def stops_for_good(self) -> bool:
-        """Whether who has chosen the discrete action `stop` does nothing more; else it is as if it had stood still."""
+        """True if agents are idle after the discrete action `stop`; False if `stop` only skips one move."""
         return True
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of what an episode of this task needs besides house, start and yaw."""
+        """Names of the values that an episode of this task needs besides house, start and yaw."""
         return ()
 
     @property
     def num_sources(self) -> int:
-        """How many things its episodes need to sound at once."""
+        """Number of simultaneous sound sources that its episodes need."""
         return 1
 
     @property
     def clips(self) -> tuple[str, ...]:
-        """Sounds that its episodes may play, besides the environment's."""
+        """Sounds that its episodes may play, in addition to the environment's."""
         return ()
 
     def task_bank(self, bank: HouseBank) -> Any:
-        """Tasks of these houses that resets take their rows from; None: every reset draws afresh."""
+        """Build the rows that resets in these houses use; None: every reset samples a new episode."""
         return None
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> Any:
-        """The task's state at the start of an episode.
+        """Return the task's state at the start of an episode.
 
         Args:
             snapshot: The environment.
             key: Random key.
-            columns: This episode's own columns if it was drawn beforehand, else None: draw them.
+            columns: Columns of an episode that was sampled in advance; None: sample them.
         """
         return ()
 
     def lead(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
-        """Which agents the task itself leads in the next step, whatever they are told to do, and what they do instead.
+        """Return actions of the agents that the task controls in the next step; they override the caller's.
 
-        Agents that are never the caller's to lead are left out of `num_acting`.
+        Agents that the caller never controls are excluded by `num_acting`.
 
         Returns:
-            A mask, and actions of all agents as the environment takes them, of which those of the mask count; a
-            discrete one that there is not does nothing. None: it leads nobody, whatever the state.
+            A mask, and actions of all agents in the environment's format, of which the masked ones are used. A discrete
+            action out of range does nothing. None: the task controls no agents, whatever the state.
         """
         return None
 
     def sounds(self, snapshot: Snapshot, state: Any) -> Sounds:
-        """What sounds at the start of an episode, and after each step, before `update`: here, what did before."""
+        """Return the sounds at the start of an episode and after each step, before `update`; unchanged by default."""
         return snapshot.sounds
 
     def update(self, snapshot: Snapshot, state: Any) -> Any:
-        """The task's state after a step."""
+        """Return the task's state after a step."""
         return state
 
     def observe(self, snapshot: Snapshot, state: Any) -> dict[str, Array]:
-        """What `observation_spec` promises, with a leading axis of all agents."""
+        """Return the observations of `observation_spec`, with a leading axis of all agents."""
         return {}
 
     def reward(self, snapshot: Snapshot, before: Any, state: Any) -> Float[Array, " a"]:
-        """Reward of the last step, of all agents.
+        """Return the reward of the last step, for all agents.
 
         Args:
             snapshot: The environment after the step.
@@ -150,52 +150,52 @@ class Task:
         return jnp.zeros_like(snapshot.pose.yaw)
 
     def terminated(self, snapshot: Snapshot, state: Any) -> Bool[Array, ""]:
-        """The task has ended the episode: here, when all agents that act have stopped."""
+        """Return whether the task ends the episode: by default when all acting agents have stopped."""
         return self.have_stopped(snapshot)
 
     def have_stopped(self, snapshot: Snapshot) -> Bool[Array, ""]:
-        """Whether all agents that act have stopped (see `Snapshot.stopped`)."""
+        """Return whether all acting agents have stopped (see `Snapshot.stopped`)."""
         return jnp.all(snapshot.stopped[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:
-        """Figures that are no observations, such as success; the same names at every step."""
+        """Return figures that are not observations, such as success; the same names at every step."""
         return {}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
-        """Draws one episode inside `jit`: start on the floor (3,) [m], yaw () [rad] and columns.
+        """Sample one episode inside `jit`: start on the floor (3,) [m], yaw () [rad] and columns.
 
         Args:
             bank: The houses.
             house: Index of the house.
             key: Random key.
-            limits: What `sample_episodes` was given besides, as traced numbers.
+            limits: Further arguments of `sample_episodes`, as traced numbers.
         """
         place, turn = jax.random.split(key)
         return random_position(bank, house, place), random_yaw(turn), {}
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-        """An episode's columns as a file keeps them: places instead of indices into a bank. On the host."""
+        """Return an episode's columns for a file, with positions instead of bank indices. On the host."""
         return {}
 
     def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-        """The columns from a line of a file. On the host.
+        """Return the columns from a line of a file. On the host.
 
         Raises:
             DatasetError: The bank lacks something that the line names.
-            KeyError, TypeError, ValueError: The line is broken.
+            KeyError, TypeError, ValueError: The line is malformed.
         """
         return {}
 
     def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
-        """Whether one episode of a file can be solved in this bank; inside `jit`."""
+        """Return whether one episode of a file can be solved in this bank; inside `jit`."""
         return jnp.ones((), bool)
 
 
 def check_task_class(task: type[Task]) -> None:
-    """Refuses a class of tasks whose options `make` could not set.
+    """Raise if a class of tasks has options that `make` could not set.
 
     Raises:
-        ConfigError: It is no frozen dataclass, or derives from one and adds fields without being one itself.
+        ConfigError: Not a frozen dataclass, or a subclass of one that adds fields without the decorator.
     """
     params = getattr(task, "__dataclass_params__", None)
     lost = inspect.get_annotations(task) if "__dataclass_params__" not in vars(task) else {}
@@ -207,16 +207,18 @@ def check_task_class(task: type[Task]) -> None:
 def path_scores(
     success: Float[Array, "*n"], length: Float[Array, "*n"], walked: Float[Array, "*n"], left: Float[Array, "*n"]
 ) -> dict[str, Float[Array, "*n"]]:
-    """`spl` and `soft_spl`; both are 0 where no way leads to the goal.
+    """Return `spl` and `soft_spl`; both are 0 if no path leads to the goal.
+
+    SPL is `success * length / max(length, walked)`; soft SPL replaces success by the progress `1 - left / length`.
 
     Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
     et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231).
 
     Args:
         success: 1 or 0.
-        length: Of the shortest path [m].
-        walked: Length of the agent's way [m].
-        left: Distance to the goal where the agent is now [m].
+        length: Length of the shortest path [m].
+        walked: Length of the agent's path [m].
+        left: Current distance of the agent to the goal [m].
 
     Example:
         >>> found = path_scores(*(jnp.float32(x) for x in (1.0, 4.0, 5.0, 1.0)))

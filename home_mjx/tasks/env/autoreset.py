@@ -18,25 +18,26 @@ from home_mjx.tasks.env.bound import BoundEnv
 from home_mjx.tasks.env.household import HouseholdEnv
 
 FINAL_OBS = ("cheap", "all", "none")
-FEW = 32  # ended environments whose last images are rendered alone
+FEW = 32  # maximum number of ended environments whose last images are rendered separately
 
 
 class AutoReset:
-    """A batch of environments that begin anew, in a new house and pose, when their episode is over.
+    """A batch of environments that start a new episode, in a new house and pose, when theirs ends.
 
-    A step resets what has ended and then observes everybody, once. The state that comes back from a final step is thus
-    the first of the next episode, but for `reward`, `terminated`, `truncated`, `metrics` and `status`, which are those
-    of the final step. `info["final_obs"]` holds the observations before the reset; where nothing ended it is the same
-    as `obs`.
+    A step resets the environments that have ended, then observes all of them once. After a final step the returned
+    state is thus the first of the next episode. Only `reward`, `terminated`, `truncated`, `metrics` and `status` are
+    those of the final step. `info["final_obs"]` holds the observations before the reset; without an ended episode it
+    equals `obs`.
 
     With `EnvParams.tasks`, environment i of n takes the rows i, i + n, i + 2n, ... so that all rows are evaluated once
-    before any is repeated; `World.episode` counts on without end. Rows of a `TaskBank` with weights are drawn instead.
+    before any is repeated. `World.episode` increases without wrapping. Rows of a `TaskBank` with weights are sampled
+    instead.
 
     Args:
         core: The environment.
-        final_obs: What `info["final_obs"]` holds: "cheap", observations that cast no rays (pose, goal); "all", for
-            learners that bootstrap from pixels when time runs out: those of ended environments are rendered besides,
-            of up to `FEW` alone, of more for the whole batch; "none".
+        final_obs: Content of `info["final_obs"]`. "cheap": observations that cast no rays (pose, goal). "all": rendered
+            ones as well, for learners that bootstrap from pixels at truncation. Up to `FEW` ended environments are
+            rendered separately, more as part of the whole batch. "none": nothing.
 
     Example:
         >>> batch = AutoReset(env.core).bind(env.params)  # doctest: +SKIP
@@ -54,11 +55,11 @@ class AutoReset:
         self.bakes = core.bakes
 
     def bind(self, params: EnvParams | HouseBank) -> "BoundEnv[AutoReset]":
-        """The batch with its parameters: `reset(keys)`, `step(states, actions)`."""
+        """Return the batch with its parameters: `reset(keys)`, `step(states, actions)`."""
         return BoundEnv(self, params if isinstance(params, EnvParams) else EnvParams(params))
 
     def template(self, bank: HouseBank) -> Template:
-        """The physics' model."""
+        """Return the physics template."""
         return self.core.template(bank)
 
     def reset(
@@ -68,10 +69,10 @@ class AutoReset:
         house: Int[Array, " n"] | None = None,
         episode: Int[Array, " n"] | None = None,
     ) -> State:
-        """A new episode per key; with `params.tasks`, rows 0 to n - 1 unless told otherwise, or rows drawn by weight.
+        """Start one episode per key: with `params.tasks`, rows 0 to n - 1 by default, or rows sampled by weight.
 
         Raises:
-            ConfigError: There is only one key.
+            ConfigError: `key` is not a batch of keys.
         """
         num = _count(key)
         if episode is None and in_order(params.tasks):
@@ -81,24 +82,24 @@ class AutoReset:
         return self._with_final(state, self._kept(state.obs))
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """One step of all environments."""
+        """Step all environments once."""
         stepped = jax.vmap(self.core.advance, (None, 0, 0))(params, state, action)
         done = stepped.done
-        # A branch on the whole batch: on steps in which nobody is done, nothing is drawn.
+        # One branch for the whole batch: steps in which no episode ends skip the reset.
         begun = jax.lax.cond(jnp.any(done), lambda s: self._begin_anew(params, s, done), lambda s: s, stepped)
         seen = self._perceive(params, begun)
         new = seen.replace(status=jnp.where(done, begun.status, seen.status))
         return self._with_final(new, self._final(params, stepped, new.obs, done))
 
     def observe(self, params: EnvParams, state: State) -> State:
-        """The states with their observations computed anew."""
+        """Return the states with recomputed observations."""
         return jax.vmap(self.core.observe, (None, 0))(params, state)
 
     def _perceive(self, params: EnvParams, state: State) -> State:
         return jax.vmap(self.core.perceive, (None, 0))(params, state)
 
     def _begin_anew(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
-        """The first state of the next episode where the last one is over."""
+        """Return the first state of the next episode where the last one is over."""
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:
@@ -112,7 +113,7 @@ class AutoReset:
         return jax.vmap(one)(state, done)
 
     def _kept(self, obs: dict[str, Array]) -> dict[str, Array]:
-        """Those of the observations that `final_obs` holds."""
+        """Return the observations that `final_obs` includes."""
         if self.final_obs == "none":
             return {}
         costly = self._costly_names() if self.final_obs == "cheap" else ()
@@ -124,7 +125,7 @@ class AutoReset:
     def _final(
         self, params: EnvParams, stepped: State, obs: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
-        """Observations before the reset."""
+        """Return the observations before the reset."""
         kept = self._kept(obs)
         if not kept:
             return kept
@@ -139,7 +140,7 @@ class AutoReset:
     def _render_final(
         self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
-        """What ended environments saw and heard last: of a few, rendered alone, or of the whole batch."""
+        """Render the last observations of ended environments: of a few separately, else of the whole batch."""
         few = min(FEW, done.shape[0])
         count = jnp.sum(done.astype(jnp.int32))
 
@@ -147,7 +148,7 @@ class AutoReset:
             return kept
 
         def some(stepped: State) -> dict[str, Array]:
-            rows = jnp.argsort(~done, stable=True)[:few]  # those that ended come first
+            rows = jnp.argsort(~done, stable=True)[:few]  # ended environments come first
             seen = self._perceive(params, jax.tree.map(lambda x: x[rows], stepped)).obs
             rows = jnp.where(done[rows], rows, done.shape[0])
             return {name: value.at[rows].set(seen[name], mode="drop") for name, value in kept.items()}
@@ -172,5 +173,5 @@ def _count(key: Any) -> int:
 
 
 def where_envs(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
-    """Of two batches of the same tree, the rows of `new` where the mask holds."""
+    """Return the rows of `new` where the mask holds, else those of `old`; both are batches of the same tree."""
     return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)

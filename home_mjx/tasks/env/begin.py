@@ -1,4 +1,4 @@
-"""How an episode begins, and what there is to know of an environment at one instant."""
+"""Start of an episode, and the snapshot of an environment at one instant."""
 
 import functools
 from typing import Any
@@ -35,19 +35,19 @@ Index = Int[Array, ""] | int | None
 def first_instant(
     config: EnvConfig, memory: dict[str, Any], params: EnvParams, key: Array, house: Index, episode: Index
 ) -> tuple[PhysicsState, World, Episodes | None, Array]:
-    """Bodies and world at the start of an episode.
+    """Return physics state and world at the start of an episode.
 
     Args:
         config: Options.
-        memory: What sensors remember before their first update, by their names.
-        params: Houses, episodes, and what varies.
+        memory: Sensor states before their first update, by sensor name.
+        params: Houses, episodes and variation ranges.
         key: Typed or raw key.
         house: See `HouseholdEnv.reset`.
         episode: See `HouseholdEnv.reset`.
 
     Returns:
-        Bodies; the world, whose sounds are those of the house; the row that the episode was taken from, if it was; and
-        the key of the task's own draw.
+        The physics state; the world, with the house's own sounds; the episode's row, if it comes from `params.tasks`;
+        the task's key.
     """
     bank, agents = params.bank, config.num_agents
     keep, chance, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
@@ -86,7 +86,7 @@ def first_instant(
 
 
 def snapshot_of(config: EnvConfig, params: EnvParams, data: PhysicsState, world: World) -> Snapshot:
-    """The environment as tasks and sensors read it."""
+    """Build the snapshot that tasks and sensors read."""
     template, drawn = template_of(config, params.bank.spec), world.drawn
     pos, yaw = physics.agent_pose(template, data)
     bodies, turned = physics.body_pose(template, data), jax.vmap(body_quat)(yaw)
@@ -116,7 +116,7 @@ def snapshot_of(config: EnvConfig, params: EnvParams, data: PhysicsState, world:
 
 
 def template_of(config: EnvConfig, spec: BankSpec) -> physics.Template:
-    """The physics' model for banks of a capacity."""
+    """Return the physics template for banks of a capacity."""
     return _template(config.physics, spec)
 
 
@@ -128,19 +128,19 @@ def _template(config: physics.PhysicsConfig, spec: BankSpec) -> physics.Template
 
 
 def lost_weights(tasks: Episodes | TaskBank | None, episode: Index) -> Int[Array, ""]:
-    """The flag `WEIGHTS`, if a row was drawn by weights that none can be drawn by."""
+    """Return the flag `WEIGHTS` if a row was sampled by weights, none of which is usable."""
     if isinstance(tasks, TaskBank) and tasks.weights is not None and episode is None:
         return flags(WEIGHTS=~tasks.has_weight())
     return jnp.zeros((), jnp.int32)
 
 
 def in_order(tasks: Episodes | TaskBank | None) -> bool:
-    """Whether batches take rows one after the other, and do not draw them."""
+    """Return whether batches use rows in order instead of sampling them."""
     return tasks is not None and not (isinstance(tasks, TaskBank) and tasks.weights is not None)
 
 
 def _row(tasks: Episodes | TaskBank | None, episode: Index, key: Array) -> tuple[Int[Array, ""], Episodes | None]:
-    """Number and content of the episode to begin; -1 and None: it is drawn afresh."""
+    """Return index and content of the episode's row; -1 and None if the episode is sampled."""
     if tasks is None:
         if episode is not None:
             hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."
@@ -160,7 +160,7 @@ def _arrangement(
     source: Float[Array, "3"],
     key: Array,
 ) -> Int[Array, ""] | None:
-    """Which arrangement the bodies have; neither agents nor the source are in any of them."""
+    """Sample an arrangement whose bodies overlap neither agents nor the source; None: as in the file."""
     if config.arrangement == "placed":
         return None
     check_arrangements(bank)

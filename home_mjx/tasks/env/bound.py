@@ -1,4 +1,4 @@
-"""An environment with its parameters."""
+"""An environment together with its parameters."""
 
 import warnings
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
@@ -23,7 +23,7 @@ from home_mjx.tasks.variation.ranges import as_variation
 
 @runtime_checkable
 class Core(Protocol):
-    """What can be bound: `HouseholdEnv`, or a wrapper around it such as `AutoReset`."""
+    """Interface of an unbound environment: `HouseholdEnv`, or a wrapper around it such as `AutoReset`."""
 
     @property
     def config(self) -> EnvConfig:
@@ -32,22 +32,22 @@ class Core(Protocol):
 
     @property
     def task(self) -> Task:
-        """What agents are to do."""
+        """The task."""
         ...
 
     @property
     def num_agents(self) -> int:
-        """Agents that act."""
+        """Number of acting agents."""
         ...
 
     @property
     def action_spec(self) -> ArraySpec:
-        """Shape and limits of actions."""
+        """Shape and bounds of actions."""
         ...
 
     @property
     def observation_spec(self) -> Specs:
-        """Shapes and limits of observations by name."""
+        """Shapes and bounds of observations by name."""
         ...
 
     @property
@@ -56,36 +56,37 @@ class Core(Protocol):
         ...
 
     def reset(self, params: EnvParams, key: Array, house: Any = None, episode: Any = None) -> State:
-        """A new episode."""
+        """Start a new episode."""
         ...
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """One control step."""
+        """Run one control step."""
         ...
 
     def observe(self, params: EnvParams, state: State) -> State:
-        """The state with its observations computed anew."""
+        """Return the state with recomputed observations."""
         ...
 
     def template(self, bank: HouseBank) -> Template:
-        """The physics' model."""
+        """Return the physics template."""
         ...
 
 
-LARGE = 2**30  # [bytes]: a program with a larger constant compiles slowly and takes the memory twice
+LARGE = 2**30  # [bytes], size above which a constant compiles slowly and takes its memory twice
 C = TypeVar("C", bound=Core)
 
 
 class BoundEnv(Generic[C]):
-    """A core and its `EnvParams`: `reset(key)` and `step(state, action)` as Brax and short scripts want them.
+    """A core and its `EnvParams`: `reset(key)` and `step(state, action)`, as in Brax and short scripts.
 
-    A jitted caller bakes the bank into its program as a constant: wasteful above about 1 GB. Large banks are passed as
-    an argument: `jax.jit(env.core.step)(env.params, state, action)`.
+    A jitted caller embeds the bank in its program as a constant, which is wasteful above about 1 GB. Pass large banks
+    as an
+    argument: `jax.jit(env.core.step)(env.params, state, action)`.
 
     Attributes:
-        core: The functions that take `EnvParams`.
+        core: Functions that take `EnvParams`.
         params: Houses and episodes.
-        spec: What `make` was asked for; None if the environment was built by hand.
+        spec: The environment's spec from `make`; None if it was built by hand.
 
     Example:
         >>> env = home_mjx.make("PointNav-v0")  # doctest: +SKIP
@@ -99,43 +100,43 @@ class BoundEnv(Generic[C]):
         check_tasks(core.config, core.task, params.bank, params.tasks)
         check_sounds(core.config, params.tasks)
         check_variation(core.config, params.variation)
-        # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
+        # Built here, not in the first trace: arrays made inside `pmap` or `shard_map` stay tied to that mesh.
         core.template(params.bank)
         self._is_large = bank_bytes(params.bank) > LARGE
 
     def reset(self, key: Array, house: Any = None, episode: Any = None) -> State:
-        """A new episode, see `HouseholdEnv.reset`."""
+        """Start a new episode, see `HouseholdEnv.reset`."""
         self._warn_of_baking(key)
         return self.core.reset(self.params, key, house, episode)
 
     def step(self, state: State, action: ArrayLike) -> State:
-        """One control step, see `HouseholdEnv.step`."""
+        """Run one control step, see `HouseholdEnv.step`."""
         self._warn_of_baking(action)
         return self.core.step(self.params, state, action)
 
     def observe(self, state: State) -> State:
-        """The state with its observations computed anew."""
+        """Return the state with recomputed observations."""
         return self.core.observe(self.params, state)
 
     def with_tasks(self, episodes: Any) -> "BoundEnv[C]":
-        """The same environment whose resets take their rows from episodes drawn beforehand; None: draw afresh.
+        """Return the same environment with episodes for its resets; None: resets sample new ones.
 
         Args:
             episodes: `Episodes` or a `TaskBank` of its houses.
 
         Raises:
-            ConfigError: They cannot be begun or done here, see `check_tasks`; names the row and the column.
+            ConfigError: An episode cannot be started or solved here, see `check_tasks`; names the row and the column.
         """
         return BoundEnv(self.core, self.params.replace(tasks=episodes), self.spec)
 
     def with_variation(self, variation: Any) -> "BoundEnv[C]":
-        """The same environment whose resets draw from other ranges; None: nothing varies.
+        """Return the same environment with other ranges of domain randomisation; None: nothing varies.
 
         Args:
             variation: A `Variation`, or its ranges by name.
 
         Raises:
-            ConfigError: A range cannot be used, or the environment has nothing that would show it.
+            ConfigError: A range is invalid, or has no effect in this environment.
 
         Example:
             >>> env = env.with_variation({"exposure": (0.5, 1.5)})  # doctest: +SKIP
@@ -143,9 +144,9 @@ class BoundEnv(Generic[C]):
         return BoundEnv(self.core, self.params.replace(variation=as_variation(variation)), self.spec)
 
     def _warn_of_baking(self, argument: Any) -> None:
-        """A traced argument means that a program is being made, whose constant the bank becomes."""
+        """Warn once if a large bank becomes a constant: a traced argument means that a program is compiled."""
         if self._is_large and isinstance(argument, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
-            self._is_large = False  # said once
+            self._is_large = False  # warn once
             size = bank_bytes(self.params.bank) / 2**30
             warnings.warn(
                 f"the bank's {size:.1f} GiB become part of the compiled program; pass them as an argument instead: "
@@ -155,7 +156,7 @@ class BoundEnv(Generic[C]):
 
     @property
     def bank(self) -> HouseBank:
-        """The houses."""
+        """Bank of the houses."""
         return self.params.bank
 
     @property
@@ -165,30 +166,30 @@ class BoundEnv(Generic[C]):
 
     @property
     def task(self) -> Task:
-        """What agents are to do."""
+        """The task."""
         return self.core.task
 
     @property
     def num_agents(self) -> int:
-        """Agents per environment that act, see `HouseholdEnv.num_agents`."""
+        """Number of acting agents per environment, see `HouseholdEnv.num_agents`."""
         return self.core.num_agents
 
     @property
     def dt(self) -> float:
-        """Seconds per step."""
+        """Control step [s]."""
         return self.config.timing.ctrl_dt
 
     @property
     def action_size(self) -> int:
-        """Numbers per agent, see `action_spec`; of discrete actions, how many there are to choose from."""
+        """Number of elements of an action per agent, see `action_spec`; for discrete actions their number."""
         return len(action_names(self.config))
 
     @property
     def action_spec(self) -> ArraySpec:
-        """Shape and limits of actions."""
+        """Shape and bounds of actions."""
         return self.core.action_spec
 
     @property
     def observation_spec(self) -> Specs:
-        """Shapes and limits of observations by name."""
+        """Shapes and bounds of observations by name."""
         return self.core.observation_spec

@@ -1,4 +1,4 @@
-"""Episodes drawn beforehand, to be saved, replayed and compared."""
+"""Episodes sampled in advance, to be saved, replayed and compared."""
 
 from pathlib import Path
 from typing import Any
@@ -20,8 +20,8 @@ from home_mjx.tasks.suite.goals import OTHER_BANK
 from home_mjx.tasks.suite.point_nav import PointNav
 from home_mjx.tasks.suite.task_lines import load_tasks
 
-MAX_BYTES = 1 << 28  # of a file: a million episodes
-LARGEST = 1 << 30  # of a file of either kind
+MAX_BYTES = 1 << 28  # [bytes], maximum size of an episode file; about a million episodes
+LARGEST = 1 << 30  # [bytes], maximum size of a file of episodes or tasks
 NO_LINES = "Write one JSON object a line, see `save_episodes`."
 POINT_NAV = PointNav()
 
@@ -35,15 +35,15 @@ def sample_episodes(
     min_length: float = 1.0,
     max_length: float = np.inf,
 ) -> Episodes:
-    """Random episodes: every house as often as any other, starts by area, the rest as the task draws it.
+    """Sample random episodes: all houses equally often, starts uniform by area, the rest by the task.
 
     Args:
         bank: The houses.
-        num: How many.
-        seed: Of the draw.
-        task: Whose episodes.
-        min_length: Least shortest path [m].
-        max_length: Greatest shortest path [m].
+        num: Number of episodes.
+        seed: Random seed.
+        task: Task that samples the episodes.
+        min_length: Minimum length of the shortest path [m].
+        max_length: Maximum length of the shortest path [m].
 
     Raises:
         ConfigError: No path of such a length was found for one of them.
@@ -66,14 +66,14 @@ def sample_episodes(
     if len(lost):
         name = bank.house_ids[int(house[lost[0]])]
         raise ConfigError(
-            f"house {name} has hardly a path of {min_length} m to {max_length} m",
+            f"house {name} has hardly any path of {min_length} m to {max_length} m",
             hint="Choose other lengths, or other houses.",
         )
     return episodes
 
 
 def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: Task = POINT_NAV) -> None:
-    """Writes episodes as JSON lines, with ids and places instead of indices, so that any bank of the houses will do.
+    """Write episodes as JSON lines, with ids and positions instead of indices: any bank of the houses can load them.
 
     Raises:
         ConfigError: The file cannot be written, or the episodes are of other houses.
@@ -94,16 +94,16 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: T
 
 
 def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> Episodes:
-    """Reads what `save_episodes` has written.
+    """Load episodes that `save_episodes` has written.
 
     Args:
         path: The file.
         bank: Holds the houses, compiled with the same options.
-        task: Whose episodes they are.
+        task: Task of the episodes.
 
     Raises:
-        DatasetError: A line is broken or of another task, names a house that the bank lacks or a goal that the house
-            lacks, or starts where no way leads to the goal.
+        DatasetError: A line is malformed or of another task. Or the bank lacks its house, the house lacks its goal, or
+            no path leads there.
     """
     file = as_path(path, "episodes")
     check_type("bank", bank, HouseBank)
@@ -120,15 +120,15 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
 
 
 def load_rows(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskBank:
-    """Reads a file of the kind that fits a task: of `save_tasks` for rows of a task bank, else of `save_episodes`.
+    """Load the kind of file that fits a task: that of `save_tasks` for a `RowTask`, else that of `save_episodes`.
 
     Args:
         path: The file.
         bank: Holds the houses.
-        task: Whose episodes they are.
+        task: Task of the episodes.
 
     Raises:
-        DatasetError: As `load_tasks` and `load_episodes` say, or the file is of the other kind.
+        DatasetError: As for `load_tasks` and `load_episodes`, or the file is of the other kind.
     """
     is_bank = isinstance(task, RowTask)
     lines = read_json_lines(as_path(path, "episodes"), "episode", lambda line: "stages" in line, LARGEST)
@@ -140,10 +140,10 @@ def load_rows(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskB
 
 
 def houses_named(path: str | Path) -> tuple[str, ...]:
-    """Ids of the houses that a file of episodes or tasks names, each once, in order.
+    """Return the ids of the houses in a file of episodes or tasks, each once, in order.
 
     Raises:
-        DatasetError: A line is broken, or there is none.
+        DatasetError: A line is malformed, or the file has no lines.
     """
     found = read_json_lines(as_path(path, "episodes"), "episode", lambda line: str(line["house"]), LARGEST)
     ids = tuple(dict.fromkeys(found))

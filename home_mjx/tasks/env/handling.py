@@ -1,4 +1,4 @@
-"""From the part of an action that is for the hands to their commands: what is meant is what the agent looks at."""
+"""Decoding of hand actions: the target of a command is the object or surface at the view centre."""
 
 import math
 
@@ -17,28 +17,28 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.reaching import footprints, plan_radius, room_at
 
-PRESSED = 0.5  # from which on a number of an action counts as a command
-GAP = 0.01  # [m], at least, between what is put down and what stands there
-RAYS = 9  # in each direction, where hands need not be aimed exactly
-LEVEL = 0.7  # least upward part of the normal of a surface on which things are put
+PRESSED = 0.5  # absolute value above which an action element counts as a command
+GAP = 0.01  # [m], minimum gap between an object that is put down and its neighbours
+RAYS = 9  # number per direction, with an `aim_angle`
+LEVEL = 0.7  # minimum z component of the normal of a surface on which objects can be placed
 
 
 def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a 3"]) -> Commands:
-    """Commands of all agents.
+    """Return hand commands of all agents.
 
     Args:
         config: Options.
         snapshot: The environment.
-        action: `pick` above 0.5 takes the body in the middle of the view, or puts what the hand holds on the surface
-            there; below -0.5 it drops. `throw` above 0.5 throws along the view. `turn` above 0.5 opens the door in the
-            middle of the view, below -0.5 closes it. With an `aim_angle` the nearest to the middle that can be taken,
-            has room for what is held, or is a door.
+        action: `pick` above 0.5 grasps the body at the view centre, or places the held object on the surface there;
+            below -0.5 it drops it. `throw` above 0.5 throws along the view direction. `turn` above 0.5 opens the door
+            at the view centre, below -0.5 closes it. With an `aim_angle` the nearest usable target counts: a body that
+            can be lifted, a spot with room for the held object, or a door.
     """
     bank, house = snapshot.bank, snapshot.house
     eyes, (pick, throw, turn) = eye_position(config, snapshot.pose), action.T
     view = view_rays(config, snapshot.pose)
     hit = look_past_hand(config, snapshot, eyes, view)
-    fixed = (hit.instance >= 0) & (hit.instance < bank.spec.num_instances)  # no agent
+    fixed = (hit.instance >= 0) & (hit.instance < bank.spec.num_instances)  # not an agent
     body = jnp.where(fixed, bank.geometry.instance_body[house, jnp.where(fixed, hit.instance, 0)], -1)
     point = eyes[:, None] + view * hit.t[..., None]
     near, holds = in_reach(config, snapshot, point), snapshot.held >= 0
@@ -57,7 +57,7 @@ def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a
 
 
 def view_rays(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
-    """Unit directions that hands are aimed along: the middle of the view, then others, those nearest to it first."""
+    """Return unit directions in which hands aim: the view centre first, then others by increasing angle."""
     angle = math.radians(config.aim_angle)
     offsets = np.linspace(-angle, angle, RAYS) if angle else np.zeros(1)
     turn, tilt = (x.reshape(-1) for x in np.meshgrid(offsets, offsets))
@@ -69,7 +69,7 @@ def view_rays(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
 
 
 def in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
-    """Which points each agent's hand can reach, from the axis of its body."""
+    """Return which points each agent's hand can reach, measured from the vertical axis of its body."""
     half, reach = jnp.array([(body.height / 2, body.reach) for body in config.physics.agents], jnp.float32).T
     offset = point - snapshot.pose.pos[:, None]
     beyond = jnp.maximum(jnp.abs(offset[..., 2]) - half[:, None], 0.0)
@@ -77,7 +77,7 @@ def in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]
 
 
 def _light(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bool[Array, "a n"]:
-    """Which bodies are not too heavy for each agent's hand."""
+    """Return which bodies are light enough for each agent's hand."""
     if not snapshot.bank.spec.num_bodies:
         return body >= 0
     lift = jnp.array([body.lift for body in config.physics.agents], jnp.float32)
@@ -87,7 +87,7 @@ def _light(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bo
 
 
 def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
-    """Where what each agent holds would stand on something, and touch nothing; all where hands are aimed exactly."""
+    """Return at which points each agent's held object is supported and clear; all if hands aim exactly."""
     bank, house, held = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
     if not bank.spec.num_bodies or point.shape[1] == 1:
         return jnp.ones(point.shape[:2], bool)
@@ -102,15 +102,15 @@ def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "
 
 
 def door_numbers(snapshot: Snapshot, hit: Hit) -> Int[Array, "a n"]:
-    """Which leaf each ray of each agent meets; -1 none."""
+    """Return the index of the door leaf that each ray of each agent hits; -1 none."""
     physics, house = snapshot.bank.physics, snapshot.house
     leaf = physics.door_valid[house] & (physics.door_instance[house] == hit.instance[..., None])
     number = jnp.where(leaf, jnp.arange(leaf.shape[-1], dtype=jnp.int32), -1)
-    return jnp.max(number, axis=-1, initial=-1)  # also of no doors
+    return jnp.max(number, axis=-1, initial=-1)  # for houses without doors
 
 
 def _nearest(values: Array, fits: Bool[Array, "a n"], good: Bool[Array, "a n"]) -> Array:
-    """Per agent the first value that is good and fits, or else the first that fits, or else the first."""
+    """Return per agent the first value that fits and is good, else the first that fits, else the first."""
     count = fits.shape[1]
     cost = jnp.where(fits & good, 0, jnp.where(fits, count, 2 * count)) + jnp.arange(count)
     return values[jnp.arange(fits.shape[0]), jnp.argmin(cost, axis=-1)]
@@ -119,7 +119,7 @@ def _nearest(values: Array, fits: Bool[Array, "a n"], good: Bool[Array, "a n"]) 
 def look_past_hand(
     config: EnvConfig, snapshot: Snapshot, eyes: Float[Array, "a 3"], view: Float[Array, "a n 3"]
 ) -> Hit:
-    """What each agent sees in some directions, without what it carries."""
+    """Cast rays from each agent's eyes that ignore its own body and the object that it carries."""
     own, carried = agent_ids(snapshot.bank, config.num_agents)[:, None], carried_ids(snapshot)[:, None]
     own, carried = (jnp.broadcast_to(x, view.shape[:2]) for x in (own, carried))
     origin = jnp.broadcast_to(eyes[:, None], view.shape)
@@ -130,7 +130,7 @@ def look_past_hand(
 
 
 def carried_ids(snapshot: Snapshot) -> Int[Array, " a"]:
-    """Object id of what each agent holds; -1 nothing."""
+    """Return the object id of the body that each agent holds; -1 none."""
     bank, house, body = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
     if not bank.spec.num_bodies:
         return snapshot.held

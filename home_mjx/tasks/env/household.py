@@ -41,25 +41,26 @@ from home_mjx.tasks.suite.point_nav import PointNav
 class HouseholdEnv:
     """Agents in houses: the core, whose functions take `EnvParams` first. Each is for one environment: use `jax.vmap`.
 
-    `reset(params, key)`, `step(params, state, action)` and `observe(params, state)` return the same tree. Nothing of a
-    bank is baked into the compiled program. `bind(bank)` gives a `BoundEnv`: `reset(key)` and `step(state, action)`.
+    `reset(params, key)`, `step(params, state, action)` and `observe(params, state)` return the same tree. The bank is
+    an argument, never a constant of the compiled program. `bind(bank)` returns a `BoundEnv` with `reset(key)` and
+    `step(state, action)`.
 
     Args:
         config: Options, see `EnvConfig`.
-        task: What agents are to do.
+        task: The task.
 
     Attributes:
-        config: The options, sensors named.
+        config: The options, with resolved sensor names.
         task: The task.
-        own_config: The options of the agents that act alone, as sensors get them.
-        sensors: The sensors, those of the task apart.
-        action_spec: Forward, left, turn left, look up: each in [-1, 1] of its fastest rate. Discrete: the number of one
-            of `action_names`.
-        observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents that act.
+        own_config: The options restricted to the acting agents, as passed to sensors.
+        sensors: The sensors, without those of the task.
+        action_spec: Forward, left, turn left, look up: each in [-1, 1], as a fraction of its maximum rate. Discrete:
+            the index of one of `action_names`.
+        observation_spec: Specs of `State.obs` by name; with a leading agent axis if several agents act.
 
     Raises:
-        ConfigError: A sensor or a word is unknown, two observations have the same name, or the task cannot be done with
-            these actions or so many agents.
+        ConfigError: A sensor or a word is unknown, or two observations have the same name. Or the task does not fit the
+            actions or the number of agents.
 
     Example:
         >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
@@ -81,21 +82,21 @@ class HouseholdEnv:
         )
         self.own_config = self.config.of_first(self.num_agents)
         self.sensors = choose_sensors(self.own_config, self.task)
-        spoken_tokens(self.config)  # refuses what cannot be said
+        spoken_tokens(self.config)  # raises for words that the language lacks
         self.action_spec = action_spec(self.own_config)
         self.observation_spec = self._observation_spec()
 
     @property
     def num_agents(self) -> int:
-        """Agents per environment that act: of whom there are actions, observations and rewards.
+        """Number of acting agents per environment: those with actions, observations and rewards.
 
-        All but those that the task keeps for itself, see `Task.num_acting`; `config.num_agents` counts these as well.
+        Excludes agents that the task controls, see `Task.num_acting`; `config.num_agents` counts these as well.
         """
         return self.task.num_acting or self.config.num_agents
 
     @property
     def dt(self) -> float:
-        """Seconds per step."""
+        """Control step [s]."""
         return self.config.timing.ctrl_dt
 
     @property
@@ -106,16 +107,16 @@ class HouseholdEnv:
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """What the numbers of an action mean; of discrete actions, which there are."""
+        """Names of the elements of a continuous action, or of the discrete actions."""
         return action_names(self.config)
 
     @property
     def action_size(self) -> int:
-        """Numbers per agent, see `action_spec`; of discrete actions, how many there are to choose from."""
+        """Number of elements of an action per agent, see `action_spec`; for discrete actions their number."""
         return len(self.action_names)
 
     def bind(self, bank: HouseBank | EnvParams) -> "BoundEnv[HouseholdEnv]":
-        """The environment with its parameters: `reset(key)`, `step(state, action)`.
+        """Return the environment with its parameters: `reset(key)`, `step(state, action)`.
 
         Raises:
             ConfigError: The houses were compiled for another body, see `check_bank`.
@@ -129,14 +130,14 @@ class HouseholdEnv:
         house: Int[Array, ""] | int | None = None,
         episode: Int[Array, ""] | int | None = None,
     ) -> State:
-        """A new episode.
+        """Start a new episode.
 
         Args:
             params: Houses and episodes.
             key: Typed or raw uint32 key.
-            house: Index of the house, the nearest one that there is if out of range; None draws one.
-            episode: Row of `params.tasks`, counted around: house, start and columns come from it, the key draws the
-                rest. None draws a row if there are any, by their weights if they have some.
+            house: Index of the house, clipped to the bank; None samples one.
+            episode: Row of `params.tasks`, modulo their number: house, start and columns come from it, the rest from
+                the key. None samples a row if there are any, by weight if they have weights.
 
         Returns:
             A state with its first observation, zero reward, neither terminated nor truncated.
@@ -144,14 +145,14 @@ class HouseholdEnv:
         return self.perceive(params, self.begin(params, key, house, episode))
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """One control step of `dt` seconds, then reward and observation.
+        """Run one control step of `dt` seconds, then compute reward and observation.
 
         Args:
-            params: Houses; may differ from the last call's as long as the bank's spec is the same.
+            params: Houses; may differ from the last call's if the bank's spec is the same.
             state: The state before.
-            action: (4,), or (A, 4) for several agents that act: forward, left, turn left, look up in [-1, 1]. Others
-                are clipped and NaN counts as 0, so that one bad number of a policy does not spoil an environment for
-                good. Discrete: an integer, or (A,); a number that is no action does nothing. `status` tells of both.
+            action: (4,), or (A, 4) for several acting agents: forward, left, turn left, look up in [-1, 1]. Other
+                values are clipped and NaN counts as 0, so that one bad output of a policy does not corrupt an
+                environment for good. Discrete: an integer, or (A,); an invalid one does nothing. `status` flags both.
 
         Returns:
             The state after. An episode that is over is not reset: see `AutoReset`.
@@ -159,13 +160,13 @@ class HouseholdEnv:
         return self.perceive(params, self.advance(params, state, action))
 
     def observe(self, params: EnvParams, state: State) -> State:
-        """The state with its observations computed anew from the rest of it, which stays as it is."""
+        """Return the state with observations recomputed from its other fields, which stay as they are."""
         snapshot = self.snapshot(params, state)
         obs = self.sense(snapshot, state, costly=True)
         return state.replace(obs=obs | self.sense(snapshot, state, costly=False))
 
     def perceive(self, params: EnvParams, state: State) -> State:
-        """The state after its sensors were updated, once after each `begin` or `advance`; then observed."""
+        """Update the sensor states, then observe. Call it once after each `begin` or `advance`."""
         snapshot = self.snapshot(params, state)
         snapshot, config = snapshot.of_first(self.num_agents), self.own_config
         kept, lost = dict(state.world.sensors), state.status
@@ -175,12 +176,12 @@ class HouseholdEnv:
         return self.observe(params, state.replace(world=state.world.replace(sensors=kept), status=lost))
 
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
-        """Observations of the sensors that cast rays, or of the others and the task.
+        """Return observations of the sensors that cast rays, or of the others and the task.
 
         Args:
             snapshot: Of all agents, see `snapshot`.
             state: The state.
-            costly: Which of both.
+            costly: True for the sensors that cast rays.
         """
         obs: dict[str, Array] = {}
         own, config = snapshot.of_first(self.num_agents), self.own_config
@@ -202,7 +203,7 @@ class HouseholdEnv:
         house: Int[Array, ""] | int | None = None,
         episode: Int[Array, ""] | int | None = None,
     ) -> State:
-        """`reset` without sensors: observations are zeros until `perceive`. For wrappers."""
+        """Run `reset` without sensors: observations are 0 until `perceive`. For wrappers."""
         memory = {sensor.name: sensor.init(self.own_config) for sensor in keepers(self.sensors)}
         data, world, row, goal_key = first_instant(self.config, memory, params, key, house, episode)
         snapshot = self._snapshot(params, data, world)
@@ -222,10 +223,10 @@ class HouseholdEnv:
         )
 
     def advance(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """`step` without sensors: physics, task, reward. For wrappers.
+        """Run `step` without sensors: physics, task, reward. For wrappers.
 
-        A step that gives poses that are no numbers is undone and ends the episode: the state stays finite, `status`
-        and `World.faults` tell of it.
+        A step that leads to a pose that is not finite is undone and ends the episode. The state stays finite; `status`
+        and `World.faults` record the fault.
         """
         bank, template = params.bank, self.template(params.bank)
         moves = moves_of(self.config, action, self._stopped(state), self.num_agents)
@@ -259,7 +260,7 @@ class HouseholdEnv:
             reward=self._squeeze(reward),
             terminated=terminated,
             truncated=(world.step >= self.config.episode_length) & ~terminated,
-            metrics={**state.metrics, **metrics},  # keep what wrappers added
+            metrics={**state.metrics, **metrics},  # keep entries of wrappers
             status=flags(
                 NOT_A_NUMBER=broken,
                 STATIC_BOXES=lost.static_boxes,
@@ -272,7 +273,7 @@ class HouseholdEnv:
         )
 
     def snapshot(self, params: EnvParams, state: State) -> Snapshot:
-        """The environment as tasks read it, with all agents; also for drawing."""
+        """Build the snapshot of all agents, as input of tasks and for drawing."""
         return self._snapshot(params, state.physics, state.world)
 
     def _observation_spec(self) -> Specs:
@@ -285,31 +286,31 @@ class HouseholdEnv:
         return snapshot_of(self.config, params, data, world)
 
     def _led(self, params: EnvParams, state: State, moves: Moves) -> Moves:
-        """The moves, but of agents that the task leads."""
+        """Replace the moves of agents that the task controls."""
         if type(self.task).lead is Task.lead:
             return moves
         led = self.task.lead(self.snapshot(params, state), state.task)
         return moves if led is None else with_led(self.config, moves, self._stopped(state), *led)
 
     def _stopped(self, state: State) -> Any:
-        """Agents that do nothing any more."""
+        """Return the agents that stay idle."""
         stopped = state.world.stopped
         return stopped if self.task.stops_for_good else jnp.zeros_like(stopped)
 
     def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
-        """Agents at the speed of their discrete action: it takes them exactly as far as it says."""
+        """Set agents to the speed of their discrete move, so that it covers exactly its distance."""
         if self.config.discrete is None:
             return state
         return state.replace(physics=physics.with_agent_speed(self.template(params.bank), state.physics, moves.drive))
 
     def _noises(self, template: physics.Template, before: Any, after: Any, snapshot: Snapshot) -> tuple[Any, Any]:
-        """Those of bodies after a step, and whether any found no slot."""
+        """Return the contact sounds after a step, and whether one found no free slot."""
         if self.config.noises is None:
             return None, jnp.zeros((), bool)
         return after_step(self.config, template, before, after, snapshot)
 
     def _use_hands(self, params: EnvParams, state: State, moves: Moves) -> PhysicsState:
-        """The physics with hands that have been told what to do."""
+        """Return the physics state with the hands' commands applied."""
         if not self.config.hands:
             return state.physics
         snapshot, template = self.snapshot(params, state), self.template(params.bank)
@@ -317,11 +318,11 @@ class HouseholdEnv:
         return obey(template, params.bank, state.world.house, state.physics, commands)
 
     def template(self, bank: HouseBank) -> physics.Template:
-        """The physics' model for banks of this capacity."""
+        """Return the physics template for banks of this capacity."""
         return template_of(self.config, bank.spec)
 
     def _squeeze(self, tree: Any) -> Any:
-        """The border: inside are all agents; outside those that act, of whom one goes without an agent axis."""
+        """Drop agents that the task controls, and the agent axis if a single agent acts."""
         if self.num_agents == 1:
             return jax.tree.map(lambda x: x[0], tree)
         return tree if self.num_agents == self.config.num_agents else jax.tree.map(lambda x: x[: self.num_agents], tree)

@@ -1,4 +1,4 @@
-"""How many bytes an environment takes on the device."""
+"""Estimate of an environment's memory on the device."""
 
 from dataclasses import dataclass
 
@@ -12,14 +12,14 @@ from home_mjx.tasks.env.bound import BoundEnv
 
 @dataclass(frozen=True)
 class MemoryEstimate:
-    """Bytes on the device, besides what a running program needs for a moment.
+    """Memory on the device [bytes], without temporary buffers of running programs.
 
     Attributes:
         bank: All houses, once, whatever the number of environments.
         states: The states of all environments, observations included. A step holds two of them, the one before and the
             one after, unless the caller donates the first.
-        observations: Of the states' bytes, those of observations.
-        state: Of one environment.
+        observations: Part of `states` for observations.
+        state: The state of one environment.
     """
 
     bank: int
@@ -29,7 +29,7 @@ class MemoryEstimate:
 
     @property
     def total(self) -> int:
-        """Bank and two copies of the states."""
+        """Bank and two copies of the states [bytes]."""
         return self.bank + 2 * self.states
 
     def __str__(self) -> str:
@@ -38,11 +38,11 @@ class MemoryEstimate:
 
 
 def estimate_memory(env: BoundEnv, num_envs: int) -> MemoryEstimate:
-    """What a batch of an environment takes; nothing is allocated.
+    """Estimate the memory of a batch of environments; nothing is allocated.
 
     Args:
         env: The environment.
-        num_envs: How many.
+        num_envs: Number of environments.
 
     Example:
         >>> print(estimate_memory(env, 4096))  # doctest: +SKIP

@@ -1,4 +1,4 @@
-"""From actions, continuous or discrete, to what agents do in a step."""
+"""Decoding of actions, continuous or discrete, into the moves of one step."""
 
 import math
 from typing import Any
@@ -23,7 +23,7 @@ from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.variation.draw import MOVES
 from home_mjx.tasks.variation.noise import noisy_moves
 
-# Of each discrete action but `stop`: the number of a continuous one that it sets, and its sign.
+# Element of a continuous action that each discrete action sets, and its sign; `stop` sets none.
 SETS = {
     "move_forward": ("forward", 1),
     "turn_left": ("turn_left", 1),
@@ -36,25 +36,25 @@ SETS = {
     "open": ("turn_door", 1),
     "close": ("turn_door", -1),
 }
-SPEAKING = ("say", "answer")  # before the colon of an action by which an agent speaks
-SILENT = -1  # token of who says nothing
-ROUNDING = 1e-4  # [rad], by which a look may end beyond `pitch_max`
+SPEAKING = ("say", "answer")  # prefixes of actions that speak, before the colon
+SILENT = -1  # token of an agent that says nothing
+ROUNDING = 1e-4  # [rad], maximum overshoot of `pitch_max` by a discrete look
 
 
 class Moves(Pytree):
-    """What agents do in a step; A agents."""
+    """Decoded actions of A agents for one step."""
 
-    drive: Float[Array, "a 3"]  # forward, left, turn left: parts of the fastest rates
+    drive: Float[Array, "a 3"]  # forward, left, turn left: fractions of the maximum rates
     look: Float[Array, " a"]  # [rad], up
     hands: Float[Array, "a n"]  # see `handling.hand_commands`; n is 0 without hands
     stop: Bool[Array, " a"]
     said: Int[Array, " a"]  # token; -1 none
-    unusable: Bool[Array, ""]  # a number of the action was clipped, or is no action
-    action: Float[Array, "a names"]  # as it was understood: numbers, or 1 at the chosen move
+    unusable: Bool[Array, ""]  # an action element was clipped or NaN, or is not a discrete action
+    action: Float[Array, "a names"]  # the action as decoded: numbers, or one-hot for discrete moves
 
 
 def action_names(config: EnvConfig) -> tuple[str, ...]:
-    """What the numbers of a continuous action mean, or which discrete ones there are.
+    """Return the names of the elements of a continuous action, or of the discrete actions.
 
     Example:
         >>> action_names(EnvConfig(actions="discrete"))
@@ -64,7 +64,7 @@ def action_names(config: EnvConfig) -> tuple[str, ...]:
 
 
 def action_spec(config: EnvConfig) -> ArraySpec:
-    """One number per name, or for discrete actions the index of a name; for all agents."""
+    """Return the spec of actions of all agents: one number per name, or the index of a discrete action."""
     names = action_names(config)
     text = ", ".join(names)
     if config.discrete is None:
@@ -73,13 +73,13 @@ def action_spec(config: EnvConfig) -> ArraySpec:
 
 
 def moves_of(config: EnvConfig, action: Any, stopped: Any, num_told: int | None = None) -> Moves:
-    """What an action means for all agents.
+    """Return the moves of all agents for an action.
 
     Args:
         config: Options.
-        action: As `action_spec` says.
-        stopped: (a,) bool, agents that have stopped before: they do nothing. Read after the action has been checked.
-        num_told: So many agents the action is of, the first ones; the others do nothing. None: all.
+        action: As `action_spec` describes.
+        stopped: (a,) bool, agents that have stopped before and stay idle. Read after the action has been validated.
+        num_told: Number of agents in `action`, the first ones; the others are idle. None: all.
 
     Raises:
         ConfigError: The action has another shape or type.
@@ -111,13 +111,13 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any, num_told: int | None 
 
 
 def _of_all(config: EnvConfig, told: Array, nothing: int) -> Array:
-    """What the first agents are told, and nothing for the others."""
+    """Append idle actions for the agents that `told` does not cover."""
     others = config.num_agents - told.shape[0]
     return jnp.concatenate([told, jnp.full((others, *told.shape[1:]), nothing, told.dtype)]) if others else told
 
 
 def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
-    """The moves, but where a mask holds those that an action of all agents means."""
+    """Replace the moves of the masked agents by those of `action`, which covers all agents."""
     own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
 
     def pick(led: Array, told: Array) -> Array:
@@ -127,7 +127,7 @@ def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " 
 
 
 def with_noise(config: EnvConfig, moves: Moves, world: World) -> Moves:
-    """The moves as agents make them: with the errors that the episode has drawn."""
+    """Add actuation noise to the moves, as strong as sampled for the episode."""
     drawn = world.drawn
     if drawn is None or drawn.move_noise is None:
         return moves
@@ -138,10 +138,10 @@ def with_noise(config: EnvConfig, moves: Moves, world: World) -> Moves:
 
 
 def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
-    """Token that each discrete action says, `SILENT` for moves; the last entry is that of a number that is no action.
+    """Return the token that each discrete action speaks, `SILENT` for moves; the last entry is for invalid actions.
 
     Raises:
-        ConfigError: The language has no such word, or an action of `speech` has another form.
+        ConfigError: The language lacks the word, or an action of `speech` has another form.
 
     Example:
         >>> spoken_tokens(EnvConfig(actions="discrete", speech=("say:the", "answer:a"))).tolist()[6:]
@@ -157,7 +157,7 @@ def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:
-    """Every agent's discrete actions as continuous ones; looks in radians. The last row does nothing."""
+    """Return every agent's discrete actions as continuous ones, with looks in radians. The last row is idle."""
     names, columns = action_names(config), (*ACTION_NAMES, *(HAND_NAMES if config.hands else ()))
     table = np.zeros((config.num_agents, len(names) + 1, len(columns)), np.float32)
     for agent, body in enumerate(config.physics.agents):
@@ -174,7 +174,7 @@ def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, 
 
 
 def tilted(config: EnvConfig, pitch: Float[Array, " a"], look: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Pitch after a look [rad]; a discrete one that would end beyond `pitch_max` is not done."""
+    """Return the pitch after a look [rad]; a discrete look beyond `pitch_max` is skipped, a continuous one clipped."""
     most, wanted = jnp.float32(config.pitch_max), pitch + look
     if config.discrete is None:
         return jnp.clip(wanted, -most, most)

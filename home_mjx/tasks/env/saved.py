@@ -1,4 +1,4 @@
-"""States on disk: to look at what went wrong, and to go on from there."""
+"""States on disk, to inspect faults and to resume."""
 
 from pathlib import Path
 from typing import Any
@@ -14,18 +14,18 @@ from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.bound import BoundEnv
 
-ACTION = "action"  # name of the actions' array in a dump; states' names begin with a dot
+ACTION = "action"  # array name of the actions in a dump; names of state leaves begin with a dot
 
 
 def save_states(path: str | Path, states: State) -> int:
-    """Writes states to an `.npz` file, one array per leaf.
+    """Write states to an `.npz` file, one array per leaf.
 
     Args:
         path: The file.
-        states: Of one environment or a batch; typed keys are not needed, the state keeps raw ones.
+        states: Of one environment or a batch; their keys are raw, so no typed key must be converted.
 
     Returns:
-        Number of environments that were written.
+        Number of environments written.
 
     Raises:
         ConfigError: The file cannot be written.
@@ -42,19 +42,19 @@ def save_states(path: str | Path, states: State) -> int:
 def dump_flagged(
     path: str | Path, before: State, action: ArrayLike, after: State, flags: int = Status.NOT_A_NUMBER
 ) -> int:
-    """Writes the environments of a batch whose last step raised a flag, so that it can be taken again.
+    """Write the environments of a batch whose last step raised a flag, so that the step can be repeated.
 
-    The state after the step would not do: a broken step is undone, and `AutoReset` has begun the next episode there.
+    The state after the step is not enough: a broken step is undone, and `AutoReset` has begun the next episode there.
 
     Args:
-        path: The file, see `load_flagged`. Nothing is written if there is no such environment.
+        path: The file, see `load_flagged`. It is not written if no environment is flagged.
         before: The states before the step; a caller who wants to dump them must not donate them to the step.
-        action: Of all environments.
+        action: Actions of all environments.
         after: The states after the step.
-        flags: Of `Status`; any of them counts.
+        flags: Flags of `Status`; any of them counts.
 
     Returns:
-        Number of environments that were written.
+        Number of environments written.
 
     Raises:
         ConfigError: The file cannot be written.
@@ -72,15 +72,15 @@ def dump_flagged(
 
 
 def load_flagged(path: str | Path, env: BoundEnv) -> tuple[State, np.ndarray]:
-    """The states and actions that `dump_flagged` has written.
+    """Load the states and actions that `dump_flagged` has written.
 
     Args:
         path: The file.
         env: An environment of the same options, houses and capacities.
 
     Raises:
-        MissingFileError: There is no such file.
-        DatasetError: The file is broken, has no actions, or its states are of another environment.
+        MissingFileError: The file does not exist.
+        DatasetError: The file is malformed, has no actions, or its states are of another environment.
 
     Example:
         >>> states, actions = load_flagged("broken.npz", env)  # doctest: +SKIP
@@ -90,15 +90,15 @@ def load_flagged(path: str | Path, env: BoundEnv) -> tuple[State, np.ndarray]:
 
 
 def load_states(path: str | Path, env: BoundEnv) -> State:
-    """Reads what `save_states` has written.
+    """Load states that `save_states` has written.
 
     Args:
         path: The file.
         env: An environment of the same options and capacities.
 
     Raises:
-        MissingFileError: There is no such file.
-        DatasetError: The file is broken, or its states are of another environment.
+        MissingFileError: The file does not exist.
+        DatasetError: The file is malformed, or its states are of another environment.
     """
     key = jax.ShapeDtypeStruct((2,), np.uint32)
     like: Any = jax.eval_shape(env.core.reset, env.params, key)
@@ -113,7 +113,7 @@ def load_states(path: str | Path, env: BoundEnv) -> State:
 
 
 def _batch(states: State) -> State:
-    """On the host, with a leading axis of environments, without scratch space."""
+    """Return the states on the host, with a leading axis of environments and without `info`."""
     host = jax.tree.map(np.asarray, states.replace(info={}))
     return host if host.status.ndim == 1 else jax.tree.map(lambda x: x[None], host)
 

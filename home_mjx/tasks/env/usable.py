@@ -1,4 +1,4 @@
-"""What environments are given, and whether it can be used."""
+"""Validation of actions, observations, banks, sounds and variation ranges."""
 
 import logging
 from collections.abc import Sequence
@@ -21,17 +21,17 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.sounds.row import VOICE, clip_name, emission_of
 from home_mjx.tasks.variation.ranges import Variation
 
-FLAT = 179.0  # [degrees]: greatest field of view
+FLAT = 179.0  # [degrees], maximum field of view
 LIGHTS = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
 
 log = logging.getLogger(__name__)
 
 
 def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
-    """Continuous actions of all agents, clipped to [-1, 1], NaN as 0; and whether any had to be changed for that.
+    """Return continuous actions of all agents clipped to [-1, 1], NaN as 0; and whether any was changed.
 
     Raises:
-        ConfigError: They are no real numbers, or not as many as there should be.
+        ConfigError: Not real numbers, or a wrong shape.
     """
     action = _as_array(action)
     if not jnp.issubdtype(action.dtype, jnp.floating) and not jnp.issubdtype(action.dtype, jnp.integer):
@@ -42,10 +42,12 @@ def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array,
 
 
 def usable_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, " a"], Bool[Array, ""]]:
-    """Discrete actions of all agents, `count` for a number that is none of 0 to `count` - 1; and whether there is one.
+    """Return discrete actions of all agents, with `count` for invalid ones; and whether there are any.
+
+    Valid actions are 0 to `count` - 1.
 
     Raises:
-        ConfigError: They are no integers, or not one per agent.
+        ConfigError: Not integers, or not one per agent.
     """
     action = _as_array(action)
     if not jnp.issubdtype(action.dtype, jnp.integer):
@@ -63,7 +65,7 @@ def _as_array(action: Any) -> Array:
 
 
 def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
-    """With the agent axis, which one agent may leave out."""
+    """Return the action with the agent axis, which is optional for a single agent."""
     everybody = num_agents, *shape
     if action.shape not in ((everybody, shape) if num_agents == 1 else (everybody,)):
         expected = everybody if num_agents > 1 else shape
@@ -73,17 +75,17 @@ def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
 
 
 def check_fit(config: EnvConfig, task: Task) -> None:
-    """Refuses tasks that wait for an action, or for an agent, that there is not.
+    """Raise if a task needs actions or agents that the environment does not have.
 
     Raises:
-        ConfigError: The task needs `stop` or words, and actions are continuous; or hands, and there are none; or more
-            agents; or there are not as many agents as it says that act.
+        ConfigError: The task needs `stop` or words but actions are continuous, or hands that are disabled. Or the
+            number of agents does not fit.
     """
     name, discrete = type(task).__name__, config.discrete is not None
     if task.needs_hands and not config.hands:
         raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
     if task.needs_stop and not discrete:
-        message = f"{name} waits for `stop`, which continuous actions do not have"
+        message = f"{name} needs `stop`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')
     if (task.speech or config.speech) and not discrete:
         message = f"agents of {name} speak, which continuous actions do not let them"
@@ -99,11 +101,11 @@ def check_fit(config: EnvConfig, task: Task) -> None:
 
 
 def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -> None:
-    """Refuses houses that were compiled for another body, and those without the arrangements or the sound asked for.
+    """Raise if houses were compiled for another body, or lack the requested arrangements or baked sound.
 
     Raises:
-        ConfigError: Agents would start inside walls, or be seen smaller than they are; or there is no arrangement, or
-            no baked sound.
+        ConfigError: The body differs, so that agents would start inside walls or look too small; or there are no
+            arrangements, or no baked sound.
     """
     if config.arrangement == "random":
         check_arrangements(bank)
@@ -112,7 +114,7 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
             hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank."
             raise ConfigError(f"a sensor needs the bake `{bake.name}`, which the bank does not have", hint=hint)
         if config.arrangement == "random":
-            log.warning("baked late sound is that of furniture as the files have it; arrangements move it, doors count")
+            log.warning("baked late reverberation assumes furniture as in the files, not arrangements; doors count")
     compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
     wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
     if wrong:
@@ -126,7 +128,7 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
 
 
 def check_sounds(config: EnvConfig, tasks: Any) -> None:
-    """Refuses tasks whose sounds would not be heard.
+    """Raise if an environment cannot play the sounds of its tasks.
 
     Raises:
         ConfigError: A row has more sounds, or plays another clip, than the environment can play.
@@ -147,22 +149,22 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
     lost = {i: name for i, name in lost.items() if name not in (config.clip, *config.clips, VOICE)}
     if lost:
         names, first = ", ".join(sorted(lost.values())), np.argmax((np.isin(clips, list(lost)) & used).any(axis=1))
-        message, hint = f"tasks play {names}, which the environment has not", f"Add to clips=(...): {names}."
+        message, hint = f"tasks play {names}, which the environment lacks", f"Add to clips=(...): {names}."
         raise ConfigError(message, element=f"task {first}, sounds", hint=hint)
 
 
 def check_variation(config: EnvConfig, variation: Variation | None) -> None:
-    """Refuses what varies without effect, and cameras that could not be.
+    """Raise if a variation has no effect, or leads to impossible cameras.
 
     Raises:
-        ConfigError: With the name of the range, and what to do.
+        ConfigError: Names the range and the remedy.
     """
     if variation is None or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(variation)):  # pyright: ignore
         return
     lit, impl = resolve(config.rgb_preset) is not None, config.physics.impl
     useless = {
         **dict.fromkeys(LIGHTS, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
-        "move_noise": None if config.discrete else 'It is of discrete moves: give actions="discrete".',
+        "move_noise": None if config.discrete else 'It applies to discrete moves: give actions="discrete".',
         **dict.fromkeys(("noise_volume", "step_length"), _why_no_noises(config)),
         "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
         "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
@@ -196,15 +198,15 @@ def _check_clips(config: EnvConfig, variation: Variation) -> None:
     lost = {clip_name(int(i)) for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
     if lost:
         names = ", ".join(f'"{name}"' for name in sorted(lost))
-        message = f"the environment has not the sounds {names}"
+        message = f"the environment lacks the sounds {names}"
         raise ConfigError(message, element="Variation.clips", hint=f"Add them to clips=(...): {names}.")
 
 
 def check_arrangements(bank: HouseBank) -> None:
-    """Raises `ConfigError` if a bank has no arrangements to draw from."""
+    """Raise `ConfigError` if a bank has no arrangements to sample from."""
     if not bank.physics.arrangement.shape[1]:
         raise ConfigError(
-            "random arrangements are asked for, but the bank has none",
+            "random arrangements are requested, but the bank has none",
             element="EnvConfig.arrangement",
             hint="Make them: from home_mjx.tasks.arrangements import settled_poses; "
             "bank, _ = settled_poses(bank, 8, jax.random.key(0)). A HouseStream has none.",
@@ -212,26 +214,26 @@ def check_arrangements(bank: HouseBank) -> None:
 
 
 def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_agents: int) -> None:
-    """Holds what a sensor or a task observes against what it promises; when a program is traced, at no cost later.
+    """Compare observations of a sensor or task with their spec; at trace time only, at no cost later.
 
     Raises:
         ConfigError: Names, shapes or types differ.
     """
     who = f"{type(owner).__name__}.observe"
     if set(values) != set(spec):
-        raise ConfigError(f"{who} gives {sorted(values)}, but its spec promises {sorted(spec)}")
+        raise ConfigError(f"{who} returns {sorted(values)}, but its spec declares {sorted(spec)}")
     for name, value in values.items():
         expected = (num_agents, *spec[name].shape)
         if jnp.shape(value) != expected or jnp.result_type(value) != jnp.dtype(spec[name].dtype):
             raise ConfigError(
-                f"{who} gives `{name}` as {jnp.result_type(value)} {jnp.shape(value)}, "
-                f"but its spec promises {spec[name].dtype} {expected}",
+                f"{who} returns `{name}` as {jnp.result_type(value)} {jnp.shape(value)}, "
+                f"but its spec declares {spec[name].dtype} {expected}",
                 hint="The first axis is that of agents, also for one agent.",
             )
 
 
 def check_task(task: object, before: Any, after: Any, reward: Any, terminated: Any, num_agents: int) -> None:
-    """Holds what a task gives after a step against what `Task` asks for.
+    """Compare the results of a task after a step with the interface `Task`.
 
     Raises:
         ConfigError: A shape, or the structure of its state, differs.
@@ -245,10 +247,10 @@ def check_task(task: object, before: Any, after: Any, reward: Any, terminated: A
 
 
 def checked_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
-    """A task's metrics, if they are scalars.
+    """Return a task's metrics if they are scalars.
 
     Raises:
-        ConfigError: One is not.
+        ConfigError: A metric is not a scalar.
     """
     for name, value in metrics.items():
         _check_shape(task, f"metrics, `{name}`", value, ())

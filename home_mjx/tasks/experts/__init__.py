@@ -1,1 +1,1 @@
-"""Experts: what an agent that knows the house would do, inside `jit`, at every state."""
+"""Expert policies with access to the house, computed inside `jit` for every state."""

@@ -1,4 +1,4 @@
-"""Where what an agent carries would meet something."""
+"""Collision checks for objects that agents carry."""
 
 import math
 
@@ -13,26 +13,26 @@ from home_mjx.tasks.env.moves import action_names
 from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.sensors.reaching import STEEPEST, footprints, plan_gaps, plan_radius
 
-PARTS = 8  # of a turn that are looked at
-BOUND = 0.4  # [rad]: who has turned too far by less than that turns back
-MOVED = 0.5  # [m], from where it stood: there a field still leads to a thing
-DROPPED = 0.05  # [m]: what is farther from where it stood has been in a hand
-NEAREST, FARTHEST = 0.4, 0.9  # [m], at which agents stand from what they take
-AROUND = 0.05  # [m], between what is carried and what stands beside the way
+PARTS = 8  # samples of a turn that are checked for collisions
+BOUND = 0.4  # [rad], maximum overshoot that is corrected by turning back
+MOVED = 0.5  # [m], maximum displacement of an object at which the field to its initial position is still used
+DROPPED = 0.05  # [m], minimum displacement of an object that has been held before
+NEAREST, FARTHEST = 0.4, 0.9  # [m], range of distances from which agents pick up objects
+AROUND = 0.05  # [m], clearance between a carried object and obstacles
 
 
 def has_hands(snapshot: Snapshot) -> bool:
-    """Whether agents have hands and houses have things for them."""
+    """Return whether agents have hands and houses have movable bodies."""
     return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
 
 
 def moved_by(snapshot: Snapshot, meant: Bool[Array, " i"], middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
-    """How far things are from where one that is meant stood when the house was made [m]; 0 of what never moves.
+    """Return distances of objects from the nearest initial position of a selected instance [m]; 0 if none can move.
 
     Args:
         snapshot: The environment.
-        meant: Which instances are meant.
-        middle: Of the thing that each agent is after [m].
+        meant: Mask of the selected instances.
+        middle: Centre of the object that each agent targets [m].
     """
     if not has_hands(snapshot):
         return jnp.zeros(middle.shape[0], jnp.float32)
@@ -44,32 +44,32 @@ def moved_by(snapshot: Snapshot, meant: Bool[Array, " i"], middle: Float[Array, 
 
 
 def at_hand(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
-    """How far away from a thing agents stand to take it [m]: what is low they look down at from farther away.
+    """Return the distance from which agents pick up an object [m]: larger for low objects, which they look down at.
 
     Args:
         snapshot: The environment.
-        middle: Of the thing that each agent is after [m].
+        middle: Centre of the object that each agent targets [m].
     """
     below = eye_position(snapshot.config, snapshot.pose)[:, 2] - middle[:, 2]
     return jnp.clip(below / jnp.tan(jnp.float32(STEEPEST)) + jnp.float32(AROUND), NEAREST, FARTHEST)
 
 
 def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""]:
-    """How far what an agent carries reaches from its own middle in the plan [m]; 0: it carries nothing."""
+    """Return the radius in the plan of the object that an agent carries [m]; 0 if it carries nothing."""
     body, physics = jnp.maximum(snapshot.held[agent], 0), snapshot.bank.physics
     radius = plan_radius(physics.body_size[snapshot.house, body], physics.body_quat[snapshot.house, body])
     return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(AROUND), 0.0)
 
 
 def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Array, "a 2"], Float[Array, " a"]]:
-    """Where what agents carry would be in the plan if they looked there, and how far it reaches [m].
+    """Return discs in the plan that carried objects would cover at another heading [m].
 
     Args:
         snapshot: The environment; agents have hands.
-        yaw: Where each agent looks [rad].
+        yaw: Heading of each agent [rad].
 
     Returns:
-        Middles and radii; the agents' own where they carry nothing.
+        Centres and radii; the agents' own discs where they carry nothing.
     """
     radius = jax.vmap(lambda agent: carried_radius(snapshot, agent))(jnp.arange(snapshot.config.num_agents))
     own = jnp.array([body.radius for body in snapshot.config.physics.agents], jnp.float32)
@@ -80,12 +80,14 @@ def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Ar
 
 
 def meets(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Whether what an agent carries before it, as high as now, would come near anything on its way through some places.
+    """Return whether the object that an agent carries would be too close to obstacles at some positions.
+
+    Its height stays as it is now.
 
     Args:
         snapshot: The environment; agents have hands.
-        agent: Number of the agent.
-        place: The places [m].
+        agent: Index of the agent.
+        place: The positions [m].
     """
     held, radius = snapshot.held[agent], carried_radius(snapshot, agent)
     body = jnp.maximum(held, 0)
@@ -96,11 +98,11 @@ def meets(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"])
 
 
 def clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Array, " a"]:
-    """The same turns [rad], but the other way round where only that keeps what agents carry off what stands around.
+    """Reverse turns [rad] where only the longer way round keeps carried objects clear of obstacles.
 
     Args:
         snapshot: The environment; agents have hands.
-        turn: Of each agent, to the left [rad]; less than a half one.
+        turn: Turn of each agent to the left [rad]; less than half a revolution.
     """
     radius = jnp.array([body.radius for body in snapshot.config.physics.agents], jnp.float32)
     part = jnp.linspace(0.0, 1.0, PARTS + 1, dtype=jnp.float32)[1:]
@@ -117,26 +119,26 @@ def clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Array, " 
 
 
 def other_way(turn: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Turns that end alike, the other way round [rad]."""
+    """Return turns with the same final heading in the opposite direction [rad]."""
     return turn - jnp.sign(turn) * jnp.float32(2 * math.pi)
 
 
 def way_round(turn: Float[Array, " a"], blocked: Bool[Array, " a"], turning: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Turns [rad], the other way round where this one is blocked; but who has begun with one goes on with it.
+    """Reverse turns [rad] that are blocked, but keep the direction of a turn that has begun.
 
-    A step farther the other way round may look better, and from there this one again.
+    Without this hysteresis agents could oscillate: after one step the other direction may look better again.
 
     Args:
-        turn: The shorter way round, to the left [rad].
-        blocked: Whether the other one is better.
-        turning: Which way round each agent turns: 1 to the left, -1 to the right, 0 neither.
+        turn: The shorter turn, to the left [rad].
+        blocked: True where the longer one is better.
+        turning: Current turn of each agent: 1 to the left, -1 to the right, 0 neither.
     """
     back = (turning * turn < 0) & (jnp.abs(turn) > jnp.float32(BOUND))
     return jnp.where(jnp.where(turning == 0, blocked, back), other_way(turn), turn)
 
 
 def _turning(snapshot: Snapshot) -> Float[Array, " a"]:
-    """Which way round agents have turned in the last step: 1 to the left, -1 to the right, 0 neither."""
+    """Return the direction of agents' turns in the last step: 1 to the left, -1 to the right, 0 neither."""
     names, action = action_names(snapshot.config), snapshot.action
     if snapshot.config.discrete is None:
         return jnp.round(action[:, names.index("turn_left")])

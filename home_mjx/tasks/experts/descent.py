@@ -1,4 +1,4 @@
-"""Walking down a field of distances, over cells that agents can cross, around what is in the way just now."""
+"""Descent of distance fields over walkable cells, around obstacles at their current poses."""
 
 from collections.abc import Callable
 
@@ -11,11 +11,11 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.leaves import slowness
 from home_mjx.tasks.experts.window import descend_window, nearest_free, window_distances, window_places
 
-LOOK_AHEAD = 6  # cells
-SAMPLES = 8  # places of a straight way that are looked at
-CLOSE, THERE = 0.2, 0.3  # parts of a step: a way as long as a step, or of no length, may be off by so much
+LOOK_AHEAD = 6  # [cells], maximum distance of a waypoint along the path
+SAMPLES = 8  # number of points of a straight segment that are checked
+CLOSE, THERE = 0.2, 0.3  # tolerances, as fractions of a step, of a distance of one step and of zero
 
-# Distance of some cells, given by level, row and column and as entries of `Navigation.cell` [m].
+# Distance of cells [m], from their (level, row, column) and their entries of `Navigation.cell`.
 Far = Callable[[Int[Array, "n 3"], Int[Array, " n"]], Float[Array, " n"]]
 
 
@@ -26,26 +26,25 @@ def descend(
     least: float = 0.0,
     within: Float[Array, ""] | float = 0.0,
 ) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-    """A place on the way down [m] to which an agent can walk straight, and whether none is lower than where it is.
+    """Return a waypoint down a field [m] that an agent can walk to in a straight line, and whether the path ends here.
 
-    The way is that of the field, but around leaves of doors and other agents as they stand now. The place is the
-    farthest of its next `LOOK_AHEAD` cells for which all cells of the straight way are free; the next one for an agent
-    that has run into something. Who walks in steps is led aside before the end, if a step would lead beyond it: see
-    `within_steps`.
+    The path follows the field, but around door leaves and other agents at their current poses. The waypoint is the
+    farthest of its next `LOOK_AHEAD` cells with a free straight segment, or the next one after a collision. With
+    discrete moves the agent steps aside before the end if a step would overshoot it: see `within_steps`.
 
     Args:
         snapshot: The environment.
-        agent: Its number.
+        agent: Index of the agent.
         far: The field.
-        least: The way ends here, too, if less than so much of it is left [m].
-        within: So near to its end is near enough [m].
+        least: Remaining distance below which the path ends, too [m].
+        within: Distance to the end that counts as reached [m].
     """
     bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
     pos, touches = snapshot.pose.pos[agent], snapshot.contact[agent]
     path = _path(snapshot, agent, far)
     place = jax.vmap(lambda cell: place_position(bank, house, cell))(path[1:])
     free, slow, slow_end = _ways(snapshot, agent, place)
-    straight = free & (slow <= jax.lax.cummax(slow_end))  # where the way itself leads past a leaf it may, too
+    straight = free & (slow <= jax.lax.cummax(slow_end))  # may pass a leaf only if the path itself does
     aim = place[jnp.argmax(jnp.where(straight & ~touches, jnp.arange(LOOK_AHEAD), 0)), :2]
     end, settled = place[-1, :2], jnp.all(path[-1] == path[-2])
     left = jnp.linalg.norm(end - pos[:2])
@@ -60,7 +59,7 @@ def descend(
 def straight_distance(
     snapshot: Snapshot, places: Int[Array, "n 3"], point: Float[Array, "3"], apart: Float[Array, ""]
 ) -> Float[Array, " n"]:
-    """Of cells to a circle around a point in the plan [m]: the field of what lies where no field was made for.
+    """Return distances of cells to a circle around a point in the plan [m]: a field for points without a stored one.
 
     Args:
         snapshot: The environment.
@@ -73,7 +72,7 @@ def straight_distance(
 
 
 def is_free(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Whether an agent can walk straight to a place [m]: the way is looked at in `SAMPLES` places."""
+    """Return whether an agent can walk straight to a position [m]; checks `SAMPLES` points of the segment."""
     free, _, _ = _ways(snapshot, agent, place[None])
     return free[0]
 
@@ -85,17 +84,17 @@ def within_steps(
     stride: float,
     within: Float[Array, ""] | float = 0.0,
 ) -> Float[Array, "2"]:
-    """Where to walk so that whole steps end at a place that is less than two steps away [m].
+    """Return a waypoint from which whole steps end at a target less than two steps away [m].
 
-    That is the tip of a triangle with two sides of one step each, on the side where the way is free; the place itself,
-    if it is farther away or one step leads to it.
+    It is the apex of a triangle with two sides of one step each, on a free side. It is the target itself if that is
+    farther away, if one step reaches it, or if no side is free.
 
     Args:
         snapshot: The environment.
-        agent: Number of who walks.
-        end: The place [m].
+        agent: Index of the agent.
+        end: The target [m].
         stride: Length of a step [m].
-        within: A step that ends so near to the place leads to it [m].
+        within: Maximum distance to the target after a step that reaches it [m].
     """
     pos = snapshot.pose.pos[agent]
     way = end - pos[:2]
@@ -113,7 +112,7 @@ def within_steps(
 
 
 def _path(snapshot: Snapshot, agent: Int[Array, ""], far: Far) -> Int[Array, "k 3"]:
-    """Where it is, and the next `LOOK_AHEAD` cells on the way down."""
+    """Return the agent's cell and the next `LOOK_AHEAD` cells down the field."""
     bank, house = snapshot.bank, snapshot.house
     numbers = bank.navigation.cell[house]
     at = cell_of(bank, house, snapshot.pose.pos[agent])
@@ -132,14 +131,14 @@ def _path(snapshot: Snapshot, agent: Int[Array, ""], far: Far) -> Int[Array, "k 
 def _ways(
     snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "k 3"]
 ) -> tuple[Bool[Array, " k"], Float[Array, " k"], Float[Array, " k"]]:
-    """To which places all cells of the straight way are free; how slow the way is at most; how slow its ends are."""
+    """Return which straight segments are free, their maximum slowness, and the maximum slowness of their ends."""
     bank, house, pos = snapshot.bank, snapshot.house, snapshot.pose.pos[agent]
     part = jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
     between = pos + part * (place - pos)[:, None]
     cell = jax.vmap(lambda at: cell_of(bank, house, at))(between.reshape(-1, 3))
     home = is_home(bank, house, bank.navigation.cell[house][cell[:, 0], cell[:, 1], cell[:, 2]])
     gone = jnp.linalg.norm(between - pos, axis=-1)
-    off = gone < jnp.float32(bank.spec.cell)  # an agent may stand beside the cells
+    off = gone < jnp.float32(bank.spec.cell)  # an agent may be outside walkable cells
     slow = slowness(snapshot, between.reshape(-1, 3), agent).reshape(between.shape[:2])
     ends = jnp.maximum(slow[:, 0], slow[:, -1])
     return jnp.all(home.reshape(slow.shape) | off, axis=1), jnp.max(slow, axis=1), ends

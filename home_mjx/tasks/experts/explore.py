@@ -1,4 +1,4 @@
-"""Going to the nearest of some places that are known only at run time."""
+"""Path to the nearest of a set of cells that is known only at run time."""
 
 import jax
 import jax.numpy as jnp
@@ -12,15 +12,15 @@ from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.leaves import slow_cells
 from home_mjx.tasks.experts.walk import to_actions, turn_towards
 
-AROUND = np.array([-1, 0, 1])  # cells
+AROUND = np.array([-1, 0, 1])  # [cells], neighbourhood of an agent
 
 
 def seek(
     snapshot: Snapshot, wanted: Bool[Array, "levels rows columns"], left: Bool[Array, "levels rows columns"]
 ) -> Array:
-    """Actions of all agents, each towards the nearest cell that is wanted, see `ways_to`; who has none says `stop`.
+    """Return actions of all agents towards their nearest wanted cell, see `ways_to`; `stop` if there is none.
 
-    By numbers, which cannot say it, they turn on the spot.
+    With continuous actions, which have no `stop`, they turn on the spot instead.
     """
     pose = snapshot.pose
     error, done = ways_to(snapshot, wanted, left)
@@ -33,16 +33,16 @@ def ways_to(
     left: Bool[Array, "levels rows columns"],
     num: int = -1,
 ) -> tuple[Float[Array, " n"], Bool[Array, " n"]]:
-    """Turns of agents towards the nearest cell that is wanted [rad, to the left], and who has none to go to.
+    """Return turns of agents towards the nearest wanted cell [rad, to the left], and whether there is none.
 
-    On its own storey that is by a field of distances made for the purpose, past the leaves of doors as they stand.
-    If none can be had so, an agent goes to the nearest of the house's goals that is left.
+    On the agent's level the path follows a distance field computed for the purpose, past door leaves at their current
+    angles. Without such a path, an agent goes to the nearest of the house's goals in `left`.
 
     Args:
         snapshot: The environment.
-        wanted: Cells of the house's grids; those where agents cannot walk do not count.
-        left: Cells, goals in which are worth a visit.
-        num: Of so many agents, the first ones; -1: of all.
+        wanted: Cells of the house's grids; those that are not walkable do not count.
+        left: Cells whose goals are worth a visit.
+        num: Number of agents, the first ones; -1: all.
     """
     bank, house = snapshot.bank, snapshot.house
     agents = jnp.arange(snapshot.config.num_agents)[slice(None) if num < 0 else slice(num)]

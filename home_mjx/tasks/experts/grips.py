@@ -1,4 +1,4 @@
-"""What an expert does with its hands: aims at a thing, or at a free spot, and takes it or puts it down there."""
+"""Grasp aiming of experts: at an object, to pick it up, or at a free spot, to put an object there."""
 
 import math
 
@@ -18,34 +18,34 @@ from home_mjx.tasks.rules.words import FAILURE, Feature
 from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.sensors.reaching import SEEN, SLACK, free_spots, plan_radius, take_points
 
-EXACT = 0.04  # [rad], from the middle of the view, at which hands meet what they are aimed at
-PATIENCE = 24  # steps with one choice of where to aim; then it changes
-ROUND = 96  # steps: in the last `PATIENCE` of so many an agent goes elsewhere, as what it has tried has not worked
-VARIED = 0.3  # [rad], by so much
-GOLDEN = 2.4  # [rad], by which the ways elsewhere differ from one another
+EXACT = 0.04  # [rad], maximum angle from the view centre at which hands reach their target
+PATIENCE = 24  # [steps] with one choice of aim point
+ROUND = 96  # [steps], period; in its last `PATIENCE` steps an agent moves away, because its attempts have failed
+VARIED = 0.3  # [rad], amplitude of the variation of aim points between attempts
+GOLDEN = 2.4  # [rad], angle between successive directions of moving away
 
 
 class Grip(Pytree):
-    """What each agent's hand is to do."""
+    """Command and aim of each agent's hand."""
 
-    take: Bool[Array, " a"]  # take what the guide means
-    put: Bool[Array, " a"]  # put what is held on what the guide means
-    drop: Bool[Array, " a"]  # let go what is not meant
-    ready: Bool[Array, " a"]  # it can be aimed at from here
-    turn: Float[Array, " a"]  # [rad], to the left, until it is in the middle of the view
+    take: Bool[Array, " a"]  # pick up the object that the guide selects
+    put: Bool[Array, " a"]  # put the held object on the one that the guide selects
+    drop: Bool[Array, " a"]  # drop an object that the guide does not select
+    ready: Bool[Array, " a"]  # the target can be aimed at from here
+    turn: Float[Array, " a"]  # [rad], to the left, until the target is at the view centre
     tilt: Float[Array, " a"]  # [rad], up
 
 
 def find_grip(
     snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Float[Array, "a 2 3"]
 ) -> Grip:
-    """What hands are to do now, and where to aim for that.
+    """Return hand commands for the current stage, and the aim for them.
 
     Args:
         snapshot: The environment.
-        state: Of its row task.
+        state: State of its row task.
         values: See `features.Looked`.
-        box: Bounds of the nearest thing that the guide means [m].
+        box: Bounds of the nearest object that the guide selects [m].
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
     take, put = _waits(state, values, guide)
@@ -62,17 +62,17 @@ def find_grip(
 def elsewhere(
     snapshot: Snapshot, state: RowState, dropped: Bool[Array, " a"]
 ) -> tuple[Bool[Array, " a"], Int[Array, " a"], Float[Array, " a"]]:
-    """Whether it is time to go elsewhere, as nothing has come of the present stage for long.
+    """Return whether agents should move away, because the current stage has made no progress for long.
 
-    Of what has been dropped stages begin anew again and again: there the whole episode's time counts.
+    Stages of a dropped object restart again and again: for these the time of the whole episode counts.
 
     Args:
         snapshot: The environment.
-        state: Of its row task.
-        dropped: Whether what each agent is after has been in a hand before.
+        state: State of its row task.
+        dropped: True if the object that an agent targets has been held before.
 
     Returns:
-        Whether it is; how often it has been before; in which direction to go [rad].
+        Whether to move away; number of times before; direction to move in [rad].
     """
     time = jnp.where(dropped, snapshot.step, snapshot.step - state.since)
     before = time // ROUND
@@ -80,13 +80,13 @@ def elsewhere(
 
 
 def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, " a"]) -> Array:
-    """Actions with the commands of hands.
+    """Add hand commands to actions.
 
     Args:
         config: Options.
-        actions: Those of legs and eyes.
-        grip: What hands are to do.
-        aims: Who stands where it can be done, with the middle of the view on it.
+        actions: Moves and looks.
+        grip: Hand commands.
+        aims: True for agents in place for the command, with its target at the view centre.
     """
     names, picks = action_names(config), (grip.take | grip.put) & aims
     if config.discrete is not None:
@@ -97,7 +97,7 @@ def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, "
 
 
 def open_doors(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> Array:
-    """Actions of which some are to open the door in view."""
+    """Add commands to open the door in view to the actions of some agents."""
     names = action_names(config)
     if config.discrete is not None:
         return jnp.where(opens, names.index("open"), actions).astype(jnp.int32)
@@ -105,7 +105,7 @@ def open_doors(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> A
 
 
 def is_aimed(config: EnvConfig, grip: Grip) -> Bool[Array, " a"]:
-    """Whether no turn and no look would bring the middle of the view nearer to what hands are aimed at."""
+    """Return whether no turn and no look would move the view centre closer to the hand's target."""
     if config.discrete is None:
         return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(EXACT / 2)
     half, step = (math.radians(x) / 2 + 2e-3 for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
@@ -115,7 +115,7 @@ def is_aimed(config: EnvConfig, grip: Grip) -> Bool[Array, " a"]:
 def _waits(
     state: RowState, values: Float[Array, "feature a d d"], guide: Int[Array, ""]
 ) -> tuple[Bool[Array, " a"], Bool[Array, " a"]]:
-    """Whether the present stage waits for the guide to be taken, or for what is held to be put down."""
+    """Return whether the current stage needs the guide's object picked up, or the held object put down."""
     program, stage = state.program, state.stage
 
     def leads_on(values: Array) -> Bool[Array, ""]:
@@ -135,7 +135,7 @@ def _waits(
 def _to_take(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
-    """Points of the nearest thing [m], and which of them can be seen and reached."""
+    """Return points of the nearest object [m], and which of them are visible and within reach."""
     config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
     points = jax.vmap(take_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
     way = points - eyes[:, None]
@@ -152,7 +152,7 @@ def _to_take(
 def _to_put(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
-    """Spots on the nearest thing [m], and which of them are free and can be seen and reached."""
+    """Return spots on the nearest object [m], and which of them are free, visible and within reach."""
     config, bank, house = snapshot.config, snapshot.bank, snapshot.house
     eyes, carried = eye_position(config, snapshot.pose), carried_ids(snapshot)
     body, physics = jnp.maximum(snapshot.held, 0), bank.physics
@@ -171,9 +171,9 @@ def _to_put(
 def _aimed(
     snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], tried: Int[Array, ""], most: float
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
-    """Turn and tilt to the point that the view can be aimed at best [rad], and whether it misses it by at most so much.
+    """Return turn and tilt to the best aim point [rad], and whether their error is at most `most`.
 
-    Discrete actions turn and tilt by whole steps: of all points that fit that one is chosen to which they lead best.
+    Discrete actions turn and tilt by whole steps: the usable point with the smallest remaining error is preferred.
     """
     config, pose = snapshot.config, snapshot.pose
     offset = points - eye_position(config, pose)[:, None]
@@ -196,7 +196,7 @@ def _aimed(
 def _in_steps(
     config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"], pitch: Float[Array, " a"]
 ) -> tuple[Float[Array, "a p"], Float[Array, "a p"]]:
-    """Turns and tilts as near to these as actions lead [rad]."""
+    """Round turns and tilts to the nearest ones that actions can produce [rad]."""
     most, pitch = jnp.float32(config.pitch_max + ROUNDING), pitch[:, None]
     if config.discrete is None:
         return turn, jnp.clip(pitch + tilt, -most, most) - pitch

@@ -1,4 +1,4 @@
-"""Where agents would brush the leaves of doors, and so shut them, or run into one another."""
+"""Conflicts of agents with door leaves, which they would push shut, and with one another."""
 
 import jax
 import jax.numpy as jnp
@@ -10,21 +10,21 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.carrying import carried_discs, has_hands, meets
 from home_mjx.tasks.rules.fields import BRUSHES, MARGIN, PUSHES, STOREY
 
-MEETS = 1.5  # where what is carried meets something: little, as fields of rows do not know of it
-AHEAD = 0.4  # [m]: who meets a leaf that is shut so far ahead opens it, if it has hands
-NEAR = 0.95  # [m]: who carries something opens it from so far away, to be out of its way
-ASIDE = 0.35  # [rad], from where a leaf is now: there one is out of its way and reaches it
+MEETS = 1.5  # cost factor where a carried object collides; small, because fields of rows ignore it
+AHEAD = 0.4  # [m], distance of a shut leaf at which an agent with hands opens it
+NEAR = 0.95  # [m], the same for an agent that carries something, so that the leaf swings clear
+ASIDE = 0.35  # [rad], angle from the leaf's current direction at which an agent is clear of it and can reach it
 
 
 def leaf_gaps(
     snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None = None
 ) -> Float[Array, " n"]:
-    """How far the middles of agents at some places are from the nearest leaf of their storey as it stands now [m].
+    """Return distances of agent centres at some positions to the nearest leaf of their level at its current angle [m].
 
     Args:
         snapshot: The environment.
-        place: The places [m].
-        which: Leaves that count; None: all.
+        place: The positions [m].
+        which: Mask of leaves; None: all.
     """
     away, _ = _from_leaves(snapshot, place, which)
     return jnp.min(away, axis=1, initial=jnp.inf)
@@ -33,7 +33,7 @@ def leaf_gaps(
 def _from_leaves(
     snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h 2"]]:
-    """How far places are from leaves of their storey [m], inf: of those that do not count; and the way there."""
+    """Return distances of positions to leaves of their level [m] (inf if not selected), and the offsets."""
     leaves = _leaves(snapshot)
     pos, quat = leaves.moved(snapshot.door_angle)
     yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
@@ -50,17 +50,18 @@ def _from_leaves(
 
 
 def at_leaves(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Whether agents at some places [m] would be within `MARGIN` of a leaf as it stands now."""
+    """Return whether agents at some positions [m] would be within `MARGIN` of a leaf at its current angle."""
     return leaf_gaps(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MARGIN)
 
 
 def slowness(snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, ""] | None = None) -> Float[Array, " n"]:
-    """So many times as long as it is counts a way through some places, as leaves, agents and furniture stand now.
+    """Return cost factors of path length at some positions, from leaves, agents and furniture at their current poses.
 
     Args:
         snapshot: The environment.
-        place: The places [m].
-        agent: Who goes there: the others are in its way, and furniture is in that of what it carries. None: neither.
+        place: The positions [m].
+        agent: Index of the agent that goes there: other agents count, and collisions of its carried object. None:
+            neither.
     """
     radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MARGIN)
     gap = leaf_gaps(snapshot, place)
@@ -77,50 +78,50 @@ def slowness(snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, "
 
 
 def shut_leaves(snapshot: Snapshot) -> Bool[Array, " h"]:
-    """Which leaves of the house are less than half open."""
+    """Return which leaves of the house are less than half open."""
     physics, house = snapshot.bank.physics, snapshot.house
     wide, closed = physics.door_wide[house], physics.door_closed[house]
     return physics.door_valid[house] & (jnp.abs(snapshot.door_angle - wide) > jnp.abs(closed - wide) / 2)
 
 
 def faces_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, " a"]:
-    """Whether a leaf that is less than half open is before each agent on its way.
+    """Return whether a leaf that is less than half open is directly ahead of each agent.
 
     Args:
         snapshot: The environment.
-        way: Heading of the way [rad].
+        way: Heading of the path [rad].
     """
     ahead = jnp.stack([jnp.cos(way), jnp.sin(way), jnp.zeros_like(way)], axis=-1) * jnp.float32(AHEAD)
     return leaf_gaps(snapshot, snapshot.pose.pos + ahead, shut_leaves(snapshot)) < jnp.float32(AHEAD / 2)
 
 
 def sweeps(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array, " n"]) -> Bool[Array, "n h"]:
-    """Which hinged leaves that are less than half open would sweep over discs if they were opened wide.
+    """Return which hinged leaves that are less than half open would sweep over discs when opened wide.
 
     Args:
         snapshot: The environment.
-        place: Middles of the discs [m].
-        radius: Of the discs [m].
+        place: Centres of the discs [m].
+        radius: Radii of the discs [m].
     """
     away, turn, arc = _about_hinges(snapshot, place)
-    wide = jnp.arcsin(jnp.clip(radius[:, None] / away, 0.0, 1.0))  # the angle under which a disc's half is seen
+    wide = jnp.arcsin(jnp.clip(radius[:, None] / away, 0.0, 1.0))  # half of the angle that the disc subtends
     leaves = _leaves(snapshot)
     swept = (turn > -wide) & (turn < arc + wide) & (away < 2 * jnp.sqrt(leaves.far) + radius[:, None])
-    swept |= away < radius[:, None]  # the hinge itself
+    swept |= away < radius[:, None]  # the disc covers the hinge
     here = jnp.abs(place[:, None, 2] - leaves.height) < STOREY
     return swept & here & shut_leaves(snapshot) & (leaves.turns > 0)
 
 
 def opening(snapshot: Snapshot) -> tuple[Bool[Array, " a"], Bool[Array, " a"], Float[Array, " a"]]:
-    """How agents that carry something deal with a leaf that opens towards them and would knock it out of their hands.
+    """Return how agents that carry something open a leaf that swings towards them and would hit the object.
 
-    They go where it can be reached and does not get to, beyond its free edge, turn to it and open it.
+    They go beyond its free edge, within reach but clear of its swing, turn to it and open it.
 
     Args:
         snapshot: The environment; agents have hands.
 
     Returns:
-        Whether each agent is busy with that; whether it stands right for opening; where it should face [rad].
+        Whether each agent is busy with that; whether it is in place to open it; heading to turn to [rad].
     """
     pos, holds = snapshot.pose.pos, snapshot.held >= 0
     if not snapshot.door_angle.shape[0]:
@@ -146,7 +147,7 @@ def _leaves(snapshot: Snapshot) -> Leaf:
 
 
 def _swing(snapshot: Snapshot, leaves: Leaf) -> tuple[Float[Array, " h"], Float[Array, " h"]]:
-    """Where leaves point now, and by which angle they turn until they are wide open [rad]."""
+    """Return current directions of leaves, and their angles until they are wide open [rad]."""
     now = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle
     return now, snapshot.bank.physics.door_wide[snapshot.house] - snapshot.door_angle
 
@@ -154,7 +155,10 @@ def _swing(snapshot: Snapshot, leaves: Leaf) -> tuple[Float[Array, " h"], Float[
 def _about_hinges(
     snapshot: Snapshot, place: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h"], Float[Array, " h"]]:
-    """How far places are from hinges [m]; by which angle each leaf opens until it points there, by which until wide."""
+    """Return distances of positions to hinges [m], and angles by which leaves open [rad].
+
+    The first angles end where the leaf points at the position, the second ones where it is wide open.
+    """
     leaves = _leaves(snapshot)
     offset = place[:, None, :2] - leaves.pivot[None]
     now, opens = _swing(snapshot, leaves)
@@ -163,7 +167,7 @@ def _about_hinges(
 
 
 def _beyond_edge(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Array, " a"]) -> Float[Array, "a 2"]:
-    """Places so far beyond the free edges of leaves, a little to the side to which they open [m]."""
+    """Return positions at a distance beyond the free edges of leaves, a little to their opening side [m]."""
     leaves = _leaves(snapshot)
     now, opens = _swing(snapshot, leaves)
     angle = now + jnp.sign(opens) * ASIDE
@@ -173,7 +177,7 @@ def _beyond_edge(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Array,
 
 
 def slow_cells(snapshot: Snapshot) -> Float[Array, "levels rows columns"]:
-    """The same of all cells of the house's grids, whoever goes there."""
+    """Return the `slowness` of all cells of the house's grids, for no particular agent."""
     bank, house = snapshot.bank, snapshot.house
     levels, rows, columns = bank.navigation.room.shape[1:]
     y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) for n in (rows, columns))

@@ -1,4 +1,4 @@
-"""When an expert speaks, and what it says."""
+"""Speech of experts."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -10,17 +10,17 @@ from home_mjx.tasks.rules.machine import advance, conditions
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.words import FAILURE, Feature
 
-REPEAT = 4  # [steps] between words of who tells others; it walks in between, out of their way
+REPEAT = 4  # [steps] between words of an informed agent, which walks out of the others' way in between
 
 
 def or_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
-    """The same actions, but words where it is time to speak.
+    """Replace actions by words where it is time to speak.
 
     Args:
         snapshot: The environment.
-        state: Of its row task.
+        state: State of its row task.
         values: See `features.Looked`.
-        actions: Of all agents.
+        actions: Actions of all agents.
     """
     config = snapshot.config
     if not config.speech:
@@ -31,10 +31,10 @@ def or_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature 
 
 
 def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"]) -> Int[Array, " a"]:
-    """Token that each agent should say now; -1 none.
+    """Return the token that each agent should say now; -1 none.
 
-    The answer, once all has been looked at; questions that tell apart what is meant, before anything else; and to
-    agents that are not told what is to be done what they should know, again and again.
+    The answer comes when the agent has seen all that it needs, clarifying questions come before anything else. Informed
+    agents repeat the answer for those without the instruction.
     """
     talk, agents = state.talk, values.shape[1]
     told = is_told(talk, agents)
@@ -46,7 +46,7 @@ def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "featur
 
 
 def knows(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Whether the answer is all that the present stage, the last one, waits for."""
+    """Return whether the current stage is the last one and needs only the answer."""
     program = state.program
     said = values.at[Feature.SAID].set(state.talk.answer.astype(jnp.float32))
     after, _, taken = advance(program, state.stage, conditions(program, said))

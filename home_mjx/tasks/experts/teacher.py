@@ -1,4 +1,4 @@
-"""An environment that tells what an expert would do."""
+"""An environment with the expert's action as an observation."""
 
 import dataclasses
 
@@ -20,16 +20,16 @@ from home_mjx.tasks.rules.row_task import RowState, RowTask
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
 EXPERT = "expert"  # name of the observation
-WELL_WITHIN = 0.8  # part of the radius of success in which `stop` is said
+WELL_WITHIN = 0.8  # fraction of the success radius within which experts choose `stop`
 
 
 class WithExpert(HouseholdEnv):
-    """The same environment with one more observation, `expert`: what an expert would do there, as an action.
+    """The same environment with one more observation, `expert`: the expert's action in the current state.
 
-    So experts are followed, recorded, and asked for advice (DAgger) through every interface that hands observations on.
-    Networks of `home_mjx.training` do not read it.
+    Every interface that passes observations on can thus follow, record and query experts (DAgger). Networks of
+    `home_mjx.training` do not read it.
 
-    A task whose expert is not known is refused when the first reset is traced.
+    A task without an expert raises when the first reset is traced.
 
     Args:
         core: The environment.
@@ -45,17 +45,17 @@ class WithExpert(HouseholdEnv):
         super().__init__(core.config, dataclasses.replace(task, keep_looks=True) if isinstance(task, RowTask) else task)
 
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
-        """Observations, the expert's action among those that are not costly."""
+        """Return observations; the expert's action is among those that are not costly."""
         obs = super().sense(snapshot, state, costly)
         return obs if costly else obs | {EXPERT: self._squeeze(_action(self.task, snapshot, state.task))}
 
     def _observation_spec(self) -> Specs:
-        spec = dataclasses.replace(self.action_spec, text=f"what an expert would do: {self.action_spec.text}")
+        spec = dataclasses.replace(self.action_spec, text=f"action of the expert: {self.action_spec.text}")
         return {**super()._observation_spec(), EXPERT: spec}
 
 
 def with_expert(env: BoundEnv[HouseholdEnv]) -> BoundEnv[HouseholdEnv]:
-    """The same environment, houses and tasks, see `WithExpert`."""
+    """Return an environment with the same houses and tasks and expert actions, see `WithExpert`."""
     return env if isinstance(env.core, WithExpert) else BoundEnv(WithExpert(env.core), env.params, env.spec)
 
 
@@ -69,7 +69,7 @@ def _action(task: Task, snapshot: Snapshot, state: object) -> Array:
 
 
 def _to_point(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array:
-    """Along the shortest path past leaves of doors; `stop` well within the radius of success."""
+    """Return actions along the shortest path past door leaves; `stop` well within the success radius."""
     field, pose = snapshot.bank.navigation.field, snapshot.pose
 
     def ahead(agent: Array) -> tuple[Array, Array]:

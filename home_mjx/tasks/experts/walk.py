@@ -1,4 +1,4 @@
-"""Going along the shortest path, turning to what is meant, stopping where the task says so."""
+"""Expert policy: follow the shortest path, turn to the target, stop as the task requires."""
 
 import math
 from typing import Protocol, runtime_checkable
@@ -24,35 +24,35 @@ from home_mjx.tasks.rules.words import FAILURE, Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.sight import SHIFTS, clear
 
-LAG = 0.2  # [m]: what walks may be so much farther away when `stop` is heard
-MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
-TOUCHING = 0.05  # [m]: who cannot get that near, for what it carries, is content with this
-PATIENT = 2  # rounds of `elsewhere` after which things are taken from anywhere
-OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
-ON_THE_SPOT = 1.0  # [rad], by which who waits turns: there is no action that does nothing
-FACING = 0.1  # [rad]: who opens a door looks at it so exactly
-ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
+LAG = 0.2  # [m], maximum distance that a moving target gains until `stop` takes effect
+MARGIN = 0.1  # [m], by which agents with hands go closer than required, because carried objects push
+TOUCHING = 0.05  # [m], the same in contact, where a carried object may keep the agent away
+PATIENT = 2  # rounds of `elsewhere` after which objects are picked up from any position
+OPENS = 6  # [steps] between attempts to open a door; in between the agent moves clear or through
+ON_THE_SPOT = 1.0  # [rad], turn of a waiting agent, because no action is idle
+FACING = 0.1  # [rad], maximum heading error of an agent that opens a door
+ALIGNED = 0.8  # [rad], heading error above which an agent turns before it walks
 
 
 @runtime_checkable
 class HasExpert(Protocol):
-    """State of a task that has an expert of its own."""
+    """State of a task with its own expert."""
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """What every agent that acts should do now."""
+        """Return the current actions of every acting agent."""
         ...
 
 
 def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
-    """What every agent should do now.
+    """Return the expert's current action for every agent.
 
     Args:
         snapshot: The environment.
-        state: Of its task: of a row task, or one with an expert of its own.
+        state: State of its task: a `RowState`, or one with its own expert.
 
     Returns:
-        Actions as the environment takes them, with an axis of all agents, or of those that act if the task has an
-        expert of its own.
+        Actions in the environment's format, with an axis of all agents, or of the acting ones if the task has its own
+        expert.
 
     Example:
         >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP
@@ -69,7 +69,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
         waits = should_wait(state, values)
         actions = to_actions(config, jnp.where(waits, ON_THE_SPOT, error), tilt, near | waits, stop)
         return or_words(snapshot, state, values, actions)
-    farther = values.at[Feature.DISTANCE].add(MARGIN)  # what is carried pushes
+    farther = values.at[Feature.DISTANCE].add(MARGIN)  # carried objects push
     spare = jnp.where(snapshot.contact, TOUCHING, MARGIN)[:, None, None]
     stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(spare)))
     grip = find_grip(snapshot, state, values, box[:, guide])
@@ -78,10 +78,10 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     dropped = moved_by(snapshot, meant, box[:, guide].mean(axis=1)) > DROPPED
     goes, before, where = elsewhere(snapshot, state, dropped)
     busy, right, face = opening(snapshot)
-    busy = busy & ~goes & (before % 2 == 0)  # what does not help is left alone for a while
-    stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.contact | (before > 0))  # by what it carries
+    busy = busy & ~goes & (before % 2 == 0)  # skipped in every second round, because it may not help
+    stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.contact | (before > 0))  # by its carried object
     way = jnp.where(stuck, where, way)
-    # Rows know from where things can be carried away: there they are taken, though hands may reach them before.
+    # Rows lead to positions from which objects can be carried away: pick up there, even if reachable before.
     settles = grip.put | dropped | snapshot.contact | (before >= PATIENT)
     stands = works & (there | (grip.ready & settles)) & ~goes
     error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
@@ -101,7 +101,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
 
 
 def looks(snapshot: Snapshot, state: RowState) -> Looked:
-    """What conditions look at now: what the task has kept of it, or else all anew."""
+    """Return the current feature values: from the task's state if it keeps them, else computed anew."""
     time = snapshot.step - state.since
     if state.looked is None:
         return look(snapshot, state.program, state.means, snapshot.tasks.field, time)
@@ -115,24 +115,24 @@ def facing(
     way: Float[Array, " a"],
     there: Bool[Array, " a"],
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
-    """Turn to the left and tilt up [rad] along the way, or towards what the guide means where that is all that is left.
+    """Return turn to the left and tilt up [rad]: along the path, or to the guide's target if only a look is missing.
 
     Args:
         snapshot: The environment.
-        state: Of its row task.
+        state: State of its row task.
         looked: See `looks`.
-        way: Heading of the way [rad].
-        there: Whether it ends here.
+        way: Heading of the path [rad].
+        there: True if the path ends here.
 
     Returns:
-        Turn, tilt, and who stands and looks.
+        Turn, tilt, and which agents stop to look.
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
     points, free = looked.points[:, guide], looked.free[:, guide]
     agents = jnp.arange(points.shape[0])
     offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
     is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
-    # Who sees nothing of it from where it should be seen goes on to the middle of the cell.
+    # An agent that does not see the target from its viewpoint walks on to the centre of the cell.
     near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, looked.values))
     faces = jnp.arctan2(offset[:, 1], offset[:, 0])
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
@@ -142,16 +142,16 @@ def facing(
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Whether a transition of the present stage waits for no more than a look or a stop of each agent."""
+    """Return whether a transition of the current stage needs only a look or a `stop` of each agent."""
     turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
     after, _, taken = advance(state.program, state.stage, conditions(state.program, turned))
     return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
 
 
 def lasting(snapshot: Snapshot, state: RowState, looked: Looked) -> Float[Array, "feature a d d"]:
-    """Values of features as they will at least be when `stop` is heard, a step later.
+    """Return feature values with margins for the step in which `stop` takes effect, one step later.
 
-    Who is pushed back by what it walks into must not be out of a room by then, and what walks not be hidden or far.
+    A collision must not push an agent out of its room by then, and a moving target must stay visible and close.
     """
     values, walks, shifts = looked.values, jnp.any(state.emission.speed > 0), jnp.asarray(SHIFTS[1:], jnp.float32)
 
@@ -171,7 +171,7 @@ def lasting(snapshot: Snapshot, state: RowState, looked: Looked) -> Float[Array,
 
 
 def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Whether a transition of the present stage waits for no more than time."""
+    """Return whether a transition of the current stage needs only time."""
     later = values.at[Feature.TIME].set(jnp.inf)
     after, _, taken = advance(state.program, state.stage, conditions(state.program, later))
     quiet = advance(state.program, state.stage, conditions(state.program, values))[2]
@@ -179,7 +179,7 @@ def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Whether a transition of the present stage waits for nothing but each agent's `stop`."""
+    """Return whether a transition of the current stage needs only the `stop` of each agent."""
     program = state.program
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = advance(program, state.stage, conditions(program, said))
@@ -190,20 +190,21 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 def downhill(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, " a"], Bool[Array, " a"]]:
-    """Heading of the shortest way to what a descriptor means [rad], and whether no place is nearer.
+    """Return the heading of the shortest path to a descriptor's target [rad], and whether the path ends here.
 
-    Each agent can walk straight to the place that it heads for, see `descend`; in a room that is meant it goes on.
-    What has been dropped is not where its field leads: agents go towards it as it lies now.
+    Each agent can walk straight along it, see `descend`; inside a target room it walks on. The field of a dropped
+    object is
+    outdated: agents head for its current position.
 
     Args:
         snapshot: The environment.
-        state: Of its row task.
-        guide: Number of the descriptor.
-        box: Bounds of the nearest thing that it means [m].
+        state: State of its row task.
+        guide: Index of the descriptor.
+        box: Bounds of the nearest object that it selects [m].
     """
     moves, column = snapshot.config.discrete, jnp.maximum(state.program.field[guide], 0).astype(jnp.int32)
-    least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # who goes on would pass the end
-    is_room = state.program.descriptor[guide, Word.KIND] == Kind.ROOM  # anywhere beyond its threshold will do
+    least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # a further step would overshoot
+    is_room = state.program.descriptor[guide, Word.KIND] == Kind.ROOM  # any position beyond its threshold counts
     within = jnp.where(is_room, jnp.inf, 0.0)
     middle = box.mean(axis=1)
     away, apart = moved_by(snapshot, state.means.instance[guide], middle), at_hand(snapshot, middle)
@@ -227,12 +228,12 @@ def downhill(
 def turn_towards(
     snapshot: Snapshot, aim: Float[Array, "a 2"], agents: Int[Array, " a"] | None = None
 ) -> Float[Array, " a"]:
-    """Turns to the left after which agents look towards places [rad].
+    """Return the turns to the left after which agents face positions [rad].
 
     Args:
         snapshot: The environment.
-        aim: Of each agent [m].
-        agents: Their numbers; None: all.
+        aim: Position for each agent [m].
+        agents: Indices of the agents; None: all.
     """
     pose = snapshot.pose
     pos, yaw = (pose.pos, pose.yaw) if agents is None else (pose.pos[agents], pose.yaw[agents])
@@ -247,7 +248,7 @@ def to_actions(
     near: Bool[Array, " a"],
     stop: Bool[Array, " a"],
 ) -> Array:
-    """Actions that turn by `error` to the left and by `tilt` up [rad] and, unless near, go on."""
+    """Return actions that turn by `error` to the left and tilt by `tilt` up [rad] and, unless `near`, walk forward."""
     if config.discrete is None:
         return _continuous(config, error, tilt, near, stop)
     return _discrete(config, error, tilt, near, stop)

@@ -1,22 +1,22 @@
-"""Distances in the small part of a house's grid around an agent, made anew for what is in the way there just now."""
+"""Distances in a window of the grid around an agent, recomputed for obstacles at their current poses."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-HALF = 14  # cells, from the middle of a window to its edge: more than it takes to get round a leaf
+HALF = 14  # [cells], from the centre of a window to its edge; enough to get round a leaf
 WIDTH = 2 * HALF + 1
-ROUNDS = 64  # cells of the longest way within a window
-SHORTER, SHORTEST = 0.05, 20.0  # cells that a way shorter by 1 m is worth, and the way up to which that counts [m]
-WALL = 10.0  # cells that a way into another room counts more: there may be a wall between
-# [m]: where no way is known; of cells that are equally far agents prefer the one where they are.
+ROUNDS = 64  # [cells], maximum length of a path within a window
+SHORTER, SHORTEST = 0.05, 20.0  # cost of distance to the end [cells/m], and the distance up to which it counts [m]
+WALL = 10.0  # [cells], extra cost of a cell in another room: a wall may be in between
+# [m]: distance of unreachable cells, and advantage of the current cell, so that agents stay put on ties.
 BEYOND, STAYS = 1e4, 1e-2
 OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
 
 
 def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Array, "n 3"], Bool[Array, " n"]]:
-    """Level, row and column of the cells of the window around a cell, clipped to the grid, and which are inside it."""
+    """Return level, row and column of the cells around a cell, clipped to the grid, and which are inside it."""
     y, x = (a.reshape(-1) for a in np.meshgrid(np.arange(-HALF, HALF + 1), np.arange(-HALF, HALF + 1), indexing="ij"))
     places = at + jnp.asarray(np.stack([0 * y, y, x], axis=-1), jnp.int32)
     known = jnp.clip(places, 0, jnp.array(shape, jnp.int32) - 1)
@@ -24,14 +24,15 @@ def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Arra
 
 
 def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> Float[Array, "w w"]:
-    """Distances within a window, along its cells, to where no cell around is nearer to the end, and on as known.
+    """Return distances along the cells of a window, continued by the known distances beyond it.
 
-    That is the end itself, or where ways leave the window. Other cells of its edge do not count: what is known does not
-    know what is in the way, and a way by them could lead back through it. No corner is cut.
+    Cells without a nearer neighbour keep their known distance: the end itself, and cells where paths leave the window.
+    Other cells at the edge do not: known distances ignore current obstacles, and such a path could lead back through
+    them. Paths cut no corners.
 
     Args:
-        known: As if nothing were in the way [m]; inf where agents cannot stand.
-        length: Of a step out of each cell [m].
+        known: Distances that ignore current obstacles [m]; inf where agents cannot walk.
+        length: Length of a step out of each cell [m].
 
     Example:
         >>> far = window_distances(jnp.zeros(WIDTH**2), jnp.full(WIDTH**2, 0.1))
@@ -50,7 +51,7 @@ def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> F
 
 
 def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array, "9 w w"]:
-    """Of a step out of each cell to each of the 3 × 3 around it [m]; inf where it cannot be made."""
+    """Return the length of a step out of each cell to each of the 3 × 3 around it [m]; inf if blocked."""
     sides = _neighbours(free, False)
     steps = []
     for index, (y, x) in enumerate(OFFSETS.tolist()):
@@ -60,13 +61,13 @@ def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array
 
 
 def nearest_free(known: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
-    """Row and column of the cell that agents can cross and that is nearest to the middle of a window.
+    """Return row and column of the walkable cell that is nearest to the centre of a window.
 
-    An agent may stand beside such cells: close to furniture, or at what it has pushed aside.
+    An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside.
 
     Args:
-        known: Distances of cells [m]; inf where agents cannot stand.
-        elsewhere: Which cells are in another room than the middle.
+        known: Distances of cells [m]; inf where agents cannot walk.
+        elsewhere: Mask of cells in another room than the centre.
     """
     away = jnp.asarray(np.hypot(*np.meshgrid(*[np.arange(WIDTH) - HALF] * 2)), jnp.float32).reshape(-1)
     rank = away + SHORTER * jnp.minimum(known, SHORTEST) + WALL * elsewhere
@@ -76,12 +77,12 @@ def nearest_free(known: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int
 
 
 def descend_window(far: Float[Array, "w w"], begin: Int[Array, "2"], steps: int) -> Int[Array, "k 3"]:
-    """Level, row and column of the next cells down a window's distances, relative to its middle, which comes first.
+    """Return level, row and column of the next cells down a window's distances, relative to its centre, which is first.
 
     Args:
         far: The distances [m].
-        begin: Row and column of the cell that an agent in the middle is to go to where none beside it will do.
-        steps: Number of cells after the middle.
+        begin: Row and column of the first cell if no neighbour of the centre has a finite distance.
+        steps: Number of cells after the centre.
     """
     middle = jnp.full(2, HALF, jnp.int32)
     beside = _lowest(far, middle)
@@ -93,7 +94,7 @@ def descend_window(far: Float[Array, "w w"], begin: Int[Array, "2"], steps: int)
 
 
 def _lowest(far: Float[Array, "w w"], at: Int[Array, "2"]) -> Int[Array, "2"]:
-    """Of a cell and those around it the one that is nearest to the end."""
+    """Return the cell with the smallest distance among a cell and its neighbours."""
     around = jnp.clip(at + jnp.asarray(OFFSETS, jnp.int32), 0, WIDTH - 1)
     known = jnp.minimum(far[around[:, 0], around[:, 1]], jnp.float32(BEYOND))
     return around[jnp.argmin(known.at[_number(0, 0)].add(-STAYS))]
@@ -104,6 +105,6 @@ def _number(y: int, x: int) -> int:
 
 
 def _neighbours(values: Array, beyond: float | bool) -> Array:
-    """The 3 × 3 cells around each cell, by number."""
+    """Stack the values of the 3 × 3 cells around each cell, in the order of `OFFSETS`."""
     wide = jnp.pad(values, 1, constant_values=beyond)
     return jnp.stack([wide[y + 1 : y + 1 + WIDTH, x + 1 : x + 1 + WIDTH] for y, x in OFFSETS.tolist()])

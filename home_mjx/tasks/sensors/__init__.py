@@ -1,1 +1,1 @@
-"""What agents observe."""
+"""Sensors of agents."""

@@ -30,17 +30,17 @@ MAX_ID = float(np.iinfo(np.int32).max)
 
 
 class Cameras(Sensor):
-    """All cameras of every agent; what each gives is in `EnvConfig.views`."""
+    """All cameras of every agent; `EnvConfig.views` lists them and the kinds of their images."""
 
     name = "cameras"
     costly = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """One entry per camera and kind."""
+        """Return one entry per camera and kind."""
         return {name_of(view.name, kind): _spec(config, view, kind) for view in config.views for kind in view.kinds}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Every camera renders all its kinds from one cast."""
+        """Render all kinds of every camera from one cast."""
         seen = observe_images(config, snapshot.scene, snapshot.pose, snapshot.mount)
         return seen if snapshot.drawn is None else _with_noise(config, snapshot, snapshot.drawn, seen)
 
@@ -51,26 +51,26 @@ def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
         "rgb": ArraySpec((*shape, 3), "uint8", 0, 255, "sRGB, row 0 at the top"),
         "depth": ArraySpec((*shape, 1), "float32", 0.0, config.depth_max, "along the optical axis [m], clipped"),
         "normal": ArraySpec((*shape, 3), "float32", -1.0, 1.0, "unit normal facing the camera; 0 on a miss"),
-        "intrinsics": ArraySpec((3, 3), "float32", text="matrix of intrinsics [px]"),
+        "intrinsics": ArraySpec((3, 3), "float32", text="intrinsic matrix [px]"),
         "pose": ArraySpec((4, 4), "float32", text="world from camera [m]"),
-        "valid": ArraySpec((), "bool", 0, 1, "all poses are numbers"),
+        "valid": ArraySpec((), "bool", 0, 1, "all poses are finite"),
     }
     return known.get(kind) or ArraySpec(shape, "int32", -1, MAX_ID, f"{kind}; -1 on a miss")
 
 
 def eye_position(config: EnvConfig, pose: AgentPose) -> Float[Array, "a 3"]:
-    """Camera and ears of every agent [m]; the pose is the capsule's centre."""
+    """Return the position of every agent's camera and ears [m]; the pose is the capsule's centre."""
     rise = jnp.array([body.eye_height - body.height / 2 for body in config.physics.agents], jnp.float32)
     return pose.pos.at[:, 2].add(rise)
 
 
 def agent_ids(bank: HouseBank, num_agents: int) -> Array:
-    """Object id of every agent: they follow the houses' instances."""
+    """Return the object id of every agent; they follow the ids of the houses' instances."""
     return bank.spec.num_instances + jnp.arange(num_agents, dtype=jnp.int32)
 
 
 def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose, mount: Mount | None = None) -> dict[str, Array]:
-    """The images of every agent's cameras, without noise."""
+    """Render the images of every agent's cameras, without noise."""
     own = agent_ids(scene.bank, config.num_agents)
     obs: dict[str, Array] = {}
     for view in config.views:
@@ -83,7 +83,7 @@ def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose, mount: Moun
 
 
 def _with_noise(config: EnvConfig, snapshot: Snapshot, drawn: Drawn, seen: dict[str, Array]) -> dict[str, Array]:
-    """The images as noisy sensors give them: those of pinholes."""
+    """Add sensor noise to the images of pinhole cameras."""
     key = drawn.noise_key(snapshot.step, IMAGES)
     noises = {
         "depth": (drawn.depth_noise, lambda level, key, x: noisy_depth(level, key, x, config.depth_max)),
@@ -99,7 +99,7 @@ def _with_noise(config: EnvConfig, snapshot: Snapshot, drawn: Drawn, seen: dict[
 
 
 def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: Mount | None = None) -> Camera:
-    """One of the cameras of every agent, with a leading agent axis; `mount` is what the episode has drawn."""
+    """Return one of the cameras of every agent, with a leading agent axis; `mount`: offsets of the episode."""
     mount = mount or Mount()
     yaw = pose.yaw + float(np.deg2rad(view.yaw))
     pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.looks else jnp.zeros_like(pose.pitch))
@@ -122,7 +122,7 @@ def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: 
 
 
 def _look(config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, own: Array) -> dict[str, Array]:
-    """What one camera of one agent gives, by the names of the observations."""
+    """Render one camera of one agent, by observation name."""
     images = render(
         scene,
         camera,
@@ -140,6 +140,6 @@ def _look(config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, ow
 
 
 def name_of(camera: str, kind: str) -> str:
-    """Name of an observation of a camera."""
+    """Return the name of a camera's observation."""
     folder = "pixels" if kind in PIXEL_KINDS else "camera" if kind in CAMERA_KINDS else "ids"
     return f"{folder}/{camera}_{kind}"

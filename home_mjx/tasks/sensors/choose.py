@@ -1,4 +1,4 @@
-"""From the names in `sensors=` to sensors."""
+"""Sensors from their names in `sensors=`."""
 
 from collections.abc import Iterator
 
@@ -26,7 +26,7 @@ register_sensor(PrevReward())
 register_sensor(EarLevels())
 
 
-# Words of the field, and what does that here.
+# Sensor names of other simulators and their counterparts here.
 FIELD_WORDS = {
     "gps": "`gps_compass`",
     "compass": "`gps_compass`",
@@ -43,7 +43,7 @@ NAME, OBSERVATION = "the name", "an observation"
 
 
 def sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
-    """What is observed, each once.
+    """Return the names of all requested observations, each once.
 
     Raises:
         ConfigError: A sensor is unknown, with the closest known one.
@@ -58,11 +58,11 @@ def sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
 
 
 def choose_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
-    """Sensors of an environment whose `config.sensors` are named; those of its task apart.
+    """Return the sensors of an environment whose `config.sensors` are resolved, without those of its task.
 
     Raises:
-        ConfigError: Two of them, or one and the task, use the same name; or the task's words are to be heard, and none
-            of them hears.
+        ConfigError: Two of them, or one and the task, use the same name. Or the task's words are audible only, and none
+            of the sensors observes sound.
     """
     known = registered_sensors()
     names = config.sensors or ()
@@ -76,18 +76,18 @@ def choose_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
 
 
 def keepers(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
-    """Those whose memory is kept, each once: the sensors themselves, or what they read."""
+    """Return the sensors whose state is stored, each once: the sensors themselves, or their `keeper`."""
     return tuple({(sensor.keeper or sensor).name: sensor.keeper or sensor for sensor in sensors}.values())
 
 
 def _check_names(config: EnvConfig, sensors: tuple[Sensor, ...], task: Task) -> None:
-    """Refuses a name that two owners use: one of the two observations would be lost."""
+    """Raise if two owners use the same name, because one of the two observations would be lost."""
     first: dict[str, tuple[Sensor | Task, str]] = {}
     for owner in (*sensors, task):
         for name, role in _names_of(config, owner):
             other, other_role = first.setdefault(name, (owner, role))
             if other is not owner:
-                ours = _is_own(owner) and not _is_own(other)  # users rename what is theirs
+                ours = _is_own(owner) and not _is_own(other)  # users can rename only their own
                 raise ConfigError(
                     f"`{name}` is {other_role} of {_title(other)} and {role} of {_title(owner)}",
                     hint=f"Rename it in {_place(other, other_role) if ours else _place(owner, role)}, "
@@ -96,7 +96,7 @@ def _check_names(config: EnvConfig, sensors: tuple[Sensor, ...], task: Task) -> 
 
 
 def _names_of(config: EnvConfig, owner: Sensor | Task) -> Iterator[tuple[str, str]]:
-    """Names that a sensor or the task uses, as what."""
+    """Yield the names that a sensor or the task uses, each with its role."""
     chosen = config.sensors or ()
     if isinstance(owner, Task):
         yield from ((name, OBSERVATION) for name in owner.observation_spec if name in chosen)

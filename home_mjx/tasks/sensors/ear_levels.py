@@ -1,4 +1,4 @@
-"""What both ears of every agent hear as a few numbers, without a waveform."""
+"""Octave-band levels at both ears of every agent, without a waveform."""
 
 import jax
 import jax.numpy as jnp
@@ -31,38 +31,38 @@ from home_mjx.tasks.sensors.hearing import (
 )
 from home_mjx.tasks.sounds.voice import voice_power
 
-LONGEST = 1.0  # [ms]: no head is so large
+LONGEST = 1.0  # [ms], maximum delay between the ears; larger than that of any head
 MILLI = 1000.0
 
 
 class Levels(Pytree):
-    """What the sensor remembers."""
+    """State of `EarLevels`."""
 
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
-    said: Int[Array, "k a"]  # tokens of the last frames, this one first; -1 none
-    power: Float[Array, "a 2 bands"]  # during the last step
-    lead: Float[Array, " a"]  # [s]
+    said: Int[Array, "k a"]  # tokens of the last frames, newest first; -1 none
+    power: Float[Array, "a 2 bands"]  # of the last step
+    lead: Float[Array, " a"]  # [s], of the left ear
     unheard: Bool[Array, " s"]  # of the sources that play clips, see `are_unheard`
 
 
 class EarLevels(Sensor):
-    """`ear_levels` (14,), `ear_difference` (7,), `ear_delay` (1,): how loud ears hear each octave, and which first.
+    """`ear_levels` (14,), `ear_difference` (7,), `ear_delay` (1,): octave-band levels, and interaural cues.
 
-    The levels [dB] of the last step's sound in the octaves from 125 to 8000 Hz, at the left ear and then at the right;
-    0 dB is a pressure of 1 relative to the source's at 1 m; clipped to -100 and 100 dB. The difference is by how much
-    the left ear hears each octave louder [dB]. The delay is by how much it hears earlier [ms], averaged over all
-    directions by their energy: of a source behind a wall mostly those of the doors that its sound comes through. From
-    the same rays as `audio`, whose levels these are but for interference; no waveform is made.
+    Levels [dB] of the last step's sound in the octaves from 125 to 8000 Hz, at the left ear and then at the right. 0 dB
+    is a pressure of 1 relative to the source's at 1 m; values are clipped to -100 and 100 dB. The difference is left
+    minus right [dB]. The delay is the lead of the left ear [ms], averaged over all directions, weighted by their
+    energy. For a source behind a wall these are mainly the doors that its sound passes. The rays are those of `audio`,
+    so levels agree except for interference; no waveform is computed.
     """
 
     name = "ear_levels"
     costly = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """All three.
+        """Return all three specs.
 
         Raises:
-            ConfigError: The receiver has no two ears.
+            ConfigError: The receiver does not have two ears.
         """
         if config.audio.receiver not in EARS:
             hint = 'Use receiver="binaural" or "omni", or the sensor `log_mel`.'
@@ -71,11 +71,11 @@ class EarLevels(Sensor):
         return {
             "ear_levels": ArraySpec((2 * bands,), "float32", LEAST, MOST, "octaves at the left, then right ear [dB]"),
             "ear_difference": ArraySpec((bands,), "float32", -span, span, "octaves, left less right ear [dB]"),
-            "ear_delay": ArraySpec((1,), "float32", -LONGEST, LONGEST, "so much earlier hears the left ear [ms]"),
+            "ear_delay": ArraySpec((1,), "float32", -LONGEST, LONGEST, "lead of the left ear [ms]"),
         }
 
     def init(self, config: EnvConfig) -> Levels:
-        """Silence."""
+        """Return a silent state."""
         agents = config.num_agents
         return Levels(
             time=jnp.zeros((), jnp.int32),
@@ -86,7 +86,7 @@ class EarLevels(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> Levels:
-        """Traces anew."""
+        """Trace energy responses anew and compute the power at both ears."""
         time = jnp.where(snapshot.step == 0, 0, state.time + config.audio.frame)
         said = with_words(snapshot, state.said)
         left = power_given_off(config, snapshot, time)
@@ -99,11 +99,11 @@ class EarLevels(Sensor):
         power = jax.vmap(jax.vmap(band_level), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)
         lead = jnp.sum(weight * envelopes.lead, axis=(1, 2)) / jnp.maximum(jnp.sum(weight, axis=(1, 2)), 1e-30)
-        loudest = jnp.max(jnp.sum(envelopes.energy, axis=(2, 3)), axis=-1)  # of the octaves
+        loudest = jnp.max(jnp.sum(envelopes.energy, axis=(2, 3)), axis=-1)  # octave
         return Levels(time, said, jnp.sum(power, axis=1), lead, are_unheard(snapshot, loudest))
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> dict[str, Array]:
-        """Of the last step."""
+        """Return levels, difference and delay of the last step."""
         level = jnp.clip(10 * jnp.log10(jnp.maximum(state.power, 1e-12)), LEAST, MOST)
         return {
             "ear_levels": level.reshape(level.shape[0], -1),
@@ -112,12 +112,12 @@ class EarLevels(Sensor):
         }
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> Int[Array, ""]:
-        """Whether a clip plays that nobody hears."""
+        """Return the flag of a clip that plays but reaches no agent."""
         return flags(UNHEARD=state.unheard)
 
 
 def power_given_off(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) -> Float[Array, "e w bands"]:
-    """Power of what leaves each source in a frame and before it, per time bin and octave; see `band_level`.
+    """Return the power that each source emits in a frame and before it, per time bin and octave; see `band_level`.
 
     Args:
         config: Options.

@@ -1,4 +1,4 @@
-"""What both ears, or other receivers, of every agent hear, and spectra of it."""
+"""Sound at both ears, or other receivers, of every agent, and spectra of it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -32,19 +32,19 @@ from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sounds.row import VOICED
 from home_mjx.tasks.sounds.voice import SILENCE, num_remembered, voices
 
-LOUDEST = 1e6  # [pressure re the source at 1 m]: no sound is louder
-FAINTEST = 1e-8  # energy of a response re that at 1 m: any clip is heard below -100 dB, where spectra and levels end
+LOUDEST = 1e6  # [pressure re the source at 1 m], bound of the observation
+FAINTEST = 1e-8  # energy of a response re 1 m below which any clip is under -100 dB, the minimum of spectra and levels
 
 
 class Heard(Pytree):
-    """What hearing remembers; responses of L samples to each of E sources, frames of M."""
+    """State of `Hearing`; responses of L samples to each of E sources, frames of M samples."""
 
     phase: Int[Array, ""]  # [samples], position in the clips at the frame's start
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
-    # At the frame's end: impulse response per channel, or with `AudioConfig.motion` what is received, axes (a, e).
+    # At the frame's end: impulse responses per channel, or `Reception` with `AudioConfig.motion`; axes (a, e).
     response: Float[Array, "a e c l"] | Reception
-    frame: Float[Array, "a c m"]  # the last step's sound
-    said: Int[Array, "k a"]  # tokens of the last frames, this one first; -1 none. Nothing where nobody can speak
+    frame: Float[Array, "a c m"]  # sound of the last step
+    said: Int[Array, "k a"]  # tokens of the last frames, newest first; -1 none. Empty if no agent can speak
 
 
 class Hearing(Sensor):
@@ -54,7 +54,7 @@ class Hearing(Sensor):
     costly = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """One frame of sound."""
+        """Return the spec of one frame of sound."""
         text = f"{heard_by(config)}, pressure relative to the source's at 1 m"
         return {"audio": ArraySpec((config.audio.num_channels, config.audio.frame), "float32", -LOUDEST, LOUDEST, text)}
 
@@ -63,7 +63,7 @@ class Hearing(Sensor):
         return (LateReverbBake(),) if config.audio.late == "baked" else ()
 
     def init(self, config: EnvConfig) -> Heard:
-        """Silence."""
+        """Return a silent state."""
         agents, audio = config.num_agents, config.audio
         nothing = (
             silence(audio) if audio.motion else jnp.zeros((audio.num_channels, audio.response_length), jnp.float32)
@@ -77,7 +77,7 @@ class Hearing(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Heard:
-        """Traces the responses anew and leads over to them from the last ones, within the frame."""
+        """Trace the responses anew and change over to them from the last ones within the frame."""
         clips, row = playable(config, snapshot)
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
@@ -99,11 +99,11 @@ class Hearing(Sensor):
         return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), said=said)
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
-        """The last step's frame."""
+        """Return the last step's frame."""
         return {"audio": state.frame}
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
-        """Whether a response to something that plays was cut off, and whether a clip plays that nobody hears."""
+        """Return flags of truncated responses to active sources, and of clips that reach no agent."""
         cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
         if snapshot.noises is not None:
@@ -113,10 +113,10 @@ class Hearing(Sensor):
 
 
 class Stft(Sensor):
-    """`stft` (C, windows, frequencies): magnitudes of the short-time Fourier transform of both ears' sound.
+    """`stft` (C, windows, frequencies): magnitude of the short-time Fourier transform of the sound at both ears.
 
-    Of each frame alone, see `audio_jax.stft_magnitude`: 25 ms every 10 ms, so (2, 8, 257) at the default clock;
-    pressure relative to the source's at 1 m.
+    Computed from each frame alone, see `audio_jax.stft_magnitude`: 25 ms every 10 ms, so (2, 8, 257) at the default
+    timing. Pressure relative to the source's at 1 m.
     """
 
     name = "stft"
@@ -124,7 +124,7 @@ class Stft(Sensor):
     keeper = Hearing()
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Of both ears, or of each channel."""
+        """Return the spec for both ears, or for each channel."""
         shape = config.audio.num_channels, *spectrum_shape(config.audio.frame, config.audio.sample_rate)
         return {
             "stft": ArraySpec(
@@ -136,15 +136,15 @@ class Stft(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
-        """Of the last step's frame."""
+        """Compute the spectrum of the last step's frame."""
         return {"stft": stft_magnitude(state.frame, config.audio.sample_rate)}
 
 
 class LogMel(Sensor):
-    """`log_mel` (C, windows, 40): power of both ears' sound in bands that are equally wide to the ear [dB].
+    """`log_mel` (C, windows, 40): power of the sound at both ears in mel bands [dB].
 
-    Of each frame alone, see `audio_jax.log_mel`: (2, 8, 40) at the default clock; 0 dB is a pressure of 1 relative to
-    the source's at 1 m; clipped to -100 and 100 dB.
+    Computed from each frame alone, see `audio_jax.log_mel`: (2, 8, 40) at the default timing. 0 dB is a pressure of 1
+    relative to the source's at 1 m; values are clipped to -100 and 100 dB.
     """
 
     name = "log_mel"
@@ -152,7 +152,7 @@ class LogMel(Sensor):
     keeper = Stft.keeper
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Of both ears, or of each channel."""
+        """Return the spec for both ears, or for each channel."""
         windows, _ = spectrum_shape(config.audio.frame, config.audio.sample_rate)
         return {
             "log_mel": ArraySpec(
@@ -165,25 +165,25 @@ class LogMel(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
-        """Of the last step's frame."""
+        """Compute the mel spectrum of the last step's frame."""
         rate = config.audio.sample_rate
         return {"log_mel": log_mel(stft_magnitude(state.frame, rate), rate)}
 
 
 def heard_by(config: EnvConfig) -> str:
-    """What the channels of a receiver are."""
+    """Return a description of a receiver's channels."""
     names = {"array": "microphones", "ambisonics": "W, Y, Z and X"}
     return names.get(config.audio.receiver, "left and right ear")
 
 
 def as_loud_as_drawn(snapshot: Snapshot) -> Sounds:
-    """The sounds, as loud as this episode's variation has them."""
+    """Scale the sounds by the volume sampled for this episode."""
     sounds, drawn = snapshot.sounds, snapshot.drawn
     return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
 
 
 def noises_as_loud_as_drawn(snapshot: Snapshot) -> Noises:
-    """The noises of bodies, which there must be, as loud as this episode's variation has them."""
+    """Scale the contact sounds, which must exist, by the volume sampled for this episode."""
     noises, drawn = snapshot.noises, snapshot.drawn
     assert noises is not None
     if drawn is None or drawn.noise_volume is None:
@@ -193,36 +193,36 @@ def noises_as_loud_as_drawn(snapshot: Snapshot) -> Noises:
 
 
 def playable(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:
-    """All clips that an environment may play, and which of them each source plays; -1 silence."""
+    """Return the samples of all clips that an environment may play, and the clip of each source; -1 silence."""
     table = np.stack([clip_samples(name, config.audio) for name in clip_names(config)])
     return jnp.asarray(table), clip_rows(config, snapshot)
 
 
 def clip_names(config: EnvConfig) -> tuple[str, ...]:
-    """Of all clips that an environment may play."""
+    """Return the names of all clips that an environment may play."""
     return tuple(dict.fromkeys((config.clip, *config.clips)))
 
 
 def clip_rows(config: EnvConfig, snapshot: Snapshot) -> Int[Array, " e"]:
-    """Which of `clip_names` each source plays; -1 silence."""
+    """Return the index into `clip_names` of each source's clip; -1 silence."""
     names, clip = clip_names(config), snapshot.sounds.clip
     row = jnp.array([names.index(name) if name in names else -1 for name in CLIPS], jnp.int32)
     return jnp.where(clip < 0, -1, row[jnp.maximum(clip, 0)])
 
 
 def no_words(config: EnvConfig) -> Int[Array, "k a"]:
-    """What has been said in as many frames as words may be heard from, in silence; nothing where nobody can speak."""
+    """Return a silent history of spoken tokens, as long as a word is audible; empty if no agent can speak."""
     return jnp.full((num_remembered(config.audio) if config.speech else 0, config.num_agents), SILENCE, jnp.int32)
 
 
 def with_words(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k a"]:
-    """The same after a step: what is said now comes first."""
+    """Update a history of spoken tokens after a step: the current ones come first."""
     before = jnp.where(snapshot.step == 0, SILENCE, said)
     return jnp.concatenate([snapshot.said[None], before])[: said.shape[0]]
 
 
 def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
-    """What each source says, of what all agents have said: nothing, unless it is an agent's voice."""
+    """Return the history of tokens of each source; silence unless the source is an agent's voice."""
     agents, sounds = said.shape[1], snapshot.sounds
     number = sounds.body - agent_ids(snapshot.bank, agents)[0]
     speaks = (sounds.clip == VOICED) & (number >= 0) & (number < agents)
@@ -230,7 +230,10 @@ def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
 
 
 def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
-    """From all sources to every agent, axes (a, e): what `Heard` remembers, or what else is made with the same rays."""
+    """Trace from all sources to every agent, with axes (a, e).
+
+    By default the result is the response that `Heard` stores; another `response` uses the same rays.
+    """
     response = response or (reception if config.audio.motion else impulse_response)
     pose, num_agents = snapshot.pose, config.num_agents
     sources = all_sources(snapshot)
@@ -251,7 +254,7 @@ def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | N
 
 
 def all_sources(snapshot: Snapshot) -> Source:
-    """All sources, along a leading axis: those that play clips first, then noises of bodies, which point nowhere."""
+    """Return all sources along a leading axis: first those of clips, then contact sounds, which are omnidirectional."""
     sounds = snapshot.sounds
     playing = Source.unchecked(pos=sounds.pos, body=sounds.body, quat=sounds.quat, directivity=sounds.directivity)
     if snapshot.noises is None:
@@ -267,7 +270,7 @@ def all_sources(snapshot: Snapshot) -> Source:
 
 
 def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
-    """Whether a response ends before it has fallen by 30 dB from its loudest bin."""
+    """Return whether a response ends before it has decayed by 30 dB from its loudest bin."""
     if isinstance(response, Reception):
         return ends_early(response, config)
     energy = jnp.sum(response.reshape(-1, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
@@ -275,7 +278,7 @@ def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bo
 
 
 def heard_energy(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Float[Array, ""]:
-    """Of a response, over its channels, re the free field of the source at 1 m."""
+    """Return the energy of a response, summed over its channels, re the free field of the source at 1 m."""
     if not isinstance(response, Reception):
         return jnp.sum(response**2)
     bands = jnp.sum(response.paths.gain**2, axis=0) + jnp.sum(response.energy[:, : config.num_channels], axis=(0, 1))
@@ -283,11 +286,11 @@ def heard_energy(response: Float[Array, "c l"] | Reception, config: AudioConfig)
 
 
 def are_unheard(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array, " s"]:
-    """Which of the sources play a clip that no agent hears; noises of bodies and words are not asked for.
+    """Return which sources play a clip that reaches no agent; contact sounds and words are excluded.
 
     Args:
-        snapshot: The environment, with s sources of e that are heard, these first.
-        energy: Of each response, see `heard_energy`; one that is no number is not heard.
+        snapshot: The environment, with s sources of clips, the first ones of e traced sources.
+        energy: Energy of each response, see `heard_energy`; NaN counts as unheard.
     """
     clip = snapshot.sounds.clip
     return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > FAINTEST, axis=0)

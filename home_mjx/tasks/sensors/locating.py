@@ -1,4 +1,4 @@
-"""Where agents are: since the episode began, and among what is around them."""
+"""Sensors of an agent's place: relative to its start, and to its surroundings."""
 
 import math
 
@@ -15,44 +15,44 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 
-FARTHEST = 1000.0  # [m]: no house is larger
+FARTHEST = 1000.0  # [m], bound of positions; larger than any house
 NUM_RAYS = 64
-MAP_SIZE, MAP_CELL = 32, 0.2  # cells of the map, and their edge [m]
+MAP_SIZE, MAP_CELL = 32, 0.2  # [cells] per side of the map, and edge of a cell [m]
 
 
 class Start(Pytree):
-    """Where each of A agents began."""
+    """State of `GpsCompass`: initial pose of each of A agents."""
 
     pos: Float[Array, "a 3"]  # [m]
     yaw: Float[Array, " a"]  # [rad]
 
 
 class GpsCompass(Sensor):
-    """`gps` (3,) and `compass` (2,): where an agent is in the frame of its start, as in Habitat.
+    """`gps` (3,) and `compass` (2,): pose in the frame of the agent's start, as in Habitat.
 
-    x, y, z [m] forward, left and up of where it began; cosine and sine of how far it has turned to the left since.
+    x, y, z [m] forward, left and up from the start; cosine and sine of the turn to the left since then.
     """
 
     name = "gps_compass"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Both."""
+        """Return both specs."""
         return {
             "gps": ArraySpec((3,), "float32", -FARTHEST, FARTHEST, "forward, left and up of the start [m]"),
             "compass": ArraySpec((2,), "float32", -1.0, 1.0, "cosine and sine of the turn to the left since the start"),
         }
 
     def init(self, config: EnvConfig) -> Start:
-        """Nowhere yet."""
+        """Return zeros; `update` sets the start at a reset."""
         return Start(jnp.zeros((config.num_agents, 3), jnp.float32), jnp.zeros(config.num_agents, jnp.float32))
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Start) -> Start:
-        """The start is where the agent is at the reset."""
+        """Store the pose at a reset."""
         now = Start(snapshot.pose.pos, snapshot.pose.yaw)
         return jax.tree.map(lambda new, old: jnp.where(snapshot.step == 0, new, old), now, state)
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Start) -> dict[str, Array]:
-        """Pose in the frame of the start."""
+        """Return the pose in the frame of the start."""
         away, turn = snapshot.pose.pos - state.pos, snapshot.pose.yaw - state.yaw
         cos, sin = jnp.cos(state.yaw), jnp.sin(state.yaw)
         x, y = cos * away[:, 0] + sin * away[:, 1], cos * away[:, 1] - sin * away[:, 0]
@@ -63,18 +63,18 @@ class GpsCompass(Sensor):
 
 
 class Lidar(Sensor):
-    """`lidar` (64,): distances all around at the height of the eyes [m], from straight ahead to the left."""
+    """`lidar` (64,): horizontal distances all around at eye height [m], from straight ahead to the left."""
 
     name = "lidar"
     costly = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """`NUM_RAYS` distances."""
+        """Return the spec of `NUM_RAYS` distances."""
         text = "from straight ahead to the left [m], clipped"
         return {"lidar": ArraySpec((NUM_RAYS,), "float32", 0.0, config.depth_max, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """One ray per direction."""
+        """Cast one ray per direction."""
         angles = snapshot.pose.yaw[:, None] + jnp.arange(NUM_RAYS) * jnp.float32(2 * math.pi / NUM_RAYS)
         ways = jnp.stack([jnp.cos(angles), jnp.sin(angles), jnp.zeros_like(angles)], axis=-1)
         eyes = jnp.broadcast_to(eye_position(config, snapshot.pose)[:, None], ways.shape)
@@ -84,21 +84,21 @@ class Lidar(Sensor):
 
 
 class LocalMap(Sensor):
-    """`local_map` (32, 32): where an agent could walk around it, itself in the middle, ahead is up.
+    """`local_map` (32, 32): walkable cells around the agent, which is at the centre and faces up.
 
-    1 where agents can come to, 0 elsewhere; of the house as compiled, on the agent's storey.
+    1 in cells that agents can reach, 0 elsewhere; from the house as compiled, on the agent's level.
     """
 
     name = "local_map"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """A square map."""
+        """Return the spec of a square map."""
         return {
             "local_map": ArraySpec((MAP_SIZE, MAP_SIZE), "uint8", 0, 1, f"1: free; {MAP_CELL} m a cell, ahead is up")
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """The cells that the map's middles fall into."""
+        """Sample the navigation grid at the centres of the map's cells."""
         bank, house = snapshot.bank, snapshot.house
         steps = (jnp.arange(MAP_SIZE) - (MAP_SIZE - 1) / 2) * jnp.float32(MAP_CELL)
         ahead, left = jnp.meshgrid(-steps, -steps, indexing="ij")

@@ -1,4 +1,4 @@
-"""What agents know of themselves."""
+"""Sensors of an agent's own state: pose, held object, last action and reward."""
 
 import math
 
@@ -11,13 +11,13 @@ from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 
-FARTHEST = 1000.0  # [m]: no house is larger
+FARTHEST = 1000.0  # [m], bound of positions; larger than any house
 HELD_WORDS = (Semantic.FINE, Semantic.COARSE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE)
-FASTEST = 100.0  # [m/s, rad/s]: far beyond what motors and falls give
+FASTEST = 100.0  # [m/s, rad/s], bound of velocities; far above those of motors and falls
 
 
 class OwnState(Sensor):
-    """`state` (10,): position, heading, speeds and contact of every agent.
+    """`state` (10,): position, heading, velocity and contact of every agent.
 
     x, y, z [m]; cosine and sine of yaw; pitch [rad]; forward and left speed [m/s]; yaw rate [rad/s]; 1 while touching
     anything but the floor.
@@ -26,14 +26,14 @@ class OwnState(Sensor):
     name = "state"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Ten numbers."""
+        """Return the spec of ten numbers."""
         high = (*[FARTHEST] * 3, 1.0, 1.0, math.pi / 2, *[FASTEST] * 3, 1.0)
         low = (*[-x for x in high[:-1]], 0.0)
         text = "x, y, z [m], cos and sin of yaw, pitch [rad], forward and left speed [m/s], yaw rate [rad/s], contact"
         return {"state": ArraySpec((10,), "float32", low, high, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Pose, velocity and contact flag."""
+        """Return pose, velocity and contact flag."""
         pose = snapshot.pose
         angles = jnp.stack([jnp.cos(pose.yaw), jnp.sin(pose.yaw), pose.pitch], axis=-1)
         contact = snapshot.contact.astype(jnp.float32)[:, None]
@@ -41,20 +41,20 @@ class OwnState(Sensor):
 
 
 class HeldObject(Sensor):
-    """`held_object` (5,): fine and coarse category, colour, material and size of what the hand holds; -1 nothing.
+    """`held_object` (5,): fine and coarse category, colour, material and size of the held object; -1 nothing.
 
-    The numbers are those of `goal_words` 1 to 5.
+    The encoding is that of `goal_words` 1 to 5.
     """
 
     name = "held_object"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Five words."""
-        text = "of what the hand holds: fine, coarse, colour, material, size; -1 nothing, or unknown"
+        """Return the spec of five words."""
+        text = "of the held object: fine, coarse, colour, material, size; -1 nothing, or unknown"
         return {"held_object": ArraySpec((len(HELD_WORDS),), "int32", -1, 32767, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Columns of the semantic row of the body in each hand."""
+        """Return columns of the semantic row of the body in each hand."""
         bank, house, held = snapshot.bank, snapshot.house, snapshot.held
         nothing = jnp.full((held.shape[0], len(HELD_WORDS)), -1, jnp.int32)
         if not bank.spec.num_bodies:
@@ -66,21 +66,21 @@ class HeldObject(Sensor):
 
 
 class PrevAction(Sensor):
-    """`prev_action` (n,): what the agent did last: its numbers, or 1 at the discrete action chosen; 0 at the start.
+    """`prev_action` (n,): the last action: its numbers, or one-hot for discrete actions; 0 at the start.
 
-    As it was understood: clipped, and `stop` for who has stopped.
+    The action is as decoded: clipped, and `stop` for agents that have stopped.
     """
 
     name = "prev_action"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """As many numbers as the action has, or as there are discrete actions."""
+        """Return the spec of one number per action element, or per discrete action."""
         names = config.action_names
         low = -1.0 if config.discrete is None else 0.0
         return {"prev_action": ArraySpec((len(names),), "float32", low, 1.0, ", ".join(names))}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """What the environment keeps."""
+        """Return the action in the state."""
         return {"prev_action": snapshot.action}
 
 
@@ -90,9 +90,9 @@ class PrevReward(Sensor):
     name = "prev_reward"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """One number."""
+        """Return the spec of one number."""
         return {"prev_reward": ArraySpec((1,), "float32", text="reward of the last step")}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """What the environment keeps."""
+        """Return the reward in the state."""
         return {"prev_reward": snapshot.reward[:, None]}

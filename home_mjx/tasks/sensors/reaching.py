@@ -1,4 +1,4 @@
-"""What a hand could take and where it could put something down: the same for generators of tasks and for experts."""
+"""Reachability of hands, to pick up and to put down: for generators of tasks and for experts."""
 
 import jax
 import jax.numpy as jnp
@@ -15,25 +15,25 @@ from home_mjx.raycast_render.scene.surface import normals
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.sensors.sight import as_it_begins
 
-ACROSS = np.linspace(-0.85, 0.85, 5)  # where a thing is aimed at, in half extents
-GRID = np.linspace(-1.0, 1.0, 10)  # spots of a surface
-STEEPEST = 1.0  # [rad], below level: what is lower than that is looked down at from farther away
-ABOVE = 0.6  # [m], over a piece of furniture, from where its top is looked for
-FAR = 1000.0  # [m]
-APART = 0.03  # [m], at least, between what is put down and what stands there
-FLAT = 0.015  # [m]
-OVER = 0.75  # of half a surface that is narrower than what is put there, or hardly wider: its edge is farther than that
-LEVEL = 0.7  # least upward part of the normal of a surface
-REST = 0.03  # [m]: what is so much above the top of something still lies on it
-SLACK = 0.03  # [m]
-SPOTS = 6  # of a surface that must be in reach: one alone may show through the gap of a door
-SEEN = 6  # points of a thing that must be seen: hands miss what shows in a narrow gap
+ACROSS = np.linspace(-0.85, 0.85, 5)  # aim points across an object [half extents]
+GRID = np.linspace(-1.0, 1.0, 10)  # candidate spots across a surface [half extents]
+STEEPEST = 1.0  # [rad], maximum angle below horizontal at which hands reach; lower objects need more distance
+ABOVE = 0.6  # [m], height above furniture from which rays find its top; headroom over a spot
+FAR = 1000.0  # [m], coordinate of unused boxes
+APART = 0.03  # [m], minimum gap between an object that is put down and its neighbours
+FLAT = 0.015  # [m], maximum height difference between a box's top and the surface that rays find
+OVER = 0.75  # [half extents], maximum required distance from a box's edge to the centre of an object on it
+LEVEL = 0.7  # minimum z component of the normal of a surface
+REST = 0.03  # [m], tolerance of the height of an object's top
+SLACK = 0.03  # [m], tolerance of the distance to a visible point
+SPOTS = 6  # minimum number of spots in reach; a single one may be visible only through the gap of a door
+SEEN = 6  # number of points of an object that must be visible; hands miss objects in narrow gaps
 
 Distance = Float[Array, ""] | float  # [m]
 
 
 def plan_radius(size: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, ""]:
-    """How far a box reaches from its middle in the plan, however it is turned about the vertical [m].
+    """Return the radius of a box about its centre in the plan, for any rotation about the vertical [m].
 
     Args:
         size: Half extents [m].
@@ -44,7 +44,7 @@ def plan_radius(size: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array
 
 
 def take_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
-    """Where an eye aims at what has these bounds, on the upright plane through its middle that faces the eye [m]."""
+    """Return aim points on an object with these bounds: on the vertical plane through its centre facing the eye [m]."""
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
     way = middle - eye
     across = jnp.stack([-way[1], way[0]])
@@ -55,7 +55,7 @@ def take_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array
 
 
 def within_reach(eye: Float[Array, "3"], points: Float[Array, "p 3"], reach: Distance) -> Bool[Array, " p"]:
-    """Which points a hand reaches from below an eye, looking down no steeper than `STEEPEST`."""
+    """Return which points a hand reaches from below an eye, looking down at most by `STEEPEST`."""
     offset = points - eye
     away = jnp.linalg.norm(offset[:, :2], axis=-1)
     steep = offset[:, 2] < -jnp.tan(jnp.float32(STEEPEST)) * away
@@ -65,19 +65,19 @@ def within_reach(eye: Float[Array, "3"], points: Float[Array, "p 3"], reach: Dis
 def free_spots(
     scene: Scene, box: Float[Array, "2 3"], meant: Bool[Array, " i"], radius: Float[Array, ""], carried: Int[Array, ""]
 ) -> tuple[Float[Array, "n 3"], Bool[Array, " n"]]:
-    """Points of the top of a piece of furniture [m], and on which of them there is room.
+    """Return points on the top of furniture [m], and which of them have room.
 
-    Rays see the top, and physics, which has boxes, must bear things there, too.
+    Rays find the top; physics, whose geoms are boxes, must support objects there as well.
 
     Args:
         scene: The environment.
         box: Bounds of the furniture [m].
-        meant: Instances that it consists of.
-        radius: Of what is to be put there [m].
-        carried: Object that rays pass through; -1 none.
+        meant: Mask of its instances.
+        radius: Radius of the object to put there [m].
+        carried: Object that rays ignore; -1 none.
     """
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
-    inner = half[:2] - jnp.minimum(radius, 0.8 * half[:2])  # as little over the edge as possible
+    inner = half[:2] - jnp.minimum(radius, 0.8 * half[:2])  # minimizes overhang
     side, far = (jnp.asarray(x.reshape(-1), jnp.float32) for x in np.meshgrid(GRID, GRID))
     plan = middle[:2] + jnp.stack([side, far], axis=-1) * inner
     start = jnp.concatenate([plan, jnp.full((len(plan), 1), box[1, 2] + ABOVE)], axis=1)
@@ -92,7 +92,7 @@ def free_spots(
 
 
 def footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
-    """All that things meet: static boxes, and the bounds of movable bodies and leaves but for what is carried."""
+    """Return footprints of all obstacles: static boxes, and bounds of movable bodies and leaves, not of `carried`."""
     physics, moving, bank = scene.bank.physics, scene.moving, scene.bank
     parts = (x[scene.house] for x in (physics.collider_pos, physics.collider_quat, physics.collider_size))
     count = bank.spec.num_bodies + bank.spec.num_doors
@@ -105,13 +105,13 @@ def footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
 
 
 def plan_gaps(boxes: Footprints, plan: Float[Array, "n 2"]) -> Float[Array, "n b"]:
-    """From places to boxes in the plan [m]; 0 inside."""
+    """Return distances of positions to boxes in the plan [m]; 0 inside."""
     u, v = _beyond_sides(boxes, plan)
     return jnp.hypot(jnp.maximum(u, 0), jnp.maximum(v, 0))
 
 
 def _beyond_sides(boxes: Footprints, plan: Float[Array, "n 2"]) -> tuple[Float[Array, "n b"], Float[Array, "n b"]]:
-    """How far places are beyond the sides of boxes, along both of their axes [m]; negative inside."""
+    """Return signed distances of positions beyond the sides of boxes, along both of their axes [m]; negative inside."""
     x, y = plan[:, :1] - boxes.x, plan[:, 1:] - boxes.y
     u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
     return u, jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
@@ -120,16 +120,16 @@ def _beyond_sides(boxes: Footprints, plan: Float[Array, "n 2"]) -> tuple[Float[A
 def room_at(
     boxes: Footprints, plan: Float[Array, "n 2"], height: Float[Array, " n"], radius: Float[Array, ""]
 ) -> tuple[Bool[Array, " n"], Bool[Array, " n"]]:
-    """At which places of a height [m] a box bears what is put there, and where it would touch none.
+    """Return at which positions a box supports an object that is put there, and at which it would touch no box.
 
-    It lies within the box's edges, so far as the box is large enough for that: hands let go 3 cm from a spot, and what
-    has its middle near an edge slides and falls.
+    The object must be inside the box's edges if the box is large enough. Hands release objects up to 3 cm from a spot,
+    and an object with its centre near an edge slides off.
 
     Args:
-        boxes: All that things meet.
-        plan: The places [m].
-        height: Of what is beneath [m].
-        radius: Of what is put there [m].
+        boxes: Footprints of all obstacles.
+        plan: The positions [m].
+        height: Height of the surface at each position [m].
+        radius: Radius of the object [m].
     """
     u, v = _beyond_sides(boxes, plan)
     away = jnp.hypot(jnp.maximum(u, 0), jnp.maximum(v, 0))
@@ -148,7 +148,7 @@ def taken_from(
     box: Float[Array, "2 3"],
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
-    """From below which eyes a hand can take an instance with these bounds, as the house begins with doors open."""
+    """Return below which eyes a hand can pick up an instance with these bounds; initial house, doors open."""
     scene = as_it_begins(bank, house)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
@@ -165,13 +165,13 @@ def taken_from(
 def gaps_carrying(
     bank: HouseBank, house: Int[Array, ""], eyes: Float[Array, "n 3"], half: Float[Array, ""], carried: Int[Array, ""]
 ) -> Float[Array, " n"]:
-    """From below eyes to the nearest box that is as high as agents carry something, as the house begins [m].
+    """Return distances of eyes in the plan to the nearest box at carrying height, in the initial house [m].
 
     Args:
         bank: The houses.
         house: Index of the house.
-        eyes: Of agents [m].
-        half: Height of what is carried, half of it [m].
+        eyes: Eyes of agents [m].
+        half: Half height of the carried object [m].
         carried: Its object id.
     """
     boxes = footprints(as_it_begins(bank, house), carried)
@@ -190,7 +190,7 @@ def put_from(
     radius: Float[Array, ""],
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
-    """From below which eyes a hand can put something of a radius [m] on an instance, as the house begins."""
+    """Return below which eyes a hand can put an object of a radius [m] on an instance, in the initial house."""
     scene, nothing = as_it_begins(bank, house), jnp.full((), -1, jnp.int32)
     meant = jnp.arange(bank.spec.num_instances, dtype=jnp.int32) == instance
     points, free = free_spots(scene, box, meant, radius, nothing)
@@ -202,7 +202,7 @@ def put_from(
 
 
 def in_sight(scene: Scene, eye: Float[Array, "3"], points: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Which points of surfaces can be seen, with nobody about."""
+    """Return which points of surfaces are visible; agents in the scene would block the view."""
     way = points - eye
     length = jnp.linalg.norm(way, axis=-1)
     hit = cast(scene, jnp.broadcast_to(eye, way.shape), way / length[:, None])

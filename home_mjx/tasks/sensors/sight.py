@@ -1,4 +1,4 @@
-"""What can be seen from where: rays from eyes to a few points of a thing's bounds."""
+"""Visibility of objects: rays from eyes to a few points of their bounds."""
 
 from functools import partial
 
@@ -15,19 +15,19 @@ from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 
-# Where one looks for a thing: across and up from the middle of its bounds, in half extents.
+# Points of an object's bounds that are tested: across and up from its centre [half extents].
 POINTS = ((0.0, 0.0), (0.0, 0.7), (0.0, -0.7), (0.7, 0.0), (-0.7, 0.0))
-VIEW, FOVY = Lens(64, 64), 90.0  # of the default camera [degrees]
-SLACK = 0.02  # [m]: a box counts as seen if a ray comes as near to it
-ASIDE = 0.08  # [m]: who walks to a place stops so far from it at most
-# Where eyes may be that are to be above a place [m].
+VIEW, FOVY = Lens(64, 64), 90.0  # image size and vertical field of view of the default camera [degrees]
+SLACK = 0.02  # [m], maximum distance of a hit before the bounds that counts as visible
+ASIDE = 0.08  # [m], maximum distance from a position at which an agent that walks there stops
+# Offsets of the eyes from a position that are tested [m].
 SHIFTS = np.array([(0, 0, 0), (ASIDE, 0, 0), (-ASIDE, 0, 0), (0, ASIDE, 0), (0, -ASIDE, 0)])
 
 
 def look_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
-    """Where an eye looks for what has these bounds: its middle, above, below and to both sides of it [m].
+    """Return the points at which an eye looks for an object: its centre, above, below and to both sides [m].
 
-    They are inf for bounds that are.
+    They are inf for bounds that are inf.
     """
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
     way = middle - eye
@@ -46,21 +46,21 @@ def clear(
     points: Float[Array, "p 3"],
     own: Int[Array, ""],
 ) -> Bool[Array, " p"]:
-    """Whether nothing is before these bounds on the way from an eye to points in them.
+    """Return whether rays from an eye to points in some bounds reach these without an obstacle.
 
     Args:
         scene: One environment.
-        eye: [m].
+        eye: Position of the eye [m].
         box: The bounds [m].
         points: Such as `look_points`; inf: none.
-        own: Object that rays pass through, the agent's own body; -1 none.
+        own: Object that rays ignore, the agent's own body; -1 none.
     """
     way = points - eye
     known = jnp.all(jnp.isfinite(way), axis=-1)
     way = jnp.where(known[:, None], way, 1.0)
     inverse = 1 / jnp.where(jnp.abs(way) < 1e-6, 1e-6, way)
     walls = (box[None] - eye) * inverse[:, None]  # slab method: the ray enters the box at the last of its near sides
-    entry = jnp.clip(jnp.max(jnp.min(walls, axis=1), axis=-1), 0, 1)  # part of the way
+    entry = jnp.clip(jnp.max(jnp.min(walls, axis=1), axis=-1), 0, 1)  # fraction of the way
     length = jnp.linalg.norm(way, axis=-1)
     eyes, exclude = jnp.broadcast_to(eye, way.shape), jnp.broadcast_to(own, length.shape)
     hit = cast(scene, eyes, way / length[:, None], exclude=exclude)
@@ -70,10 +70,10 @@ def clear(
 def seen_from(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], box: Float[np.ndarray, "2 3"]
 ) -> Bool[np.ndarray, " n"]:
-    """From which places, and from all around each, something with these bounds can be seen.
+    """Return from which positions, and from all offsets around each, an object with these bounds is visible.
 
-    A house is as it begins, doors open. Nobody stops in the very middle of a place: what is seen from there alone, past
-    an edge, would take luck to be seen.
+    The house is in its initial state, doors open. Agents do not stop exactly at a position. A view that exists only
+    there, past an edge, would be visible by chance only.
     """
     return np.asarray(_seen_from(bank, jnp.int32(house), jnp.asarray(eyes, jnp.float32), jnp.asarray(box, jnp.float32)))
 
@@ -90,13 +90,13 @@ def _seen_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
 def ids_in_view(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]
 ) -> Int[np.ndarray, "n h w"]:
-    """Object ids that the default camera sees from places, level, in a house as it begins, doors open; -1 none.
+    """Return object ids in horizontal views of the default camera in the initial house, doors open; -1 none.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        eyes: [m].
-        yaw: [rad].
+        eyes: Camera positions [m].
+        yaw: Headings [rad].
     """
     poses = jnp.asarray(eyes, jnp.float32), jnp.asarray(yaw, jnp.float32)
     return np.asarray(_ids_in_view(bank, jnp.int32(house), *poses))
@@ -114,7 +114,7 @@ def _ids_in_view(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Arra
 
 
 def as_it_begins(bank: HouseBank, house: Array) -> Scene:
-    """A house without agents, doors open."""
+    """Build the scene of a house in its initial state, without agents, doors open."""
     physics = bank.physics
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     bodies = physics.body_pos[house], physics.body_quat[house]

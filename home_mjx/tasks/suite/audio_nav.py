@@ -1,7 +1,7 @@
-"""AudioNav: go to what sounds.
+"""AudioNav: go to the sound source.
 
 Chen et al., "SoundSpaces: Audio-Visual Navigation in 3D Environments", 2020 (arXiv:1912.11474): success is `stop`
-within 1 m. Sounds that move, and distractors: Younes et al., "Catch Me If You Hear Me", 2023 (arXiv:2111.14843).
+within 1 m. Moving sources, and distractors: Younes et al., "Catch Me If You Hear Me", 2023 (arXiv:2111.14843).
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,28 +29,28 @@ SPLITS = {
     "unheard": ("speech", "tone", "alarm", "whistle"),
 }
 SPLITS["all"] = (*SPLITS["heard"], *SPLITS["unheard"])
-DISTRACTING = ("hum", "ticking", "noise")  # these are never looked for
+DISTRACTING = ("hum", "ticking", "noise")  # never targets
 SCHEDULES = ("always", "intermittent", "once")
 EMITTERS = ("place", "object")
-NUM_PLACES = 16  # of a house: their distances are kept
-TARGET, GOAL = 1, 2  # descriptors; the first one is hidden
+NUM_PLACES = 16  # number of candidate places per house; each has a field of distances
+TARGET, GOAL = 1, 2  # indices of descriptors; the first descriptor is hidden
 
 
 @dataclass(frozen=True)
 class AudioNav(Navigation):
-    """Go to what sounds; nothing else tells where it is.
+    """Go to the sound source; no other observation reveals its position.
 
     Attributes:
-        success_distance: From the source [m].
+        success_distance: Maximum distance to the source on success [m].
         emitter: "place": a point of free floor, `EnvConfig.source_height` above it; "object": any object.
         schedule: "always", "intermittent" (for `lasts` of every `every` seconds) or "once" (for `lasts` at the start).
-        every: [s].
-        lasts: [s].
-        clip_split: Sounds that are looked for: "heard", "unheard" or "all" of `SPLITS`, or the name of one of them.
-        distractors: So many other places play one of `DISTRACTING`, up to 2. An agent learns what not to go to.
-        moving: The source walks along the shortest way to another place and stays there. Only in view of it, however
-            near, is success; its guide is where it goes.
-        speed: Of a source that moves [m/s].
+        every: Period [s].
+        lasts: Duration [s].
+        clip_split: Sounds that are targets: "heard", "unheard" or "all" of `SPLITS`, or the name of one of them.
+        distractors: Number of other places that play one of `DISTRACTING`, at most 2, or 1 with `moving`.
+        moving: The source moves along the shortest path to another place and stays there. Success then requires a view
+            of it, however near it is. The expert's guide is the destination of the source.
+        speed: Speed of a moving source [m/s].
     """
 
     success_distance: float = 1.0
@@ -76,30 +76,30 @@ class AudioNav(Navigation):
 
     @property
     def observation_spec(self) -> Specs:
-        """None: what there is to know is heard."""
+        """No observations: the instruction is the sound itself."""
         return {}
 
     def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
-        """Nothing."""
+        """Return no observations."""
         return {}
 
     @property
     def num_sources(self) -> int:
-        """The target and the distractors."""
+        """Number of the target and the distractors."""
         return 1 + self.distractors
 
     @property
     def clips(self) -> tuple[str, ...]:
-        """Those of the split, and the distracting ones if there are distractors."""
+        """Clips of the split, and the distracting ones if there are distractors."""
         return (*self.sought, *(DISTRACTING if self.distractors else ()))
 
     @property
     def sought(self) -> tuple[str, ...]:
-        """Clips that are looked for."""
+        """Clips that are targets."""
         return SPLITS.get(self.clip_split, (self.clip_split,))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Each time a clip at another of the house's places or objects, until all have had it; then again."""
+        """Yield clips at each of the house's places or objects, in a new random order each round."""
         found = self._emitters(view, random)
         count = 1 + self.distractors + self.moving
         while len(found) >= count:

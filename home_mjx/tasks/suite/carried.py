@@ -1,4 +1,4 @@
-"""What hands can carry in a house, and on what they could put it."""
+"""Portable objects of a house, and receptacles for them."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ import numpy as np
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.house_view import HouseView, Thing
 
-TOPS = (0.25, 1.3)  # [m], above the floor beneath: on what is lower or higher hands put nothing
-REST = 0.03  # [m], as of `Feature.ON`
-# Furniture with a top that is made to carry things.
+TOPS = (0.25, 1.3)  # [m], minimum and maximum height of receptacles above the floor beneath
+REST = 0.03  # [m], as for `Feature.ON`
+# Receptacles: coarse categories of furniture with a top that is made to carry objects.
 FURNITURE = (
     *("table", "desk", "stand", "tv_stand", "dresser", "dressing_table", "shoes_cabinet", "kitchen_cabinet", "sofa"),
     *("bed", "ottoman", "bench_chair", "chair", "shelving", "wardrobe_cabinet", "counter", "storage_bench"),
@@ -19,19 +19,19 @@ FURNITURE = (
 
 @dataclass(frozen=True)
 class Portable:
-    """A thing that hands can take."""
+    """An object that hands can pick up."""
 
     thing: Thing
     instance: int
 
 
 def portable_things(view: HouseView, max_mass: float, max_size: float) -> list[Portable]:
-    """The things that hands can take from somewhere: not too heavy, not too large, with nothing on them.
+    """Return the objects that hands can pick up from somewhere: light and small, with nothing on or in them.
 
     Args:
         view: The house.
-        max_mass: [kg]
-        max_size: Greatest extent [m].
+        max_mass: Maximum mass [kg].
+        max_size: Maximum extent [m].
     """
     physics = view.bank.physics
     below = {thing.word(Semantic.SUPPORTER) for thing in view.things} | {
@@ -49,12 +49,12 @@ def portable_things(view: HouseView, max_mass: float, max_size: float) -> list[P
 
 
 def has_room(view: HouseView, thing: Thing, carried: Collection[int]) -> bool:
-    """Whether a thing is furniture at whose top hands reach; what is itself to be carried is none.
+    """Return whether an object is a receptacle whose top is within reach. Portable objects are never receptacles.
 
     Args:
         view: The house.
-        thing: The thing.
-        carried: Object ids of what hands can carry.
+        thing: The object.
+        carried: Object ids of portable objects.
     """
     if thing.coarse not in FURNITURE or thing.object_id in carried or view.instance_of(thing) < 0:
         return False
@@ -64,7 +64,7 @@ def has_room(view: HouseView, thing: Thing, carried: Collection[int]) -> bool:
 
 
 def lies_on(thing: Thing, other: Thing) -> bool:
-    """Whether a thing lies on another one, as `Feature.ON` says."""
+    """Return whether an object is on another one, by the rule of `Feature.ON`."""
     middle, low, high = thing.box.mean(axis=0), other.box[0], other.box[1]
     over = np.all((middle[:2] >= low[:2]) & (middle[:2] <= high[:2]))
     bottom = thing.box[0, 2]
@@ -72,6 +72,6 @@ def lies_on(thing: Thing, other: Thing) -> bool:
 
 
 def gap(thing: Thing, other: Thing) -> float:
-    """Between the bounds of two things [m]; 0 of a thing and itself."""
+    """Return the gap between the bounds of two objects [m]; 0 for an object and itself."""
     apart = np.maximum(thing.box[0] - other.box[1], other.box[0] - thing.box[1])
     return float(np.linalg.norm(np.maximum(apart, 0)))

@@ -1,4 +1,4 @@
-"""Goals of a house as tasks draw, save and load them."""
+"""Point goals of a house: sampling, saving and loading."""
 
 from typing import Any
 
@@ -14,14 +14,14 @@ from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.state import ON_FLOOR, Episodes
 
-SAME_PLACE = 0.01  # [m]: a goal of the bank is the goal of a file if it is as near
+SAME_PLACE = 0.01  # [m], maximum distance between a file's goal and the bank's goal
 OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
-ASIDE = 0.025  # [m], from the middle of a cell, half of the clearance with which houses are compiled
-ATTEMPTS = 64  # draws per episode
+ASIDE = 0.025  # [m], maximum offset of a start from the centre of its cell: half of the clearance of compiled houses
+ATTEMPTS = 64  # samples of a start per episode
 
 
 def choose_goal(snapshot: Snapshot, key: Array, min_distance: float) -> Int[Array, ""]:
-    """A random goal of the house at least `min_distance` [m] from the first agent, if there is one."""
+    """Sample a goal of the house at least `min_distance` [m] from the first agent, or any if there is none."""
     bank, house = snapshot.bank, snapshot.house
     distance = geodesic_distance(bank, house, None, snapshot.pose.pos[0])
     fit = jnp.isfinite(distance) & (distance >= jnp.float32(min_distance))
@@ -32,9 +32,9 @@ def choose_goal(snapshot: Snapshot, key: Array, min_distance: float) -> Int[Arra
 def sample_goal(
     bank: HouseBank, house: Int[Array, ""], key: Array, min_length: Float[Array, ""], max_length: Float[Array, ""]
 ) -> tuple[Float[Array, "3"], Float[Array, ""], dict[str, Array]]:
-    """One of the house's starts and a goal whose shortest path has a length within limits [m].
+    """Sample a start of the house, and a goal whose shortest path has a length within limits [m].
 
-    Starts are as likely as any other by area, but for where leaves of doors stand, or cut it off from the rest.
+    Starts are uniform by area, but not where door leaves are, nor where leaves cut off an area from the rest.
 
     Returns:
         Start, yaw, and the columns `goal` and `length`; the length is inf if none of `ATTEMPTS` starts had such a goal.
@@ -43,7 +43,7 @@ def sample_goal(
     starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, ATTEMPTS))
     lengths = jax.vmap(lambda p: geodesic_distance(bank, house, None, p))(starts)
     fits = (lengths >= min_length) & (lengths <= max_length) & jnp.isfinite(lengths)
-    attempt = jnp.argmax(jnp.any(fits, axis=1)).astype(jnp.int32)  # the first that can be used
+    attempt = jnp.argmax(jnp.any(fits, axis=1)).astype(jnp.int32)  # the first usable start
     weight = jnp.where(fits[attempt], jnp.float32(0), -jnp.inf)
     goal = jax.random.categorical(choose, jnp.where(jnp.any(fits[attempt]), weight, 0.0)).astype(jnp.int32)
     length = jnp.where(fits[attempt, goal], lengths[attempt, goal], jnp.float32(jnp.inf))
@@ -51,7 +51,7 @@ def sample_goal(
 
 
 def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[Array, "3"]:
-    """Anywhere beside the middle of the cell that one of the house's starts is in [m]."""
+    """Sample a position beside the centre of the cell of a random start of the house [m]."""
     which, shift = jax.random.split(key)
     known = bank.navigation.start[bank.known_house(house)]
     point = known[jax.random.randint(which, (), 0, known.shape[0])]
@@ -60,30 +60,30 @@ def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[A
 
 
 def possible(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
-    """Whether the start lies on a floor, within the grid, in or beside a cell from which paths lead to the goals."""
+    """Return whether the start is on a floor, within the grid, in or beside a cell with paths to the goals."""
     off = place_position(bank, episode.house, cell_of(bank, episode.house, episode.start)) - episode.start
     near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, ON_FLOOR], jnp.float32))
     return near & near_home(bank, episode.house, episode.start)
 
 
 def to_json(bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-    """The goal's place and the length of the shortest path."""
+    """Return the goal's position and the length of the shortest path."""
     goal = np.asarray(bank.navigation.goal[house, int(columns["goal"])])
     return {"goal": goal.tolist(), "length": float(columns["length"])}
 
 
 def from_json(bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-    """The goal of the bank at the line's place.
+    """Return the goal of the bank at the line's position, and the length.
 
     Raises:
         DatasetError: The house has no goal there.
-        KeyError, TypeError, ValueError: The line is broken.
+        KeyError, TypeError, ValueError: The line is malformed.
     """
     place, length = np.array(line["goal"], float), float(line["length"])
     if place.shape != (3,) or not np.isfinite(place).all():
         raise ValueError("`goal` must be three finite numbers")
     if not 0 <= length < np.inf:
-        raise ValueError("`length` must be a finite number that is not negative")
+        raise ValueError("`length` must be a finite number of at least 0")
     away = np.linalg.norm(np.asarray(bank.navigation.goal[house]) - place, axis=-1)
     if away.min() > SAME_PLACE:
         raise DatasetError(f"house {line['house']} has no goal at {line['goal']}", hint=OTHER_BANK)

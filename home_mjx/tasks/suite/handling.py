@@ -1,4 +1,4 @@
-"""Tasks of hands: to bring things somewhere, and to put things on others.
+"""Tasks with hands: bring objects somewhere, and put objects on others.
 
 Szot et al., "Habitat 2.0: Training Home Assistants to Rearrange their Habitat", 2021 (arXiv:2106.14405); Batra et al.,
 "Rearrangement: A Challenge for Embodied AI", 2020 (arXiv:2011.01975).
@@ -22,8 +22,8 @@ from home_mjx.tasks.rules.words import FAILURE, NUM_TOKENS, SUCCESS, Feature, Wo
 from home_mjx.tasks.suite.carried import Portable, gap, has_room, lies_on, portable_things
 from home_mjx.tasks.suite.navigation import NO_GOALS, STOPPED, Navigation
 
-PLACES = ("thing", "room", "start")  # where things are brought
-MOST_THINGS = 2  # a row speaks of four things: each of these, and what it is put on
+PLACES = ("thing", "room", "start")  # kinds of destinations
+MOST_THINGS = 2  # maximum number of objects: a row has four descriptors, two per object
 JOINED = ("{} and {}", "{} then {}")
 Words = dict[Word, int]
 Pose = tuple[Sequence[float], float]  # on the floor [m], yaw [rad]
@@ -31,11 +31,11 @@ Pose = tuple[Sequence[float], float]  # on the floor [m], yaw [rad]
 
 @dataclass(frozen=True)
 class Handling(Navigation):
-    """What tasks of hands share.
+    """Options that tasks with hands share.
 
     Attributes:
-        max_mass: Of what is to be carried [kg].
-        max_size: Its greatest extent [m].
+        max_mass: Maximum mass of an object to carry [kg].
+        max_size: Maximum extent of an object to carry [m].
     """
 
     max_mass: float = Body().lift
@@ -48,11 +48,11 @@ class Handling(Navigation):
 
     @property
     def needs_hands(self) -> bool:
-        """Always."""
+        """Always True."""
         return True
 
     def _told(self, view: HouseView, random: np.random.Generator) -> list[tuple[Portable, Words]]:
-        """Things that hands can take and that words mean alone, with these words."""
+        """Return portable objects that words identify uniquely, with these words."""
         things = portable_things(view, self.max_mass, self.max_size)
         told = [(thing, telling(view.things, thing.thing, random)) for thing in things]
         return [(thing, words) for thing, words in told if words is not None]
@@ -60,11 +60,11 @@ class Handling(Navigation):
 
 @dataclass(frozen=True)
 class Fetch(Handling):
-    """Take a thing and bring it to another one, into a room, or to where the episode began.
+    """Pick up an object and bring it to another one, into a room, or to the start of the episode.
 
     Attributes:
-        success_distance: From where it is to be brought [m].
-        places: What things are brought to, of `PLACES`.
+        success_distance: Maximum distance to the destination on success [m].
+        places: Kinds of destinations, from `PLACES`.
     """
 
     success_distance: float = 1.0
@@ -78,7 +78,7 @@ class Fetch(Handling):
         check_known("place", self.places, PLACES)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Things of the house, again and again in another order, each brought to one of the places."""
+        """Yield objects of the house with random destinations, in a new random order each round."""
         told = self._told(view, random)
         goals = [thing for thing in view.things if thing.coarse not in NO_GOALS]
         named = [(thing, words) for thing in goals if (words := telling(view.things, thing, random)) is not None]
@@ -96,7 +96,7 @@ class Fetch(Handling):
                     yield self._to_start(view, words, random)
 
     def _to_thing(self, thing: Portable, words: Words, goal: tuple[Thing, Words]) -> Iterator[Row]:
-        if gap(thing.thing, goal[0]) > 2 * self.success_distance:  # also: it is another thing
+        if gap(thing.thing, goal[0]) > 2 * self.success_distance:  # also excludes the object itself
             near = When(Feature.DISTANCE, 1, most=self.success_distance)
             yield self._row(words, Meant.of(goal[1]), near, f"to {phrase(goal[1])}")
 
@@ -117,7 +117,7 @@ class Fetch(Handling):
     def _row(self, words: Words, goal: Meant, there: When, where: str, pose: Pose | None = None) -> Row:
         held, half = When(Feature.HELD, 0, least=1), self.success_reward / 2
         said, wrong = ((STOPPED,), (Go(FAILURE, (STOPPED,)),)) if self.stop else ((), ())
-        back = Go(0, bars=(held,), reward=-half)  # who drops it has gained nothing
+        back = Go(0, bars=(held,), reward=-half)  # dropping the object costs the first reward
         first = Stage((Go(1, (held,), reward=half), *wrong), guide=0)
         second = Stage((Go(SUCCESS, (held, there, *said), reward=half), *wrong, back), guide=1)
         tokens = tokenize(f"bring {phrase(words)} {where}")
@@ -126,7 +126,7 @@ class Fetch(Handling):
 
 @dataclass(frozen=True)
 class Pair:
-    """A thing and what it is put on, and the words that mean each alone."""
+    """An object, the receptacle to put it on, and the words that identify each."""
 
     thing: Portable
     words: Words
@@ -135,17 +135,17 @@ class Pair:
 
 
 def _touch(pair: Pair, other: Pair) -> bool:
-    """Whether two pairs have a thing in common, or one is taken from where the other is put and might fall."""
+    """Return whether pairs share an object, or an object is on the other pair's receptacle and might fall off."""
     same = {pair.thing.thing.object_id, pair.below.object_id} & {other.thing.thing.object_id, other.below.object_id}
     return bool(same) or lies_on(pair.thing.thing, other.below) or lies_on(other.thing.thing, pair.below)
 
 
 @dataclass(frozen=True)
 class Rearrange(Handling):
-    """Put things on others, and let them go there.
+    """Put objects on others, and release them there.
 
     Attributes:
-        num_things: At most so many, 1 or 2.
+        num_things: Maximum number of objects, 1 or 2.
     """
 
     num_things: int = 1
@@ -155,7 +155,7 @@ class Rearrange(Handling):
         check_number("num_things", self.num_things, 1, MOST_THINGS, whole=True)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Things and what they are put on, drawn at random; those of one row are different."""
+        """Yield random objects and receptacles for them; those of one row are distinct."""
         told = self._told(view, random)
         pairs = list(self._pairs(view, told, random))
         while pairs:
@@ -168,7 +168,7 @@ class Rearrange(Handling):
     def _pairs(
         self, view: HouseView, told: list[tuple[Portable, Words]], random: np.random.Generator
     ) -> Iterator[Pair]:
-        """Things, and others on which there is room for them and on which they are not."""
+        """Yield objects, each with receptacles that have room for it and on which it is not."""
         below = [thing for thing in view.things if has_room(view, thing, {p.thing.object_id for p, _ in told})]
         named = [(thing, words) for thing in below if (words := telling(view.things, thing, random)) is not None]
         for portable, words in told:
@@ -178,7 +178,7 @@ class Rearrange(Handling):
                     yield Pair(portable, words, thing, others)
 
     def _some(self, pairs: list[Pair], count: int, random: np.random.Generator) -> Row | None:
-        """The first pairs that have nothing in common, as one row; None if there are too many words for that."""
+        """Return the first pairs without conflicts as one row; None if its instruction is too long."""
         chosen: list[Pair] = []
         for pair in pairs:
             if len(chosen) < count and not any(_touch(pair, other) for other in chosen):
@@ -192,16 +192,16 @@ class Rearrange(Handling):
         return Row(meant, self._stages(len(chosen)), tokens=tokens, then=range(1, len(meant)))
 
     def _stages(self, count: int) -> list[Stage]:
-        """Two per thing: take it, put it down. What comes undone is to be done again, and its reward is paid back.
+        """Return two stages per object: pick up, put down. Undone steps cost their reward and must be repeated.
 
-        Also what was put down before: to that one goes back with an empty hand.
+        This includes objects that were put down before; the agent returns to these with an empty hand.
         """
         held = [When(Feature.HELD, 2 * k, least=1) for k in range(count)]
         on = [When(Feature.ON, 2 * k, 2 * k + 1, least=1) for k in range(count)]
         part, stages = self.success_reward / (2 * count), []
         wrong = (Go(FAILURE, (STOPPED,)),) if self.stop else ()
         for k in range(count):
-            done = Go(2 * k + 1, (on[k],), (held[k],), reward=part)  # it is where it should be
+            done = Go(2 * k + 1, (on[k],), (held[k],), reward=part)  # the object is in place already
             off = [Go(2 * j, bars=(on[j],), reward=-2 * (k - j) * part) for j in range(k)]
             stages.append(Stage((Go(2 * k + 1, (held[k],), reward=part), done, *wrong, *off), guide=2 * k))
             back = Go(2 * k, bars=(held[k], on[k]), reward=-part)

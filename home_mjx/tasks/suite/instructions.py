@@ -1,4 +1,4 @@
-"""InstructionFollowing: sentences of one to three parts, in the order that they say."""
+"""InstructionFollowing: instructions of one to three parts, to be carried out in the order they state."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,19 +20,19 @@ from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
 
 VERBS = ("go to", "walk to", "find")
 COMBINATIONS = ("all", "seen", "new")
-JOINED = ("{} then {}", "{} and then {}", "before you {1} {0}")  # one after the other, however it is said
+JOINED = ("{} then {}", "{} and then {}", "before you {1} {0}")  # {0} is carried out before {1}
 
 
 @dataclass(frozen=True)
 class InstructionFollowing(Navigation):
-    """Go to one thing after another, as the instruction says.
+    """Go to one object after another, as the instruction says.
 
     Attributes:
-        num_parts: At most so many things, from 1 to 3.
-        success_distance: From each thing [m].
-        combinations: Which sentences are kept: "all"; those to train with, "seen"; or "new", those that speak of a
-            thing by words that "seen" ones never have together, see `new_combinations`.
-        unseen_part: Of all combinations of words, so many are new.
+        num_parts: Maximum number of objects, from 1 to 3.
+        success_distance: Maximum distance to each object [m].
+        combinations: Instructions to keep: "all"; "seen", those for training; or "new", those that describe
+            an object with words that "seen" ones never combine, see `new_combinations`.
+        unseen_part: Fraction of all combinations of words that is new.
     """
 
     num_parts: int = 2
@@ -48,14 +48,14 @@ class InstructionFollowing(Navigation):
         check_number("success_distance", self.success_distance, 0)
 
     def keeps(self, descriptors: Int[np.ndarray, "t d words"]) -> Bool[np.ndarray, " t"]:
-        """The rows of `combinations`."""
+        """Return the mask of rows in `combinations`."""
         if self.combinations == "all":
             return np.ones(len(descriptors), bool)
         is_new = has_new_combination(descriptors, self.unseen_part)
         return is_new if self.combinations == "new" else ~is_new
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Sentences drawn at random; the things in one are different."""
+        """Yield random instructions; the objects in one are distinct."""
         things = [thing for thing in view.things if COARSE[thing.word(Semantic.COARSE)] not in NO_GOALS]
         told = [words for words in (telling(view.things, thing, random) for thing in things) if words is not None]
         while told:

@@ -1,4 +1,4 @@
-"""Tasks of going somewhere: to a room, to a kind of object.
+"""Navigation tasks: to a room, to an object of a category, to a point; and mixes of tasks.
 
 Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757); for objects Batra et al.,
 "ObjectNav Revisited", 2020 (arXiv:2006.13171).
@@ -21,14 +21,14 @@ from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature
 
 STOPPED = When(Feature.STOPPED, least=1)
-# What is part of the house, hangs where nobody looks for it, or is not known.
+# Coarse categories that are never goals: part of the house, above the view, or unknown.
 NO_GOALS = frozenset(
     ("unknown", "wall", "floor", "ceiling", "door", "window", "arch", "person", "curtain", "ceiling_fan")
 )
 
 
 def arrive(there: tuple[When, ...], stop: bool, reward: float, guide: int = 0) -> Stage:
-    """One stage: be where all of `there` holds; with `stop`, say so, once."""
+    """Return a stage that succeeds where all of `there` holds; with `stop`, only by `stop`, which fails elsewhere."""
     if not stop:
         return Stage((Go(SUCCESS, there, reward=reward),), guide)
     return Stage((Go(SUCCESS, (*there, STOPPED), reward=reward), Go(FAILURE, (STOPPED,))), guide)
@@ -36,10 +36,10 @@ def arrive(there: tuple[When, ...], stop: bool, reward: float, guide: int = 0) -
 
 @dataclass(frozen=True)
 class Navigation(RowTask):
-    """What tasks of going somewhere share.
+    """Options that navigation tasks share.
 
     Attributes:
-        stop: Agents must say that they have arrived: only `stop` counts, and a wrong one fails.
+        stop: Agents must choose `stop` at the goal: nothing else is success, and a wrong `stop` fails.
         success_reward: Added on success.
     """
 
@@ -53,12 +53,12 @@ class Navigation(RowTask):
 
     @property
     def needs_stop(self) -> bool:
-        """With `stop`."""
+        """True with `stop`."""
         return self.stop
 
     @property
     def name(self) -> str:
-        """Of the task."""
+        """Name of the task."""
         return type(self).__name__
 
     @property
@@ -67,7 +67,7 @@ class Navigation(RowTask):
         return (self,)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Tasks of one house."""
+        """Yield tasks of one house."""
         raise NotImplementedError
 
 
@@ -76,7 +76,7 @@ class RoomNav(Navigation):
     """Go into a room of some type."""
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Types of rooms that the house has, again and again in another order."""
+        """Yield types of rooms that the house has, in a new random order each round."""
         types = np.unique(view.room_types[view.room_types >= 0])
         while len(types):
             for kind in random.permutation(types).tolist():
@@ -89,7 +89,7 @@ class ObjectNav(Navigation):
     """Go to any object of a category, and look at it.
 
     Attributes:
-        success_distance: From the object [m].
+        success_distance: Maximum distance to the object on success [m].
     """
 
     success_distance: float = 1.0
@@ -99,7 +99,7 @@ class ObjectNav(Navigation):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Coarse categories that the house has, again and again in another order."""
+        """Yield coarse categories that the house has, in a new random order each round."""
         kinds = {thing.word(Semantic.COARSE) for thing in view.things}
         kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in NO_GOALS), int)
         there = When(Feature.DISTANCE, 0, most=self.success_distance), When(Feature.SEEN, 0, least=1)
@@ -113,8 +113,8 @@ class PointGoals(Navigation):
     """Go to a point: PointNav as rows, for mixes with other tasks.
 
     Attributes:
-        num_points: Different points in a house; each costs a field of distances.
-        success_distance: From the point [m].
+        num_points: Number of distinct points per house; each has a field of distances.
+        success_distance: Maximum distance to the point on success [m].
     """
 
     num_points: int = 8
@@ -126,7 +126,7 @@ class PointGoals(Navigation):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Cells drawn at random, again and again in another order."""
+        """Yield random cells, in a new random order each round."""
         free = view.graph.place[~view.graph.at_leaf]
         points = free[random.permutation(len(free))[: self.num_points]]
         stage = arrive((When(Feature.DISTANCE, 0, most=self.success_distance),), self.stop, self.success_reward)
@@ -137,10 +137,10 @@ class PointGoals(Navigation):
 
 @dataclass(frozen=True)
 class HouseTasks(RowTask):
-    """A mix of tasks, each as often as any other.
+    """A mix of tasks, all equally frequent.
 
     Attributes:
-        tasks: Their generators.
+        tasks: Generators of the tasks.
     """
 
     tasks: Sequence[Generator] = (RoomNav(), ObjectNav())
@@ -151,40 +151,40 @@ class HouseTasks(RowTask):
 
     @property
     def needs_stop(self) -> bool:
-        """One of the tasks does."""
+        """True if one of the tasks needs `stop`."""
         return any(getattr(task, "needs_stop", False) for task in self.tasks)
 
     @property
     def needs_hands(self) -> bool:
-        """One of the tasks does."""
+        """True if one of the tasks needs hands."""
         return any(getattr(task, "needs_hands", False) for task in self.tasks)
 
     @property
     def needs_ears(self) -> bool:
-        """One of the tasks does."""
+        """True if one of the tasks needs hearing."""
         return any(getattr(task, "needs_ears", False) for task in self.tasks)
 
     @property
     def num_sources(self) -> int:
-        """Of the task that needs most."""
+        """Maximum over the tasks."""
         return max((getattr(task, "num_sources", 1) for task in self.tasks), default=1)
 
     @property
     def clips(self) -> tuple[str, ...]:
-        """Those of all tasks."""
+        """Clips of all tasks."""
         return tuple(dict.fromkeys(clip for task in self.tasks for clip in getattr(task, "clips", ())))
 
     @property
     def generators(self) -> tuple[Generator, ...]:
-        """Those of all tasks."""
+        """Generators of all tasks."""
         return tuple(self.tasks)
 
 
 def mixable(tasks: Any) -> tuple[Generator, ...]:
-    """Tasks that a mix can have.
+    """Return tasks as a tuple if they can be mixed.
 
     Raises:
-        ConfigError: There is none, or one writes no rows, or does more than its rows say.
+        ConfigError: There are no tasks, or one yields no rows, or controls agents itself.
     """
     if not isinstance(tasks, tuple | list) or not tasks:
         hint = "Write tasks=(RoomNav(), ObjectNav())."
@@ -195,5 +195,5 @@ def mixable(tasks: Any) -> tuple[Generator, ...]:
             raise ConfigError(f"a mix is made of tasks that write rows, got {task!r}", hint=hint)
         if getattr(task, "num_acting", None) is not None:
             hint = "Make an environment of its own for it."
-            raise ConfigError(f"{task.name} leads agents itself: it cannot be part of a mix", hint=hint)
+            raise ConfigError(f"{task.name} controls agents itself, so it cannot be part of a mix", hint=hint)
     return tuple(tasks)

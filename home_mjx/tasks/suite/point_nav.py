@@ -20,36 +20,36 @@ from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task, path_scores
 from home_mjx.tasks.suite import goals
 
-FARTHEST = 1000.0  # [m]: no house is larger
+FARTHEST = 1000.0  # [m], bound of distances; larger than any house
 
 
 class PointNavState(Pytree):
-    """Where to, and how far it still is; A agents."""
+    """Goal and progress of A agents."""
 
     goal: Int[Array, ""]  # index into the house's goals
     distance: Float[Array, " a"]  # [m], geodesic
     reached: Bool[Array, " a"]  # has been within `success_radius` since the start; with `stop`: has stopped there
-    arrived: Bool[Array, " a"]  # did so during the last step
+    arrived: Bool[Array, " a"]  # reached the goal in the last step
     length: Float[Array, " a"]  # [m], of the shortest path from the start
-    walked: Float[Array, " a"]  # [m], until it had arrived
-    place: Float[Array, "a 3"]  # [m], in the last step
+    walked: Float[Array, " a"]  # [m], length of the path until arrival
+    place: Float[Array, "a 3"]  # [m], position in the last step
     collisions: Int[Array, " a"]  # steps in touch with anything but the floor
 
 
 @dataclass(frozen=True)
 class PointNav(Task):
-    """Reach the goal's `success_radius`; with several agents, all of them.
+    """Reach the goal within `success_radius`; with several agents, all of them.
 
     An episode ends when each agent has arrived or has chosen the discrete action `stop`.
 
     Attributes:
-        success_radius: Distance that counts as arrived [m].
-        stop: Agents must say that they have arrived: only `stop` within `success_radius` counts. With
-            `success_radius=0.2` this is PointNav as Habitat has it.
-        min_distance: Goals nearer than this at the start are avoided [m].
+        success_radius: Maximum distance on arrival [m].
+        stop: Agents must choose `stop` on arrival: only `stop` within `success_radius` counts. With
+            `success_radius=0.2` this is PointNav as in Habitat.
+        min_distance: Minimum distance of goals at the start, if there are such goals [m].
         success_reward: Added once, on arrival.
-        step_cost: Taken every step.
-        contact_cost: Taken while touching anything but the floor.
+        step_cost: Subtracted every step.
+        contact_cost: Subtracted while touching anything but the floor.
     """
 
     success_radius: float = 0.36
@@ -67,12 +67,12 @@ class PointNav(Task):
 
     @property
     def needs_stop(self) -> bool:
-        """With `stop`."""
+        """True with `stop`."""
         return self.stop
 
     @property
     def observation_spec(self) -> Specs:
-        """`goal`."""
+        """Spec of `goal`."""
         text = "distance in the plane [m], cosine and sine of the bearing in the agent's frame, left positive"
         return {"goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (FARTHEST, 1.0, 1.0), text)}
 
@@ -82,7 +82,7 @@ class PointNav(Task):
         return ("goal", "length")
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PointNavState:
-        """A random goal of the house at least `min_distance` from the first agent, if there is one."""
+        """Return the initial state, with the goal of `columns` or a random one, if possible beyond `min_distance`."""
         if columns is None:
             goal = goals.choose_goal(snapshot, key, self.min_distance)
         else:
@@ -101,7 +101,7 @@ class PointNav(Task):
         )
 
     def update(self, snapshot: Snapshot, state: PointNavState) -> PointNavState:
-        """How far it is now, and who has arrived."""
+        """Update distances, arrivals and path lengths."""
         distance = self._distance(snapshot, state.goal)
         there = distance <= jnp.float32(self.success_radius)
         there = there & snapshot.stopped if self.stop else there
@@ -117,7 +117,7 @@ class PointNav(Task):
         )
 
     def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:
-        """Distance in the plane [m], cosine and sine of the bearing in each agent's own frame (left positive)."""
+        """Return distance in the plane [m], cosine and sine of the bearing in each agent's frame (left positive)."""
         pose, goal = snapshot.pose, snapshot.bank.navigation.goal[snapshot.house, state.goal]
         offset = goal[None, :2] - pose.pos[:, :2]
         distance = jnp.linalg.norm(offset, axis=-1)
@@ -125,17 +125,17 @@ class PointNav(Task):
         return {"goal": jnp.stack([distance, jnp.cos(bearing), jnp.sin(bearing)], axis=-1)}
 
     def reward(self, snapshot: Snapshot, before: PointNavState, state: PointNavState) -> Float[Array, " a"]:
-        """Progress [m] less costs, and `success_reward` on arrival."""
+        """Return progress [m] minus costs, plus `success_reward` on arrival."""
         reward = before.distance - state.distance - jnp.float32(self.step_cost)
         reward = reward - jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
         return reward + jnp.float32(self.success_reward) * state.arrived.astype(jnp.float32)
 
     def terminated(self, snapshot: Snapshot, state: PointNavState) -> Bool[Array, ""]:
-        """All agents have arrived or stopped."""
+        """Return whether all acting agents have arrived or stopped."""
         return jnp.all((state.reached | snapshot.stopped)[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Float[Array, ""]]:
-        """Habitat's, as means over agents: success, SPL, soft SPL, distance [m], collisions; and who touches something.
+        """Return Habitat's metrics as means over agents: success, SPL, soft SPL, distance [m], collisions; and contact.
 
         See `path_scores`.
         """
@@ -150,19 +150,19 @@ class PointNav(Task):
         return {name: jnp.mean(figure) for name, figure in figures.items()}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
-        """See `goals.sample_goal`; limits are `min_length` and `max_length` of the shortest path [m]."""
+        """Sample an episode with `goals.sample_goal`; limits are `min_length` and `max_length` of the path [m]."""
         return goals.sample_goal(bank, house, key, **limits)
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-        """The goal's place, so that any bank of the houses will do."""
+        """Return the goal's position, so that any bank of the houses can load it, and the path length."""
         return goals.to_json(bank, house, columns)
 
     def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-        """The goal of the bank at that place."""
+        """Return the goal of the bank at the line's position, and the path length."""
         return goals.from_json(bank, house, line)
 
     def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
-        """Whether the start lies on a floor, in or beside a cell that has a path to the goal."""
+        """Return whether the start is on a floor, in or beside a cell with a path to the goal."""
         return goals.possible(bank, episode)
 
     def _distance(self, snapshot: Snapshot, goal: Int[Array, ""]) -> Float[Array, " a"]:

@@ -1,4 +1,4 @@
-"""Tasks as JSON lines: names and places instead of numbers, so that any bank of the houses will do."""
+"""Tasks as JSON lines, with names and positions instead of indices: any bank of the houses can load them."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -29,17 +29,17 @@ from home_mjx.tasks.validation.lines import check_line, part
 from home_mjx.tasks.validation.places import first_impossible
 from home_mjx.tasks.validation.table import feature_limits, limits
 
-MAX_BYTES = 1 << 30  # of a file: about a million tasks
+MAX_BYTES = 1 << 30  # [bytes], maximum size of a file; about a million tasks
 ENDS = {SUCCESS: "success", FAILURE: "failure"}
 
 
 def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
-    """Writes tasks, one JSON object a line.
+    """Write tasks, one JSON object a line.
 
     Args:
         path: The file.
-        bank: The houses that they are of.
-        tasks: What `Task.task_bank` or `build_task_bank` has drawn.
+        bank: The tasks' houses.
+        tasks: Tasks from `Task.task_bank` or `build_task_bank`.
 
     Raises:
         ConfigError: The file cannot be written, or the tasks are of other houses, or have no names.
@@ -66,15 +66,15 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
 
 
 def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
-    """Reads what `save_tasks`, or a person, has written.
+    """Load tasks that `save_tasks`, or a person, has written.
 
     Args:
         path: The file.
-        bank: Has the houses, maybe others as well.
+        bank: Holds the houses, and may hold others.
 
     Raises:
-        MissingFileError: There is no such file.
-        DatasetError: A line is broken, or names a house that the bank lacks; says which.
+        MissingFileError: The file does not exist.
+        DatasetError: A line is malformed, or names a house that the bank lacks; names the line.
 
     Example:
         >>> env = env.with_tasks(load_tasks("tasks.jsonl", env.params.bank))  # doctest: +SKIP
@@ -101,7 +101,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
 def _fields(
     path: str | Path, bank: HouseBank, view: HouseView, rows: list[tuple[int, dict[str, Any]]]
 ) -> UInt16[np.ndarray, "c g"]:
-    """Distances of a house's cells to what its tasks mean, if all of these can be done."""
+    """Return distances of a house's cells to the targets of its tasks; raise if a task cannot be solved."""
     columns = [row for _, row in rows]
     field_ = add_fields(bank, view, columns)
     fault = first_impossible(bank, view, columns, field_)
@@ -129,7 +129,7 @@ def _row(line: dict[str, Any], index: dict[str, int], names: dict[str, int]) -> 
 
 
 def _talk(row: dict[str, np.ndarray]) -> dict[str, Any]:
-    """What a row says of speaking, of what it says anything."""
+    """Return the fields of a row about speech, without those that have their defaults."""
     item: dict[str, Any] = {}
     if row["answer"] != NONE:
         item["answer"] = detokenize([int(row["answer"])])

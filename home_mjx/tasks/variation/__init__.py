@@ -1,1 +1,1 @@
-"""Domain randomisation: ranges that a user gives, and what an episode draws from them."""
+"""Domain randomisation: ranges in the options, and the samples of each episode."""

@@ -1,4 +1,4 @@
-"""What an episode draws from the ranges."""
+"""Samples of one episode from the ranges of domain randomisation."""
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +11,7 @@ from home_mjx.tasks.variation.ranges import NAMES, Variation
 
 
 class Mount(Pytree):
-    """How cameras are mounted in an episode, against what their options say; None: just so."""
+    """Offsets of the cameras in an episode from their options; None: no offset."""
 
     height: Float[Array, ""] | None = None  # [m], up
     pitch: Float[Array, ""] | None = None  # [rad], up
@@ -19,9 +19,9 @@ class Mount(Pytree):
 
 
 class Drawn(Pytree):
-    """What one episode has drawn; None: it does not vary."""
+    """Domain randomisation sampled for one episode; None: the value does not vary."""
 
-    key: UInt32[Array, "2"]  # of what is drawn in each step
+    key: UInt32[Array, "2"]  # for values that are sampled in each step
     look: Look | None = None
     mount: Mount | None = None
     bodies: Scale | None = None
@@ -34,21 +34,21 @@ class Drawn(Pytree):
     step_length: Float[Array, ""] | None = None  # [m]
 
     def noise_key(self, step: Int[Array, ""], what: int) -> Array:
-        """A key of each step for each kind of noise."""
+        """Return a key per step and kind of noise."""
         own = jax.random.wrap_key_data(self.key, impl="threefry2x32")
         return jax.random.fold_in(jax.random.fold_in(own, what), step)
 
 
-MOVES, IMAGES = range(2)  # kinds of noise
+MOVES, IMAGES = range(2)  # kinds of noise, for `Drawn.noise_key`
 
 
 def draw(variation: Variation | None, key: Array, num_lamps: int) -> Drawn | None:
-    """Draws for one episode.
+    """Sample one episode from the ranges.
 
     Args:
         variation: Ranges; None: nothing varies.
         key: Typed key.
-        num_lamps: Groups of lamps that are on or off together: rooms, and what belongs to none.
+        num_lamps: Number of groups of lamps that switch together: one per room, and one for lamps outside rooms.
 
     Example:
         >>> drawn = draw(Variation.of(volume=(0.5, 2.0)), jax.random.key(0), 1)
@@ -91,7 +91,7 @@ def draw(variation: Variation | None, key: Array, num_lamps: int) -> Drawn | Non
 def _look(
     variation: Variation, key: Array, keys: dict[str, Array], gain: Float[Array, ""] | None, num_lamps: int
 ) -> Look:
-    """Seed, lamps and textures."""
+    """Return appearance overrides: seed, lamps and textures."""
     lamps = None if gain is None else jnp.full(num_lamps, gain)
     if variation.lamps is not None:
         on = (jax.random.uniform(keys["lamps"], (num_lamps,)) < variation.lamps).astype(jnp.float32)

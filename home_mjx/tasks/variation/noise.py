@@ -1,4 +1,4 @@
-"""Noise of moves and of images, as strong as an episode has drawn it."""
+"""Noise of moves and of images, as strong as sampled for the episode."""
 
 import jax
 import jax.numpy as jnp
@@ -7,29 +7,29 @@ from jaxtyping import Array, Float, UInt8
 
 from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
 
-# A LoCoBot under the controller ILQR: mean and variance of the error forward, to the right [m] and of the turn [rad],
-# of moves and of turns. A. Murali et al., "PyRobot", 2019 (arXiv:1906.08236), as measured for Habitat.
+# LoCoBot with the ILQR controller: mean and variance of the errors forward, to the right [m] and in yaw [rad]; first
+# row of moves, second row of turns. A. Murali et al., "PyRobot", 2019 (arXiv:1906.08236), as measured for Habitat.
 MEAN = np.array([[0.014, 0.009, 0.008], [0.003, 0.003, 0.023]], np.float32)
 VARIANCE = np.array([[0.006, 0.005, 0.004], [0.002, 0.003, 0.012]], np.float32)
-MOST = 3.0  # standard deviations
-LEAST_MOVE = 0.05  # part of its move that a robot makes at least: none goes backwards by mistake
+MOST = 3.0  # [standard deviations], maximum error
+LEAST_MOVE = 0.05  # minimum fraction of a move that is carried out, so that errors never reverse it
 
 
 def noisy_moves(
     level: Float[Array, ""], key: Array, drive: Float[Array, "a 3"], full: Float[Array, "a 3"]
 ) -> Float[Array, "a 3"]:
-    """Moves with errors of a real robot; who neither moves nor turns has none.
+    """Add errors of a real robot to moves; agents that neither move nor turn have no error.
 
-    As in Habitat the errors are Gaussians, cut at three standard deviations and where a move would go backwards, times
-    a multiplier. What would need more than the fastest speed is cut.
+    As in Habitat the errors are Gaussian, truncated at three standard deviations and before they reverse a move, times
+    a multiplier. Moves that would exceed the maximum speed are clipped.
 
     Source: M. Savva et al., "Habitat", 2019 (arXiv:1904.01201), `pyrobot_noisy_controls`.
 
     Args:
         level: Habitat's `noise_multiplier`.
-        key: Of the step.
-        drive: Forward, left and turn left, in parts of the fastest rates.
-        full: What the fastest rates are in a step [m], [m], [rad].
+        key: Random key of the step.
+        drive: Forward, left and turn left, as fractions of the maximum rates.
+        full: Displacements at the maximum rates in a step [m], [m], [rad].
 
     Example:
         >>> still = jnp.zeros((1, 3))
@@ -55,12 +55,12 @@ def _sign(turn: Float[Array, " a"]) -> Float[Array, " a"]:
 def noisy_depth(
     level: Float[Array, ""], key: Array, depth: Float[Array, "h w 1"], depth_max: float
 ) -> Float[Array, "h w 1"]:
-    """Depth as a structured-light sensor reads it, see `kinect_depth`; what is as far as `depth_max` stays [m]."""
+    """Add noise of a structured-light sensor to depth [m], see `kinect_depth`; `depth_max` and above stay."""
     read = kinect_depth(key, depth, near=0.0, far=depth_max, strength=level)
     read = jnp.where(depth < depth_max, jnp.minimum(read, depth_max), depth)
     return jnp.where(level > 0, read, depth)
 
 
 def noisy_rgb(level: Float[Array, ""], key: Array, rgb: UInt8[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
-    """Colours as an image sensor reads them, see `sensor_rgb`; the level multiplies both variances."""
+    """Add noise of an image sensor to colours, see `sensor_rgb`; the level multiplies both variances."""
     return jnp.where(level > 0, sensor_rgb(key, rgb, 0.002 * level, 0.0001 * level), rgb)

@@ -1,4 +1,4 @@
-"""What may vary from episode to episode, and by how much: parameters of what is jitted."""
+"""Ranges of domain randomisation: parameters of the jitted functions."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -14,8 +14,8 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 
-CHANCES = ("lamps", "textures")
-# Ranges: least and greatest number of each.
+CHANCES = ("lamps", "textures")  # fields that are probabilities, not ranges
+# Minimum and maximum of each range.
 LIMITS = {
     "lamp_gain": (0.0, 100.0),
     "daylight": (0.0, 100.0),
@@ -38,32 +38,34 @@ LIMITS = {
 
 
 class Variation(Pytree):
-    """Domain randomisation: each episode draws its own numbers from these ranges, evenly, by its key.
+    """Domain randomisation: each episode samples its own values uniformly from these ranges, by its key.
 
-    A field of `EnvParams`, so that other ranges need no other program; what is None does not vary and costs nothing.
-    Make it with `Variation.of`, which checks the numbers. What a field draws does not depend on the others.
+    A field of `EnvParams`, so that other ranges need no recompilation. Fields that are None do not vary and cost
+    nothing. Make it with `Variation.of`, which validates the numbers. Samples of a field do not depend on the other
+    fields.
 
     Attributes:
-        lamps: Chance of the lamps of each room to be on.
+        lamps: Probability that the lamps of a room are on.
         lamp_gain: Factor of the light of all lamps.
         daylight: Factor of the light of sun and sky; 0 is night.
         sun_azimuth: Direction to the sun from +x towards +y [degrees], instead of that of `Lit`.
-        sun_elevation: Of the sun above the horizon [degrees], instead of that of `Lit`.
-        exposure: Factor of the light that cameras take in; the only one of these that the preset "fast" shows.
-        colors: Relative change: red, green and blue of each material are multiplied by numbers of 1 ± this.
-        textures: Chance of each textured material to have another texture of the bank.
-        camera_height: Added to the height of all cameras [m].
-        camera_pitch: Added to the pitch of all cameras, up [degrees].
-        camera_fovy: Added to the vertical field of view of pinholes [degrees].
+        sun_elevation: Elevation of the sun above the horizon [degrees], instead of that of `Lit`.
+        exposure: Exposure factor of the cameras; of these fields the only one with an effect on the preset "fast".
+        colors: Maximum relative change of colour: red, green and blue of each material are multiplied by 1 ± this.
+        textures: Probability that a textured material has another texture of the bank.
+        camera_height: Offset of the height of all cameras [m].
+        camera_pitch: Offset of the pitch of all cameras, up [degrees].
+        camera_fovy: Offset of the vertical field of view of pinhole cameras [degrees].
         friction: Factor of the friction of movable bodies.
         mass: Factor of the mass of movable bodies.
         volume: Factor of the pressure of all clips and words.
-        clips: Weight of each of `CLIPS` as the sound of the house's own source; tasks that have sounds keep theirs.
-        move_noise: Of discrete actions, Habitat's `noise_multiplier`: 1 is a LoCoBot.
-        depth_noise: Of depth images of pinholes: 1 is a Kinect.
-        color_noise: Of colour images, in variances: 1 is a common image sensor.
-        noise_volume: Factor of the pressure of all noises of bodies, see `NoiseConfig`.
-        step_length: From one footstep to the next [m], instead of that of `NoiseConfig`: agents walk at another pace.
+        clips: Weight of each of `CLIPS` as the sound of the house's own source; tasks with sounds keep theirs.
+        move_noise: Level of actuation noise of discrete actions, Habitat's `noise_multiplier`; 1: a LoCoBot.
+        depth_noise: Level of noise in depth images of pinhole cameras; 1: a Kinect.
+        color_noise: Level of noise in colour images of pinhole cameras, as a factor of variances; 1: a common image
+            sensor.
+        noise_volume: Factor of the pressure of all contact sounds, see `NoiseConfig`.
+        step_length: Distance between footsteps [m], instead of that of `NoiseConfig`: another cadence of walking.
 
     Example:
         >>> ranges = Variation.of(lamps=0.5, daylight=(0, 1.5), camera_height=(-0.2, 0.2))
@@ -94,11 +96,11 @@ class Variation(Pytree):
 
     @classmethod
     def of(cls, **ranges: Any) -> "Variation":
-        """Ranges by name, checked.
+        """Return validated ranges by name.
 
         Args:
-            **ranges: A chance for `lamps` and `textures`; names of sounds, or their weights by name, for `clips`;
-                (least, greatest) for all others, or one number if it is to be the same in all episodes.
+            **ranges: A probability for `lamps` and `textures`. Names of sounds, or their weights by name, for `clips`.
+                For all others (minimum, maximum), or one number that is the same in all episodes.
 
         Raises:
             ConfigError: A name is unknown, with the closest known one, or a range is empty or out of limits.
@@ -111,7 +113,7 @@ class Variation(Pytree):
         return cls(**{name: _array(name, value) for name, value in ranges.items() if value is not None})
 
     def named(self) -> dict[str, Any]:
-        """What `of` takes for the same ranges: plain numbers, such as for JSON; on the host.
+        """Return arguments of `of` for the same ranges as plain numbers, such as for JSON; on the host.
 
         Example:
             >>> Variation.of(lamps=0.5, friction=(1, 2)).named()
@@ -128,7 +130,7 @@ NAMES = tuple(Variation.__dataclass_fields__)
 
 
 def named(given: Any) -> dict[str, Any]:
-    """What `make` takes, checked, as plain numbers by name.
+    """Return ranges in any form that `make` accepts, validated, as plain numbers by name.
 
     Example:
         >>> named({"lamps": 0.5, "volume": 2})
@@ -139,10 +141,10 @@ def named(given: Any) -> dict[str, Any]:
 
 
 def as_variation(given: Any) -> Variation | None:
-    """What `make` takes: None, a `Variation`, or its ranges by name.
+    """Convert a form that `make` accepts: None, a `Variation`, or its ranges by name.
 
     Raises:
-        ConfigError: It is something else, or a range cannot be used.
+        ConfigError: Another type, or a range is invalid.
     """
     if given is None:
         return None
@@ -167,7 +169,7 @@ def _range(name: str, value: Any) -> tuple[float, float]:
     ends = np.asarray(value).tolist() if isinstance(value, np.ndarray | Array) else value
     pair = (ends, ends) if not isinstance(ends, tuple | list) else ends
     if len(pair) != 2:
-        raise ConfigError(f"`{name}` must be (least, greatest), got {value!r}", element=f"Variation.{name}")
+        raise ConfigError(f"`{name}` must be (minimum, maximum), got {value!r}", element=f"Variation.{name}")
     for end in pair:
         check_number(name, end, least, most)
     if pair[0] > pair[1]:

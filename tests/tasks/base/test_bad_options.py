@@ -87,7 +87,7 @@ def test_words_that_are_sounds_need_ears():
 
 
 def test_cameras_that_cannot_give_what_they_should_are_refused():
-    with pytest.raises(ConfigError, match="intrinsics"):
+    with pytest.raises(ConfigError, match="intrinsic matrix"):
         AgentCamera("scanner", ("intrinsics",), Lens(8, 8, "lidar"))
     with pytest.raises(ConfigError, match="samples"):
         Lens(samples=10**9)

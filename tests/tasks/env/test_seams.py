@@ -243,8 +243,8 @@ def changed(own, **methods):
         ({"terminated": lambda self, snapshot, state: jnp.ones(1, bool)}, r"Changed\.terminated: .* \(\), got \(1,\)"),
         ({"metrics": lambda self, snapshot, state: {"turned": jnp.ones(1)}}, r"Changed\.metrics, `turned`"),
         ({"observe": lambda self, snapshot, state: {"tuned": jnp.ones((1, 1))}}, r"\['tuned'\].*\['turned'\]"),
-        ({"observe": lambda self, snapshot, state: {"turned": jnp.ones(1)}}, r"\(1,\).*promises float32 \(1, 1\)"),
-        ({"observe": lambda self, snapshot, state: {"turned": jnp.ones((1, 1), int)}}, "int32.*promises float32"),
+        ({"observe": lambda self, snapshot, state: {"turned": jnp.ones(1)}}, r"\(1,\).*declares float32 \(1, 1\)"),
+        ({"observe": lambda self, snapshot, state: {"turned": jnp.ones((1, 1), int)}}, "int32.*declares float32"),
     ],
 )
 def test_tasks_that_break_their_promise_are_told_which(own, bank, methods, words):

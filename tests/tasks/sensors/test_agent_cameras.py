@@ -98,9 +98,9 @@ def test_environments_draw_with_the_preset_of_their_choice(bank):
     [
         (lambda: AgentCamera("a", kinds=("rgbb",)), "Did you mean `rgb`"),
         (lambda: AgentCamera("a", fovy=180.0), "`fovy` of camera `a`"),
-        (lambda: make_config(cameras=(AgentCamera("head"),)), "names of their own"),
+        (lambda: make_config(cameras=(AgentCamera("head"),)), "distinct names"),
         (lambda: make_config(rgb_preset="list"), "Did you mean `lit`"),
-        (lambda: make_config(cameras=(AgentCamera("a"), AgentCamera("a"))), "names of their own"),
+        (lambda: make_config(cameras=(AgentCamera("a"), AgentCamera("a"))), "distinct names"),
     ],
 )
 def test_wrong_cameras_are_refused(make, words):

@@ -246,7 +246,7 @@ def test_sentences_are_split_by_combinations(generated_bank):
 
 def test_what_cannot_be_mixed_is_refused():
     for task, words in (
-        (PiedPiper(), "leads agents itself"),
+        (PiedPiper(), "controls agents itself"),
         (RoomNav, "tasks that write rows"),
     ):
         with pytest.raises(ConfigError, match=words):

@@ -131,7 +131,7 @@ def test_ranges_go_to_names_and_back():
         ({"lamps": 1.5}, "`lamps` must be a finite number of at least 0 and at most 1"),
         ({"lamps": (0, 1)}, "`lamps` must be"),
         ({"exposure": (2, 1)}, r"`exposure` is empty: from 2 to 1.*exposure=\(1, 2\)"),
-        ({"exposure": (0.5, 1, 2)}, "`exposure` must be .least, greatest."),
+        ({"exposure": (0.5, 1, 2)}, "`exposure` must be .minimum, maximum."),
         ({"exposure": "bright"}, "`exposure`"),
         ({"colors": (0, 2)}, "`colors` must be a finite number of at least 0 and at most 1"),
         ({"friction": (0, 1)}, "`friction`"),
@@ -164,7 +164,7 @@ def test_what_is_no_variation_is_refused():
         ({"rgb_preset": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
         ({}, {"noise_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
         ({}, {"step_length": (0.5, 0.8)}, "Bodies make no noises: give noises="),
-        ({}, {"clips": ("radio", "bell")}, 'has not the sounds "bell"'),
+        ({}, {"clips": ("radio", "bell")}, 'lacks the sounds "bell"'),
         ({"sensors": ("rgb",)}, {"camera_fovy": (-95, 0)}, "field of view of camera `head` would be -5 to 90 degrees"),
     ],
 )

@@ -237,7 +237,7 @@ def test_wrong_ranges_are_refused_before_a_house_is_made(tmp_path):
 
 
 def test_what_has_no_effect_is_refused_when_it_is_bound(env):
-    with pytest.raises(ConfigError, match="has not the sounds"):
+    with pytest.raises(ConfigError, match="lacks the sounds"):
         env.with_variation({"clips": ("noise",)})
     slow = HouseholdEnv(make_config(sensors=("state",), impl="kinematic"), PointNav()).bind(env.bank)
     with pytest.raises(ConfigError, match="Nothing slides"):
