@@ -1,4 +1,4 @@
-"""Rays in houses: `cast` and `occluded`, scenes of placed objects and agents, cameras and images."""
+"""Ray casting in houses: `cast` and `occluded`, scenes of posed objects and agents, cameras and images."""
 
 from typing import TYPE_CHECKING
 
@@ -43,5 +43,5 @@ __all__ = [
     "world_from_camera",
 ]
 
-if not TYPE_CHECKING:  # type checkers report missing names by themselves
+if not TYPE_CHECKING:  # keeps missing names visible to type checkers
     __getattr__ = moved.attributes_of(__name__)
