@@ -119,7 +119,7 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
     """Return the unit vector of a direction; 0 if it is zero or not finite."""
     largest = jnp.max(jnp.abs(vector))
     points = jnp.all(jnp.isfinite(vector)) & (largest > 0)
-    scaled = jnp.where(points, vector, 1.0) / jnp.where(points, largest, 1.0)  # its square is in range
+    scaled = jnp.where(points, vector, 1.0) / jnp.where(points, largest, 1.0)  # avoids overflow of the square
     return jnp.where(points, scaled / jnp.linalg.norm(scaled), 0.0)
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 class Layout:
     """Addresses in `qpos`, `qvel`, bodies and geoms of the template.
 
-    Order of bodies: world, agents, movable bodies, doors. All except the world are called mobiles and are counted from
-    0.
+    Order of bodies: world, agents, movable bodies, doors. All except the world are dynamic bodies, which are counted
+    from 0.
     Order of geoms: floor, slots of the agents, slots of the bodies, then two per agent (capsule, foot), nine per body
     (box, corners) and one per door.
     An agent has 4 numbers in `qpos` and in `qvel` (x, y, z, yaw), a body 7 and 6, and a door 1 and 1. A door's

@@ -24,7 +24,7 @@ class Scale(Pytree):
 class PhysicsState(Pytree):
     """Poses and speeds of an environment's agents, movable bodies and doors; see `layout.Layout`.
 
-    Field names follow MuJoCo. Mobiles are the dynamic bodies: agents, then movable bodies, then doors.
+    Field names follow MuJoCo. Dynamic bodies are the agents, then the movable bodies, then the doors.
     """
 
     qpos: Float[
@@ -38,7 +38,7 @@ class PhysicsState(Pytree):
     tries: Int[Array, "*batch a"]  # control steps since the hand started to pick or to place
     goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.FREE`: not driven
     touched: Int[Array, "*batch a"]  # contact points per agent except with the floor, maximum over physics steps
-    impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each mobile in the last control step
+    impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step
     place: Float[Array, "*batch m 3"]  # [m], position of its strongest contact
-    other: Int[Array, "*batch m"]  # other side of that contact: a mobile; -1 none, -2 floor, -3 - c static box c
+    other: Int[Array, "*batch m"]  # other side of that contact: a dynamic body; -1 none, -2 floor, -3 - c static box c
     scale: Scale | None = None  # factors of friction and mass, constant in an episode

@@ -33,19 +33,19 @@ INLINE real* shared_memory() { return shared_floats; }
 
 constexpr int MOST_POINTS = 16;       // maximum number of contact points of a pair of shapes
 constexpr int BLOCKS = 16;            // minimum number of blocks per multiprocessor: 128 registers a thread
-constexpr int SLEEPER = -1000000;      // code of a contact's second mobile m if that sleeps: SLEEPER - m
-constexpr int PAIRS_PER_MOBILE = 16;  // pairs of nearby mobiles that the buffer holds per mobile, as in launch.py
-constexpr int NEAR = 24;              // maximum number of listed static boxes per mobile
-constexpr int POINTS_PER_MOBILE = 24; // contact points per mobile that the buffer holds
+constexpr int SLEEPER = -1000000;      // code of a contact's second body m if that sleeps: SLEEPER - m
+constexpr int PAIRS_PER_MOBILE = 16;  // pairs of nearby bodies per dynamic body that the buffer holds, as in launch.py
+constexpr int NEAR = 24;              // maximum number of listed static boxes per dynamic body
+constexpr int POINTS_PER_MOBILE = 24; // contact points per dynamic body that the buffer holds
 constexpr int CONTACT_WORDS = 52;     // words of memory per contact, as in launch.py
-constexpr int SMALL_ISLAND = 6;       // maximum mobiles of an island solved in shared memory, as in launch.py
-// Codes of a contact's second mobile if that does not move; static box c is STATIC - c.
+constexpr int SMALL_ISLAND = 6;       // maximum dynamic bodies of an island solved in shared memory, as in launch.py
+// Codes of a contact's second side if that is no dynamic body; static box c is STATIC - c.
 constexpr int LIMIT = -1, FLOOR = -2, STATIC = -3;
 constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;  // of the tables, see native/data/limits.py
 constexpr int FREE = 1000000000;                                      // goal of a door that is not driven
 constexpr real WAKE_NEAR = 0.01;  // [m], see native/sleep.py
-constexpr real AWAKE = 1e-6;  // acceleration that marks a woken mobile; sleeping ones have 0
-constexpr real HEAVY = 1e20;                                          // mass of a door's unused DoFs, so that they never move
+constexpr real AWAKE = 1e-6;  // acceleration that marks a woken dynamic body; sleeping ones have 0
+constexpr real HEAVY = 1e20;                                          // mass of a door's unused DoFs
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 32;

@@ -7,8 +7,8 @@ struct Push {
 };
 
 struct Contact {
-  real frame[3][3];                       // rows: normal from the first to the second mobile, two tangents
-  real turn[2][3][3];                     // velocities in the frame from the spins of the first and the second mobile
+  real frame[3][3];                       // rows: normal from the first to the second body, two tangents
+  real turn[2][3][3];                     // velocities in the frame from the spins of the first and the second body
   real weight, friction;                  // weight: 1 / regularisation of its rows
   real target[3], residual[3], slope[3];  // in the frame; `edge_value` projects them on the rows
   Push push;
@@ -20,10 +20,10 @@ static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py alloca
 // One environment: pointers into shared memory and scratch.
 struct Env {
   int agents, free, mobiles, statics, room;  // free: agents + bodies, index of the first door; room: maximum contacts
-  // Element 0 of quat is an agent's yaw or a door's coordinate. All mobiles have six velocities; a door's rate is the
-  // last, and HEAVY masses keep the others at zero.
+  // Element 0 of quat is an agent's yaw or a door's coordinate. All dynamic bodies have six velocities; a door's rate is
+  // the last, and HEAVY masses keep the others at zero.
   real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
-  int *there, *calm, *wakes, *list, *pairs;  // list: awake mobiles; pairs: mobiles near each other
+  int *there, *calm, *wakes, *list, *pairs;  // list: awake dynamic bodies; pairs: dynamic bodies near each other
   int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
   real *near, *near_from, *small, *large;  // small and large: memory for Newton's method, small is shared memory
   const float *agent, *door, *surface;  // tables of the agents, the house's doors and its bodies
@@ -32,8 +32,8 @@ struct Env {
   Numbers numbers;
 };
 
-// Returns the lever arm from a mobile's rotation axis to a point. For a leaf that slides along s it is s x up, so that
-// its rotation becomes the displacement along s.
+// Returns the lever arm from a body's rotation axis to a point. For a leaf that slides along s it is s x up, so that its
+// rotation becomes the displacement along s.
 INLINE Vec arm_to(const Env& e, int m, Vec at) {
   const Vec arm = at - Vec{e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
   if (m < e.free) return arm;
@@ -48,7 +48,7 @@ INLINE real edge_value(int row, real friction, const real* v) {
   return v[0] + (row % 2 == 0 ? friction * tangent : -friction * tangent);
 }
 
-// Adds the first (0) or second (1) mobile's part to the relative velocity in the contact frame.
+// Adds the first (0) or second (1) body's part to the relative velocity in the contact frame.
 template <int SIDE>
 INLINE void add_relative(const Contact& c, const real* values, real* out) {
 #pragma unroll
@@ -58,7 +58,7 @@ INLINE void add_relative(const Contact& c, const real* values, real* out) {
       out[row] += c.turn[SIDE][row][k] * values[3 + k] + (SIDE == 0 ? -c.frame[row][k] : c.frame[row][k]) * values[k];
 }
 
-// Computes the velocity of the second mobile relative to the first; `place` maps a mobile to its offset in `values`.
+// Computes the velocity of the second body relative to the first; `place` maps a body to its offset in `values`.
 template <class Place>
 INLINE void relative(const Contact& c, const real* values, Place place, real* out) {
   out[0] = out[1] = out[2] = 0;

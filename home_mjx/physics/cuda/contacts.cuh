@@ -66,7 +66,7 @@ INLINE bool apart(const Box& a, const Box& b, real reach) {
   return false;
 }
 
-// Returns an upper bound of the displacement of a mobile's points since its nearby boxes were listed [m].
+// Returns an upper bound of the displacement of a body's points since its nearby boxes were listed [m].
 INLINE real moved(const Env& e, int m) {
   real square = 0, turn = 0;
   for (int k = 0; k < 3; ++k) {
@@ -80,10 +80,10 @@ INLINE real moved(const Env& e, int m) {
   return sqrt(square) + e.radius[m] * sqrt(turn);
 }
 
-// Updates the lists of static boxes near mobiles that have moved; the static boxes are distributed over the lanes.
+// Updates the lists of static boxes near bodies that have moved; the static boxes are distributed over the lanes.
 __device__ void keep_near(const Env& e, const House& house) {
   bool any = false;
-  int* looks = e.members;  // flags of mobiles whose list is updated
+  int* looks = e.members;  // flags of dynamic bodies whose list is updated
   for (int m = LANE; m < e.free; m += WARP_SIZE) {
     looks[m] = e.used[m] && (e.num_near[m] < 0 || moved(e, m) >= REACH);
     if (!looks[m]) continue;
@@ -158,7 +158,7 @@ INLINE void at_limits(const Env& e, int m, Points& points) {
   }
 }
 
-// Lists the awake mobiles; returns their number.
+// Lists the awake dynamic bodies; returns their number.
 __device__ int list_awake(const Env& e) {
   int count = 0;
   for (int base = 0; base < e.mobiles; base += WARP_SIZE) {
@@ -172,7 +172,7 @@ __device__ int list_awake(const Env& e) {
   return count;
 }
 
-// Returns whether the bounding spheres of two mobiles are at most `reach` apart.
+// Returns whether the bounding spheres of two dynamic bodies are at most `reach` apart.
 INLINE bool spheres_meet(const Env& e, int a, int b, real reach) {
   real square = 0;
   for (int k = 0; k < 3; ++k) {
@@ -183,8 +183,8 @@ INLINE bool spheres_meet(const Env& e, int a, int b, real reach) {
   return square <= far * far;
 }
 
-// Lists pairs of mobiles whose bounding spheres overlap, as first + second * mobiles; returns their number. The first
-// is awake. Of two awake mobiles, the first has the lower index. Doors do not collide with each other.
+// Lists pairs of dynamic bodies whose bounding spheres overlap, as first + second * mobiles; returns their number. The
+// first is awake. Of two awake bodies, the first has the lower index. Doors do not collide with each other.
 __device__ int list_pairs(const Env& e, int awake) {
   int count = 0;
   for (int base = 0; base < awake * e.mobiles; base += WARP_SIZE) {
@@ -220,7 +220,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
       first = e.list[pair];
       if (first < e.free) second = FLOOR, on_floor(e, first, floor, points);
       else second = LIMIT, at_limits(e, first, points);
-    } else if (pair < total) {  // a static box or another mobile
+    } else if (pair < total) {  // a static box or another dynamic body
       Box box;
       if ((pair -= awake) < statics) {
         int m = 0;

@@ -105,7 +105,7 @@ INLINE void smooth(const Env& e, int m, const Control& control, const float* ram
   climb(e, m, ramps, num_ramps);
 }
 
-// Applies hands, after `smooth` of all mobiles. Two agents never hold the same body.
+// Applies hands, after `smooth` of all dynamic bodies. Two agents never hold the same body.
 INLINE void hold(const Env& e, int a, const Control& control) {
   if (control.held[a] >= 0) carry(e, a, e.agents + control.held[a], control.grip + 7 * a);
   for (int k = 3; k < 6; ++k) e.acc[6 * a + k] = e.smooth[6 * a + k];  // contacts do not turn agents

@@ -19,7 +19,7 @@ SOURCES = tuple(Path(__file__).with_name(name) for name in FILES)
 WARP = 32
 CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
 PAIRS_PER_MOBILE = 16  # as in base.cuh
-SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # words per mobile in shared memory, as laid out in step.cu
+SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # words of shared memory per dynamic body, as in step.cu
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:

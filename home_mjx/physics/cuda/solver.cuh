@@ -1,14 +1,14 @@
 // Islands, and Newton's method for MuJoCo's convex problem in each; counterpart of native/solver.py.
 //
-// Mobiles that touch no other mobile are solved in registers, one per lane in parallel. Larger islands are solved by the
-// whole warp, one after another. Sums over lanes have a fixed order, so that results do not depend on the batch.
+// Bodies that touch no other dynamic body are solved in registers, one per lane in parallel. Larger islands are solved
+// by the whole warp, one after another. Sums over lanes have a fixed order, so results do not depend on the batch.
 
 INLINE int find_root(const int* island, int m) {
   while (island[m] != m) m = island[m];
   return m;
 }
 
-// Labels each mobile with the first mobile of its island, counts mobiles and contacts, and sorts contacts by island.
+// Labels each body with the first body of its island, counts bodies and contacts, and sorts contacts by island.
 __device__ void find_islands(const Env& e, int count) {
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.island[m] = m, e.members[m] = e.rows[m] = 0;
   sync_warp();
@@ -64,7 +64,7 @@ INLINE real find_length(real scale, Derivatives derivatives) {
   return length;
 }
 
-// Newton's method for a single mobile, in registers: loops over its six DoFs are unrolled.
+// Newton's method for a single body, in registers: loops over its six DoFs are unrolled.
 struct Alone {
   real mass[6], free[6], acc[6], search[6];
   real hessian[6][6], gradient[6];
@@ -173,7 +173,7 @@ __device__ __noinline__ void solve_alone(const Env& e, int m) {
   for (int k = 0; k < 6; ++k) e.acc[6 * m + k] = own.acc[k];
 }
 
-// An island of several mobiles, solved by the whole warp. The DoFs of mobile m are at offset[m] of its vectors.
+// An island of several bodies, solved by the whole warp. The DoFs of body m are at offset[m] of its vectors.
 struct Joined {
   int root, size, count;
   const int *contacts, *offset;
@@ -190,10 +190,10 @@ struct Joined {
 INLINE int packed(int row, int column) { return row * (row + 1) / 2 + column; }  // of a lower triangle
 __device__ constexpr int newton_words(int size) { return size * (size + 1) / 2 + 2 * size; }
 
-// One element that a contact adds to: of the Hessian's blocks of the first mobile (21), the second one (21) and both
-// (36), or of the gradient (12). Each lane owns a few elements, the same for all contacts.
+// One element that a contact adds to: of the Hessian's blocks of the first body (21), the second one (21) and both (36),
+// or of the gradient (12). Each lane owns a few elements, the same for all contacts.
 struct Entry {
-  int side[2], at[2];  // for row and column: the contact's mobile, and the index of its DoF
+  int side[2], at[2];  // for row and column: the contact's body, and the index of its DoF
   bool gradient;
 };
 constexpr int ENTRIES = 90, OWN_ENTRIES = (ENTRIES + WARP_SIZE - 1) / WARP_SIZE;

@@ -75,7 +75,7 @@ INLINE void count_touched(const Env& e, int count, int* touched) {
   }
 }
 
-// Adds the impulses of a physics step and keeps the strongest contact of each mobile.
+// Adds the impulses of a physics step and keeps the strongest contact of each dynamic body.
 INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
   for (int n = LANE; n < count; n += WARP_SIZE) {
     Contact& c = e.contacts[n];

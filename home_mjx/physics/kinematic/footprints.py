@@ -16,7 +16,7 @@ class Footprints(Pytree):
 
     x: Float[Array, "*n"]  # [m], centre
     y: Float[Array, "*n"]
-    cos: Float[Array, "*n"]  # of the heading of u
+    cos: Float[Array, "*n"]  # of u's heading
     sin: Float[Array, "*n"]
     half_u: Float[Array, "*n"]  # [m]
     half_v: Float[Array, "*n"]

@@ -30,7 +30,7 @@ class HouseInC:
     Args:
         model: A `mujoco.MjModel` whose floor is the geom `floor`.
         layout: Layout of the state.
-        names: Body name of each mobile, in the state's order; "" if the house has none. The sizes of its joints match
+        names: Name of each dynamic body, in the state's order; "" if the house has none. The sizes of its joints match
             the state's layout.
         static: Static box index of each static geom, by its name.
     """
@@ -105,7 +105,7 @@ class HouseInC:
 
 
 def _sizes(layout: Layout, mobile: int) -> tuple[int, int]:
-    """Return a mobile's number of elements in the state's `qpos` and `qvel`."""
+    """Return a dynamic body's number of elements in the state's `qpos` and `qvel`."""
     if mobile < layout.num_agents:
         return 4, 4
     return (7, 6) if mobile < layout.num_agents + layout.num_bodies else (1, 1)

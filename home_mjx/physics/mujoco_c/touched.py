@@ -10,7 +10,7 @@ from home_mjx.physics.base.touch import FLOOR, NOTHING
 
 
 class Touched(NamedTuple):
-    """Contacts of each mobile, see `PhysicsState`; `count` is per agent."""
+    """Contacts of each dynamic body, see `PhysicsState`; `count` is per agent."""
 
     count: Int[np.ndarray, " a"]  # contact points except with the floor
     impulse: Float[np.ndarray, " m"]  # [N s], of all contacts
@@ -24,7 +24,7 @@ def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: fl
 
     Args:
         data: A `mujoco.MjData`.
-        owner: Owner of each geom: a mobile, or a code of `base.touch`.
+        owner: Owner of each geom: a dynamic body, or a code of `base.touch`.
         layout: Layout of the state.
         dt: Length of the step [s].
     """
@@ -35,7 +35,7 @@ def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: fl
     count = np.bincount(met, minlength=mobiles)[: layout.num_agents]
     impulse = np.tile(_normal_forces(data) * dt, 2)
     rows = np.flatnonzero((me >= 0) & (impulse > 0))
-    rows = rows[np.argsort(impulse[rows], kind="stable")]  # the last write per mobile wins: the strongest contact
+    rows = rows[np.argsort(impulse[rows], kind="stable")]  # the last write per dynamic body wins: the strongest contact
     strongest, place, partner = np.zeros(mobiles), np.zeros((mobiles, 3)), np.full(mobiles, NOTHING)
     strongest[me[rows]], partner[me[rows]] = impulse[rows], other[rows]
     place[me[rows]] = contact.pos[rows % max(len(one), 1)]

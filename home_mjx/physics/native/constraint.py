@@ -63,7 +63,7 @@ def edge_value(row, friction, normal, first, second):
 @compiled
 @no_type_check
 def contact_velocity(work, n, values):
-    """Compute the velocity, or acceleration, of the second mobile relative to the first in the contact frame (3)."""
+    """Compute the velocity, or acceleration, of the second body relative to the first in the contact frame (3)."""
     x = y = z = 0.0
     a, b = work.first[n], work.second[n]
     for d in range(6):
@@ -83,7 +83,7 @@ def contact_velocity(work, n, values):
 @compiled
 @no_type_check
 def _jacobian(work, n, side, m, sign):
-    """Write the contact frame's Jacobian for one mobile's six velocities; agents have no rotational part."""
+    """Write the contact frame's Jacobian for one body's six velocities; agents have no rotational part."""
     if m >= work.num_free:
         _door_jacobian(work, n, side, m, sign)
         return
@@ -95,7 +95,7 @@ def _jacobian(work, n, side, m, sign):
         u, v, w = work.frame[9 * n + 3 * row], work.frame[9 * n + 3 * row + 1], work.frame[9 * n + 3 * row + 2]
         jacobian = shifted(work.jacobian, 36 * n + 18 * side + 6 * row)
         jacobian[0], jacobian[1], jacobian[2] = sign * u, sign * v, sign * w
-        # Rotational part about the mobile's own axes: (arm x direction) in its frame.
+        # Rotational part about the body's own axes: (arm x direction) in its frame.
         tx, ty, tz = y * w - z * v, z * u - x * w, x * v - y * u
         for k in range(3):
             turn = work.rot[9 * m + k] * tx + work.rot[9 * m + 3 + k] * ty + work.rot[9 * m + 6 + k] * tz

@@ -1,4 +1,4 @@
-"""Contact detection: mobiles against the floor, nearby static boxes and one another."""
+"""Contact detection: dynamic bodies against the floor, nearby static boxes and one another."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from math import sqrt
@@ -76,7 +76,7 @@ def forget_near(work):
 @compiled
 @no_type_check
 def _keep_near(work, m):
-    """Update the list of static boxes near a mobile if it has moved by `REACH` since the last update."""
+    """Update the list of static boxes near a body if it has moved by `REACH` since the last update."""
     if work.num_near[m] >= 0 and _moved(work, m) < REACH:
         return
     count = 0
@@ -108,7 +108,7 @@ def _keep_near(work, m):
 @compiled
 @no_type_check
 def _moved(work, m):
-    """Return an upper bound of the displacement of a mobile's points since its nearby boxes were listed [m]."""
+    """Return an upper bound of the displacement of a body's points since its nearby boxes were listed [m]."""
     square, turn = 0.0, 0.0
     for k in range(3):
         step = work.pos[3 * m + k] - work.near_from[12 * m + k]
@@ -122,7 +122,7 @@ def _moved(work, m):
 @compiled
 @no_type_check
 def apart(work, m, pos, rot, half, reach):
-    """Return whether one of the six face axes separates a mobile's box from another box by more than `reach`."""
+    """Return whether one of the six face axes separates a body's box from another box by more than `reach`."""
     for k in range(3):
         own, other, along, across = 0.0, 0.0, 0.0, 0.0
         for j in range(3):
@@ -177,7 +177,7 @@ def _body_on_floor(work, numbers, m, floor):
 @compiled
 @no_type_check
 def spheres_meet(work, a, b, reach):
-    """Return whether the bounding spheres of two mobiles are at most `reach` apart."""
+    """Return whether the bounding spheres of two dynamic bodies are at most `reach` apart."""
     square = 0.0
     for k in range(3):
         step = work.pos[3 * b + k] - work.pos[3 * a + k]
@@ -189,7 +189,7 @@ def spheres_meet(work, a, b, reach):
 @compiled
 @no_type_check
 def _with_static(work, m, c):
-    """Add contacts of a mobile and a static box."""
+    """Add contacts of a body and a static box."""
     pos, rot, half = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c), shifted(work.static_half, 3 * c)
     if m < work.num_agents and apart(work, m, pos, rot, half, 0.0):
         return
@@ -199,7 +199,7 @@ def _with_static(work, m, c):
 @compiled
 @no_type_check
 def _with_mobile(work, a, b):
-    """Add contacts of two mobiles; `a` precedes `b` in the list of mobiles."""
+    """Add contacts of two dynamic bodies, of which `a` has the lower index."""
     if not spheres_meet(work, a, b, 0.0):
         return
     pos = shifted(work.pos, 3 * b)
@@ -215,7 +215,7 @@ def _with_mobile(work, a, b):
 @compiled
 @no_type_check
 def _with_sleeper(work, m, other):
-    """Add contacts with a sleeping mobile, which is fixed in this physics step and wakes for the next."""
+    """Add contacts with a sleeping body, which is fixed in this physics step and wakes for the next."""
     if spheres_meet(work, m, other, 0.0):
         before = work.counts[NUM_CONTACTS]
         pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
@@ -227,7 +227,7 @@ def _with_sleeper(work, m, other):
 @compiled
 @no_type_check
 def _with_box(work, m, other, pos, rot, half):
-    """Add contacts of a mobile and a box; `other` is the code of the box's owner."""
+    """Add contacts of a body and a box; `other` is the code of the box's owner."""
     points, normals, own = work.points, work.normals, shifted(work.pos, 3 * m)
     if m < work.num_agents:
         size = shifted(work.agent, AGENT_COLUMNS * m)

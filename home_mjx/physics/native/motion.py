@@ -15,7 +15,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def place_mobiles(work, also_sleepers):
-    """Update the axes of mobiles and the poses of door leaves from their coordinates."""
+    """Update the axes of dynamic bodies and the poses of door leaves from their coordinates."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
@@ -57,7 +57,7 @@ def rotation(quat, rot):
 @compiled
 @no_type_check
 def move_mobiles(work, numbers):
-    """Integrate all mobiles by semi-implicit Euler."""
+    """Integrate all dynamic bodies by semi-implicit Euler."""
     for a in range(work.num_agents):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
         _move_agent(work, numbers, a)

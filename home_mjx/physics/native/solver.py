@@ -2,7 +2,7 @@
 
 The accelerations minimise 1/2 (a - smooth)' M (a - smooth) + sum over rows of 1/2 weight min(0, J a - target)^2.
 Newton's method finds the minimum of this piecewise quadratic function. It has converged after a full step that leaves
-the set of active rows unchanged. M is diagonal, and mobiles that do not touch one another are independent problems.
+the set of active rows unchanged. M is diagonal, and bodies that do not touch one another are independent problems.
 
 Sources: E. Todorov, "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014; MuJoCo's
 documentation, "Computation", section "Constraint solver".
@@ -52,7 +52,7 @@ def solve(work, numbers):
 @compiled
 @no_type_check
 def _find_islands(work):
-    """Label each mobile with the first mobile of its island, the mobiles connected by contacts."""
+    """Label each body with the first body of its island, the bodies connected by contacts."""
     for m in range(work.num_mobiles):
         work.island[m] = m
     for n in range(work.counts[NUM_CONTACTS]):
@@ -74,7 +74,7 @@ def _root(work, m):
 @compiled
 @no_type_check
 def _members(work, root):
-    """Collect an island's mobiles and assign their offsets in its vectors; return both counts."""
+    """Collect an island's bodies and assign their offsets in its vectors; return both counts."""
     members, size = 0, 0
     for m in range(root, work.num_mobiles):
         if work.used[m] and work.island[m] == root:
@@ -174,7 +174,7 @@ def _add_contact(work, n, size):
             x, y, z = own[i], own[6 + i], own[12 + i]
             gradient[row] += x * f0 + y * f1 + z * f2
             u, v, w = w00 * x + w01 * y + w02 * z, w01 * x + w11 * y, w02 * x + w22 * z
-            # The first mobile of a contact also comes first in its island, so this fills the lower triangle.
+            # The first body of a contact also comes first in its island, so this fills the lower triangle.
             for other in range(side + 1):
                 by = work.first[n] if other == 0 else m
                 jacobian = shifted(work.jacobian, 36 * n + 18 * other)

@@ -123,7 +123,7 @@ def step_env(work, numbers, ground, state, control, result, report):
         control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).
         result: State after the step, like `state`.
         report: Contacts of each agent except with the floor (a), the maximum over physics steps; overflow flags of
-            static boxes and contact points (2); each mobile's total impulse [N s] and the position of its strongest
+            static boxes and contact points (2); each body's total impulse [N s] and the position of its strongest
             contact [m] (m, 4); the partner in that contact (m), see `limits`.
     """
     floor, ramp, num_ramps = ground
@@ -242,7 +242,7 @@ def _count_touched(work, touched):
 @compiled
 @no_type_check
 def _note_pushes(work, numbers, push, other):
-    """Add the impulses of a physics step and keep the strongest contact of each mobile."""
+    """Add the impulses of a physics step and keep the strongest contact of each dynamic body."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         impulse = _impulse(work, numbers, n)

@@ -141,7 +141,7 @@ def with_surfaces(
     Args:
         model: Template model.
         layout: Layout of the template.
-        pairs: Mobiles of each of the template's geom pairs; -1 is the world.
+        pairs: Dynamic bodies of each of the template's geom pairs; -1 is the world.
         surfaces: Contact parameters of the bodies.
     """
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))

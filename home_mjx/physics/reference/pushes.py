@@ -11,7 +11,7 @@ from home_mjx.physics.reference.template import Template
 
 
 class Pushes(Pytree):
-    """Contacts of each mobile; see `PhysicsState`."""
+    """Contacts of each dynamic body; see `PhysicsState`."""
 
     impulse: Float[Array, "*t m"]  # [N s], of all contacts
     strongest: Float[Array, "*t m"]  # [N s], of the strongest contact
@@ -55,7 +55,7 @@ def over_time(pushes: Pushes) -> Pushes:
 
 
 def _codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:
-    """Return the owner code of each geom: a mobile, the floor or a static box."""
+    """Return the owner code of each geom: a dynamic body, the floor or a static box."""
     mobile = jnp.asarray(template.geom_mobile).at[0].set(FLOOR)
     return mobile.at[template.layout.slots].set(STATIC - slot_box)
 

@@ -52,7 +52,7 @@ class Template:
         self._host = host
         self.pairs = Pairs.of(host)
         self.max_points = limit(host, "max_contact_points")
-        self.geom_mobile = host.geom_bodyid - 1  # mobile of each geom; -1 for geoms of the world
+        self.geom_mobile = host.geom_bodyid - 1  # dynamic body of each geom; -1 for geoms of the world
         self.pair_mobiles = self.geom_mobile[np.stack([host.pair_geom1, host.pair_geom2], axis=1)]
 
     @functools.cached_property

@@ -7,8 +7,8 @@ from home_mjx.physics.base.touch import STATIC as STATIC
 from home_mjx.physics.native.shapes.box_box import MOST_POINTS as MOST_POINTS
 
 AGENT_DOFS, BODY_DOFS, DOOR_DOFS = 3, 6, 1  # DoFs that contacts act on; an agent's yaw is independent of contacts
-LIMIT = NOTHING  # code of a contact's second mobile if a door is at its joint limit
-SLEEPER = -1_000_000  # code of a contact's second mobile m if that sleeps: SLEEPER - m
-NEAR = 24  # maximum number of listed static boxes per mobile
-POINTS_PER_MOBILE = 24  # contact points per mobile that the buffer holds
+LIMIT = NOTHING  # code of a contact's second side if a door is at its joint limit
+SLEEPER = -1_000_000  # code of a contact's second body m if that sleeps: SLEEPER - m
+NEAR = 24  # maximum number of listed static boxes per dynamic body
+POINTS_PER_MOBILE = 24  # contact points per dynamic body that the buffer holds
 AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 16, 8, 5

@@ -32,7 +32,7 @@ floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 class Work(NamedTuple):
     """Arrays of one environment.
 
-    Mobiles are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds.
+    Dynamic bodies are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds.
     """
 
     num_agents: int
@@ -43,7 +43,7 @@ class Work(NamedTuple):
     pos: Pointer  # (m, 3) centres
     quat: Pointer  # (m, 4) wxyz; element 0 is the yaw of an agent, or the coordinate of a door
     rot: Pointer  # (m, 3, 3) axes as columns
-    vel: Pointer  # (m, 6) linear in the world, angular in the mobile's own frame; element 0 is the rate of a door
+    vel: Pointer  # (m, 6) linear in the world, angular in the body's own frame; element 0 is the rate of a door
     acc: Pointer  # (m, 6) solution of the last physics step, then of this one
     smooth: Pointer  # (m, 6) acceleration without contacts
     half: Pointer  # (m, 3) half extents of bodies
@@ -61,11 +61,11 @@ class Work(NamedTuple):
     static_pos: Pointer  # (c, 3)
     static_rot: Pointer  # (c, 3, 3)
     static_half: Pointer  # (c, 3)
-    near: Pointer  # (m, NEAR) static boxes near a mobile
+    near: Pointer  # (m, NEAR) static boxes near a body
     num_near: Pointer  # (m) number of them; -1 if the list is invalid
-    near_from: Pointer  # (m, 12) pose of the mobile when they were listed
-    first: Pointer  # (n) first mobile of a contact
-    second: Pointer  # (n) second mobile, or a code, see `limits`
+    near_from: Pointer  # (m, 12) pose of the body when they were listed
+    first: Pointer  # (n) first body of a contact
+    second: Pointer  # (n) second body, or a code, see `limits`
     place: Pointer  # (n, 4) position and distance of a contact
     frame: Pointer  # (n, 3, 3) rows: normal from first to second, two tangents
     friction: Pointer  # (n) 0: frictionless
@@ -75,9 +75,9 @@ class Work(NamedTuple):
     active: Pointer  # (n) bit mask of the rows that push
     residual: Pointer  # (n, 4) of the rows
     slope: Pointer  # (n, 4) of the residuals along the search direction
-    island: Pointer  # (m) first mobile of the island
-    offset: Pointer  # (m) index of the mobile's first DoF in the island's vectors
-    members: Pointer  # (m) mobiles of an island
+    island: Pointer  # (m) first body of the island
+    offset: Pointer  # (m) index of the body's first DoF in the island's vectors
+    members: Pointer  # (m) bodies of an island
     rows: Pointer  # (n) contacts of an island
     hessian: Pointer  # (d, d) of an island, lower triangle
     gradient: Pointer  # (d)
@@ -103,7 +103,7 @@ def make_work(num_agents, num_bodies, num_doors, num_static):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def dofs(work, m):
-    """Return the number of a mobile's DoFs that contacts act on."""
+    """Return the number of a dynamic body's DoFs that contacts act on."""
     if m < work.num_agents:
         return AGENT_DOFS
     return BODY_DOFS if m < work.num_free else DOOR_DOFS
