@@ -1,6 +1,8 @@
-"""Agents and movable objects in houses: one model for all houses of a capacity, stepped by MJX or a fused step.
+"""Rigid-body physics of agents, movable objects and doors. One model serves all houses of a capacity.
 
-Usable alone:
+A control step runs in MJX, C MuJoCo, a fused kernel, or without dynamics; see `PhysicsConfig.impl`.
+
+Standalone use:
 
     template = Template(PhysicsConfig(), bank.spec)
     state = reset(template, bank, house, agent_pos, agent_yaw)

@@ -1,4 +1,4 @@
-"""The fused step on CPUs: `native`, compiled by Numba and called by XLA. Compiled on first use."""
+"""CPU backend of the fused step: Numba code of `native`, called by XLA and compiled on first use."""
 
 import functools
 from collections.abc import Sequence
@@ -11,18 +11,18 @@ from home_mjx.core.native.platforms import problem_of, works
 
 TARGET = "home_mjx_step"
 
-_kept: list[object] = []  # compiled functions that XLA may call until the process ends
+_kept: list[object] = []  # keeps compiled functions alive: XLA may call them until the process ends
 
 
 def step_cpu(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
-    """Steps environments (e ...); operands and results in the order of `native.data.operands`."""
+    """Step environments (e ...) by one control step; operands and results are ordered as in `native.data.operands`."""
     return jax.ffi.ffi_call(TARGET, results)(*operands)
 
 
 @functools.cache
 def cpu_available() -> bool:
-    """Whether the step works here; warns once if there is a CPU backend and it does not."""
-    return works("cpu", problem_of("cpu", _start), "physics is stepped by the slower MJX")
+    """Return whether the CPU kernel works in this process; warn once if JAX has a CPU backend and it fails."""
+    return works("cpu", problem_of("cpu", _start), "falling back to slower MJX physics")
 
 
 def _start() -> None:

@@ -1,4 +1,4 @@
-"""How bodies are put into a house and stepped, and what there is to know of them."""
+"""Reset, step and state queries, common to all implementations."""
 
 import jax
 import jax.numpy as jnp
@@ -20,7 +20,7 @@ from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.step import step_c
 
 STEPS = {"fused": step_fused, "jax": step_mjx, "c": step_c, "kinematic": step_kinematic}
-ABSURD = 1e6  # [m], [rad] and per second
+ABSURD = 1e6  # maximum magnitude of a valid pose or speed [m], [rad], [m/s], [rad/s]
 
 
 def reset(
@@ -33,21 +33,22 @@ def reset(
     arrangement: Int[Array, ""] | int | None = None,
     scale: Scale | None = None,
 ) -> PhysicsState:
-    """Agents, movable bodies and doors at rest at their starting poses, hands empty.
+    """Return the initial state: agents, movable bodies and doors at rest, hands empty.
 
     Args:
-        template: The model.
-        bank: The houses.
+        template: Model of the bank's capacity.
+        bank: Houses.
         house: Index of the house.
-        agent_pos: [m], feet on the floor.
+        agent_pos: Position of each agent's feet, on the floor [m].
         agent_yaw: [rad], counter-clockwise from +x.
-        door_angle: [rad], about +z from as placed, or [m] of what slides; None: as placed.
-        arrangement: Which of the house's settled poses bodies have, see `arrangements.settled_poses`; -1 or None: they
-            are where the house has them.
-        scale: Of friction and mass of bodies in this episode; None: as the house has them.
+        door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m].
+            None: the authored pose.
+        arrangement: Index into the house's settled poses of movable bodies, see `arrangements.settled_poses`. -1 or
+            None: the authored poses.
+        scale: Factors for the friction and mass of bodies in this episode. None: the house's values.
 
     Raises:
-        ConfigError: Positions or angles are not one per agent or door.
+        ConfigError: Positions or angles do not have one row per agent or door.
     """
     _check_places(template.layout, agent_pos, agent_yaw, door_angle)
     layout, bodies = template.layout, movable_bodies(bank.physics, house)
@@ -87,7 +88,7 @@ def _check_places(layout: Layout, agent_pos: Array, agent_yaw: Array, door_angle
 
 
 def _falling(layout: Layout) -> Float[Array, " v"]:
-    """Accelerations of what has not come to rest yet: what has zeros sleeps."""
+    """Return initial accelerations that keep bodies and doors awake: zero acceleration marks a sleeping body."""
     bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
     agents, doors = jnp.zeros(4 * layout.num_agents, jnp.float32), jnp.full(layout.num_doors, AWAKE, jnp.float32)
     return jnp.concatenate([agents, bodies.reshape(-1), doors])
@@ -96,21 +97,22 @@ def _falling(layout: Layout) -> Float[Array, " v"]:
 def step(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> PhysicsState:
-    """One control step: `config.timing.substeps` physics steps.
+    """Advance the state by one control step, which is `config.timing.substeps` physics steps.
 
     Args:
-        template: The model.
-        bank: The houses.
+        template: Model of the bank's capacity.
+        bank: Houses.
         house: Index of the house.
-        state: The state before.
-        action: Forward, strafe to the left, turn to the left in the agent's own frame, in [-1, 1] of its fastest rate.
+        state: State before the step.
+        action: Forward, left and counter-clockwise rate of each agent in its own frame. 1 is its maximum rate; values
+            are clipped to [-1, 1].
 
     Returns:
-        The state after.
+        The state after the step.
 
     Raises:
-        ConfigError: The action has not three numbers per agent, or the program is made for something that
-            `PhysicsConfig.impl` does not work on.
+        ConfigError: The action does not have three numbers per agent, or the program is compiled for a platform that
+            `PhysicsConfig.impl` does not support.
     """
     return step_checked(template, bank, house, state, action)[0]
 
@@ -118,19 +120,23 @@ def step(
 def step_checked(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
-    """`step`, and what it left out because it did not fit: of contacts, in the last physics step."""
+    """Step as `step` does and report overflows of fixed-size buffers.
+
+    MJX reports overflow of contact pairs and contact points for the last physics step only. All other flags cover the
+    whole control step.
+    """
     check_shape("action", jnp.shape(action), (template.layout.num_agents, 3))
     return STEPS[template.config.impl](template, bank.physics, house, state, action)
 
 
 def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
-    """The state with agents that have the speed that an action asks for; those that fall go on falling.
+    """Return the state with each agent's velocity set to the action's target; vertical velocity is kept.
 
-    In free space a step with the same action then takes them exactly as far as that speed does.
+    In free space, a step with the same action then moves the agents by exactly that velocity.
 
     Args:
-        template: The model.
-        state: The state.
+        template: Model of the bank's capacity.
+        state: Physics state.
         action: As for `step`.
     """
     fastest = jnp.asarray(template.agents[:, FORWARD_SPEED : TURN_RATE + 1], jnp.float32)
@@ -143,23 +149,23 @@ def with_agent_speed(template: Template, state: PhysicsState, action: Float[Arra
 
 
 def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsState) -> PhysicsState:
-    """The state before a step where the step has broken it."""
+    """Return `before` where `broken` is true, else `state`."""
     return jax.tree.map(lambda new, old: jnp.where(broken, old, new), state, before)
 
 
 def is_broken(state: PhysicsState) -> Bool[Array, ""]:
-    """Whether a pose or a speed is not a number, or one that nothing in a house can have."""
+    """Return whether any pose or speed is NaN or exceeds `ABSURD`."""
     return ~(jnp.all(jnp.abs(state.qpos) < ABSURD) & jnp.all(jnp.abs(state.qvel) < ABSURD))
 
 
 def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a 3"], Float[Array, " a"]]:
-    """Centre of each agent's capsule [m] and its yaw [rad]."""
+    """Return the centre of each agent's capsule [m] and its yaw [rad]."""
     agents = state.qpos[template.layout.agent_qpos].reshape(-1, 4)
     return agents[:, :3], agents[:, 3]
 
 
 def agent_velocity(template: Template, state: PhysicsState) -> Float[Array, "a 3"]:
-    """Each agent's velocity forward and to the left [m/s] and its yaw rate [rad/s]."""
+    """Return each agent's forward and left velocity [m/s] and its yaw rate [rad/s], in the agent's frame."""
     _, yaw = agent_pose(template, state)
     velocity = state.qvel[template.layout.agent_qpos].reshape(-1, 4)
     x, y = velocity[:, 0], velocity[:, 1]
@@ -168,16 +174,16 @@ def agent_velocity(template: Template, state: PhysicsState) -> Float[Array, "a 3
 
 
 def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 3"], Float[Array, "k 4"]]:
-    """Centre [m] and orientation (wxyz) of each movable body; unused ones are parked high above the house."""
+    """Return each movable body's centre [m] and orientation (wxyz); unused bodies are parked high above the house."""
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     return bodies[:, :3], bodies[:, 3:]
 
 
 def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
-    """How far each door's leaf is turned about +z from as placed [rad]; of a sliding one how far it is shifted [m]."""
+    """Return each door's rotation about +z from its authored pose [rad], or the displacement of a sliding door [m]."""
     return state.qpos[template.layout.door_qpos]
 
 
 def agent_contact(template: Template, state: PhysicsState) -> Bool[Array, " a"]:
-    """Whether each agent touched anything but the floor during the last control step."""
+    """Return whether each agent touched anything except the floor during the last control step."""
     return state.touched > 0

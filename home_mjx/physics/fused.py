@@ -1,7 +1,7 @@
 """The fused step: all physics steps of a control step in one compiled function, chosen by platform at lowering.
 
-The same model as the template's: contacts where C MuJoCo puts them, its regularisation, its convex problem, solved
-exactly. Where there is no such function MJX steps.
+It uses the template's model with C MuJoCo's contact points and regularisation, and solves MuJoCo's convex problem to
+convergence. On platforms without a kernel, MJX steps.
 """
 
 import functools
@@ -31,16 +31,16 @@ from home_mjx.physics.numba.data.operands import BODY_VALID, NUM_RESULTS, NUM_SH
 
 STEPS = {"cpu": step_cpu, "cuda": step_cuda}
 PLATFORMS = {"cpu": cpu_available, "cuda": cuda_available}
-NUM_LOST = 2  # flags: static boxes, contact points
+NUM_LOST = 2  # overflow flags: static boxes, contact points
 
 
 def step_fused(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
-    """One control step; see `dynamics.step_checked`. It has no gradient.
+    """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
     Raises:
-        ExecutorError: In a forked child of a process that has stepped before.
+        ExecutorError: This is a forked child of a process that has already stepped.
     """
     refuse_forked("step physics")
 
@@ -58,7 +58,7 @@ def _step_native(
 ) -> tuple[PhysicsState, Lost]:
     numbers = jnp.asarray(numbers_of(template.config), jnp.float32)
     scale = (state.scale or Scale()).factors
-    held = jnp.clip(state.held, -1, physics.body_valid.shape[1] - 1)  # native code would write beside its arrays
+    held = jnp.clip(state.held, -1, physics.body_valid.shape[1] - 1)  # native code does not check bounds
     own = (house, state.qpos, state.qvel, state.qacc, action, held, state.grip, state.goal, scale)
     shared = (*_house_arrays(template.config, physics), jnp.asarray(template.agents, jnp.float32), numbers)
     batch = jax.tree.map(lambda x: x[None], own)
@@ -74,9 +74,10 @@ def _step_native(
 def _with_sleepers(
     template: Template, before: PhysicsState, rates: tuple[Array, Array], pushed: dict[str, Array]
 ) -> dict[str, Array]:
-    """What touched what; of sleepers it is known from when they were awake.
+    """Return contact reports in which sleeping bodies keep the values of their last awake step.
 
-    One that was woken within the step has been pushed at least as before: the kernel saw only the rest of the step.
+    A body that woke within the step reports at least its earlier impulse, since the kernel covered only the rest of the
+    step.
     """
     slept, sleeps = _asleep(template, before.qvel, before.qacc), _asleep(template, *rates)
     kept = sleeps & (pushed["impulse"] == 0)
@@ -87,14 +88,14 @@ def _with_sleepers(
 
 
 def _asleep(template: Template, qvel: Array, qacc: Array) -> Array:
-    """Which mobiles sleep; agents never do."""
+    """Return whether each dynamic body sleeps; agents never do."""
     layout, moves = template.layout, (qvel != 0) | (qacc != 0)
     free = moves[layout.body_qvel].reshape(-1, 6).any(axis=-1)
     return ~jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
 
 
 def _house_arrays(config: PhysicsConfig, physics: Physics) -> tuple[Array, ...]:
-    """In the order of `operands`; boxes that do not rise above the floor get a negative size."""
+    """Return the house arrays in the order of `operands`; boxes not above the floor get a negative size."""
     half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
@@ -110,7 +111,7 @@ def _batched(platform: str) -> Step:
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
-    """Environments (e ...) by compiled code, in the types that it takes; an empty batch never reaches it."""
+    """Step environments (e ...) with compiled code; cast operands to its types and skip empty batches."""
     given = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
     _, qpos, qvel, qacc, action, _, _, goal, _ = given[NUM_SHARED:]
     envs, agents = action.shape[:2]

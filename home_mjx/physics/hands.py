@@ -1,12 +1,12 @@
-"""What agents do with their hands: pick up, carry, put down, drop, throw, open and close.
+"""Hand commands of agents: pick, carry, place, drop, throw, open and close.
 
-A hand is empty, holds a body, or puts down what it holds:
+A hand is empty, holds a body, or is placing the body that it holds:
 
-    empty  -- pick -->  holds  -- place -->  puts down  -- there -->  empty
-                        holds  -- drop, throw, or the thing is torn away -->  empty
-                        puts down  -- in vain -->  holds
+    empty   -- pick -->  holds  -- place -->  placing  -- body at the target -->  empty
+                         holds  -- drop, throw, or the body is torn away -->  empty
+                         placing  -- no success within `TRIES` steps -->  holds
 
-`obey` comes before a control step and `settle` after it.
+Call `obey` before a control step and `settle` after it.
 """
 
 import jax
@@ -23,31 +23,31 @@ from home_mjx.physics.mjx.house_model import MovableBodies, house_doors, movable
 from home_mjx.physics.mjx.template import Template
 from home_mjx.schema.agent import Body
 
-CARRY = 0.1  # [m], between an agent and what it carries
-LOW = 0.45  # [m], of what is carried below the eyes
-TORN = 0.5  # [m], from its grip, at which a thing is torn out of a hand
-PLACED = 0.03  # [m], from where a thing is to be put down, at which the hand opens
-GAP = 0.005  # [m], above the spot
-TRIES = 20  # control steps to put something down
-TURNED = 0.03  # [rad] or [m], from its goal, at which a door is let go
-THROW_IMPULSE = 20.0  # [N s]
-FALLS = 1e-3  # [m/s], of what is let go
-THROW_SPEED = 5.0  # [m/s]
+CARRY = 0.1  # [m], clearance between an agent and the body that it carries
+LOW = 0.45  # [m], height of the eyes above a carried body
+TORN = 0.5  # [m], maximum distance of a held body from its grip; a hand loses a body that is farther away
+PLACED = 0.03  # [m], distance from its target within which a body is placed and the hand opens
+GAP = 0.005  # [m], clearance of the placement target above the surface
+TRIES = 20  # maximum number of control steps for placing a body or pulling it to the hand
+TURNED = 0.03  # [rad] or [m], distance from its goal within which a door is no longer driven
+THROW_IMPULSE = 20.0  # [N s], maximum impulse of a throw
+FALLS = 1e-3  # [m/s], initial downward speed of a released body
+THROW_SPEED = 5.0  # [m/s], maximum speed of a throw
 
 
 class Commands(Pytree):
-    """What each agent's hand is told for a control step; A agents."""
+    """Hand commands of all agents for one control step; A agents."""
 
-    pick: Int[Array, " a"]  # movable body to take; -1 none
-    place: Float[Array, "a 3"]  # [m], point of a surface to put down what is held; inf: none
+    pick: Int[Array, " a"]  # movable body to pick; -1 none
+    place: Float[Array, "a 3"]  # [m], surface point on which to place the held body; inf: none
     drop: Bool[Array, " a"]
-    throw: Float[Array, "a 3"]  # direction, of any length; 0, or not finite: not
-    door: Int[Array, " a"]  # leaf to turn; -1 none
-    open: Bool[Array, " a"]  # to open it, or else to close it
+    throw: Float[Array, "a 3"]  # direction of any length; zero or not finite: no throw
+    door: Int[Array, " a"]  # door to move; -1 none
+    open: Bool[Array, " a"]  # True opens the door, False closes it
 
     @classmethod
     def none(cls, num_agents: int) -> "Commands":
-        """Hands stay as they are."""
+        """Return commands that leave all hands unchanged."""
         nothing, no = jnp.full(num_agents, -1, jnp.int32), jnp.zeros(num_agents, bool)
         nowhere = jnp.full((num_agents, 3), jnp.inf, jnp.float32)
         return cls(nothing, nowhere, no, jnp.zeros_like(nowhere), nothing, no)
@@ -56,10 +56,10 @@ class Commands(Pytree):
 def obey(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, commands: Commands
 ) -> PhysicsState:
-    """Hands after their commands; what cannot be done is left undone.
+    """Apply hand commands; ignore commands that are not possible.
 
-    A body is taken by an empty hand within its agent's `reach` if it weighs no more than `lift` and nobody holds it.
-    Surfaces and doors must be within reach, too. Whether anything is in the line of sight is for the caller to see.
+    An empty hand picks a body within its agent's `reach` if the body's mass is at most `lift` and no other hand holds
+    it. Surfaces and doors must be within reach as well. The caller must check the line of sight.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
@@ -73,7 +73,10 @@ def obey(
 
 
 def settle(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
-    """Hands and doors after a control step: what has arrived is let go, what was torn away as well."""
+    """Update hands and door goals after a control step.
+
+    Hands release placed and torn-away bodies. Doors that have reached their goal are no longer driven.
+    """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
         for a in range(template.layout.num_agents):
@@ -85,13 +88,13 @@ def settle(template: Template, bank: HouseBank, house: Int[Array, ""], state: Ph
 
 
 def _body(template: Template, state: PhysicsState, body: Int[Array, ""]) -> tuple[Array, Array]:
-    """Position and orientation of a movable body."""
+    """Return the position and orientation of a movable body."""
     pos, quat = body_pose(template, state)
     return pos[jnp.maximum(body, 0)], quat[jnp.maximum(body, 0)]
 
 
 def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Array]:
-    """Position and yaw of an agent."""
+    """Return the position and yaw of an agent."""
     pos, yaw = agent_pose(template, state)
     return pos[a], yaw[a]
 
@@ -99,7 +102,7 @@ def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Arra
 def _release(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: Commands
 ) -> PhysicsState:
-    """Opens a hand that is to drop or to throw."""
+    """Open a hand that is commanded to drop or to throw."""
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
     mass = bodies.mass[jnp.maximum(held, 0)]
@@ -113,15 +116,15 @@ def _release(
 
 
 def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
-    """The unit vector of a direction; 0 where there is none."""
+    """Return the unit vector of a direction; 0 if it is zero or not finite."""
     largest = jnp.max(jnp.abs(vector))
     points = jnp.all(jnp.isfinite(vector)) & (largest > 0)
-    scaled = jnp.where(points, vector, 1.0) / jnp.where(points, largest, 1.0)  # its square is in range
+    scaled = jnp.where(points, vector, 1.0) / jnp.where(points, largest, 1.0)  # avoids overflow of the square
     return jnp.where(points, scaled / jnp.linalg.norm(scaled), 0.0)
 
 
 def _opened(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
-    """What a hand lets go begins to fall, which tells kinematic physics of it."""
+    """Release the held body with a small downward speed, which starts its fall in kinematic physics."""
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     return state.replace(
         qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-FALLS), 0.0)),
@@ -149,7 +152,10 @@ def _take(template: Template, bodies: MovableBodies, state: PhysicsState, a: int
 def _distance(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]
 ) -> Float[Array, ""]:
-    """From an agent's axis to the nearest point of a body's box [m], to 1 cm."""
+    """Return the distance from an agent's axis to the nearest point of a body's box [m].
+
+    The axis is sampled at 17 heights, which gives an accuracy of 1 cm.
+    """
     at, _ = _agent(template, state, a)
     pos, quat = _body(template, state, body)
     matrix, half = quat_matrix(quat), jnp.float32(template.config.agents[a].height / 2)
@@ -161,14 +167,14 @@ def _distance(
 
 
 def _beyond(offset: Float[Array, "3"], body: Body) -> Float[Array, "3"]:
-    """What an offset from an agent's middle is beyond the nearest point of its axis."""
+    """Return an offset from an agent's centre, measured from the nearest point of its axis instead."""
     return offset.at[2].set(jnp.maximum(jnp.abs(offset[2]) - jnp.float32(body.height / 2), 0.0))
 
 
 def _carried(
     template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
 ) -> Float[Array, "7"]:
-    """The grip with which an agent carries a body: before it, below its eyes, turned as it was."""
+    """Return the carrying grip: in front of the agent, below its eyes, with the orientation that the body has."""
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
     ahead = jnp.float32(config.radius + CARRY) + jnp.linalg.norm(extent[:2])
@@ -179,7 +185,7 @@ def _carried(
 def _aim(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
-    """A hand begins to put down what it holds."""
+    """Start to place the held body at a reachable point."""
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_beyond(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
@@ -191,7 +197,7 @@ def _aim(
 
 
 def _target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
-    """Where the middle of what an agent puts down shall be [m]."""
+    """Return the target of the centre of the body that an agent places [m]."""
     _, quat = _body(template, state, state.held[a])
     half = bodies.size[jnp.maximum(state.held[a], 0)]
     rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(GAP)
@@ -199,7 +205,7 @@ def _target(template: Template, bodies: MovableBodies, state: PhysicsState, a: i
 
 
 def _follow(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
-    """The grip of a hand that puts down, as the agent moves: first above the spot, then down to it."""
+    """Update the grip of a placing hand as its agent moves: first above the spot, then down to it."""
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     target = _target(template, bodies, state, a)
@@ -216,7 +222,7 @@ def _settle_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
     puts = jnp.isfinite(state.spot[a, 0])
     there = puts & (jnp.linalg.norm(pos - _target(template, bodies, state, a)) < jnp.float32(PLACED))
     hand = at + jnp.matmul(quat_matrix(body_quat(yaw)), state.grip[a, :3], precision="highest")
-    # While it comes to the hand it is far away, but comes nearer.
+    # A picked body may start far from the hand: it counts as torn away once it was near, or after `TRIES` steps.
     torn = ~puts & (jnp.linalg.norm(pos - hand) > jnp.float32(TORN)) & (state.tries[a] > TRIES)
     near = jnp.linalg.norm(pos - hand) < jnp.float32(TORN)
     tries = jnp.where(near & ~puts, TRIES, state.tries[a]) + 1
@@ -234,7 +240,7 @@ def _settle_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
 def _turn(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: Commands
 ) -> PhysicsState:
-    """A door within reach begins to open or to close."""
+    """Set the goal of a door within reach to open or closed."""
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
     middle, quat = jax.tree.map(lambda x: x[door], leaves.moved(door_angle(template, state)))

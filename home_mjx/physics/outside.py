@@ -1,4 +1,4 @@
-"""Who and what has left the place where it can be."""
+"""Detection of agents and movable bodies that have left the playable area."""
 
 import jax
 import jax.numpy as jnp
@@ -10,20 +10,22 @@ from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.dynamics import agent_pose, body_pose
 from home_mjx.physics.mjx.template import Template
 
-UNDER = 0.05  # [m], below the ground floor; what is pressed into it is not so deep
+UNDER = 0.05  # [m], minimum depth below the ground floor that counts; contact penetration is smaller
 
 
 def is_outside(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> Bool[Array, " m"]:
-    """Which agents and movable bodies are beyond the fence around the lot, or under the ground floor.
+    """Return whether each agent and movable body is outside the lot's fence or below the ground floor.
+
+    A body that falls through an upper floor and stays above the ground floor is not reported.
 
     Args:
-        template: The model.
-        bank: The houses.
+        template: Model of the bank's capacity.
+        bank: Houses.
         house: Index of the house.
-        state: The state.
+        state: Physics state.
 
     Returns:
-        Of the agents, then of the bodies. What stands on an upper floor and falls through it is not noticed.
+        One flag per agent, then one per movable body. Unused bodies are False.
     """
     physics, agents = bank.physics, agent_pose(template, state)[0]
     pos, quat = body_pose(template, state)

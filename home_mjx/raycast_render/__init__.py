@@ -1,4 +1,4 @@
-"""Rays in houses: `cast` and `occluded`, scenes of placed objects and agents, cameras and images."""
+"""Ray casting in houses: `cast` and `occluded`, scenes of posed objects and agents, cameras and images."""
 
 from home_mjx.raycast_render.cameras.camera import (
     Camera,

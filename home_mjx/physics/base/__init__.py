@@ -1,1 +1,1 @@
-"""What every implementation of the physics shares: options, state, and where numbers lie in it."""
+"""Options, state and array layout, common to all implementations of the physics."""

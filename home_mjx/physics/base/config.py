@@ -9,12 +9,12 @@ from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
 
 IMPLS = ("fused", "jax", "c", "kinematic")
-WARP = ". MJX-Warp is not offered: its agents fall through the floor"
+WARP = ". MJX-Warp is not supported: agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 CONTROLS = ("velocity", "force")
-MOST_AGENTS = 128  # arrays grow with the pairs that they make
+MOST_AGENTS = 128  # maximum number of agents; arrays grow with the number of agent pairs
 NOT_NUMBERS = ("impl", "jacobian", "control", "sleep", "restitution", "body", "bodies", "timing")
-UNSET = ("friction", "max_geom_pairs", "max_contact_points")  # may be None
+UNSET = ("friction", "max_geom_pairs", "max_contact_points")  # numbers that may be None
 WHOLE = (
     "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
 )  # fmt: skip
@@ -22,38 +22,40 @@ WHOLE = (
 
 @dataclass(frozen=True)
 class PhysicsConfig:
-    """Options of the physics; hashable, fixed when the step is compiled.
+    """Options of the physics; hashable, and constant in a compiled step.
 
     Attributes:
         num_agents: Agents per environment, at most 128.
-        body: Size, mass, strength and speeds of every agent.
-        bodies: The same of each agent, where they differ; `body` does not count then.
+        body: Size, mass, strength and speeds of all agents.
+        bodies: One `Body` per agent if agents differ; `body` is then ignored.
         timing: Length of a physics step and of a control step.
-        control: "velocity": actions are parts of an agent's speeds, which its motors reach within `response_time`.
-            "force": forward and left are parts of its `push_force`, against a drag that balances it at full speed.
-        response_time: [s], time constant with which an agent approaches its target velocity.
-        friction: Sliding friction of all movable bodies, 0.4 is wood on wood; None: of each by its material. Agents
-            have none.
-        restitution: Part of their speed with which all movable bodies bounce, at most 0.9; None: by material.
-        max_body_speed: [m/s], limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
-        max_body_spin: [rad/s], limit of movable bodies.
-        iterations: Newton iterations per physics step.
-        ls_iterations: Line-search iterations; all of them always run.
-        agent_slots: Static boxes that an agent can touch at once.
-        body_slots: Static boxes that a movable body can touch at once.
-        max_geom_pairs: Pairs of one kind (box and box, capsule and box) that are tested at once, those nearest by
-            bounding spheres; None: two per body or four per agent.
-        max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
-        sleep: Whether the fused step leaves out what has come to rest until something touches it.
-        jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
-        impl: "fused": all physics steps of a step in one compiled function on CPUs and NVIDIA GPUs, MJX elsewhere; no
-            gradients. "jax": MJX everywhere, with forward-mode gradients (`jax.jvp`); reverse mode needs
-            `iterations=1`, as MJX's solver is a loop of unknown length. "c": C MuJoCo on each house's own model, on
-            CPUs only; no gradients. "kinematic": no dynamics; agents slide along what is in the way, and things stay
-            where they are.
+        control: "velocity": actions are fractions of an agent's maximum speeds, which its motors reach within
+            `response_time`. "force": forward and left are fractions of its `push_force`, against a drag that balances
+            it at maximum speed.
+        response_time: [s], time constant of an agent's approach to its target velocity.
+        friction: Sliding friction of all movable bodies; wood on wood is 0.4. None: by material. Agents are
+            frictionless.
+        restitution: Coefficient of restitution of all movable bodies, at most 0.9. None: by material.
+        max_body_speed: [m/s], speed limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
+        max_body_spin: [rad/s], angular speed limit of movable bodies.
+        iterations: Newton iterations per physics step, of MJX.
+        ls_iterations: Line-search iterations of MJX; it always runs all of them.
+        agent_slots: Maximum number of static boxes that an agent can touch at once.
+        body_slots: Maximum number of static boxes that a movable body can touch at once.
+        max_geom_pairs: Maximum number of geom pairs of one kind (box-box, capsule-box) that are tested, nearest
+            bounding spheres first. None: two per body or four per agent.
+        max_contact_points: Maximum number of contact points of agents, and of bodies, deepest first. None: six per body
+            or eight per agent.
+        sleep: Whether the fused step skips bodies at rest until an awake body touches them.
+        jacobian: MuJoCo's option. "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
+        impl: "fused": all physics steps of a control step in one compiled function on CPUs and NVIDIA GPUs, MJX
+            elsewhere; no gradients. "jax": MJX everywhere, with forward-mode gradients (`jax.jvp`). Reverse mode needs
+            `iterations=1`, since MJX's solver is a loop of unknown length. "c": C MuJoCo on each house's own model, on
+            CPUs only; no gradients. "kinematic": no dynamics. Agents slide along obstacles, and bodies stay where they
+            are.
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is invalid.
 
     Example:
         >>> PhysicsConfig(timing=Timing(sim_dt=0.05)).timing.substeps
@@ -110,7 +112,7 @@ class PhysicsConfig:
             raise ConfigError(
                 f"there are {len(self.bodies)} bodies for {self.num_agents} agents",
                 element="PhysicsConfig.bodies",
-                hint="Give one body per agent, or leave `bodies` out: then all have `body`.",
+                hint="Give one body per agent, or omit `bodies` to use `body` for all agents.",
             )
 
     def _check_choices(self) -> None:
@@ -132,5 +134,5 @@ class PhysicsConfig:
                 raise ConfigError(
                     f"expected {kind}, got {value!r}",
                     element=f"PhysicsConfig.{name}",
-                    hint="Leave it out to get the default",
+                    hint="Omit it to use the default",
                 ) from None

@@ -1,4 +1,4 @@
-"""From an agent's action to the forces of its motors."""
+"""Motor forces from an agent's action."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -6,12 +6,12 @@ from jaxtyping import Array, Float
 
 from home_mjx.physics.base.config import PhysicsConfig
 
-# Columns of the table of agents.
+# Columns of `agent_table`.
 RADIUS, HALF_LENGTH, MASS, YAW_INERTIA, FORWARD_SPEED, STRAFE_SPEED, TURN_RATE, PUSH_FORCE = range(8)
 
 
 def agent_table(config: PhysicsConfig, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
-    """What the physics needs to know of each agent, in the order of the columns above; SI units."""
+    """Pack the physical parameters of each agent, in the order of the columns above; SI units."""
     rows = [
         (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.push_force)
         for b, inertia in zip(config.agents, yaw_inertia, strict=True)
@@ -26,16 +26,16 @@ def motor_forces(
     yaw: Float[Array, ""],
     velocity: Float[Array, "4"],
 ) -> Float[Array, "3"]:
-    """Forces of an agent's motors.
+    """Compute the motor forces and torque of an agent.
 
-    By velocity: `f = m (v_target - v) / response_time`, whose horizontal part is cut to `push_force` in any direction.
-    By force: `f = push_force (action - v / full speed)`, forward and to the left each. This force, against friction,
-    decides which objects an agent can push.
+    In velocity control, `f = m (v_target - v) / response_time`. The length of its horizontal part is clipped to
+    `push_force`. In force control, `f = push_force (action - v / max_speed)`, for forward and left separately. This
+    force, against friction, limits which objects an agent can push.
 
     Args:
         config: Options.
         agent: Row of `agent_table`.
-        action: Forward, strafe to the left and turn to the left, in [-1, 1]; clipped.
+        action: Forward, left and counter-clockwise, clipped to [-1, 1].
         yaw: [rad]
         velocity: World frame x, y, z [m/s] and yaw rate [rad/s].
 

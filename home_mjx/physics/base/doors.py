@@ -1,4 +1,4 @@
-"""Doors as the physics sees them: a leaf that turns about a vertical axis or slides, as one row of numbers."""
+"""Doors in the physics: leaves that turn about a vertical axis or slide, packed as one row each."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -8,25 +8,25 @@ from home_mjx.core.pytree import Pytree
 
 
 class Leaf(Pytree):
-    """Leaves of doors, of any leading shape, each with one coordinate.
+    """Door leaves of any leading shape, each with one joint coordinate.
 
-    A hinged leaf's is the angle [rad] about +z from as placed, a sliding one's the way [m] from there along `slide`.
-    `low` and `high` are in the same unit.
+    The coordinate of a hinged leaf is its rotation [rad] about +z from the authored pose. That of a sliding leaf is its
+    displacement [m] from there along `slide`. `low` and `high` are in the same unit.
     """
 
     pivot: Float[Array, "*h 2"]  # [m]
-    arm: Float[Array, "*h 2"]  # [m], from the pivot to the middle of the leaf, as placed; 0: it slides
-    slide: Float[Array, "*h 2"]  # unit direction in the plan; 0: it is hinged
-    height: Float[Array, "*h"]  # [m], of its middle
-    yaw: Float[Array, "*h"]  # [rad], of its box, as placed
-    size: Float[Array, "*h 3"]  # [m], half extents; negative: there is no such leaf
+    arm: Float[Array, "*h 2"]  # [m], from the pivot to the leaf's centre in the authored pose; 0 if sliding
+    slide: Float[Array, "*h 2"]  # horizontal unit direction; 0 if hinged
+    height: Float[Array, "*h"]  # [m], of the centre
+    yaw: Float[Array, "*h"]  # [rad], of the box in the authored pose
+    size: Float[Array, "*h 3"]  # [m], half extents; negative for padding
     mass: Float[Array, "*h"]  # [kg]
     low: Float[Array, "*h"]
     high: Float[Array, "*h"]
 
     @classmethod
     def of(cls, physics: Physics) -> "Leaf":
-        """The leaves of all houses (house, door)."""
+        """Gather the leaves of all houses (house, door)."""
         quat = physics.door_quat
         valid = physics.door_valid[..., None]
         return cls(
@@ -43,42 +43,42 @@ class Leaf(Pytree):
 
     @property
     def valid(self) -> Array:
-        """Whether there is such a leaf."""
+        """Validity mask; False for padding."""
         return self.size[..., 0] >= 0
 
     @property
     def turns(self) -> Float[Array, "*h"]:
-        """1: the leaf is hinged; 0: it slides."""
+        """1 for a hinged leaf, 0 for a sliding one."""
         return jnp.where(jnp.any(self.slide != 0, axis=-1), 0.0, jnp.float32(1.0))
 
     @property
     def own_inertia(self) -> Float[Array, "*h 3"]:
-        """Of a solid box about its own axes [kg m^2]."""
+        """Moments of inertia of a solid box about its own axes [kg m^2]."""
         x, y, z = (self.size[..., k] ** 2 for k in range(3))
         return self.mass[..., None] / 3 * jnp.stack([y + z, x + z, x + y], axis=-1)
 
     @property
     def far(self) -> Float[Array, "*h"]:
-        """Square of the distance from the hinge to the middle [m^2]."""
+        """Squared distance from the hinge to the leaf's centre [m^2]."""
         return jnp.sum(self.arm * self.arm, axis=-1)
 
     @property
     def inertia(self) -> Float[Array, "*h"]:
-        """About the hinge [kg m^2], by Steiner's theorem; of a sliding leaf its mass [kg]."""
+        """Moment of inertia about the hinge [kg m^2], by Steiner's theorem; of a sliding leaf its mass [kg]."""
         return jnp.where(self.turns > 0, self.own_inertia[..., 2] + self.mass * self.far, self.mass)
 
     @property
     def inverse_weight(self) -> Float[Array, "*h"]:
-        """MuJoCo's `body_invweight0`: the mean over x, y and z of what a force at the middle moves it by [1/kg]."""
+        """MuJoCo's translational `body_invweight0`: the mean inverse mass at the centre over x, y and z [1/kg]."""
         return jnp.where(self.turns > 0, self.far, 1.0) / self.inertia / 3
 
     @property
     def inverse_spin_weight(self) -> Float[Array, "*h"]:
-        """The same of torques [1/(kg m^2)], which do not turn a sliding leaf."""
+        """MuJoCo's rotational `body_invweight0` [1/(kg m^2)]; 0 for a sliding leaf."""
         return self.turns / self.inertia / 3
 
     def moved(self, coordinate: Float[Array, "*h"]) -> tuple[Float[Array, "*h 3"], Float[Array, "*h 4"]]:
-        """Middle [m] and orientation (wxyz) of leaves at their coordinates."""
+        """Return the centre [m] and orientation (wxyz) of each leaf at the given joint coordinate."""
         angle = self.turns * coordinate
         cos, sin = jnp.cos(angle), jnp.sin(angle)
         x = self.pivot[..., 0] + cos * self.arm[..., 0] - sin * self.arm[..., 1] + self.slide[..., 0] * coordinate
@@ -89,10 +89,10 @@ class Leaf(Pytree):
 
 
 def door_table(leaves: Leaf) -> Float[Array, "*h 16"]:
-    """One row per leaf.
+    """Pack one row per leaf.
 
-    Pivot, arm, height, yaw, half extents, inertia, inverse weight, least and greatest coordinate, direction in which it
-    slides, whether it turns. Units are those of `Leaf`.
+    Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia, inverse weight, minimum and maximum coordinate,
+    slide direction (2), and 1 if the leaf is hinged. Units are those of `Leaf`.
     """
     valid = leaves.valid
     inertia = jnp.where(valid, leaves.inertia, jnp.float32(1.0))

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 class Layout:
     """Addresses in `qpos`, `qvel`, bodies and geoms of the template.
 
-    Order of bodies: world, agents, movable bodies, doors; what moves is called a mobile, counted without the world.
+    Order of bodies: world, agents, movable bodies, doors. All except the world are dynamic bodies, which are counted
+    from 0.
     Order of geoms: floor, slots of the agents, slots of the bodies, then two per agent (capsule, foot), nine per body
-    (box, corners) and one per door. An agent has 4 numbers in `qpos` and in `qvel` (x, y, z, yaw), a body 7 and 6, a
-    door 1 and 1 (its coordinate: the angle of a hinged leaf, the way of a sliding one).
+    (box, corners) and one per door.
+    An agent has 4 numbers in `qpos` and in `qvel` (x, y, z, yaw), a body 7 and 6, and a door 1 and 1. A door's
+    coordinate is the angle of a hinged leaf or the displacement of a sliding one.
     Sliding leaves are the last doors.
     """
 
@@ -23,12 +25,12 @@ class Layout:
 
     @property
     def num_slots(self) -> int:
-        """Contact slots of all owners."""
+        """Number of contact slots of all owners."""
         return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
 
     @property
     def num_mobiles(self) -> int:
-        """Agents, movable bodies and doors."""
+        """Number of agents, movable bodies and doors."""
         return self.num_agents + self.num_bodies + self.num_doors
 
     @property
@@ -38,54 +40,54 @@ class Layout:
 
     @property
     def agent_qpos(self) -> slice:
-        """Agents in `qpos` and in `qvel`."""
+        """Slice of the agents in `qpos` and in `qvel`."""
         return slice(0, 4 * self.num_agents)
 
     @property
     def body_qpos(self) -> slice:
-        """Movable bodies in `qpos`."""
+        """Slice of the movable bodies in `qpos`."""
         return slice(4 * self.num_agents, 4 * self.num_agents + 7 * self.num_bodies)
 
     @property
     def body_qvel(self) -> slice:
-        """Movable bodies in `qvel`."""
+        """Slice of the movable bodies in `qvel`."""
         return slice(4 * self.num_agents, 4 * self.num_agents + 6 * self.num_bodies)
 
     @property
     def door_qpos(self) -> slice:
-        """Doors in `qpos`."""
+        """Slice of the doors in `qpos`."""
         first = 4 * self.num_agents + 7 * self.num_bodies
         return slice(first, first + self.num_doors)
 
     @property
     def door_qvel(self) -> slice:
-        """Doors in `qvel`."""
+        """Slice of the doors in `qvel`."""
         first = 4 * self.num_agents + 6 * self.num_bodies
         return slice(first, first + self.num_doors)
 
     @property
     def bodies(self) -> slice:
-        """Movable bodies among the bodies."""
+        """Slice of the movable bodies among the bodies."""
         return slice(1 + self.num_agents, 1 + self.num_agents + self.num_bodies)
 
     @property
     def doors(self) -> slice:
-        """Doors among the bodies."""
+        """Slice of the doors among the bodies."""
         return slice(1 + self.num_agents + self.num_bodies, 1 + self.num_mobiles)
 
     @property
     def slots(self) -> slice:
-        """Slots among the geoms: `agent_slots` of each agent, then `body_slots` of each body."""
+        """Slice of the slots among the geoms: `agent_slots` of each agent, then `body_slots` of each body."""
         return slice(1, 1 + self.num_slots)
 
     @property
     def body_geoms(self) -> slice:
-        """Geoms of the movable bodies: of each its box, then its 8 corners."""
+        """Slice of the geoms of the movable bodies: the box of each body, then its 8 corners."""
         first = 1 + self.num_slots + 2 * self.num_agents
         return slice(first, first + 9 * self.num_bodies)
 
     @property
     def door_geoms(self) -> slice:
-        """Geoms of the doors."""
+        """Slice of the geoms of the doors."""
         first = self.body_geoms.stop
         return slice(first, first + self.num_doors)

@@ -1,8 +1,8 @@
-"""What hands do to the things that they hold, what drives doors, and what keeps agents on ramps.
+"""Servo accelerations: hands that hold bodies, door drives, and agents on ramps.
 
-All are accelerations besides those of contacts, so whatever is held or driven is stopped by what is in its way. A thing
-in a hand is pulled so weakly (`HAND_ACCELERATION`) that it does not enter a wall, and its holder feels by a spring how
-far it lags behind.
+All are accelerations in addition to contact, so an obstacle stops a held or driven body. The acceleration of a held
+body is limited (`HAND_ACCELERATION`), so that contact keeps it out of walls. A spring couples the lag of the body back
+to its holder.
 """
 
 import jax.numpy as jnp
@@ -14,31 +14,32 @@ from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.control import HALF_LENGTH, RADIUS
 
 GRAVITY = 9.81  # [m/s^2], MuJoCo's default
-HAND_TIME = 0.05  # [s], in which a hand gives a thing its speed; twice as long for its place
-HAND_SPEED = 2.0  # [m/s], at which a thing comes to the hand
-HAND_SPIN = 6.0  # [rad/s]
-HAND_TWIST = 100.0  # [rad/s^2]
-# [m/s^2]; a face pressed against a wall so is about 1 mm in it. Where an edge lies along an edge, as on the frame of a
-# door, MuJoCo finds one contact point, at one end and the other by turns: 1.5 cm, and 2.5 cm or more with 30 m/s^2.
+HAND_TIME = 0.05  # [s], velocity time constant of a hand; the position time constant is twice as long
+HAND_SPEED = 2.0  # [m/s], maximum speed of a held body towards the hand
+HAND_SPIN = 6.0  # [rad/s], maximum angular speed towards the grip
+HAND_TWIST = 100.0  # [rad/s^2], maximum angular acceleration
+# [m/s^2], maximum acceleration of a held body. A face that is pressed against a wall then penetrates by about 1 mm.
+# For an edge along an edge, as on a door frame, MuJoCo returns one contact point that alternates between both ends.
+# The penetration is then 1.5 cm; with 30 m/s^2 it would be at least 2.5 cm.
 HAND_ACCELERATION = 15.0
-HAND_FORCE = 300.0  # [N]
-HAND_STIFFNESS = 1500.0  # [N/m], of the arm that holds back an agent
-HAND_SLACK = 0.05  # [m], by which a thing may lag behind without that
-HAND_LEASH = 0.3  # [m]; what is farther away still comes to the hand, and holds back nobody
-DOOR_TIME = 0.3  # [s]
-DOOR_SPEED = 2.0  # [rad/s], or [m/s] of what slides
-DOOR_TORQUE = 30.0  # [N m], or [N] of what slides
-ON_RAMP = 0.15  # [m], greatest height of an agent's foot above the ramp that it stands on
-FREE = 1e9  # goal of a door that nothing drives
+HAND_FORCE = 300.0  # [N], maximum force of a hand
+HAND_STIFFNESS = 1500.0  # [N/m], spring that pulls an agent back towards a lagging body
+HAND_SLACK = 0.05  # [m], lag of the body below which that spring is slack
+HAND_LEASH = 0.3  # [m], lag from which on the body is still pulled but no longer holds the agent back
+DOOR_TIME = 0.3  # [s], position time constant of a door drive
+DOOR_SPEED = 2.0  # [rad/s], or [m/s] of a sliding door; maximum speed of a door drive
+DOOR_TORQUE = 30.0  # [N m], or [N] of a sliding door; maximum torque of a door drive
+ON_RAMP = 0.15  # [m], maximum height of an agent's foot above or below the ramp that supports it
+FREE = 1e9  # goal of a door that is not driven
 
 
 def hand_time(config: PhysicsConfig) -> float:
-    """`HAND_TIME`, or what a physics step can follow [s]."""
+    """Return the time constant of hands [s]: `HAND_TIME`, or the shortest one that a physics step resolves."""
     return max(HAND_TIME, 2 * config.timing.sim_dt)
 
 
 class Held(Pytree):
-    """A thing and its holder, in the world; `spin` of the thing is about its own axes."""
+    """Held body and its holder, in the world frame; `spin` is about the body's own axes."""
 
     pos: Float[Array, "3"]  # [m]
     quat: Float[Array, "4"]
@@ -53,15 +54,15 @@ class Held(Pytree):
 def hand_accelerations(
     config: PhysicsConfig, held: Held, grip: Float[Array, "7"]
 ) -> tuple[Float[Array, "3"], Float[Array, "3"], Float[Array, "2"]]:
-    """What a hand does to a thing, and what its holder feels.
+    """Compute the accelerations of a held body and the reaction on its holder.
 
     Args:
         config: Options.
-        held: Where both are.
-        grip: Where the thing shall be: position [m] and quaternion in the agent's frame, which turns with its yaw.
+        held: Poses and velocities of both.
+        grip: Target pose of the body: position [m] and quaternion in the agent's frame, which rotates with its yaw.
 
     Returns:
-        The thing's acceleration [m/s^2], instead of gravity; its angular acceleration about its own axes [rad/s^2];
+        Acceleration of the body [m/s^2], which replaces gravity; its angular acceleration about its own axes [rad/s^2];
         force on the agent along x and y [N].
     """
     time = jnp.float32(hand_time(config))
@@ -87,14 +88,16 @@ def hand_accelerations(
 def door_acceleration(
     place: Float[Array, "h"], rate: Float[Array, "h"], goal: Float[Array, "h"], inertia: Float[Array, "h"], time: float
 ) -> Float[Array, "h"]:
-    """What drives doors to their goals [rad/s^2], without the drag of their hinges; of sliding ones in [m/s^2].
+    """Compute the drive acceleration of doors towards their goals [rad/s^2], or [m/s^2] of sliding doors.
+
+    Hinge drag is not included.
 
     Args:
-        place: Coordinate [rad], of sliding doors [m].
+        place: Joint coordinate [rad], of sliding doors [m].
         rate: [rad/s], [m/s]
-        goal: [rad], [m]; `FREE`: nothing drives it.
+        goal: [rad], [m]; `FREE` if the door is not driven.
         inertia: About the hinge [kg m^2], or mass [kg].
-        time: In which the leaf gets its speed [s].
+        time: Time constant of the door's velocity [s].
     """
     wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME), -DOOR_SPEED, DOOR_SPEED)
     most = jnp.float32(DOOR_TORQUE) / inertia
@@ -104,15 +107,15 @@ def door_acceleration(
 def ramp_acceleration(
     ramps: Float[Array, "r 8"], agent: Float[Array, "8"], pos: Float[Array, "3"]
 ) -> Float[Array, "2"]:
-    """What keeps an agent, whose contacts have no friction, from sliding down a ramp [m/s^2].
+    """Compute the acceleration that keeps an agent from sliding down a ramp [m/s^2].
 
-    Where it stands on one, `g tan(slope)` uphill balances what the ramp's normal force does. Of several, as
-    where those of stairs that turn overlap, the highest bears it; landings do not count.
+    Contacts of agents are frictionless. On a ramp, `g tan(slope)` uphill balances the ramp's normal force. Of
+    overlapping ramps, as on turning stairs, the highest applies. Landings have no slope and are ignored.
 
     Args:
         ramps: Rows of `bank.physics.ramp`.
         agent: Row of `control.agent_table`.
-        pos: Centre of its capsule [m].
+        pos: Centre of the agent's capsule [m].
     """
     _, _, up_x, up_y, half_u, half_v, _, slope = ramps.T
     along, across, surface = over_ramps(ramps, pos)
@@ -127,7 +130,7 @@ def ramp_acceleration(
 
 
 def over_ramps(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Where a point is over each ramp: uphill and across from its middle, and the height of its top there [m]."""
+    """Return a point's coordinates over each ramp: uphill, across, and the height of the surface there [m]."""
     x, y, up_x, up_y, _, _, middle, slope = ramps.T
     along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
     across = (pos[1] - y) * up_x - (pos[0] - x) * up_y
@@ -139,7 +142,7 @@ def _length(vector: Array) -> Array:
 
 
 def _reach(gap: Array, fastest: float, time: Array) -> Array:
-    """Speed per distance towards a goal."""
+    """Return the speed per distance towards a goal [1/s], which limits the speed to `fastest`."""
     return jnp.minimum(1.0, jnp.float32(fastest) * 2 * time / _length(gap)) / (2 * time)
 
 

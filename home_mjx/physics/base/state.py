@@ -1,22 +1,22 @@
-"""What there is to know of bodies between two steps."""
+"""State of the dynamic bodies between two control steps."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 
-AWAKE = 1e-6  # [m/s^2], [rad/s^2]: least acceleration of what does not sleep
+AWAKE = 1e-6  # [m/s^2], [rad/s^2], minimum acceleration of an awake body
 
 
 class Scale(Pytree):
-    """Factors of an environment's movable bodies against what the house says; None: 1."""
+    """Factors for the friction and mass of an environment's movable bodies; None is 1."""
 
     friction: Float[Array, "*batch"] | None = None
-    mass: Float[Array, "*batch"] | None = None  # and of their inertia: they keep their size
+    mass: Float[Array, "*batch"] | None = None  # also scales inertia, since sizes do not change
 
     @property
     def factors(self) -> Float[Array, "2"]:
-        """Of friction and mass."""
+        """Friction factor and mass factor."""
         one = jnp.ones((), jnp.float32)
         return jnp.stack([one if x is None else x for x in (self.friction, self.mass)])
 
@@ -24,21 +24,21 @@ class Scale(Pytree):
 class PhysicsState(Pytree):
     """Poses and speeds of an environment's agents, movable bodies and doors; see `layout.Layout`.
 
-    The names are MuJoCo's. Mobiles are the agents, then the bodies, then the doors.
+    Field names follow MuJoCo. Dynamic bodies are the agents, then the movable bodies, then the doors.
     """
 
     qpos: Float[
         Array, "*batch nq"
-    ]  # of an agent x, y, z [m] and yaw [rad]; of a body x, y, z and quaternion wxyz; of a door [rad] or [m]
-    qvel: Float[Array, "*batch nv"]  # [m/s], [rad/s]; a body turns about its own axes
-    qacc: Float[Array, "*batch nv"]  # of the last physics step; the next one's solver begins there
+    ]  # agent: x, y, z [m] and yaw [rad]; body: x, y, z [m] and quaternion wxyz; door: [rad] or [m]
+    qvel: Float[Array, "*batch nv"]  # [m/s], [rad/s]; angular velocity of bodies is about their own axes
+    qacc: Float[Array, "*batch nv"]  # of the last physics step; warm start of the next one's solver
     held: Int[Array, "*batch a"]  # movable body in each agent's hand; -1 none
-    grip: Float[Array, "*batch a 7"]  # where it shall be in the agent's frame: position [m], quaternion
-    spot: Float[Array, "*batch a 3"]  # [m], where a hand puts down what it holds; inf: nowhere
-    tries: Int[Array, "*batch a"]  # control steps since it began to take or to put down
-    goal: Float[Array, "*batch h"]  # [rad] or [m], where a door is driven to; `servo.FREE`: nowhere
-    touched: Int[Array, "*batch a"]  # contact points of each agent with anything but the floor, the most in a step
-    impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each mobile in the last control step
-    place: Float[Array, "*batch m 3"]  # [m], of the strongest of them
-    other: Int[Array, "*batch m"]  # what that was with: a mobile; -1 nothing, -2 the floor, -3 - c static box c
-    scale: Scale | None = None  # of friction and mass, for the whole episode
+    grip: Float[Array, "*batch a 7"]  # target pose of the held body in the agent's frame: position [m], quaternion
+    spot: Float[Array, "*batch a 3"]  # [m], surface point on which the hand places its body; inf: none
+    tries: Int[Array, "*batch a"]  # control steps since the hand started to pick or to place
+    goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.FREE`: not driven
+    touched: Int[Array, "*batch a"]  # contact points per agent except with the floor, maximum over physics steps
+    impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step
+    place: Float[Array, "*batch m 3"]  # [m], position of its strongest contact
+    other: Int[Array, "*batch m"]  # other side of that contact: a dynamic body; -1 none, -2 floor, -3 - c static box c
+    scale: Scale | None = None  # factors of friction and mass, constant in an episode

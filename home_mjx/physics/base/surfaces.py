@@ -1,8 +1,8 @@
-"""What decides the contacts of movable bodies: their own friction, stiffness, damping and impedance.
+"""Contact parameters of movable bodies: friction, stiffness, damping and impedance.
 
-A body's own numbers count against the floor, static boxes and doors. Of two bodies the greater friction, stiffness and
-damping count, and the means of both impedances. All contacts of agents are frictionless and alike. In
-MuJoCo's words: priority 2 of agents, 1 of bodies, 0 of the rest.
+Against the floor, static boxes and doors, a body's own parameters apply. Between two bodies, the larger friction,
+stiffness and damping apply, and the means of both impedances. All contacts of agents are frictionless and alike. In
+MuJoCo's terms, agents have priority 2, bodies 1 and all other geoms 0.
 """
 
 import jax.numpy as jnp
@@ -14,12 +14,12 @@ from home_mjx.mjcf.contact import contact_numbers
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.schema.contact_materials import USUAL, damping_ratio
 
-# Columns: sliding friction; [1/s^2], [1/s], 1 and [m], see `contact_numbers`.
+# Columns: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m]; see `contact_numbers`.
 FRICTION, STIFFNESS, DAMPING, LOW, WIDTH = range(5)
 
 
 def body_surfaces(config: PhysicsConfig, physics: Physics) -> Float[Array, "h k 5"]:
-    """Rows of every body: its material's, or what the options say."""
+    """Return the contact parameters of every body, from its material or from the options that override it."""
     friction, ratio = physics.body_friction, physics.body_damping_ratio
     if config.friction is not None:
         friction = jnp.full_like(friction, config.friction)
@@ -29,5 +29,5 @@ def body_surfaces(config: PhysicsConfig, physics: Physics) -> Float[Array, "h k 
 
 
 def usual_surface(config: PhysicsConfig) -> Float[np.ndarray, "5"]:
-    """Of bodies that are not there; they do not bounce."""
+    """Return the contact parameters of unused bodies, which do not bounce."""
     return np.array([USUAL.friction, *contact_numbers(np.ones(()), config.timing.sim_dt)])

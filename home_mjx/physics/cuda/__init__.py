@@ -1,1 +1,1 @@
-"""The fused step on NVIDIA GPUs: CUDA C, compiled for this GPU at run time and called by XLA."""
+"""The fused step on NVIDIA GPUs: CUDA C, compiled at run time for the installed GPU and called by XLA."""

@@ -1,16 +1,16 @@
-// Types, limits and what depends on the machine. Put before shapes.cuh.
+// Types, limits and machine-dependent functions. Precedes shapes.cuh in the compiled source.
 
 #define INLINE __device__ __forceinline__
 
-#ifndef WARP_SIZE  // tests compile this for a CPU, with warps of one thread and in double precision
+#ifndef WARP_SIZE  // tests define it to compile for a CPU, with warps of one thread and in double precision
 typedef float real;
 constexpr int WARP_SIZE = 32;
 constexpr unsigned ALL_LANES = 0xffffffffu;
 #define LANE int(threadIdx.x)
-constexpr real ENOUGH = 1e-2f;           // of the slope of the cost that a line search leaves, against that at its start
-constexpr real SOLVED = 1e-11f;          // of the cost's scale: what a step of Newton's method would still gain
-constexpr real SMALLEST = 1e-9f;         // pivot
-constexpr real NEARLY_PARALLEL = 1e-4f;  // of edges: length of the cross product of their directions
+constexpr real ENOUGH = 1e-2f;           // line-search tolerance: final slope of the cost over that at its start
+constexpr real SOLVED = 1e-11f;          // Newton tolerance: remaining decrease over the cost's scale
+constexpr real SMALLEST = 1e-9f;         // minimum Cholesky pivot before its square root [kg] or [kg m^2]
+constexpr real NEARLY_PARALLEL = 1e-4f;  // minimum length of the cross product of edge directions
 constexpr real PREFER_FACES = 1 - 1e-6f;
 constexpr real TINY = 1e-9f;
 
@@ -19,7 +19,7 @@ INLINE unsigned warp_ballot(bool x) { return __ballot_sync(ALL_LANES, x); }
 INLINE int count_bits(unsigned x) { return __popc(x); }
 INLINE unsigned warp_alike(int x) { return __match_any_sync(ALL_LANES, x); }
 INLINE int from_lane(int x, int lane) { return __shfl_sync(ALL_LANES, x, lane < 0 ? 0 : lane); }
-// The same bits in every lane: both sides of each addition are the same two numbers.
+// Returns the same bits in every lane: both lanes of each exchange add the same two numbers.
 INLINE real warp_sum(real x) {
   for (int step = WARP_SIZE / 2; step > 0; step /= 2) x += __shfl_xor_sync(ALL_LANES, x, step);
   return x;
@@ -29,23 +29,23 @@ INLINE real* shared_memory() { return shared_floats; }
 #endif
 
 #define INF real(1e30)
-#define NONE real(-9)  // no second place on a capsule
+#define NONE real(-9)  // the capsule has no second contact sphere
 
-constexpr int MOST_POINTS = 16;       // of a pair
-constexpr int BLOCKS = 16;            // that a multiprocessor holds at least: 128 registers a thread
-constexpr int SLEEPER = -1000000;      // of a contact with mobile m that sleeps: SLEEPER - m
-constexpr int PAIRS_PER_MOBILE = 16;  // of mobiles near each other that there is room for, as in launch.py
-constexpr int NEAR = 24;              // static boxes that are kept near each mobile
-constexpr int POINTS_PER_MOBILE = 24; // contact points that there is room for
-constexpr int CONTACT_WORDS = 52;     // of memory that a contact takes, as in launch.py
-constexpr int SMALL_ISLAND = 6;       // mobiles whose Hessian fits into shared memory, as in launch.py
-// The second mobile of a contact with what does not move; static box c is STATIC - c.
+constexpr int MOST_POINTS = 16;       // maximum number of contact points of a pair of shapes
+constexpr int BLOCKS = 16;            // minimum number of blocks per multiprocessor: 128 registers a thread
+constexpr int SLEEPER = -1000000;      // code of a contact's second body m if that sleeps: SLEEPER - m
+constexpr int PAIRS_PER_MOBILE = 16;  // pairs of nearby bodies per dynamic body that the buffer holds, as in launch.py
+constexpr int NEAR = 24;              // maximum number of listed static boxes per dynamic body
+constexpr int POINTS_PER_MOBILE = 24; // contact points per dynamic body that the buffer holds
+constexpr int CONTACT_WORDS = 52;     // words of memory per contact, as in launch.py
+constexpr int SMALL_ISLAND = 6;       // maximum dynamic bodies of an island solved in shared memory, as in launch.py
+// Codes of a contact's second side if that is no dynamic body; static box c is STATIC - c.
 constexpr int LIMIT = -1, FLOOR = -2, STATIC = -3;
 constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;  // of the tables, see native/data/limits.py
-constexpr int FREE = 1000000000;                                      // goal of a door that nothing drives
-constexpr real WAKE_NEAR = 0.01;  // [m]
-constexpr real AWAKE = 1e-6;  // acceleration that tells what was woken from what sleeps
-constexpr real HEAVY = 1e20;                                          // mass against which nothing moves that a door holds
+constexpr int FREE = 1000000000;                                      // goal of a door that is not driven
+constexpr real WAKE_NEAR = 0.01;  // [m], see native/sleep.py
+constexpr real AWAKE = 1e-6;  // acceleration that marks a woken dynamic body; sleeping ones have 0
+constexpr real HEAVY = 1e20;                                          // mass of a door's unused DoFs
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 32;

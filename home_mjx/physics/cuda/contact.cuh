@@ -1,38 +1,39 @@
-// One environment, and its contacts: what native/constraint.py does.
+// One environment and its contacts; counterpart of native/constraint.py.
 
-// What a contact adds to gradient and Hessian, in its frame.
+// Contribution of a contact to gradient and Hessian, in its frame.
 struct Push {
   real force[3];
   real w00, w01, w02, w11, w22;
 };
 
 struct Contact {
-  real frame[3][3];                       // rows: normal from the first to the second mobile, two tangents
-  real turn[2][3][3];                     // the frame's velocities from the spins of the first and the second mobile
+  real frame[3][3];                       // rows: normal from the first to the second body, two tangents
+  real turn[2][3][3];                     // velocities in the frame from the spins of the first and the second body
   real weight, friction;                  // weight: 1 / regularisation of its rows
-  real target[3], residual[3], slope[3];  // in the frame; `edge_value` makes those of its rows
+  real target[3], residual[3], slope[3];  // in the frame; `edge_value` projects them on the rows
   Push push;
   real pos[3];
   int first, second, active;
 };
-static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py gives too little room");
+static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py allocates too little memory per contact");
 
-// Pointers into shared memory and scratch.
+// One environment: pointers into shared memory and scratch.
 struct Env {
-  int agents, free, mobiles, statics, room;  // free: agents and bodies, the first door; room: most contacts
-  // A door's coordinate and an agent's yaw are the first number of quat. All mobiles have six numbers of velocity; a
-  // door's rate is the last, the others are held by HEAVY masses.
+  int agents, free, mobiles, statics, room;  // free: agents + bodies, index of the first door; room: maximum contacts
+  // Element 0 of quat is an agent's yaw or a door's coordinate. All dynamic bodies have six velocities; a door's rate is
+  // the last, and HEAVY masses keep the others at zero.
   real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
-  int *there, *calm, *wakes, *list, *pairs;  // list: of what is awake; pairs: of mobiles near each other
+  int *there, *calm, *wakes, *list, *pairs;  // list: awake dynamic bodies; pairs: dynamic bodies near each other
   int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
-  real *near, *near_from, *small, *large;  // memory for Newton's method: small is shared
-  const float *agent, *door, *surface;  // tables: of the agents, of the house's doors, of its bodies
-  real rougher;                         // factor of the friction of bodies
+  real *near, *near_from, *small, *large;  // small and large: memory for Newton's method, small is shared memory
+  const float *agent, *door, *surface;  // tables of the agents, the house's doors and its bodies
+  real rougher;                         // friction factor of bodies
   Contact* contacts;
   Numbers numbers;
 };
 
-// To a place from what a mobile turns about. Of a leaf that slides along s it is s x up: its turn is then the way along s.
+// Returns the lever arm from a body's rotation axis to a point. For a leaf that slides along s it is s x up, so that its
+// rotation becomes the displacement along s.
 INLINE Vec arm_to(const Env& e, int m, Vec at) {
   const Vec arm = at - Vec{e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
   if (m < e.free) return arm;
@@ -47,7 +48,7 @@ INLINE real edge_value(int row, real friction, const real* v) {
   return v[0] + (row % 2 == 0 ? friction * tangent : -friction * tangent);
 }
 
-// What the six numbers of the first (0) or second (1) mobile add to the relative velocity in the contact frame.
+// Adds the first (0) or second (1) body's part to the relative velocity in the contact frame.
 template <int SIDE>
 INLINE void add_relative(const Contact& c, const real* values, real* out) {
 #pragma unroll
@@ -57,7 +58,7 @@ INLINE void add_relative(const Contact& c, const real* values, real* out) {
       out[row] += c.turn[SIDE][row][k] * values[3 + k] + (SIDE == 0 ? -c.frame[row][k] : c.frame[row][k]) * values[k];
 }
 
-// Of the second mobile against the first one. `place` tells where a mobile's numbers are.
+// Computes the velocity of the second body relative to the first; `place` maps a body to its offset in `values`.
 template <class Place>
 INLINE void relative(const Contact& c, const real* values, Place place, real* out) {
   out[0] = out[1] = out[2] = 0;
@@ -73,7 +74,7 @@ INLINE real impedance(real low, real high, real x) {
   return low + y * (high - low);
 }
 
-// What decides a contact.
+// Contact parameters.
 struct Surface {
   real friction, stiffness, damping, low, width;
 };
@@ -89,7 +90,7 @@ INLINE Surface surface_of(const Env& e, int first, int second) {
           (real(own[3]) + its[3]) / 2, (real(own[4]) + its[4]) / 2};
 }
 
-// Fills in a contact: its Jacobian, regularisation and reference accelerations.
+// Writes a contact's Jacobian, regularisation and reference accelerations.
 __device__ void make_contact(const Env& e, Contact& c, int first, int second, const Point& point) {
   const Vec n = point.normal;
   const int axis = absolute(n.y) < real(0.5) ? 1 : 2;
@@ -115,7 +116,7 @@ __device__ void make_contact(const Env& e, Contact& c, int first, int second, co
     }
     inverse += e.inverse[m];
   }
-  if (second == LIMIT) {  // the first row is the door's rate itself
+  if (second == LIMIT) {  // at a joint limit, the first row is the door's rate itself
     for (int row = 0; row < 3; ++row)
       for (int k = 0; k < 3; ++k) c.frame[row][k] = 0, c.turn[0][row][k] = row == 0 && k == 2 ? n.x : 0;
     inverse = 1 / e.mass[6 * first + 5];
@@ -131,7 +132,7 @@ __device__ void make_contact(const Env& e, Contact& c, int first, int second, co
   c.target[0] -= surface.stiffness * imp * point.distance;
 }
 
-// Which of a contact's rows push at the accelerations `value` in its frame; whether these are others than before.
+// Updates a contact's active rows at the accelerations `value` in its frame; returns whether the active set changed.
 INLINE bool set_residual(Contact& c, const real* value) {
   real residual[3];
   int active = 0;

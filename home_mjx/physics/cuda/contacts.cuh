@@ -1,6 +1,6 @@
-// Which contacts there are: what native/contacts.py does.
+// Contact detection; counterpart of native/contacts.py.
 
-// Writes the contacts of the pairs that the lanes hold, in the order of lanes.
+// Writes the contacts of the lanes' pairs in lane order; returns the new number of contacts.
 __device__ int write_contacts(const Env& e, int count, int first, int second, const Points& points) {
   int before = points.count;  // inclusive sum over lanes
   for (int step = 1; step < WARP_SIZE; step *= 2) {
@@ -52,7 +52,7 @@ INLINE Box static_box(const House& house, int c) {
   return box;
 }
 
-// Whether one of the six face axes separates two boxes by more than `reach`.
+// Returns whether one of the six face axes separates two boxes by more than `reach`.
 INLINE bool apart(const Box& a, const Box& b, real reach) {
   const Vec between = b.pos - a.pos;
   for (int k = 0; k < 3; ++k) {
@@ -66,7 +66,7 @@ INLINE bool apart(const Box& a, const Box& b, real reach) {
   return false;
 }
 
-// How far any point of a mobile can have moved since its static boxes were looked for, at most.
+// Returns an upper bound of the displacement of a body's points since its nearby boxes were listed [m].
 INLINE real moved(const Env& e, int m) {
   real square = 0, turn = 0;
   for (int k = 0; k < 3; ++k) {
@@ -80,10 +80,10 @@ INLINE real moved(const Env& e, int m) {
   return sqrt(square) + e.radius[m] * sqrt(turn);
 }
 
-// Looks for static boxes near the mobiles that have moved; the lanes share the static boxes.
+// Updates the lists of static boxes near bodies that have moved; the static boxes are distributed over the lanes.
 __device__ void keep_near(const Env& e, const House& house) {
   bool any = false;
-  int* looks = e.members;  // which mobiles have moved
+  int* looks = e.members;  // flags of dynamic bodies whose list is updated
   for (int m = LANE; m < e.free; m += WARP_SIZE) {
     looks[m] = e.used[m] && (e.num_near[m] < 0 || moved(e, m) >= REACH);
     if (!looks[m]) continue;
@@ -149,7 +149,7 @@ INLINE void with_box(const Env& e, int m, const Box& box, Points& points) {
   }
 }
 
-// The ends of a door's way, as contacts whose normal's x is the sense in which they push.
+// Adds contacts at the joint limits of a door; x of the normal is the sign of the push.
 INLINE void at_limits(const Env& e, int m, Points& points) {
   const float* door = e.door + DOOR_COLUMNS * (m - e.free);
   for (int end = 0; end < 2; ++end) {
@@ -158,7 +158,7 @@ INLINE void at_limits(const Env& e, int m, Points& points) {
   }
 }
 
-// Lists what is awake; returns how many.
+// Lists the awake dynamic bodies; returns their number.
 __device__ int list_awake(const Env& e) {
   int count = 0;
   for (int base = 0; base < e.mobiles; base += WARP_SIZE) {
@@ -172,7 +172,7 @@ __device__ int list_awake(const Env& e) {
   return count;
 }
 
-// Whether the bounding spheres of two mobiles come nearer than `reach`.
+// Returns whether the bounding spheres of two dynamic bodies are at most `reach` apart.
 INLINE bool spheres_meet(const Env& e, int a, int b, real reach) {
   real square = 0;
   for (int k = 0; k < 3; ++k) {
@@ -183,8 +183,8 @@ INLINE bool spheres_meet(const Env& e, int a, int b, real reach) {
   return square <= far * far;
 }
 
-// Pairs of mobiles whose bounding spheres meet, first + second * mobiles; the first is awake, the second is if it comes
-// later. Doors do not meet each other.
+// Lists pairs of dynamic bodies whose bounding spheres overlap, as first + second * mobiles; returns their number. The
+// first is awake. Of two awake bodies, the first has the lower index. Doors do not collide with each other.
 __device__ int list_pairs(const Env& e, int awake) {
   int count = 0;
   for (int base = 0; base < awake * e.mobiles; base += WARP_SIZE) {
@@ -204,7 +204,7 @@ __device__ int list_pairs(const Env& e, int awake) {
   return PAIRS_PER_MOBILE * e.mobiles;
 }
 
-// All contacts of an environment; returns their number.
+// Writes all contacts of an environment; returns their number.
 __device__ int find_contacts(const Env& e, const House& house, real floor) {
   keep_near(e, house);
   const int awake = list_awake(e), pairs = list_pairs(e, awake);
@@ -220,7 +220,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
       first = e.list[pair];
       if (first < e.free) second = FLOOR, on_floor(e, first, floor, points);
       else second = LIMIT, at_limits(e, first, points);
-    } else if (pair < total) {  // a box, static or another mobile's
+    } else if (pair < total) {  // a static box or another dynamic body
       Box box;
       if ((pair -= awake) < statics) {
         int m = 0;

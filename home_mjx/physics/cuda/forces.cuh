@@ -1,6 +1,6 @@
-// Accelerations without contact, and motion: what native/forces.py and native/motion.py do.
+// Accelerations without contact, and integration; counterpart of native/forces.py and native/motion.py.
 
-// What an environment's agents and doors are told.
+// Control inputs of an environment's agents and doors.
 struct Control {
   const float *action, *grip, *goal;
   const int* held;
@@ -51,12 +51,12 @@ INLINE void fall(const Env& e, int m) {
 
 INLINE real length_of(Vec v) { return sqrt(dot(v, v)) + real(1e-12); }
 
-// Velocity per distance, or per angle, towards a grip.
+// Returns the velocity per distance, or per angle, towards a grip [1/s].
 INLINE real reach(const Numbers& n, real far, real fastest) {
   return fmin(real(1), fastest * 2 * n.hand_time / far) / (2 * n.hand_time);
 }
 
-// A hand pulls what it holds to where the grip says; an agent is held back by what lags.
+// Computes the acceleration of a held body towards its grip and the reaction on its holder.
 INLINE void carry(const Env& e, int a, int m, const float* grip) {
   const Numbers& n = e.numbers;
   const real c = cos(e.quat[4 * a]), s = sin(e.quat[4 * a]), spin = e.vel[6 * a + 5];
@@ -105,13 +105,13 @@ INLINE void smooth(const Env& e, int m, const Control& control, const float* ram
   climb(e, m, ramps, num_ramps);
 }
 
-// After `smooth` of all mobiles: what hands do. Two agents never hold the same thing.
+// Applies hands, after `smooth` of all dynamic bodies. Two agents never hold the same body.
 INLINE void hold(const Env& e, int a, const Control& control) {
   if (control.held[a] >= 0) carry(e, a, e.agents + control.held[a], control.grip + 7 * a);
   for (int k = 3; k < 6; ++k) e.acc[6 * a + k] = e.smooth[6 * a + k];  // contacts do not turn agents
 }
 
-// Where the leaf of a door is at its coordinate.
+// Computes the pose of a door leaf from its coordinate.
 INLINE void place_leaf(const Env& e, int m) {
   const float* door = e.door + DOOR_COLUMNS * (m - e.free);
   real *pos = e.pos + 3 * m, *rot = e.rot + 9 * m;
@@ -128,7 +128,7 @@ INLINE void limit(real* v, real most) {
     for (int k = 0; k < 3; ++k) v[k] *= most / sqrt(square);
 }
 
-// Semi-implicit Euler; the pose follows the speed before it is limited.
+// Integrates by semi-implicit Euler; the pose follows the velocity before the speed limit.
 INLINE void move(const Env& e, int m) {
   const real dt = e.numbers.sim_dt;
   real *pos = e.pos + 3 * m, *q = e.quat + 4 * m, *vel = e.vel + 6 * m, *acc = e.acc + 6 * m;

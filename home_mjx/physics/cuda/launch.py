@@ -1,4 +1,4 @@
-"""The fused step on NVIDIA GPUs: one warp per environment. Compiled on first use."""
+"""CUDA backend of the fused step: one warp per environment, compiled on first use."""
 
 import functools
 from collections.abc import Sequence
@@ -19,11 +19,11 @@ SOURCES = tuple(Path(__file__).with_name(name) for name in FILES)
 WARP = 32
 CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
 PAIRS_PER_MOBILE = 16  # as in base.cuh
-SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
+SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # words of shared memory per dynamic body, as in step.cu
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
-    """Steps environments (e ...); operands and results as those of `cpu.step_cpu`."""
+    """Step environments (e ...) by one control step; operands and results as in `cpu.step_cpu`."""
     houses, statics = operands[COLLIDER_POS].shape[:2]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
@@ -40,20 +40,20 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
 
 
 def _newton_words(mobiles: int) -> int:
-    """Memory for an island: the lower triangle of its Hessian, its gradient and the search direction."""
+    """Return the words of memory for an island: lower triangle of its Hessian, gradient and search direction."""
     size = BODY_DOFS * mobiles
     return size * (size + 1) // 2 + 2 * size
 
 
 @functools.cache
 def cuda_available() -> bool:
-    """Whether the step works here; warns once if there is an NVIDIA GPU and it does not."""
-    return works("cuda", problem_of("cuda", _start), "physics is stepped by the slower MJX")
+    """Return whether the CUDA kernel works in this process; warn once if there is an NVIDIA GPU and it fails."""
+    return works("cuda", problem_of("cuda", _start), "falling back to slower MJX physics")
 
 
 @functools.cache
 def kernel() -> str:
-    """PTX that all GPUs of this process can run."""
+    """Compile PTX that all GPUs of this process can run."""
     return ptx_for_all(SOURCES)
 
 

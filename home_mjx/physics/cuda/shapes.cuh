@@ -1,4 +1,4 @@
-// Contact points of pairs of shapes: what native/shapes/box_box.py and native/shapes/capsule.py do, in the same order.
+// Contact points of pairs of shapes, in the order of native/shapes/box_box.py and native/shapes/capsule.py.
 
 struct Vec {
   real x, y, z;
@@ -10,7 +10,7 @@ INLINE Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 INLINE Vec operator*(real s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
 INLINE real dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 INLINE Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-INLINE real absolute(real x) { return fabs(x); }  // of -0, too
+INLINE real absolute(real x) { return fabs(x); }  // also maps -0 to 0
 INLINE real clamped(real x, real low, real high) { return x < low ? low : x > high ? high : x; }
 
 struct Box {
@@ -27,7 +27,7 @@ struct Point {
   Vec normal;
 };
 
-// The points of a pair, before they are written to the contacts.
+// Contact points of a pair, before they are written to the contacts.
 struct Points {
   Point at[MOST_POINTS];
   int count;
@@ -37,7 +37,7 @@ struct Points {
 };
 
 struct Clip {
-  const Box& box;  // whose face it is
+  const Box& box;  // owner of the face
   int up;
   real side;
   Vec normal;  // of the contacts
@@ -51,7 +51,7 @@ struct Clip {
   }
 };
 
-// Where an edge crosses the border of the rectangle.
+// Adds the points where an edge crosses the border of the rectangle.
 INLINE void crossings(Clip& clip, const real* start, const real* edge) {
   for (int q = 0; q < 2; ++q) {
     if (absolute(edge[q]) <= NEARLY_PARALLEL) continue;
@@ -65,7 +65,7 @@ INLINE void crossings(Clip& clip, const real* start, const real* edge) {
   }
 }
 
-// Clips the face of the other box that looks at this face the most.
+// Clips the face of the other box that is most antiparallel to this face.
 __device__ void face_points(const Box& one, const Box& two, int up, real sign, Points& points) {
   const Vec between = two.pos - one.pos;
   const real side = dot(one.axis[up], between) < 0 ? -1 : 1;
@@ -185,7 +185,7 @@ __device__ void box_box(const Box& one, const Box& two, Points& points) {
     face_points(two, one, face - 3, -1, points);
 }
 
-// A sphere and a box; the centre is in the box's frame.
+// Adds the contact of a sphere and a box; the centre is in the box's frame.
 INLINE void sphere_box(Vec center, real radius, const Box& box, Points& points) {
   const Vec near = {clamped(center.x, -box.half[0], box.half[0]), clamped(center.y, -box.half[1], box.half[1]),
                     clamped(center.z, -box.half[2], box.half[2])};
@@ -198,7 +198,7 @@ INLINE void sphere_box(Vec center, real radius, const Box& box, Points& points) 
     points.add(box.pos + box.world(at), distance - radius, box.world(normal));
     return;
   }
-  // The centre is inside: out through the nearest face.
+  // The centre is inside the box: push out through the nearest face.
   real nearest = INF, side = 1;
   int axis = 0;
   for (int k = 0; k < 3; ++k)
@@ -211,7 +211,7 @@ INLINE void sphere_box(Vec center, real radius, const Box& box, Points& points) 
   points.add(box.pos + box.world(at), -nearest - radius, box.world(normal));
 }
 
-// Where on an upright axis in the box's frame, from -1 to 1, the two spheres of a capsule are.
+// Computes the positions of a capsule's two contact spheres on its axis, from -1 to 1; `second` is NONE if missing.
 __device__ void capsule_places(Vec center, Vec axis, real length, const Box& box, real& first, real& second) {
   real best = INF, t = 0, at = 0;
   int kind = -1, on = -1, corner = 0;  // kind: 0 face, 1 edge, 2 corner
@@ -298,7 +298,7 @@ __device__ void capsule_places(Vec center, Vec axis, real length, const Box& box
   }
 }
 
-// An upright capsule and a box.
+// Adds the contact points of an upright capsule and a box.
 __device__ void capsule_box(Vec pos, real radius, real length, const Box& box, Points& points) {
   const Vec center = box.local(pos - box.pos), axis = {length * box.axis[0].z, length * box.axis[1].z, length * box.axis[2].z};
   real first, second;
@@ -307,7 +307,7 @@ __device__ void capsule_box(Vec pos, real radius, real length, const Box& box, P
   if (second != NONE) sphere_box(center + second * axis, radius, box, points);
 }
 
-// Two upright capsules; of each its radius, then half of its axis.
+// Adds the contact points of two upright capsules; sizes are radius, then half length of the axis.
 __device__ void capsule_capsule(Vec one, Vec two, const float* size1, const float* size2, Points& points) {
   const real radius1 = size1[0], length1 = size1[1], radius2 = size2[0], length2 = size2[1];
   const real low = fmax(one.z - length1, two.z - length2), high = fmin(one.z + length1, two.z + length2);

@@ -1,4 +1,4 @@
-// What has come to rest sleeps: what native/sleep.py does.
+// Body sleeping; counterpart of native/sleep.py.
 
 INLINE real length_of(const real* v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -17,7 +17,7 @@ INLINE void wake(const Env& e, int m) {
   e.used[m] = 1, e.calm[m] = 0, e.wakes[m] = 0, e.acc[6 * m + (m < e.free ? 2 : 5)] = -AWAKE;
 }
 
-// Before a physics step: what agents and fast mobiles may touch in it wakes.
+// Wakes dynamic bodies that agents or fast bodies may touch in the next physics step.
 __device__ void wake_near(const Env& e) {
   bool any = false;
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) any |= e.there[m] && !e.used[m];
@@ -38,7 +38,7 @@ __device__ void wake_near(const Env& e) {
   sync_warp();
 }
 
-// After a physics step: what was touched wakes, what moves is not calm.
+// Wakes touched bodies and marks moving ones as not calm, after a physics step.
 INLINE void wake_touched(const Env& e) {
   for (int m = e.agents + LANE; m < e.mobiles; m += WARP_SIZE) {
     const real *vel = e.vel + 6 * m, *acc = e.acc + 6 * m;
@@ -49,7 +49,7 @@ INLINE void wake_touched(const Env& e) {
   sync_warp();
 }
 
-// After a control step: islands whose mobiles all are calm sleep.
+// Sets islands whose bodies are all calm to sleep, after a control step.
 INLINE void fall_asleep(const Env& e) {
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
     if (e.used[m] && !e.calm[m]) e.wakes[e.island[m]] = 1;

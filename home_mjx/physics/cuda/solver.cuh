@@ -1,14 +1,14 @@
-// Islands, and MuJoCo's convex problem in each by Newton's method: what native/solver.py does.
+// Islands, and Newton's method for MuJoCo's convex problem in each; counterpart of native/solver.py.
 //
-// Mobiles that touch no other are solved by one lane each, at the same time, in registers; larger islands by the whole
-// warp, one after the other. Sums over lanes are made in a fixed order, so that results do not depend on the batch.
+// Bodies that touch no other dynamic body are solved in registers, one per lane in parallel. Larger islands are solved
+// by the whole warp, one after another. Sums over lanes have a fixed order, so results do not depend on the batch.
 
 INLINE int find_root(const int* island, int m) {
   while (island[m] != m) m = island[m];
   return m;
 }
 
-// Each mobile's island is its first mobile; counts mobiles and contacts, and sorts the contacts by island.
+// Labels each body with the first body of its island, counts bodies and contacts, and sorts contacts by island.
 __device__ void find_islands(const Env& e, int count) {
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.island[m] = m, e.members[m] = e.rows[m] = 0;
   sync_warp();
@@ -28,7 +28,7 @@ __device__ void find_islands(const Env& e, int count) {
   sync_warp();
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
     for (int k = 0; k < e.mobiles; ++k) e.members[m] += e.used[k] && e.island[k] == m;
-  for (int pass = 0; pass < 2; ++pass) {  // counts, then places
+  for (int pass = 0; pass < 2; ++pass) {  // first counts, then positions
     for (int base = 0; base < count; base += WARP_SIZE) {
       const int n = base + LANE, root = n < count ? e.island[e.contacts[n].first] : -1;
       const unsigned alike = warp_alike(root), before = alike & ((1u << LANE) - 1);
@@ -46,7 +46,7 @@ __device__ void find_islands(const Env& e, int count) {
   }
 }
 
-// Exact line search: where the cost's slope vanishes. `derivatives` gives slope and curvature at a length.
+// Exact line search: finds the zero of the cost's slope. `derivatives` computes slope and curvature at a length.
 template <class Derivatives>
 INLINE real find_length(real scale, Derivatives derivatives) {
   real before, bend, low = 0, high = INF, length = 1;
@@ -64,7 +64,7 @@ INLINE real find_length(real scale, Derivatives derivatives) {
   return length;
 }
 
-// One mobile alone, in registers: loops over its six numbers are unrolled.
+// Newton's method for a single body, in registers: loops over its six DoFs are unrolled.
 struct Alone {
   real mass[6], free[6], acc[6], search[6];
   real hessian[6][6], gradient[6];
@@ -173,7 +173,7 @@ __device__ __noinline__ void solve_alone(const Env& e, int m) {
   for (int k = 0; k < 6; ++k) e.acc[6 * m + k] = own.acc[k];
 }
 
-// Mobiles that touch each other, solved by the whole warp. The numbers of mobile m are at offset[m] of its vectors.
+// An island of several bodies, solved by the whole warp. The DoFs of body m are at offset[m] of its vectors.
 struct Joined {
   int root, size, count;
   const int *contacts, *offset;
@@ -190,10 +190,10 @@ struct Joined {
 INLINE int packed(int row, int column) { return row * (row + 1) / 2 + column; }  // of a lower triangle
 __device__ constexpr int newton_words(int size) { return size * (size + 1) / 2 + 2 * size; }
 
-// One number of those that a contact adds to: of the Hessian's blocks of the first mobile (21), of the second one (21), of
-// both (36), or of the gradient (12). Each lane has a few of them, the same for all contacts.
+// One element that a contact adds to: of the Hessian's blocks of the first body (21), the second one (21) and both (36),
+// or of the gradient (12). Each lane owns a few elements, the same for all contacts.
 struct Entry {
-  int side[2], at[2];  // of row and column: the contact's mobile, and which of its six numbers
+  int side[2], at[2];  // for row and column: the contact's body, and the index of its DoF
   bool gradient;
 };
 constexpr int ENTRIES = 90, OWN_ENTRIES = (ENTRIES + WARP_SIZE - 1) / WARP_SIZE;

@@ -1,9 +1,9 @@
-// The fused physics step on NVIDIA GPUs: one warp per environment does all physics steps of a control step.
-// launch.py puts the other files before this one and compiles them at run time.
+// The fused physics step on NVIDIA GPUs: one warp per environment computes all physics steps of a control step.
+// launch.py prepends the other files to this one and compiles them at run time.
 //
-// It does what native/ does on CPUs, where the formulas and their sources are.
+// Counterpart of native/ on CPUs, which documents the formulas and their sources.
 
-// Takes the poses and speeds of agents, bodies and doors.
+// Loads the pose, velocity and parameters of an agent, body or door.
 INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, const float* qacc, const int* body_valid,
                  const float* body_size, const float* body_mass, const float* body_inertia, real heavier) {
   const int b = m - e.agents, h = m - e.free, bodies = e.free - e.agents;
@@ -63,7 +63,7 @@ INLINE void store(const Env& e, int m, const float* qpos, float* new_qpos, float
   }
 }
 
-// Contacts of an agent with anything but the floor, the most of all physics steps.
+// Counts contacts of each agent except with the floor; keeps the maximum over physics steps.
 INLINE void count_touched(const Env& e, int count, int* touched) {
   for (int a = LANE; a < e.agents; a += WARP_SIZE) {
     int here = 0;
@@ -75,7 +75,7 @@ INLINE void count_touched(const Env& e, int count, int* touched) {
   }
 }
 
-// Adds the impulses of a physics step to those of the mobiles, and keeps the strongest.
+// Adds the impulses of a physics step and keeps the strongest contact of each dynamic body.
 INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
   for (int n = LANE; n < count; n += WARP_SIZE) {
     Contact& c = e.contacts[n];
@@ -98,7 +98,7 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
     }
 }
 
-// Sizes: environments, houses, static boxes, bodies, agents, doors, ramps, bytes of scratch per environment.
+// `sizes`: environments, houses, static boxes, bodies, agents, doors, ramps, bytes of scratch per environment.
 extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* collider_pos, const float* collider_quat, const float* collider_half, const int* body_valid,
     const float* body_size, const float* body_mass, const float* body_inertia, const float* body_surface,

@@ -1,4 +1,4 @@
-"""Agents without dynamics: they move as told and slide along what is in the way. Things stay unless held.
+"""Physics without dynamics: agents move by their actions and slide along obstacles; bodies stay unless held.
 
-What pure navigation needs, and what Habitat's agents do by default, at a small part of the cost of contacts.
+This suffices for pure navigation, as with Habitat's default agents, and costs a small part of contact dynamics.
 """

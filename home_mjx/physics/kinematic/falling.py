@@ -1,4 +1,4 @@
-"""What is below: for things that hands have let go, and for agents on stairs and upper floors."""
+"""Support heights: below released bodies, and below agents on stairs and upper floors."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -10,7 +10,7 @@ from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.mjx.template import Template
 
-SUNK = 0.05  # [m], by which what carries something may reach into it: what agents step on
+SUNK = 0.05  # [m], maximum height of a support above the bottom of what it carries; also the step height of agents
 
 
 def drop_loose(
@@ -21,15 +21,15 @@ def drop_loose(
     qpos: Float[Array, " q"],
     boxes: Footprints,
 ) -> Float[Array, " q"]:
-    """Positions after the things that begin to fall have fallen, one per hand.
+    """Return positions after released bodies have dropped onto their support, at most one body per agent.
 
     Args:
-        template: The model.
-        physics: The houses.
+        template: Model of the bank's capacity.
+        physics: Physics arrays of the bank.
         house: Index of the house.
-        state: At the start of the step: what is loose has a speed there.
+        state: State at the start of the step; a body with nonzero speed was released.
         qpos: Positions after the step.
-        boxes: What may carry them: static boxes, then the movable bodies.
+        boxes: Possible supports: static boxes, then the movable bodies.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)
@@ -54,18 +54,18 @@ def ground_below(
     pos: Float[Array, "3"],
     foot: Float[Array, ""],
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """What an agent stands on: a floor, a ramp, or a box that it steps on.
+    """Return the height of an agent's support: a floor, a ramp, or a box that it can step on.
 
     Args:
         boxes: Static boxes.
         ramps: Rows of `bank.physics.ramp`.
-        floor: Of the ground floor [m].
-        pos: Of the agent [m].
-        foot: Its lowest point [m].
+        floor: Height of the ground floor [m].
+        pos: Position of the agent [m].
+        foot: Lowest point of the agent [m].
 
     Returns:
-        Its height [m], and how much higher things may be that do not stop the agent [m]: 0, and on a ramp more, as it
-        ends at a floor whose edge the agent meets before it is as high.
+        Height of the support [m], and an extra step height below which obstacles do not stop the agent [m]. The latter
+        is 0 except on ramps: a ramp ends at a floor whose edge the agent meets before it reaches that height.
     """
     half_u, half_v = ramps[:, 4], ramps[:, 5]
     along, across, surface = over_ramps(ramps, pos)
@@ -76,7 +76,7 @@ def ground_below(
 
 
 def _support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
-    """Highest top of a box under a point [m]; -inf if there is none."""
+    """Return the highest box top under a point [m]; -inf if there is none."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     under = (jnp.abs(u) <= boxes.half_u) & (jnp.abs(v) <= boxes.half_v) & (boxes.top <= bottom + jnp.float32(SUNK))

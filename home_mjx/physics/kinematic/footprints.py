@@ -1,4 +1,4 @@
-"""Upright boxes and capsules in the plan, and how an agent gets out of what it would be in."""
+"""Upright boxes and capsules in the horizontal plane, and depenetration of agents."""
 
 import jax
 import jax.numpy as jnp
@@ -7,16 +7,16 @@ from jaxtyping import Array, Float, Int
 from home_mjx.core.pytree import Pytree
 from home_mjx.physics.mjx.slots import Boxes
 
-ROUNDS = 3  # obstacles that an agent is moved out of, one after the other: a wall, a second one in a corner, a box
-SLOP = 1e-3  # [m], that an agent may be in something after all rounds
+ROUNDS = 3  # depenetration iterations, one obstacle each: a wall, a second one in a corner, a box
+SLOP = 1e-3  # [m], maximum penetration after all iterations
 
 
 class Footprints(Pytree):
-    """Boxes with vertical sides; in the horizontal plane a box's own axes are u and v."""
+    """Boxes with vertical sides; u and v are a box's own axes in the horizontal plane."""
 
     x: Float[Array, "*n"]  # [m], centre
     y: Float[Array, "*n"]
-    cos: Float[Array, "*n"]  # of the heading of u
+    cos: Float[Array, "*n"]  # of u's heading
     sin: Float[Array, "*n"]
     half_u: Float[Array, "*n"]  # [m]
     half_v: Float[Array, "*n"]
@@ -24,15 +24,18 @@ class Footprints(Pytree):
     top: Float[Array, "*n"]
 
     def passed_by(self, height: Float[Array, ""]) -> "Footprints":
-        """Without what ends below a height [m]."""
+        """Disable boxes that end at or below a height [m]."""
         return self.replace(bottom=jnp.where(self.top <= height, jnp.inf, self.bottom))
 
     @classmethod
     def of(cls, boxes: Boxes) -> "Footprints":
-        """Exact for boxes with a vertical axis; others get the smallest such box around them with the same heading."""
+        """Convert oriented boxes, exactly if an axis is vertical.
+
+        Other boxes become the smallest upright box around them with the same heading.
+        """
         axes, half = boxes.axes, [boxes.half[..., k] for k in range(3)]
         x, y, steep = axes[0][0], axes[0][1], jnp.abs(axes[0][2])
-        for axis in axes[1:]:  # the heading is that of the most level axis
+        for axis in axes[1:]:  # the most level axis defines the heading
             level = jnp.abs(axis[2]) < steep
             x, y = jnp.where(level, axis[0], x), jnp.where(level, axis[1], y)
             steep = jnp.minimum(steep, jnp.abs(axis[2]))
@@ -48,7 +51,7 @@ class Footprints(Pytree):
 
 
 class Agents(Pytree):
-    """Where agents are [m], and which of them is to move: the others are its obstacles."""
+    """Agents' positions [m] and the index of the moving agent; the others are its obstacles."""
 
     pos: Float[Array, "a 3"]
     radius: Float[Array, " a"]  # [m]
@@ -57,32 +60,32 @@ class Agents(Pytree):
 
     @property
     def size(self) -> tuple[Array, Array]:
-        """Radius and half length of the one that moves."""
+        """Radius and half length of the moving agent [m]."""
         return self.radius[self.me], self.length[self.me]
 
 
 def slide(
     boxes: Footprints, agents: Agents, old: Float[Array, "3"], way: Float[Array, "3"]
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
-    """An agent's position after a short way, and how many obstacles it ran into."""
+    """Move an agent by a short displacement; return its position and the number of obstacles that it touched."""
     pos = old + way
     depth = _depths(boxes, agents, pos)
     count = jnp.sum(depth > 0, dtype=jnp.int32)
     for _ in range(ROUNDS):
         pos = pos + _way_out(boxes, agents, pos, depth)
         depth = _depths(boxes, agents, pos)
-    # In a gap that is too narrow it stays where it was, unless that was worse.
+    # In a gap that is too narrow the agent keeps its old position, unless penetration was deeper there.
     deepest = depth.max()
     stays = (deepest > SLOP) & (_depths(boxes, agents, old).max() <= deepest)
     return jnp.where(stays, old, pos), count
 
 
 def _depths(boxes: Footprints, agents: Agents, pos: Float[Array, "3"]) -> Float[Array, " n"]:
-    """How deep an agent is in each box and in each agent [m]; negative outside."""
+    """Return the penetration depth of an agent in each box and each other agent [m]; negative outside."""
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
-    reach = jnp.sqrt(jnp.maximum(radius * radius - above * above, 1e-12))  # of the capsule at the box's height
+    reach = jnp.sqrt(jnp.maximum(radius * radius - above * above, 1e-12))  # capsule radius at the box's height
     in_box = jnp.where(above < radius, reach - _beyond(boxes, pos)[0], -1.0)
     away = pos[None] - agents.pos
     own = jnp.arange(agents.radius.shape[0], dtype=jnp.int32) == agents.me
@@ -92,7 +95,7 @@ def _depths(boxes: Footprints, agents: Agents, pos: Float[Array, "3"]) -> Float[
 
 
 def _beyond(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Distance from the sides of boxes [m], negative inside, and its direction along u and v."""
+    """Return the distance from the sides of boxes [m], negative inside, and its direction along u and v."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     beyond_u, beyond_v = jnp.abs(u) - boxes.half_u, jnp.abs(v) - boxes.half_v
@@ -106,7 +109,7 @@ def _beyond(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Ar
 
 
 def _way_out(boxes: Footprints, agents: Agents, pos: Float[Array, "3"], depth: Float[Array, " n"]) -> Array:
-    """Out of what the agent is in the deepest."""
+    """Return the displacement that resolves the deepest penetration."""
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)
     _, u, v = _beyond(box, pos)

@@ -1,4 +1,4 @@
-"""Doors without dynamics: they go to their goals, and give way to agents that walk into them."""
+"""Doors without dynamics: they move to their goals and yield to agents that push them."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -7,16 +7,16 @@ from home_mjx.physics.base.doors import Leaf
 from home_mjx.physics.base.servo import DOOR_SPEED, FREE
 from home_mjx.physics.mjx.slots import Boxes
 
-NEAREST = 0.1  # [m], to the hinge, at which a leaf can be pushed
+NEAREST = 0.1  # [m], minimum distance from the hinge at which a leaf can be pushed
 
 
 def leaf_boxes(leaves: Leaf, angle: Float[Array, " h"]) -> Boxes:
-    """Where the leaves are."""
+    """Return the boxes of the leaves at their joint coordinates."""
     return Boxes(*leaves.moved(angle), leaves.size)
 
 
 def turn_to_goals(leaves: Leaf, angle: Float[Array, " h"], goal: Float[Array, " h"], dt: float) -> Float[Array, " h"]:
-    """Coordinates after a time `dt` [s]; only leaves that have a goal move."""
+    """Return joint coordinates after a time `dt` [s]; only leaves that have a goal move."""
     most = jnp.float32(DOOR_SPEED * dt)
     way = jnp.clip(jnp.clip(goal, leaves.low, leaves.high) - angle, -most, most)
     return jnp.where(goal < FREE, angle + way, angle)
@@ -25,18 +25,18 @@ def turn_to_goals(leaves: Leaf, angle: Float[Array, " h"], goal: Float[Array, " 
 def give_way(
     leaves: Leaf, angle: Float[Array, " h"], pos: Float[Array, "a 3"], radius: Float[Array, " a"]
 ) -> Float[Array, " h"]:
-    """Coordinates at which the leaves let agents be where they want to be, as far as hinges and rails allow.
+    """Return joint coordinates at which the leaves do not overlap agents, within the limits of hinges and rails.
 
-    Agents push hinged leaves with their faces, and sliding ones by their narrow ends.
+    Agents push hinged leaves at their faces and sliding ones at their narrow ends.
 
     Args:
-        leaves: Of the house.
-        angle: Coordinates [rad], of sliding leaves [m].
-        pos: Of the agents [m].
-        radius: Of the agents [m].
+        leaves: Leaves of the house.
+        angle: Joint coordinates [rad], of sliding leaves [m].
+        pos: Positions of the agents [m].
+        radius: Radii of the agents [m].
     """
     turned = leaves.turns * angle + leaves.yaw
-    along = leaves.size[:, 0] >= leaves.size[:, 1]  # whether the leaf is long along its box's first axis
+    along = leaves.size[:, 0] >= leaves.size[:, 1]  # the box's first axis is the leaf's long axis
     heading = jnp.where(along, turned, turned + jnp.float32(jnp.pi / 2))
     u = jnp.stack([jnp.cos(heading), jnp.sin(heading)], axis=-1)
     v = jnp.stack([-u[:, 1], u[:, 0]], axis=-1)

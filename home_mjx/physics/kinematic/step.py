@@ -1,4 +1,4 @@
-"""A control step without dynamics."""
+"""Control step without dynamics."""
 
 import math
 
@@ -20,14 +20,14 @@ from home_mjx.physics.mjx.overflow import Lost
 from home_mjx.physics.mjx.slots import Boxes
 from home_mjx.physics.mjx.template import Template
 
-MOST_STEPS = 100  # parts of a control step; each makes the program longer
-STEP_HEIGHT = 0.05  # [m], what agents step over
+MOST_STEPS = 100  # maximum number of substeps, which are unrolled in the program
+STEP_HEIGHT = 0.05  # [m], maximum height of obstacles that agents step over
 
 
 def step_kinematic(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
-    """One control step; see `dynamics.step_checked`. Nothing is lost; agents, doors and held things move."""
+    """Advance agents, doors and held bodies by one control step; see `dynamics.step_checked`. Nothing overflows."""
     config, layout = template.config, template.layout
     agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)
     angle = turn_to_goals(leaves, state.qpos[layout.door_qpos], state.goal, config.timing.ctrl_dt)
@@ -70,7 +70,7 @@ def step_kinematic(
 
 
 def _num_steps(config: PhysicsConfig) -> int:
-    """So many that an agent moves by less than its radius in each: it cannot pass through anything."""
+    """Return the number of substeps in which an agent moves by at most its radius, so that it cannot tunnel."""
     dt = config.timing.ctrl_dt
     steps = max(1, *(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents))
     if steps > MOST_STEPS:
@@ -83,7 +83,7 @@ def _num_steps(config: PhysicsConfig) -> int:
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
-    """Static boxes, and movable bodies that nobody holds; without what agents step over."""
+    """Return static boxes and movable bodies that are not held; low boxes that agents step over are disabled."""
     static = _static(physics, house, obstacles=True)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.of(Boxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
@@ -95,7 +95,7 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
 
 
 def _static(physics: Physics, house: Array, obstacles: bool) -> Footprints:
-    """The static boxes of a house, without ramps: as obstacles, or else as what carries."""
+    """Return the static boxes of a house, except ramps: as obstacles, or else as supports."""
     every = Footprints.of(Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
     row = jnp.arange(every.x.shape[1], dtype=jnp.int32)
     is_ramp = jnp.any(row[None, :, None] == physics.ramp_collider[:, None], axis=-1)
@@ -105,7 +105,7 @@ def _static(physics: Physics, house: Array, obstacles: bool) -> Footprints:
 
 
 def _with_held(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
-    """Puts what agents hold into their hands."""
+    """Set the poses of held bodies from their holders' grips."""
     layout = template.layout
     if not layout.num_bodies:
         return qpos

@@ -1,4 +1,4 @@
-"""Forces that drive what moves: motors, hands, doors, ramps."""
+"""Applied forces of motors, hands, door drives and ramps."""
 
 import jax
 import jax.numpy as jnp
@@ -27,19 +27,19 @@ def applied_forces(
     qpos: Float[Array, " q"],
     qvel: Float[Array, " v"],
 ) -> tuple[Float[Array, "a 3"], Float[Array, " v"]]:
-    """What drives agents, doors and things in hands.
+    """Compute the forces that drive agents, doors and held bodies.
 
     Args:
-        template: The model.
-        house: Its bodies, doors and ramps.
-        state: At the start of the control step: what is held, and where doors are driven to.
-        action: Of the agents.
-        qpos: Now.
-        qvel: Now.
+        template: Model of the bank's capacity.
+        house: Bodies, doors and ramps of the house.
+        state: State at the start of the control step, with held bodies and door goals.
+        action: Actions of the agents.
+        qpos: Current positions.
+        qvel: Current velocities.
 
     Returns:
-        Of the agents' motors: force along world x and y [N], torque about z [N m]. On all others, as MuJoCo's
-        `qfrc_applied`.
+        Motor forces of the agents: along world x and y [N], torque about z [N m]. Forces on all other degrees of
+        freedom, as MuJoCo's `qfrc_applied`.
     """
     bodies, leaves, ramps = house
     layout, table = template.layout, jnp.asarray(template.agents, jnp.float32)
@@ -67,7 +67,7 @@ def _hold(
     now: tuple[Float[Array, " q"], Float[Array, " v"]],
     applied: Float[Array, " v"],
 ) -> tuple[Float[Array, " v"], Float[Array, "2"]]:
-    """What an agent's hand adds to the applied forces, and what the agent feels."""
+    """Add the force of one agent's hand to the applied forces; also return the reaction on the agent."""
     layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
     pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]
     agent, speed = qpos[4 * a : 4 * a + 4], qvel[4 * a : 4 * a + 4]
@@ -83,7 +83,7 @@ def _hold(
         agent_velocity=speed,
     )
     linear, angular, back = hand_accelerations(template.config, held, state.grip[a])
-    gyroscopic = jnp.cross(velocity[3:], inertia * velocity[3:])  # the hand decides the spin, so that it must not act
+    gyroscopic = jnp.cross(velocity[3:], inertia * velocity[3:])  # cancels MuJoCo's term: the hand sets the spin
     force = jnp.concatenate(
         [mass * (linear + jnp.array([0.0, 0.0, GRAVITY], jnp.float32)), inertia * angular + gyroscopic]
     )

@@ -30,7 +30,7 @@ from home_mjx.physics.mjx.template_mjcf import (
 
 
 class MovableBodies(Pytree):
-    """Movable bodies of one house; unused ones are parked."""
+    """Movable bodies of one house; unused bodies are parked."""
 
     valid: Bool[Array, " k"]
     pos: Float[Array, "k 3"]  # [m]
@@ -41,7 +41,7 @@ class MovableBodies(Pytree):
 
 
 def movable_bodies(physics: Physics, house: Int[Array, ""], scale: Scale | None = None) -> MovableBodies:
-    """The movable bodies of a house at their starting poses, as heavy as they are in an episode."""
+    """Return a house's movable bodies at their authored poses, with masses scaled for the episode."""
     bodies = _movable_bodies(physics, house)
     if scale is None or scale.mass is None:
         return bodies
@@ -72,10 +72,10 @@ def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
 
 
 def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: Float[Array, ""]) -> mjx.Model:
-    """The template with a house's floor and bodies, and every field that MuJoCo's compiler derives from them.
+    """Return the template with a house's floor and bodies, and all fields that MuJoCo's compiler derives from them.
 
-    For a free body whose inertial frame is its own, `mj_setConst` gives `body_invweight0` = (1/m, mean of 1/I),
-    `dof_invweight0` = each of these three times, and `dof_M0` = (m, m, m, I).
+    For a free body whose inertial frame is its body frame, `mj_setConst` sets `body_invweight0` = (1/m, mean of 1/I).
+    It sets `dof_invweight0` to each of these three times, and `dof_M0` = (m, m, m, I).
     """
     model = model.replace(geom_pos=model.geom_pos.at[0, 2].set(floor))
     if not layout.num_bodies:
@@ -122,7 +122,10 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
 def house_surfaces(
     config: PhysicsConfig, physics: Physics, house: Int[Array, ""], scale: Scale | None = None
 ) -> Float[Array, "k 5"]:
-    """Of the bodies of a house, see `base.surfaces`, in an episode; of unused ones as the template has them."""
+    """Return the contact parameters of a house's bodies in an episode; see `base.surfaces`.
+
+    Unused bodies have the template's parameters.
+    """
     usual = jnp.asarray(usual_surface(config), jnp.float32)
     own = body_surfaces(config, physics)[house]
     if scale is not None and scale.friction is not None:
@@ -133,22 +136,22 @@ def house_surfaces(
 def with_surfaces(
     model: mjx.Model, layout: Layout, pairs: Int[np.ndarray, "p 2"], surfaces: Float[Array, "k 5"]
 ) -> mjx.Model:
-    """The model with the contacts of its bodies.
+    """Return the model with the contact parameters of a house's bodies.
 
     Args:
-        model: The template's.
-        layout: Of it.
-        pairs: The mobiles of each of its pairs of geoms; -1 the world.
-        surfaces: Of the bodies.
+        model: Template model.
+        layout: Layout of the template.
+        pairs: Dynamic bodies of each of the template's geom pairs; -1 is the world.
+        surfaces: Contact parameters of the bodies.
     """
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
     if not layout.num_bodies:
         return model
-    none = jnp.zeros((layout.num_mobiles + 1, 5), jnp.float32)  # the last row is the world's
+    none = jnp.zeros((layout.num_mobiles + 1, 5), jnp.float32)  # the last row belongs to the world
     own = none.at[layout.num_agents : layout.num_agents + layout.num_bodies].set(surfaces)
     both = own[pairs[rows]]  # (r, 2, 5)
     friction, stiffness, damping, _, _ = both.max(axis=1).T
-    count = (both[..., LOW:] > 0).astype(jnp.float32).sum(axis=1)  # doors and the world do not count
+    count = (both[..., LOW:] > 0).astype(jnp.float32).sum(axis=1)  # doors and the world have no impedance of their own
     impedance = both[..., LOW:].sum(axis=1) / count
     return model.replace(
         pair_friction=model.pair_friction.at[rows, :2].set(friction[:, None]),
@@ -158,7 +161,7 @@ def with_surfaces(
 
 
 def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
-    """The leaves of a house; unused ones are parked."""
+    """Return the door leaves of a house; unused leaves are parked."""
     leaves = jax.tree.map(lambda x: x[house], Leaf.of(physics))
     row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
     one = jnp.ones_like(row)
@@ -179,7 +182,7 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
 
 
 def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
-    """The model with the leaves of a house on their hinges and rails."""
+    """Return the model with a house's door leaves on their hinges and rails."""
     if not layout.num_doors:
         return model
     at, geom, dof = layout.doors, layout.door_geoms, layout.door_qvel
@@ -216,7 +219,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
 
 
 def with_slots(model: mjx.Model, layout: Layout, slots: Boxes) -> mjx.Model:
-    """The model with other static boxes in its slots."""
+    """Return the model with the given static boxes in its contact slots."""
     at = layout.slots
     aabb = jnp.concatenate([jnp.zeros_like(slots.half), slots.half], axis=-1)
     return model.replace(

@@ -1,7 +1,8 @@
-"""What a physics step leaves out because it does not fit its fixed sizes.
+"""Reports of contacts dropped because a fixed-size buffer of a physics step overflowed.
 
-MJX tests only so many pairs of geoms of a kind, those nearest by bounding spheres, and gives only so many contact
-points to the solver, the deepest. Both limits are in the template's MJCF (`max_geom_pairs`, `max_contact_points`).
+MJX tests a limited number of geom pairs of each kind, those with the nearest bounding spheres. It passes a limited
+number of contact points to the solver, the deepest ones. Both limits are in the template's MJCF (`max_geom_pairs`,
+`max_contact_points`).
 """
 
 import functools
@@ -22,27 +23,27 @@ BOX, CAPSULE = int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_CAPSULE
 
 
 class Sizes(Pytree):
-    """Of every geom of the model as it is stepped, its slots filled."""
+    """Sizes of all geoms of the stepped model, with filled contact slots."""
 
     size: Float[Array, "g 3"]  # [m], MuJoCo's `geom_size`
     rbound: Float[Array, " g"]  # [m], radius of the bounding sphere
 
 
 class Lost(Pytree):
-    """Whether something was left out."""
+    """Overflow flags of a control step; True means that contacts may have been dropped."""
 
-    static_boxes: Bool[Array, "..."]  # static boxes that touch an owner beyond its slots
-    contact_pairs: Bool[Array, "..."]  # touching pairs that the broad phase did not choose
-    contact_points: Bool[Array, "..."]  # more contact points than the solver takes
+    static_boxes: Bool[Array, "..."]  # an owner touches more static boxes than it has slots
+    contact_pairs: Bool[Array, "..."]  # the broad phase skipped a touching pair
+    contact_points: Bool[Array, "..."]  # more contact points than the solver accepts
 
 
 def limit(model: Any, name: str) -> int:
-    """A limit of a `mujoco.MjModel`'s MJX."""
+    """Return a numeric limit of MJX from a `mujoco.MjModel`."""
     return int(model.numeric(name).data[0])
 
 
 def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
-    """Whether all contact points of a dimension are taken, by bodies that touch."""
+    """Return whether all contact points of some dimension are used by touching bodies."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
     full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]
@@ -54,11 +55,11 @@ _sum = functools.partial(jnp.einsum, precision="highest")
 
 @dataclass(frozen=True)
 class Pairs:
-    """Pairs of geoms of one kind of which MJX tests only some.
+    """Geom pairs of the kinds of which MJX tests only some.
 
     Attributes:
-        groups: Geoms of the pairs (p, 2) of each such kind.
-        most: How many of a kind are tested.
+        groups: Geoms of the pairs (p, 2), one array per kind.
+        most: Maximum number of pairs of a kind that MJX tests.
         capsules: Geoms that are capsules.
     """
 
@@ -68,7 +69,7 @@ class Pairs:
 
     @classmethod
     def of(cls, model: Any) -> "Pairs":
-        """The explicit pairs of a `mujoco.MjModel`, by kind, where there are too many."""
+        """Group a `mujoco.MjModel`'s explicit pairs by kind; keep the kinds that exceed the limit."""
         most, kinds = limit(model, "max_geom_pairs"), defaultdict(list)
         for a, b in zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True):
             kind = frozenset((int(model.geom_type[a]), int(model.geom_type[b])))
@@ -78,19 +79,19 @@ class Pairs:
         return cls(groups, most, np.flatnonzero(model.geom_type == CAPSULE))
 
     def lost(self, sizes: Sizes, data: mjx.Data) -> Bool[Array, ""]:
-        """Whether a pair touches that the last physics step did not test; poses are those that it began from."""
+        """Return whether a pair touches that the last physics step did not test; poses are those at its start."""
         missed = [jnp.any(self._touch(sizes, data, self._untested(sizes, data, pairs))) for pairs in self.groups]
         return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)
 
     def _untested(self, sizes: Sizes, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
-        """The pairs that are farther apart by bounding spheres than those that are tested: MJX's own ranking."""
+        """Return the pairs that MJX skips: those that rank last by the distance of their bounding spheres."""
         first, second = data.geom_xpos[pairs[:, 0]], data.geom_xpos[pairs[:, 1]]
         apart = jnp.linalg.norm(second - first, axis=-1) - sizes.rbound[pairs].sum(axis=-1)
         _, order = jax.lax.top_k(-apart, len(pairs))
         return jnp.asarray(pairs)[order[self.most :]]
 
     def _touch(self, sizes: Sizes, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
-        """Whether boxes overlap along all of their six face axes; a capsule counts as the box around it."""
+        """Return whether boxes overlap along all of their six face axes; a capsule is replaced by its bounding box."""
         boxes = self._boxes(sizes)
         between = data.geom_xpos[pairs[:, 1]] - data.geom_xpos[pairs[:, 0]]
         a, b = data.geom_xmat[pairs[:, 0]], data.geom_xmat[pairs[:, 1]]
@@ -101,7 +102,7 @@ class Pairs:
         return jnp.maximum(along_a.max(axis=-1), along_b.max(axis=-1)) < 0
 
     def _boxes(self, sizes: Sizes) -> Float[Array, "g 3"]:
-        """Half extents of every geom's box [m]."""
+        """Return half extents of every geom's bounding box [m]."""
         size, capsules = sizes.size, self.capsules
         around = jnp.stack([size[capsules, 0], size[capsules, 0], size[capsules, 0] + size[capsules, 1]], axis=-1)
         return size.at[capsules].set(around)

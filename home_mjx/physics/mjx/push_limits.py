@@ -1,4 +1,4 @@
-"""What touched what, and how hard, in a physics step of the reference."""
+"""Contact impulses and contact partners of a physics step of MJX."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,20 +11,20 @@ from home_mjx.physics.mjx.template import Template
 
 
 class Pushes(Pytree):
-    """Of each mobile's contacts, see `PhysicsState`."""
+    """Contacts of each dynamic body; see `PhysicsState`."""
 
-    impulse: Float[Array, "*t m"]  # [N s], of all
-    strongest: Float[Array, "*t m"]  # [N s]
-    place: Float[Array, "*t m 3"]  # [m], of the strongest
-    other: Int[Array, "*t m"]
+    impulse: Float[Array, "*t m"]  # [N s], of all contacts
+    strongest: Float[Array, "*t m"]  # [N s], of the strongest contact
+    place: Float[Array, "*t m 3"]  # [m], of the strongest contact
+    other: Int[Array, "*t m"]  # other side of the strongest contact
 
 
 def find_pushes(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Pushes:
-    """Of one physics step.
+    """Collect the contact impulses of one physics step.
 
     Args:
-        template: The model.
-        data: After the step.
+        template: Model of the bank's capacity.
+        data: MJX data after the step.
         slot_box: Static box in each slot.
     """
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
@@ -46,7 +46,7 @@ def find_pushes(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) 
 
 
 def over_time(pushes: Pushes) -> Pushes:
-    """Of all physics steps (t, ...) of a control step."""
+    """Combine all physics steps (t, ...) of a control step: sum the impulses and keep the strongest contact."""
     best = jnp.argmax(pushes.strongest, axis=0)
     mobile = jnp.arange(best.shape[0], dtype=jnp.int32)
     return Pushes(
@@ -55,13 +55,16 @@ def over_time(pushes: Pushes) -> Pushes:
 
 
 def _codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:
-    """What each geom belongs to: a mobile, the floor or a static box."""
+    """Return the owner code of each geom: a dynamic body, the floor or a static box."""
     mobile = jnp.asarray(template.geom_mobile).at[0].set(FLOOR)
     return mobile.at[template.layout.slots].set(STATIC - slot_box)
 
 
 def _normal_forces(data: mjx.Data) -> Float[Array, " n"]:
-    """Of each contact [N]: the sum over its rows, which are one or, with friction, four edges of a pyramid."""
+    """Return the normal force of each contact [N], which is the sum over its rows.
+
+    A frictionless contact has one row; one with friction has four, the edges of a pyramid.
+    """
     contact, forces = data._impl.contact, data._impl.efc_force  # pyright: ignore[reportAttributeAccessIssue]
     rows = np.where(np.asarray(contact.dim) == 1, 1, 4)[:, None]
     address = np.asarray(contact.efc_address)[:, None] + np.arange(4)

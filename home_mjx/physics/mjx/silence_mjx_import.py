@@ -1,4 +1,4 @@
-"""Imports MJX before the rest of this package: without warp, MJX prints a message on stdout, into our output."""
+"""Silent import of MJX, done before the rest of this package: without Warp, MJX prints a message to stdout."""
 
 import contextlib
 import io

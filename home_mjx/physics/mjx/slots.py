@@ -1,10 +1,11 @@
-"""Which static boxes can be touched: those of the environment's own house that are nearest to each owner.
+"""Contact slots: the static boxes of the environment's house that are nearest to each owner.
 
-An owner (agent or movable body) has a few slot geoms that only it can touch. They are refilled before every physics
-step, so its cost does not depend on the size of the house, and environments in different houses share one model.
+Each owner (agent or movable body) has a few slot geoms that only it can touch. They are refilled before every physics
+step. The cost of a step is therefore independent of the house's size, and environments in different houses share one
+model.
 
-Vectors are written out by component here: XLA's CPU backend turns sums over an axis of 3 into scalar loops, which
-made this 90 times slower.
+Vectors are separate arrays per component: XLA's CPU backend turns sums over an axis of 3 into scalar loops, which was
+90 times slower.
 """
 
 from collections.abc import Sequence
@@ -17,8 +18,8 @@ from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
 from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT, PARKED_SIZE
 
-REACH = 0.05  # [m]: boxes farther than this from their owner are parked
-FLAT = 0.01  # [m]: boxes that rise less than this above the floor are part of it
+REACH = 0.05  # [m], maximum distance of a box from its owner; farther boxes are parked
+FLAT = 0.01  # [m], minimum height of a box above the floor; lower boxes count as floor
 
 Vector = Sequence[Array]  # x, y, z
 
@@ -32,7 +33,7 @@ class Boxes(Pytree):
 
     @property
     def axes(self) -> list[Vector]:
-        """The three axes of the box in the world frame, by component."""
+        """The three box axes in the world frame, by component."""
         w, x, y, z = (self.quat[..., i] for i in range(4))
         one = jnp.ones_like(w)
         return [
@@ -48,22 +49,22 @@ class Boxes(Pytree):
         return self.pos[..., 2] + rise
 
     def rise_above(self, floor: Float[Array, "*#n"]) -> Bool[Array, "*n"]:
-        """Whether a box is not part of a floor at that height [m]."""
+        """Return whether each box rises above a floor at the given height [m] by more than `FLAT`."""
         return self.top > floor + jnp.float32(FLAT)
 
 
 def half_above_floor(physics: Physics) -> Float[Array, "h c 3"]:
-    """Half extents [m] of all houses' static boxes; negative where a box does not rise above its house's floor."""
+    """Return half extents [m] of all houses' static boxes; negative for boxes that do not rise above the floor."""
     boxes = Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
     above = boxes.rise_above(physics.floor[:, None])
     return jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
 
 
 def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:
-    """Largest gap between one box and each of others along the six face axes of both [m]; negative: overlap.
+    """Return the largest gap between one box and each of others along the six face axes of both [m].
 
-    A lower bound of the distance, exact where faces face each other (separating axes without the edge pairs,
-    Gottschalk et al. 1996).
+    Negative values mean overlap. The result is a lower bound of the distance, and exact if faces are opposite each
+    other. The edge pairs of the separating axis test are omitted (Gottschalk et al. 1996).
     """
     axes_a, axes_b = owner.axes, static.axes
     half_a, half_b = _components(owner.half), _components(static.half)
@@ -77,15 +78,18 @@ def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:
 
 
 def fill(owner: Boxes, static: Boxes, num: int) -> tuple[Boxes, Int[Array, " num"], Bool[Array, ""]]:
-    """The `num` static boxes nearest to an owner, cut to its surroundings; which; and whether more than these touch it.
+    """Select the `num` static boxes nearest to an owner and cut them to its surroundings.
 
-    Cutting matters to MJX's broad phase, which ranks pairs by bounding spheres: those of long walls would crowd out
-    real contacts. Boxes beyond `REACH` are parked for the same reason.
+    MJX's broad phase ranks pairs by bounding spheres. Without the cut, the spheres of long walls would displace real
+    contacts. Boxes beyond `REACH` are parked for the same reason.
 
     Args:
         owner: One box.
-        static: The house's boxes, at least `num`.
+        static: Boxes of the house, at least `num`.
         num: Number of slots.
+
+    Returns:
+        The boxes in the slots, their indices in `static`, and whether more than `num` boxes touch the owner.
     """
     gap = separation(owner, static)
     _, index = jax.lax.top_k(-gap, num)
@@ -96,7 +100,7 @@ def fill(owner: Boxes, static: Boxes, num: int) -> tuple[Boxes, Int[Array, " num
 
 
 def parked(num: int) -> Boxes:
-    """Boxes that nothing can touch."""
+    """Return boxes that nothing can touch."""
 
     def rows(*row: float) -> Array:
         return jnp.tile(jnp.array([row], jnp.float32), (num, 1))
@@ -105,7 +109,7 @@ def parked(num: int) -> Boxes:
 
 
 def _cut(boxes: Boxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> Boxes:
-    """The part of each box inside a cube of half extent `radius` that is aligned with the box."""
+    """Return the part of each box inside a cube of half extent `radius` that is aligned with the box."""
     axes, pos = boxes.axes, _components(boxes.pos)
     between = [c - p for c, p in zip(_components(center), pos, strict=True)]
     middle, half = [], []

@@ -1,4 +1,4 @@
-"""The reference: the template stepped by MJX, on any platform and with gradients."""
+"""Reference step: the template stepped by MJX, on any platform and with gradients."""
 
 import contextlib
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT
 def step_mjx(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
-    """One control step; see `dynamics.step_checked`."""
+    """Advance the state by one control step; see `dynamics.step_checked`."""
     bodies, leaves = movable_bodies(physics, house, state.scale), house_doors(physics, house)
     static = static_boxes(template, physics, house)
     parts = bodies, leaves, physics.ramp[house]
@@ -77,10 +77,10 @@ def step_mjx(
 
 
 def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> Boxes:
-    """The static boxes of a house that rise above its floor, and enough parked ones to fill all slots of an owner.
+    """Return the static boxes of a house that rise above its floor, padded with parked ones to the number of slots.
 
-    What lies in or flat on the floor is parked, too: the floor plane is there already, and an agent that stands on a
-    rug touches "nothing but the floor".
+    Boxes in or flat on the floor are parked, too. The floor plane already supports bodies there, and contact with a rug
+    must count as contact with the floor.
     """
     own = Boxes(physics.collider_pos[house], physics.collider_quat[house], physics.collider_size[house])
     above = own.rise_above(physics.floor[house])
@@ -92,9 +92,10 @@ def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) ->
 def nearest_boxes(
     template: Template, static: Boxes, body_size: Float[Array, "k 3"], data: mjx.Data
 ) -> tuple[Boxes, Int[Array, " s"], Bool[Array, ""]]:
-    """What the slots hold: the static boxes nearest to each agent and to each body; which; whether some were left out.
+    """Fill all contact slots with the static boxes nearest to each agent and each body.
 
-    Left out are boxes that touch an owner whose slots are all taken by nearer ones.
+    Returns:
+        The boxes in the slots, their indices, and whether a box was dropped that touches an owner without a free slot.
     """
     config = template.config
     slots, rows, crowded = [], [], jnp.zeros((), bool)
@@ -117,11 +118,11 @@ def within_limits(
     before: PhysicsState,
     moved: tuple[Float[Array, " q"], Float[Array, " v"]],
 ) -> tuple[Float[Array, " q"], Float[Array, " v"]]:
-    """Poses and speeds with unused bodies and doors put back to where they were, and the speed of the others limited.
+    """Return poses and speeds with unused bodies and doors restored and the speed of the others limited.
 
-    Unused bodies are put back exactly, so they stay there however many steps pass. The limits keep a body that starts
-    deep inside another from being shot through a wall, and from spinning so fast that explicit integration of its
-    gyroscopic torque diverges (it does from about 1 rad per physics step on).
+    Unused bodies are restored exactly, so they never drift. The limits keep a body that starts deep inside another from
+    being shot through a wall. They also limit the spin, since explicit integration of the gyroscopic torque diverges
+    from about 1 rad per physics step on.
     """
     layout, (qpos, qvel) = template.layout, moved
     if layout.num_doors:
@@ -163,7 +164,10 @@ def _body_boxes(template: Template, data: mjx.Data, size: Float[Array, "k 3"]) -
 
 @contextlib.contextmanager
 def _as_mjx_needs() -> Iterator[None]:
-    """MJX mixes dtypes and ranks, which strict contexts refuse, and its solver needs more than a GPU's 10-bit TF32."""
+    """Relax strict JAX settings for MJX.
+
+    MJX mixes dtypes and ranks, and its solver needs more precision than a GPU's 10-bit TF32.
+    """
     with (
         jax.numpy_dtype_promotion("standard"),
         jax.numpy_rank_promotion("allow"),

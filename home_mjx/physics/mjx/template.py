@@ -1,4 +1,4 @@
-"""The one model of a capacity."""
+"""The model shared by all houses of one capacity."""
 
 import functools
 from collections.abc import Callable
@@ -21,7 +21,9 @@ T = TypeVar("T")
 
 
 class Template:
-    """The one model of a capacity; build it once, outside of any trace, and use it for all houses.
+    """The model shared by all houses of one capacity.
+
+    Build it once, outside of any trace.
 
     Args:
         config: Options.
@@ -50,22 +52,22 @@ class Template:
         self._host = host
         self.pairs = Pairs.of(host)
         self.max_points = limit(host, "max_contact_points")
-        self.geom_mobile = host.geom_bodyid - 1  # mobile of each geom; -1 the world's
+        self.geom_mobile = host.geom_bodyid - 1  # dynamic body of each geom; -1 for geoms of the world
         self.pair_mobiles = self.geom_mobile[np.stack([host.pair_geom1, host.pair_geom2], axis=1)]
 
     @functools.cached_property
     def model(self) -> mjx.Model:
-        """MJX's model; made when it is first asked for, as the fused step does without it."""
+        """MJX model, created on first use since the fused step does not need it."""
         return _outside_of_traces(lambda: mjx.put_model(self._host))
 
     @functools.cached_property
     def data(self) -> mjx.Data:
-        """MJX's data at the start."""
+        """Initial MJX data."""
         return _outside_of_traces(lambda: mjx.make_data(self.model))
 
 
 def _outside_of_traces(make: Callable[[], T]) -> T:
-    """In a thread of its own: arrays made within a trace, `pmap` or `shard_map` would belong to it for ever."""
+    """Run `make` in a separate thread: arrays made within a trace, `pmap` or `shard_map` would belong to it."""
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(make).result()
 

@@ -1,4 +1,4 @@
-"""The one MJCF that all houses of a capacity share, built in code."""
+"""MJCF shared by all houses of one capacity."""
 
 import itertools
 import math
@@ -12,32 +12,32 @@ from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.surfaces import usual_surface
 
-PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
+PARKED_HEIGHT = 500.0  # [m], height of unused bodies above the house, and depth of unused slots below it
 PARKED_SIZE = 0.1  # [m], half extent
 PARKED_MASS = 1.0  # [kg]
-CORNER_RADIUS = 1e-3  # [m]
-PARKED_RANGE = (-1.0, 1.0)  # [rad] or [m]
-PARKED_ARM, PARKED_YAW = (0.4, 0.1), 0.5  # [m], [rad], of leaves: neither at the hinge nor upright, as with slots
+CORNER_RADIUS = 1e-3  # [m], of the corner spheres of bodies
+PARKED_RANGE = (-1.0, 1.0)  # [rad] or [m], joint range
+PARKED_ARM, PARKED_YAW = (0.4, 0.1), 0.5  # [m], [rad], of leaves; nonzero to avoid `geom_sameframe`, as with slots
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 
 
 def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
-    """MJCF of a house with nothing in it: every body, door and slot is parked.
+    """Return the MJCF of an empty house in which every body, door and slot is parked.
 
-    Leaves of doors meet agents and bodies only: how far they go is known from the house. What kind of
-    joint a leaf has cannot differ between houses: the last ones slide.
+    Door leaves collide with agents and bodies only, since the house defines their ranges. The joint type of a leaf
+    cannot differ between houses: the last leaves slide.
 
-    All contacts are explicit pairs, so that a slot meets only its owner and each kind of contact has its own
-    dimension: those of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
+    All contacts are explicit pairs. A slot therefore touches only its owner, and each kind of contact has its own
+    dimension. Contacts of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
 
-    Bodies touch the floor with tiny spheres at their corners: MJX's own contact of plane and box ignores all corners
-    more than 1 mm above the lowest one, so that a tilted box rocks for ever.
+    Bodies touch the floor with tiny spheres at their corners. MJX's own plane-box contact ignores all corners more than
+    1 mm above the lowest one, so that a tilted box would rock forever.
     """
     root = ET.Element("mujoco", model="home_mjx")
     ET.SubElement(root, "compiler", angle="radian")
     _add_options(root, config, layout, jacobian)
     world = ET.SubElement(root, "worldbody")
-    # Neither at the origin nor upright, or the compiler would mark them for shortcuts (`geom_sameframe`).
+    # Offset and rotated, so that the compiler does not mark the geoms for shortcuts (`geom_sameframe`).
     plane, pos = _no_mask("floor"), f"0 0 {-PARKED_HEIGHT}"
     ET.SubElement(world, "geom", plane, type="plane", size="0 0 1", pos=pos, material="default")
     for name in slot_names(layout):
@@ -57,13 +57,13 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
 
 
 def slot_names(layout: Layout) -> list[str]:
-    """Names of the slot geoms, in order."""
+    """Return the names of the slot geoms, in order."""
     agents = [f"agent{a}_slot{s}" for a in range(layout.num_agents) for s in range(layout.agent_slots)]
     return agents + [f"body{k}_slot{s}" for k in range(layout.num_bodies) for s in range(layout.body_slots)]
 
 
 def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
-    """An agent. Only its foot touches the floor, so the contact sensor of its capsule counts everything else."""
+    """Add an agent. Only its foot touches the floor, so the contact sensor of its capsule counts everything else."""
     shape = config.agents[a]
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
     foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"
@@ -71,7 +71,7 @@ def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
 
 
 def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
-    friction, stiffness, damping, _, _ = usual_surface(config).tolist()  # of bodies that are not there
+    friction, stiffness, damping, _, _ = usual_surface(config).tolist()  # of unused bodies
     body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
     kind = {"condim": "1", "solref": SOLREF} if agent else body
     ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, solimp=solimp())
@@ -86,7 +86,7 @@ def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobi
         ls_iterations=str(config.ls_iterations),
         jacobian=jacobian,
     )
-    ET.SubElement(option, "flag", eulerdamp="disable")  # no joint has damping; without the flag MJX factors M twice
+    ET.SubElement(option, "flag", eulerdamp="disable")  # door damping is explicit; else MJX would factor M twice
     custom = ET.SubElement(root, "custom")
     pairs = config.max_geom_pairs or max(2 * layout.num_bodies + layout.num_doors, 4 * layout.num_agents, 8)
     points = config.max_contact_points or max(6 * layout.num_bodies, 8 * layout.num_agents, 16)
@@ -97,7 +97,7 @@ def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobi
 
 
 def _add_body(world: ET.Element, k: int) -> None:
-    # Explicit inertia keeps the inertial frame equal to the body's, whatever the box's proportions.
+    # Explicit inertia keeps the inertial frame equal to the body frame for all proportions of the box.
     body = ET.SubElement(world, "body", name=f"body{k}", pos=f"{2 * k} 0 {PARKED_HEIGHT}")
     ET.SubElement(body, "freejoint", name=f"body{k}")
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
@@ -110,7 +110,7 @@ def _add_body(world: ET.Element, k: int) -> None:
 
 
 def _add_door(world: ET.Element, h: int, slides: bool) -> None:
-    """A leaf that is parked."""
+    """Add a parked door leaf."""
     body = ET.SubElement(world, "body", name=f"door{h}", pos=f"{2 * h} 4 {PARKED_HEIGHT}")
     low, high = PARKED_RANGE
     kind, axis = ("slide", "1 0 0") if slides else ("hinge", "0 0 1")

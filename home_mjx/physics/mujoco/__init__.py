@@ -1,1 +1,1 @@
-"""C MuJoCo, called inside `jit` on the CPU: one model per house, with all that the house has."""
+"""C MuJoCo, called inside `jit` on CPUs: one model per house, with everything that the house contains."""

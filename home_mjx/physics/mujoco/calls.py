@@ -12,25 +12,25 @@ from home_mjx.errors import ConfigError
 
 
 def call_host(target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> tuple[Array, ...]:
-    """Calls a target of `register_host_call` on environments (e ...); an empty batch never reaches it."""
+    """Call a target of `register_host_call` on environments (e ...); an empty batch gives zeros without a call."""
     if operands[-1].shape[0] == 0:
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
     return varying_as(operands, jax.ffi.ffi_call(target, results)(*operands))
 
 
 def refuse_where_impossible() -> None:
-    """Refuses what C MuJoCo cannot do, when a program is traced.
+    """Refuse, while tracing, programs that C MuJoCo cannot run.
 
     Raises:
-        ConfigError: Programs are made for a GPU or TPU: C MuJoCo runs on the host.
-        ExecutorError: In a forked child of a process that has stepped before.
+        ConfigError: The program is compiled for a GPU or TPU; C MuJoCo runs on the host.
+        ExecutorError: This is a forked child of a process that has already stepped.
     """
     refuse_forked("step physics")
     device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
     platform = jax.default_backend() if device is None else getattr(device, "platform", device)
     if platform != "cpu":
         raise ConfigError(
-            f"C MuJoCo runs on CPUs only, and programs are made for `{platform}` here",
+            f"C MuJoCo runs on CPUs only, but this program is compiled for `{platform}` here",
             element="PhysicsConfig.impl",
             hint="Set JAX_PLATFORMS=cpu, or write `with jax.default_device(jax.devices('cpu')[0]):`",
         )

@@ -1,4 +1,4 @@
-"""C MuJoCo on houses as they are exported: convex pieces if asked for, and MuJoCo's own contact with the floor."""
+"""C MuJoCo on exported houses: optional convex pieces, and MuJoCo's own floor contact."""
 
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
@@ -23,20 +23,20 @@ from home_mjx.schema.compiled import CompiledHouse
 
 
 class ExportedTemplate(Template):
-    """A template whose houses are exported MJCF, stepped by C MuJoCo: `to_mjcf` says what is in it.
+    """A template whose houses are exported MJCF, stepped by C MuJoCo; see `to_mjcf` for their contents.
 
     Args:
         config: Options, with `impl="c"`.
-        bank: The houses.
+        bank: Houses.
         compiled: The same houses, in the bank's order.
         collision: `box` or `exact`, as in `to_mjcf`.
 
     Attributes:
-        bank: The bank, to be used instead of the given one: movable bodies are where their models start. With convex
-            pieces that is up to 5 cm from where their boxes are.
+        bank: Bank to use instead of the given one, with movable bodies at their models' initial poses. With convex
+            pieces, these differ from the boxes' poses by up to 5 cm.
 
     Raises:
-        ConfigError: Another `impl`, other houses than the bank's, or what `to_mjcf` raises.
+        ConfigError: `impl` is not "c", the houses differ from the bank's, or `to_mjcf` raises it.
 
     Example:
         >>> template = ExportedTemplate(PhysicsConfig(impl="c"), bank, houses, "exact")  # doctest: +SKIP
@@ -59,7 +59,7 @@ class ExportedTemplate(Template):
 
 
 def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, collision: str = "box") -> HouseInC:
-    """C MuJoCo's model of an exported house with agents."""
+    """Build C MuJoCo's model of an exported house with agents."""
     xml, files = to_mjcf(
         house,
         timestep=config.timing.sim_dt,
@@ -86,7 +86,7 @@ def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, c
 
 
 def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
-    """Static box of each geom that does not move; a convex piece counts as the first box of its object."""
+    """Map each static geom to its static box; a convex piece maps to the first box of its object."""
     found = {}
     for name in filter(None, (model.geom(geom).name for geom in range(model.ngeom))):
         kind, number = name.rstrip("0123456789_"), name.lstrip("abcdefghijklmnopqrstuvwxyz").split("_")[0]
@@ -99,7 +99,7 @@ def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
 
 
 def _as_models_start(physics: Physics, layout: Layout, houses: Sequence[HouseInC]) -> Physics:
-    """The bank's movable bodies where the models have them."""
+    """Return the physics arrays with movable bodies at the models' initial poses."""
     poses = np.concatenate([physics.body_pos, physics.body_quat], axis=-1)
     for row, house in zip(poses, houses, strict=True):
         qpos = np.zeros(layout.door_qpos.stop, np.float32)

@@ -1,4 +1,4 @@
-"""One house in C MuJoCo: its model, and where the numbers of the state are in it."""
+"""One house in C MuJoCo: its model, and the index maps between the model and the state."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 from home_mjx.physics.mujoco.touched import Touched, find_touched
 
-FULL = ("CONTACTFULL", "CNSTRFULL")  # MuJoCo's warnings that contacts were left out
+FULL = ("CONTACTFULL", "CNSTRFULL")  # MuJoCo's warnings about dropped contacts
 
 
 class Moved(NamedTuple):
@@ -21,24 +21,24 @@ class Moved(NamedTuple):
     qvel: Float[np.ndarray, " v"]
     qacc: Float[np.ndarray, " v"]
     touched: Touched
-    is_full: bool  # contacts were left out
+    is_full: bool  # contacts were dropped
 
 
 class HouseInC:
-    """Steps environments of one house; several threads may do so at once.
+    """Stepper for environments of one house; thread-safe.
 
     Args:
         model: A `mujoco.MjModel` whose floor is the geom `floor`.
-        layout: Of the state.
-        names: Body of each mobile, in the state's order; "" where the house has none. Its joints have as many numbers
-            as the state has for it.
-        static: Number of each geom that is a static box, by its name.
+        layout: Layout of the state.
+        names: Name of each dynamic body, in the state's order; "" if the house has none. The sizes of its joints match
+            the state's layout.
+        static: Static box index of each static geom, by its name.
     """
 
     def __init__(self, model: Any, layout: Layout, names: Sequence[str], static: Mapping[str, int]) -> None:
         self.model, self._layout = model, layout
-        self._spare: list[Any] = []  # `mujoco.MjData` that no thread uses now
-        self._qpos, self._dofs = np.zeros(model.nq, int), np.zeros(model.nv, int)  # which of the state's numbers
+        self._spare: list[Any] = []  # pool of unused `mujoco.MjData`
+        self._qpos, self._dofs = np.zeros(model.nq, int), np.zeros(model.nv, int)  # state index of each model element
         owner = np.full(model.nbody, NOTHING)
         q = v = 0
         for mobile, name in enumerate(names):
@@ -62,13 +62,15 @@ class HouseInC:
         qacc: Float[np.ndarray, " v"],
         applied: Float[np.ndarray, " v"],
     ) -> Moved:
-        """One physics step; what the house does not have stays where it is, and so does a state that is broken.
+        """Advance by one physics step.
+
+        Bodies that the house does not have keep their state. A state with NaN or infinite values is returned unchanged.
 
         Args:
             qpos: As in `PhysicsState`.
-            qvel: As there.
-            qacc: As there; the solver begins here.
-            applied: Forces on all joints [N], [N m].
+            qvel: As in `PhysicsState`.
+            qacc: As in `PhysicsState`; warm start of the solver.
+            applied: Applied forces on all joints [N], [N m].
         """
         if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
             mobiles = self._layout.num_mobiles
@@ -89,13 +91,13 @@ class HouseInC:
             self._spare.append(data)
 
     def placed(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
-        """The poses with all that the house has where its model begins."""
+        """Return the poses, with all bodies of the house at their model's initial poses."""
         after = qpos.copy()
         after[self._qpos] = self.model.qpos0
         return after
 
     def _take(self) -> Any:
-        """Data that nobody else uses."""
+        """Return an `MjData` that no other thread uses."""
         try:
             return self._spare.pop()
         except IndexError:
@@ -103,14 +105,14 @@ class HouseInC:
 
 
 def _sizes(layout: Layout, mobile: int) -> tuple[int, int]:
-    """Numbers of a mobile in the state's `qpos` and `qvel`."""
+    """Return a dynamic body's number of elements in the state's `qpos` and `qvel`."""
     if mobile < layout.num_agents:
         return 4, 4
     return (7, 6) if mobile < layout.num_agents + layout.num_bodies else (1, 1)
 
 
 def _is_full(data: Any) -> bool:
-    """Whether contacts were left out; forgets it."""
+    """Return whether contacts were dropped, and reset MuJoCo's warnings."""
     warnings = [data.warning[getattr(mujoco.mjtWarning, f"mjWARN_{name}")] for name in FULL]  # pyright: ignore[reportAttributeAccessIssue]
     full = any(warning.number for warning in warnings)
     for warning in warnings:

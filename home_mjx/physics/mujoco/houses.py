@@ -1,4 +1,4 @@
-"""The houses of a bank in C MuJoCo, as functions that XLA calls; models are made when a house is first met."""
+"""The houses of a bank in C MuJoCo, as functions that XLA calls; models are built on first use."""
 
 import functools
 import hashlib
@@ -18,7 +18,7 @@ from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mujoco.house import HouseInC
 from home_mjx.physics.mujoco.mjcf import Rows, house_mjcf
 
-MOST_KEPT = 1024  # houses
+MOST_KEPT = 1024  # maximum number of cached houses, least recently used evicted first
 
 Arrays = Sequence[np.ndarray]
 
@@ -26,23 +26,23 @@ _count = itertools.count()
 
 
 class HousesInC:
-    """Models of houses, and the two functions of them that XLA calls.
+    """Models of houses, and the two host functions that XLA calls on them.
 
-    Finding comes first, once per control step: it turns a house's rows into a number, so that streamed and exchanged
-    banks need no care. Each physics step then names its house by that number.
+    `find` runs once per control step and maps a house's rows to a number, so that streamed and exchanged banks need no
+    special case. Each physics step then refers to its house by that number.
 
     Attributes:
-        layout: Of the state.
-        find_target: Of `jax.ffi.ffi_call`: arrays of all houses in the order of `Rows`, then the house of each
-            environment (e); gives the number of each (e).
-        step_target: Numbers (e), `qpos`, `qvel`, `qacc`, applied forces; gives `qpos`, `qvel`, `qacc`, the fields of
-            `Touched`, and whether contacts were left out (e).
+        layout: Layout of the state.
+        find_target: Target of `jax.ffi.ffi_call`. Operands: arrays of all houses in the order of `Rows`, then the house
+            of each environment (e). Result: the number of each house (e).
+        step_target: Operands: numbers (e), `qpos`, `qvel`, `qacc`, applied forces. Results: `qpos`, `qvel`, `qacc`, the
+            fields of `Touched`, and whether contacts were dropped (e).
     """
 
     def __init__(self, config: PhysicsConfig, layout: Layout) -> None:
         self._config, self.layout = config, layout
         self._lock = threading.Lock()
-        self._numbers: OrderedDict[bytes, int] = OrderedDict()  # by digest of a house's rows; used last: at the end
+        self._numbers: OrderedDict[bytes, int] = OrderedDict()  # by digest of a house's rows; most recently used last
         self._houses: dict[int, HouseInC] = {}
         own = next(_count)
         self.find_target, self.step_target = f"home_mjx_c_find_{own}", f"home_mjx_c_step_{own}"
@@ -85,7 +85,7 @@ class HousesInC:
 
 
 def house_in_c(config: PhysicsConfig, layout: Layout, rows: Rows) -> HouseInC:
-    """C MuJoCo's model of a house."""
+    """Build C MuJoCo's model of a house."""
     model = mujoco.MjModel.from_xml_string(house_mjcf(config, rows))  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
     bodies = [f"body{k}" if valid else "" for k, valid in enumerate(rows.body_valid)]
@@ -95,12 +95,12 @@ def house_in_c(config: PhysicsConfig, layout: Layout, rows: Rows) -> HouseInC:
 
 
 class ListedHouses(HousesInC):
-    """Models that are there already: the house of an environment is its place in a list.
+    """Prebuilt models; the house index of an environment is the index into a list.
 
     Args:
         config: Options.
-        layout: Capacities.
-        houses: One for each house of the bank, in its order.
+        layout: Layout of the state.
+        houses: One model for each house of the bank, in its order.
     """
 
     def __init__(self, config: PhysicsConfig, layout: Layout, houses: Sequence[HouseInC]) -> None:
@@ -116,7 +116,7 @@ class ListedHouses(HousesInC):
 
 @functools.cache
 def houses_in_c(config: PhysicsConfig, layout: Layout) -> HousesInC:
-    """The same for all templates of these options and capacities."""
+    """Return the models shared by all templates of these options and capacities."""
     return HousesInC(config, layout)
 
 

@@ -1,4 +1,4 @@
-"""MJCF of one house from its rows of a bank: all that physics meets, nothing that is only seen."""
+"""MJCF of one house from its rows of a bank: collision geometry only, no visuals."""
 
 import xml.etree.ElementTree as ET
 from typing import NamedTuple
@@ -14,8 +14,8 @@ from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
 from home_mjx.schema.compiled import Doors
 from home_mjx.schema.contact_materials import damping_ratio
 
-ITERATIONS, LS_ITERATIONS, TOLERANCE = 100, 50, 1e-12  # Newton's method ends by itself, converged
-# The floor touches agents and the corners of bodies, not their boxes, as in the template.
+ITERATIONS, LS_ITERATIONS, TOLERANCE = 100, 50, 1e-12  # Newton's method converges before these limits
+# As in the template, the floor touches agents and the corner spheres of bodies, not their boxes.
 FLOOR = {"contype": "12", "conaffinity": "0"}
 CORNER = {"contype": "0", "conaffinity": "4"}
 AGENT = {"contype": "3", "conaffinity": "11"}
@@ -27,7 +27,7 @@ class Rows(NamedTuple):
     floor: Float[np.ndarray, ""]
     collider_pos: Float[np.ndarray, "c 3"]
     collider_quat: Float[np.ndarray, "c 4"]
-    collider_size: Float[np.ndarray, "c 3"]  # negative: is left out
+    collider_size: Float[np.ndarray, "c 3"]  # negative: omitted
     body_valid: Bool[np.ndarray, " k"]
     body_size: Float[np.ndarray, "k 3"]
     body_mass: Float[np.ndarray, " k"]
@@ -45,10 +45,11 @@ class Rows(NamedTuple):
 
 
 def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
-    """MJCF with bodies `agent<a>`, `body<k>` and `door<h>`, and geoms `floor` and `static<c>`, numbered as in the bank.
+    """Return the MJCF of a house with its agents.
 
-    What the house does not use is not there. Shapes, masses, contacts and their parameters are those of the template
-    (`template_mjcf`), but every static box is there for everybody.
+    Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank. Unused
+    rows are omitted. Shapes, masses and contact parameters are those of the template (`template_mjcf`), but every
+    static box can touch every body.
     """
     root = ET.Element("mujoco", model="house")
     _add_options(root, config)
@@ -70,9 +71,9 @@ def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
 
 def _add_options(root: ET.Element, config: PhysicsConfig) -> None:
     solver = {"iterations": str(ITERATIONS), "ls_iterations": str(LS_ITERATIONS), "tolerance": str(TOLERANCE)}
-    # With MuJoCo 4.0.0's sparse Jacobian, its choice from 60 numbers on, Newton's method hardly moves in some heaps.
+    # MuJoCo 4.0.0 uses a sparse Jacobian from 60 DoFs on, with which Newton's method stalls in some heaps of bodies.
     option = ET.SubElement(root, "option", solver, timestep=str(config.timing.sim_dt), jacobian="dense")
-    # As in the template; and a state that breaks must not begin anew in silence.
+    # `eulerdamp` as in the template. Without `autoreset`, an unstable state is not silently reset.
     ET.SubElement(option, "flag", eulerdamp="disable", autoreset="disable")
 
 

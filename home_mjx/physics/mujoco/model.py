@@ -1,4 +1,4 @@
-"""Any MuJoCo model, stepped by C MuJoCo inside `jit`: a house with a robot, for example."""
+"""Any MuJoCo model, stepped by C MuJoCo inside `jit`; for example a house with a robot."""
 
 import itertools
 import threading
@@ -24,22 +24,22 @@ _count = itertools.count()
 
 
 class ModelInC:
-    """Environments of one model; make it once, outside of `jit`.
+    """C MuJoCo stepper for environments of one model; build it once, outside of `jit`.
 
     A state is one vector: MuJoCo's `mjSTATE_FULLPHYSICS` (time, `qpos`, `qvel`, activations), in float32. `step` works
-    under `jit`, `vmap` and `scan`, on CPUs only, and has no gradient. All cores share the environments.
+    under `jit`, `vmap` and `scan`, on CPUs only, and has no gradient. Environments are distributed over all cores.
 
     Args:
         model: A `mujoco.MjModel`; do not change it afterwards.
-        substeps: Physics steps of a step.
+        substeps: Physics steps per call of `step`.
 
     Attributes:
-        start: The state at `qpos0`, at rest.
-        qpos: Where `qpos` is in a state.
-        qvel: Where `qvel` is in a state.
+        start: State at `qpos0`, at rest.
+        qpos: Slice of `qpos` in a state.
+        qvel: Slice of `qvel` in a state.
 
     Raises:
-        ConfigError: `substeps` is no whole number of at least 1.
+        ConfigError: `substeps` is not a whole number of at least 1.
 
     Example:
         >>> house = ModelInC(robot_in_house(compiled, "robot.xml").compile(), substeps=5)  # doctest: +SKIP
@@ -63,19 +63,19 @@ class ModelInC:
     def step(
         self, state: Float[Array, " s"], ctrl: Float[Array, " u"]
     ) -> tuple[Float[Array, " s"], Float[Array, " n"]]:
-        """`substeps` physics steps of one environment.
+        """Advance one environment by `substeps` physics steps.
 
         Args:
-            state: Like `start`.
-            ctrl: Of the model's actuators.
+            state: State vector, like `start`.
+            ctrl: Controls of the model's actuators.
 
         Returns:
-            The state after, and MuJoCo's `sensordata` of the last physics step.
+            The state after the step, and MuJoCo's `sensordata` of the last physics step.
 
         Raises:
-            ConfigError: `state` or `ctrl` has another length than the model's, the program is made for something else
-                than a CPU, or a gradient is asked for.
-            ExecutorError: In a forked child of a process that has stepped before.
+            ConfigError: `state` or `ctrl` does not have the model's length, the program is compiled for a platform
+                other than CPU, or a gradient is requested.
+            ExecutorError: This is a forked child of a process that has already stepped.
         """
         check_shape("state", jnp.shape(state), self.start.shape)
         check_shape("ctrl", jnp.shape(ctrl), (self.model.nu,))

@@ -1,4 +1,4 @@
-"""A robot of any MJCF in an exported house."""
+"""Robots from any MJCF in an exported house."""
 
 from pathlib import Path
 from typing import Any
@@ -11,8 +11,8 @@ from home_mjx.mjcf.boxes import ONLY_MOVING
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.schema.compiled import CompiledHouse
 
-PREFIX = "robot/"  # of all the robot's names
-MEETS_LEAVES = 1 << 30  # bit of contact of doors' leaves and the robot; MJCF written by hand hardly uses it
+PREFIX = "robot/"  # prefix of all names of the robot's elements
+MEETS_LEAVES = 1 << 30  # contact bit of door leaves and the robot; hand-written MJCF rarely uses it
 
 
 def robot_in_house(
@@ -26,27 +26,27 @@ def robot_in_house(
     movable: bool = True,
     visuals: bool = True,
 ) -> Any:
-    """A house with a robot in it, for C MuJoCo, MJX, and MuJoCo's viewer. Host only.
+    """Return a house that contains a robot, for C MuJoCo, MJX, and MuJoCo's viewer. Host only.
 
-    Names of the robot's elements begin with `robot/`. It keeps its own defaults, actuators and sensors; options
-    such as the timestep are the house's. Geoms of contact type 1, MuJoCo's default, meet the house; doors' leaves
-    meet every geom of the robot that collides with anything.
+    Names of the robot's elements get the prefix `robot/`. The robot keeps its own defaults, actuators and sensors;
+    options such as the timestep are the house's. Geoms of contact type 1, MuJoCo's default, collide with the house.
+    Door leaves collide with every geom of the robot that collides with anything.
 
     Args:
         house: A compiled house.
-        robot: Its MJCF: a file, the text, or a `mujoco.MjSpec`, which is not changed.
-        position: Of the robot's world frame [m]; None: the house's first start point, on the floor.
-        yaw: Of that frame [rad], counter-clockwise from +x.
+        robot: MJCF file, MJCF text, or a `mujoco.MjSpec`, which is copied.
+        position: Position of the robot's world frame [m]. None: the house's first start point, on the floor.
+        yaw: Yaw of that frame [rad], counter-clockwise from +x.
         timestep: [s]
         collision: `box` or `exact`, as in `to_mjcf`.
-        movable: False: what could be moved stays in place, which is much quicker in MJX.
-        visuals: False: leaves out all that is only seen, the robot's too.
+        movable: If False, movable objects are fixed, which is much faster in MJX.
+        visuals: If False, visual-only geoms are omitted, including the robot's.
 
     Returns:
-        A `mujoco.MjSpec`, which can be changed further; its `compile()` gives the `mujoco.MjModel`.
+        A `mujoco.MjSpec`, which can be edited further; its `compile()` returns the `mujoco.MjModel`.
 
     Raises:
-        ConfigError: There is no such file, or it is no MJCF; what `to_mjcf` raises.
+        ConfigError: The file does not exist or is not valid MJCF, or `to_mjcf` raises it.
         DatasetError: A texture of the house cannot be read.
 
     Example:
@@ -68,21 +68,21 @@ def robot_in_house(
 
 
 def _read(robot: Any) -> Any:
-    """A robot's `MjSpec`."""
+    """Read or copy a robot as `MjSpec`."""
     if isinstance(robot, mujoco.MjSpec):  # pyright: ignore[reportAttributeAccessIssue]
         return robot.copy()
     is_text = isinstance(robot, str) and robot.lstrip().startswith("<")
     if not is_text and not Path(robot).is_file():
-        raise ConfigError("there is no such file", file=Path(robot), hint="Give an MJCF file, its text or an MjSpec")
+        raise ConfigError("file does not exist", file=Path(robot), hint="Pass an MJCF file, MJCF text or an MjSpec")
     try:
         read = mujoco.MjSpec.from_string if is_text else mujoco.MjSpec.from_file  # pyright: ignore[reportAttributeAccessIssue]
         return read(str(robot))
     except ValueError as error:
-        raise ConfigError(f"the robot is no MJCF: {error}", file=None if is_text else Path(robot)) from error
+        raise ConfigError(f"robot is not valid MJCF: {error}", file=None if is_text else Path(robot)) from error
 
 
 def _meet(house: Any, robot: Any) -> None:
-    """Has leaves of doors, which meet only what moves, meet the robot."""
+    """Let door leaves, which otherwise collide with moving bodies only, collide with the robot."""
     for geom in house.geoms:
         if str(geom.contype) == ONLY_MOVING["contype"] and not geom.conaffinity:
             geom.contype |= MEETS_LEAVES

@@ -1,4 +1,4 @@
-"""A control step by C MuJoCo: forces by JAX, motion by C, one call of the host per physics step."""
+"""A control step with C MuJoCo: JAX computes the forces, a host call per physics step integrates the motion."""
 
 import functools
 from collections.abc import Sequence
@@ -26,17 +26,17 @@ from home_mjx.physics.mujoco.houses import HousesInC, houses_in_c
 from home_mjx.physics.mujoco.mjcf import Rows
 
 NUM_RESULTS = 9
-MOTOR_DOFS = (0, 1, 3)  # of an agent's x, y, z and yaw
+MOTOR_DOFS = (0, 1, 3)  # actuated elements of an agent's x, y, z and yaw
 
 
 def step_c(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
-    """One control step; see `dynamics.step_checked`. It has no gradient.
+    """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
     Raises:
-        ConfigError: The program is made for something else than a CPU.
-        ExecutorError: In a forked child of a process that has stepped before.
+        ConfigError: The program is compiled for a platform other than CPU.
+        ExecutorError: This is a forked child of a process that has already stepped.
     """
     refuse_where_impossible()
     bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
@@ -68,21 +68,21 @@ def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
 
 
 def _houses(template: Template, physics: Physics) -> HousesInC:
-    """What the template steps: exported houses, or those that are made from the bank."""
+    """Return the models that the template steps: exported houses, or models built from the bank."""
     if not isinstance(template, ExportedTemplate):
         return houses_in_c(template.config, template.layout)
     if len(template.houses) != physics.floor.shape[0]:
         raise ConfigError(
-            f"the template has {len(template.houses)} exported houses, the bank {physics.floor.shape[0]}",
+            f"the template has {len(template.houses)} exported houses, the bank has {physics.floor.shape[0]}",
             element="ExportedTemplate",
-            hint="Use its own bank, `template.bank`.",
+            hint="Use the template's bank, `template.bank`.",
         )
     return template.houses
 
 
 @functools.cache
 def _calls(houses: HousesInC) -> tuple[Step, Step]:
-    """Finding the houses of environments, and one physics step of environments."""
+    """Return the host calls that find the houses of environments and that step environments by one physics step."""
 
     def find(*operands: Array) -> tuple[Array, ...]:
         house = operands[-1].astype(jnp.int32)
@@ -97,7 +97,7 @@ def _calls(houses: HousesInC) -> tuple[Step, Step]:
 
 
 def _results(layout: Layout, state: Sequence[Array]) -> list[jax.ShapeDtypeStruct]:
-    """Of a physics step of environments; see `HousesInC`."""
+    """Return the shapes of the results of a physics step of environments; see `HousesInC`."""
     envs, agents, mobiles = state[0].shape[0], layout.num_agents, layout.num_mobiles
     shapes = [(x.shape, jnp.float32) for x in state]
     shapes += [((envs, agents), jnp.int32), ((envs, mobiles), jnp.float32), ((envs, mobiles), jnp.float32)]

@@ -1,4 +1,4 @@
-"""What touched what, and how hard, in a physics step of C MuJoCo."""
+"""Contact impulses and contact partners of a physics step of C MuJoCo."""
 
 from typing import Any, NamedTuple
 
@@ -10,22 +10,22 @@ from home_mjx.physics.base.touch import FLOOR, NOTHING
 
 
 class Touched(NamedTuple):
-    """Of each mobile, see `PhysicsState`; `count` of each agent."""
+    """Contacts of each dynamic body, see `PhysicsState`; `count` is per agent."""
 
-    count: Int[np.ndarray, " a"]  # contact points with anything but the floor
+    count: Int[np.ndarray, " a"]  # contact points except with the floor
     impulse: Float[np.ndarray, " m"]  # [N s], of all contacts
-    strongest: Float[np.ndarray, " m"]  # [N s]
-    place: Float[np.ndarray, "m 3"]  # [m], of the strongest
-    other: Int[np.ndarray, " m"]
+    strongest: Float[np.ndarray, " m"]  # [N s], of the strongest contact
+    place: Float[np.ndarray, "m 3"]  # [m], of the strongest contact
+    other: Int[np.ndarray, " m"]  # other side of the strongest contact
 
 
 def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: float) -> Touched:
-    """Of the step that was just done.
+    """Collect the contact impulses of the physics step that `data` has just done.
 
     Args:
         data: A `mujoco.MjData`.
-        owner: What each geom belongs to: a mobile, or a number of `base.touch`.
-        layout: How many mobiles there are.
+        owner: Owner of each geom: a dynamic body, or a code of `base.touch`.
+        layout: Layout of the state.
         dt: Length of the step [s].
     """
     contact, mobiles = data.contact, layout.num_mobiles
@@ -35,7 +35,7 @@ def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: fl
     count = np.bincount(met, minlength=mobiles)[: layout.num_agents]
     impulse = np.tile(_normal_forces(data) * dt, 2)
     rows = np.flatnonzero((me >= 0) & (impulse > 0))
-    rows = rows[np.argsort(impulse[rows], kind="stable")]  # of a mobile's rows the last is written: the strongest
+    rows = rows[np.argsort(impulse[rows], kind="stable")]  # the last write per dynamic body wins: the strongest contact
     strongest, place, partner = np.zeros(mobiles), np.zeros((mobiles, 3)), np.full(mobiles, NOTHING)
     strongest[me[rows]], partner[me[rows]] = impulse[rows], other[rows]
     place[me[rows]] = contact.pos[rows % max(len(one), 1)]
@@ -44,7 +44,10 @@ def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: fl
 
 
 def _normal_forces(data: Any) -> Float[np.ndarray, " n"]:
-    """Of each contact [N]: the sum over its rows, which are one or, with friction, four edges of a pyramid."""
+    """Return the normal force of each contact [N], which is the sum over its rows.
+
+    A frictionless contact has one row; one with friction has four, the edges of a pyramid.
+    """
     contact = data.contact
     sums = np.concatenate([np.zeros(1), np.cumsum(data.efc_force)])
     first = np.maximum(contact.efc_address, 0)

@@ -1,1 +1,1 @@
-"""The fused physics step on CPUs: loops compiled by Numba, one environment after the other."""
+"""The fused physics step on CPUs: Numba kernels that step one environment after another."""

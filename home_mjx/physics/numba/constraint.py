@@ -1,6 +1,7 @@
-"""From contacts to rows of MuJoCo's convex problem: Jacobians, regularisation and reference accelerations.
+"""Constraint rows of MuJoCo's convex problem: Jacobians, regularisation and reference accelerations.
 
-A contact with friction has four rows, the edges `normal ± friction * tangent` of a pyramid; one without has one.
+A frictional contact has four rows, the edges `normal ± friction * tangent` of a pyramid. A frictionless one has one
+row.
 Source: MuJoCo's documentation, "Computation", sections "Constraint model" and "Solver parameters".
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
@@ -21,7 +22,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def make_rows(work, numbers):
-    """Fills in `jacobian`, `weight` and `target` of all contacts."""
+    """Compute `jacobian`, `weight` and `target` of all contacts."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         _jacobian(work, n, 0, a, -1.0)
@@ -47,14 +48,14 @@ def make_rows(work, numbers):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def num_rows(friction):
-    """Rows of a contact."""
+    """Return the number of rows of a contact."""
     return 4 if friction > 0 else 1
 
 
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def edge_value(row, friction, normal, first, second):
-    """A vector in the contact frame along edge `row` of the pyramid."""
+    """Project a vector in the contact frame on edge `row` of the pyramid."""
     tangent = first if row < 2 else second
     return normal + (friction * tangent if row % 2 == 0 else -friction * tangent)
 
@@ -62,7 +63,7 @@ def edge_value(row, friction, normal, first, second):
 @compiled
 @no_type_check
 def contact_velocity(work, n, values):
-    """Velocity, or acceleration, of the second mobile against the first one in the contact frame (3)."""
+    """Compute the velocity, or acceleration, of the second body relative to the first in the contact frame (3)."""
     x = y = z = 0.0
     a, b = work.first[n], work.second[n]
     for d in range(6):
@@ -82,7 +83,7 @@ def contact_velocity(work, n, values):
 @compiled
 @no_type_check
 def _jacobian(work, n, side, m, sign):
-    """Rows of the contact frame against a mobile's six numbers; what turns an agent is left out."""
+    """Write the contact frame's Jacobian for one body's six velocities; agents have no rotational part."""
     if m >= work.num_free:
         _door_jacobian(work, n, side, m, sign)
         return
@@ -94,7 +95,7 @@ def _jacobian(work, n, side, m, sign):
         u, v, w = work.frame[9 * n + 3 * row], work.frame[9 * n + 3 * row + 1], work.frame[9 * n + 3 * row + 2]
         jacobian = shifted(work.jacobian, 36 * n + 18 * side + 6 * row)
         jacobian[0], jacobian[1], jacobian[2] = sign * u, sign * v, sign * w
-        # Turned about the mobile's own axes: (arm x direction) in its frame.
+        # Rotational part about the body's own axes: (arm x direction) in its frame.
         tx, ty, tz = y * w - z * v, z * u - x * w, x * v - y * u
         for k in range(3):
             turn = work.rot[9 * m + k] * tx + work.rot[9 * m + 3 + k] * ty + work.rot[9 * m + 6 + k] * tz
@@ -104,9 +105,10 @@ def _jacobian(work, n, side, m, sign):
 @compiled
 @no_type_check
 def _door_jacobian(work, n, side, m, sign):
-    """Of a door only its rate counts: (up x arm), or the way it slides, along the directions.
+    """Write the Jacobian of a door, whose only velocity is its rate.
 
-    At a limit the first row is the rate itself.
+    Along a direction it is (up x arm) for a hinged leaf, or the slide direction for a sliding one. At a joint limit the
+    first row is the rate itself.
     """
     door = shifted(work.door, DOOR_COLUMNS * (m - work.num_free))
     x = door[15] * (work.place[4 * n] - door[0]) + door[14]
@@ -124,7 +126,7 @@ def _door_jacobian(work, n, side, m, sign):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _surface(work, numbers, a, b):
-    """What decides a contact or a hinge's limit, as a row of `base.surfaces`; agents are always first."""
+    """Return the parameters of a contact or joint limit, as a row of `base.surfaces`; agents are always first."""
     if b == LIMIT or a < work.num_agents:
         return 0.0, numbers.stiffness, numbers.damping, numbers.impedance_low, numbers.impedance_width
     other = SLEEPER - b if b <= SLEEPER else b
@@ -141,7 +143,7 @@ def _surface(work, numbers, a, b):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _impedance(low, high, x):
-    """MuJoCo's default curve (midpoint 0.5, power 2) from 0 to 1."""
+    """Evaluate MuJoCo's default impedance curve (midpoint 0.5, power 2) at x in [0, 1]."""
     if x >= 1:
         return high
     y = 2 * x * x if x < 0.5 else 1 - 2 * (1 - x) * (1 - x)

@@ -1,4 +1,4 @@
-"""Which contacts there are: mobiles with the floor, with static boxes near them and with one another."""
+"""Contact detection: dynamic bodies against the floor, nearby static boxes and one another."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from math import sqrt
@@ -12,9 +12,9 @@ from home_mjx.physics.numba.data.work import LOST_POINTS, LOST_STATIC, NUM_CONTA
 from home_mjx.physics.numba.shapes.box_box import box_box
 from home_mjx.physics.numba.shapes.capsule import capsule_box, capsule_capsule
 
-REACH = 0.1  # [m]: static boxes up to this far are kept, until their mobile has moved as much
+REACH = 0.1  # [m], maximum distance of listed static boxes, and displacement after which the list is rebuilt
 
-DOOR_LOW = 11  # column of a door's least angle; the greatest follows
+DOOR_LOW = 11  # column of a door's minimum coordinate; the maximum follows
 
 compiled = njit(error_model="numpy")
 
@@ -22,7 +22,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def find_contacts(work, numbers, floor):
-    """Writes all contacts of an environment."""
+    """Write all contacts of an environment."""
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_mobiles):
         if work.used[m]:
@@ -52,7 +52,7 @@ def _with_house(work, numbers, m, floor):
 @compiled
 @no_type_check
 def _at_limits(work, m):
-    """The ends of a door's way, as contacts whose normal's first number is the sense in which they push."""
+    """Add contacts at the joint limits of a door; the first element of the normal is the sign of the push."""
     door, angle = shifted(work.door, DOOR_COLUMNS * (m - work.num_free)), work.quat[4 * m]
     points, normals = work.points, work.normals
     for k in range(3):
@@ -68,7 +68,7 @@ def _at_limits(work, m):
 @compiled
 @no_type_check
 def forget_near(work):
-    """Makes the next step look for static boxes anew."""
+    """Invalidate the lists of nearby static boxes, so that the next physics step rebuilds them."""
     for m in range(work.num_mobiles):
         work.num_near[m] = -1
 
@@ -76,7 +76,7 @@ def forget_near(work):
 @compiled
 @no_type_check
 def _keep_near(work, m):
-    """Looks for static boxes near a mobile, unless it has hardly moved since."""
+    """Update the list of static boxes near a body if it has moved by `REACH` since the last update."""
     if work.num_near[m] >= 0 and _moved(work, m) < REACH:
         return
     count = 0
@@ -108,7 +108,7 @@ def _keep_near(work, m):
 @compiled
 @no_type_check
 def _moved(work, m):
-    """How far any point of a mobile can have moved since its static boxes were looked for, at most."""
+    """Return an upper bound of the displacement of a body's points since its nearby boxes were listed [m]."""
     square, turn = 0.0, 0.0
     for k in range(3):
         step = work.pos[3 * m + k] - work.near_from[12 * m + k]
@@ -122,7 +122,7 @@ def _moved(work, m):
 @compiled
 @no_type_check
 def apart(work, m, pos, rot, half, reach):
-    """Whether one of the six face axes separates a mobile's box from another one by more than `reach`."""
+    """Return whether one of the six face axes separates a body's box from another box by more than `reach`."""
     for k in range(3):
         own, other, along, across = 0.0, 0.0, 0.0, 0.0
         for j in range(3):
@@ -142,7 +142,7 @@ def apart(work, m, pos, rot, half, reach):
 @compiled
 @no_type_check
 def _agent_on_floor(work, m, floor):
-    """The sphere of an agent's foot."""
+    """Add the floor contact of an agent's foot sphere."""
     bottom = work.pos[3 * m + 2] - work.agent[AGENT_COLUMNS * m + 1] - work.agent[AGENT_COLUMNS * m]
     if bottom < floor:
         points, normals = work.points, work.normals
@@ -155,7 +155,7 @@ def _agent_on_floor(work, m, floor):
 @compiled
 @no_type_check
 def _body_on_floor(work, numbers, m, floor):
-    """Tiny spheres at a body's corners."""
+    """Add the floor contacts of the small spheres at a body's corners."""
     if work.pos[3 * m + 2] - work.radius[m] > floor:
         return
     r = numbers.corner_radius
@@ -177,7 +177,7 @@ def _body_on_floor(work, numbers, m, floor):
 @compiled
 @no_type_check
 def spheres_meet(work, a, b, reach):
-    """Whether the bounding spheres of two mobiles come nearer than `reach`."""
+    """Return whether the bounding spheres of two dynamic bodies are at most `reach` apart."""
     square = 0.0
     for k in range(3):
         step = work.pos[3 * b + k] - work.pos[3 * a + k]
@@ -189,7 +189,7 @@ def spheres_meet(work, a, b, reach):
 @compiled
 @no_type_check
 def _with_static(work, m, c):
-    """Contacts of a mobile and a static box."""
+    """Add contacts of a body and a static box."""
     pos, rot, half = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c), shifted(work.static_half, 3 * c)
     if m < work.num_agents and apart(work, m, pos, rot, half, 0.0):
         return
@@ -199,7 +199,7 @@ def _with_static(work, m, c):
 @compiled
 @no_type_check
 def _with_mobile(work, a, b):
-    """Contacts of two mobiles, the first of which comes first in the list."""
+    """Add contacts of two dynamic bodies, of which `a` has the lower index."""
     if not spheres_meet(work, a, b, 0.0):
         return
     pos = shifted(work.pos, 3 * b)
@@ -215,7 +215,7 @@ def _with_mobile(work, a, b):
 @compiled
 @no_type_check
 def _with_sleeper(work, m, other):
-    """Contacts with something that sleeps: it does not move now, but wakes for the next physics step."""
+    """Add contacts with a sleeping body, which is fixed in this physics step and wakes for the next."""
     if spheres_meet(work, m, other, 0.0):
         before = work.counts[NUM_CONTACTS]
         pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
@@ -227,7 +227,7 @@ def _with_sleeper(work, m, other):
 @compiled
 @no_type_check
 def _with_box(work, m, other, pos, rot, half):
-    """Contacts of a mobile and a box, which is that of the mobile `other` or none's."""
+    """Add contacts of a body and a box; `other` is the code of the box's owner."""
     points, normals, own = work.points, work.normals, shifted(work.pos, 3 * m)
     if m < work.num_agents:
         size = shifted(work.agent, AGENT_COLUMNS * m)
@@ -241,7 +241,7 @@ def _with_box(work, m, other, pos, rot, half):
 @compiled
 @no_type_check
 def _add_round(work, a, b, count):
-    """Adds an agent's points, each of which has its own normal."""
+    """Add contact points of an agent, each with its own normal."""
     for i in range(count):
         _add(work, a, b, shifted(work.points, 4 * i), shifted(work.normals, 3 * i))
 
@@ -249,7 +249,7 @@ def _add_round(work, a, b, count):
 @compiled
 @no_type_check
 def _add(work, a, b, place, normal):
-    """Adds a contact with MuJoCo's frame: the first tangent is near y, or z if the normal is."""
+    """Add a contact with MuJoCo's frame: the first tangent is close to y, or to z if the normal is."""
     n = work.counts[NUM_CONTACTS]
     if n == work.most_points:
         work.counts[LOST_POINTS] = 1

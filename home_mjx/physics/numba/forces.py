@@ -1,4 +1,4 @@
-"""Accelerations without contact: gravity, motors of agents, hands, and what drives doors."""
+"""Accelerations without contact: gravity, motors of agents, hands and door drives."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from math import cos, sin, sqrt
@@ -16,14 +16,14 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def drive_mobiles(work, numbers, control, ramp, num_ramps):
-    """Fills in `smooth`.
+    """Compute `smooth`, the accelerations without contact.
 
     Args:
         work: Arrays, see `work.Work`.
         numbers: See `numbers.Numbers`.
         control: Actions (a, 3), bodies held by the agents (a) or -1, grips (a, 7), goals of the doors (h).
-        ramp: (num_ramps, RAMP_COLUMNS), see `bank.physics.ramp`.
-        num_ramps: Of the house.
+        ramp: Ramps (num_ramps, RAMP_COLUMNS), see `bank.physics.ramp`.
+        num_ramps: Number of ramps of the house.
     """
     action, held, grip, goal = control
     for a in range(work.num_agents):
@@ -41,7 +41,7 @@ def drive_mobiles(work, numbers, control, ramp, num_ramps):
 @compiled
 @no_type_check
 def _drive_agent(work, numbers, a, action):
-    """See `control.motor_forces`."""
+    """Compute an agent's acceleration by its motors; see `control.motor_forces`."""
     agent = shifted(work.agent, AGENT_COLUMNS * a)
     mass, push = agent[2], agent[7]
     c, s = cos(work.quat[4 * a]), sin(work.quat[4 * a])
@@ -62,7 +62,7 @@ def _drive_agent(work, numbers, a, action):
 @compiled
 @no_type_check
 def _climb(work, numbers, a, ramp, num_ramps):
-    """Holds an agent on a ramp, where its contact has no friction; see `base.servo`."""
+    """Add the acceleration that keeps an agent from sliding down a ramp; see `base.servo`."""
     radius = work.agent[AGENT_COLUMNS * a]
     bottom, highest, pull_x, pull_y = work.pos[3 * a + 2] - work.radius[a], -FREE, 0.0, 0.0
     for r in range(num_ramps):
@@ -87,7 +87,7 @@ def _climb(work, numbers, a, ramp, num_ramps):
 @compiled
 @no_type_check
 def _fall(work, numbers, m):
-    """Acceleration of a free body: gravity, and the gyroscopic torque in its own frame."""
+    """Compute the acceleration of a free body: gravity, and the gyroscopic torque in its own frame."""
     work.smooth[6 * m] = work.smooth[6 * m + 1] = 0.0
     work.smooth[6 * m + 2] = -numbers.gravity
     for k in range(3):
@@ -101,7 +101,7 @@ def _fall(work, numbers, m):
 @compiled
 @no_type_check
 def _carry(work, numbers, a, m, grip):
-    """A hand pulls what it holds to where the grip says; an agent is held back by what lags; see `base.servo`."""
+    """Compute the acceleration of a held body towards its grip and the reaction on its holder; see `base.servo`."""
     c, s = cos(work.quat[4 * a]), sin(work.quat[4 * a])
     spin = work.vel[6 * a + 5]
     armx, army = c * grip[0] - s * grip[1], s * grip[0] + c * grip[1]
@@ -127,14 +127,14 @@ def _carry(work, numbers, a, m, grip):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _reach(numbers, far, fastest):
-    """Velocity per distance, or per angle, towards the grip."""
+    """Return the velocity per distance, or per angle, towards the grip [1/s]."""
     return min(1.0, fastest * 2 * numbers.hand_time / (far + 1e-12)) / (2 * numbers.hand_time)
 
 
 @compiled
 @no_type_check
 def _miss(work, a, m, grip):
-    """The turn (x, y, z) [rad] in a body's own frame that would turn it into its holder's grip."""
+    """Return the rotation vector [rad], in a body's own frame, from its orientation to its holder's grip."""
     half = work.quat[4 * a] / 2
     c, s = cos(half), sin(half)
     w, x = c * grip[3] - s * grip[6], c * grip[4] - s * grip[5]
@@ -151,7 +151,7 @@ def _miss(work, a, m, grip):
 @compiled
 @no_type_check
 def _twist(work, numbers, m, miss, spin):
-    """Turns a held body; its holder turns at `spin`."""
+    """Compute the angular acceleration of a held body whose holder rotates at `spin`."""
     pull = _reach(numbers, sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]), numbers.hand_spin)
     smooth = shifted(work.smooth, 6 * m)
     square = 0.0
@@ -167,7 +167,7 @@ def _twist(work, numbers, m, miss, spin):
 @compiled
 @no_type_check
 def _drive_door(work, numbers, m, goal):
-    """Drag of the hinge or rail, and the way to a goal; see `base.servo`."""
+    """Compute the acceleration of a door by its drag and its drive; see `base.servo`."""
     rate = work.vel[6 * m]
     work.smooth[6 * m] = -numbers.door_drag * rate
     if abs(goal) < FREE:

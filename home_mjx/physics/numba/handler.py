@@ -1,4 +1,4 @@
-"""The fused step as a handler that XLA calls directly: environments in chunks on XLA's threads."""
+"""The fused step as an XLA FFI handler: chunks of environments on XLA's threads."""
 # ruff: noqa: ANN001, ANN202  (Numba infers the types)
 
 from typing import Any, no_type_check
@@ -51,7 +51,7 @@ from home_mjx.physics.numba.data.work import free_work, make_work
 from home_mjx.physics.numba.shapes import box_box, capsule
 from home_mjx.physics.numba.step import load_agents, load_house, scale_bodies, step_env
 
-CHUNK = 16  # environments that a thread takes at once
+CHUNK = 16  # environments per chunk of work
 WORK, TASK = "home_mjx_step_work", "home_mjx_step_task"
 NUM_NUMBERS = len(Numbers._fields)
 
@@ -61,10 +61,10 @@ compiled = njit(error_model="numpy")
 
 
 def sources_digest() -> int:
-    """Of the files that the step is compiled from.
+    """Return a digest of the files that the step is compiled from.
 
-    Numba's cache watches the file of the compiled function only. That the function names the digest makes the cache
-    tell versions of the rest apart.
+    Numba's cache checks only the file of the compiled function. That function refers to the digest, so that a change of
+    the other files invalidates the cache as well.
     """
     parts: tuple[Any, ...] = (
         ffi,
@@ -91,9 +91,10 @@ def sources_digest() -> int:
 
 @with_checked_cache
 def build_handler() -> tuple[Any, Any, Any]:
-    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+    """Compile the work, the task and the handler, or load them from Numba's cache on disk.
 
-    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    Keep all three alive while XLA may call them. Task and handler call the work at its address: each would otherwise be
+    compiled with a copy of it, which takes as long again.
     """
     digest = sources_digest()
 
@@ -132,7 +133,7 @@ def build_handler() -> tuple[Any, Any, Any]:
 @compiled
 @no_type_check
 def _work(job):
-    """Steps chunks until none is left."""
+    """Step chunks of environments until none is left."""
     while True:
         chunk = ffi.next_chunk(job)
         if chunk < 0:
@@ -204,7 +205,7 @@ def _operand_dim(frame, index, axis):
 @compiled
 @no_type_check
 def _floats(frame, index, row):
-    """A row of an operand."""
+    """Return a row of a float32 operand."""
     return float_pointer(ffi.row(frame, ffi.OPERANDS, index, row))
 
 
@@ -217,12 +218,12 @@ def _results(frame, index, row):
 @compiled
 @no_type_check
 def _flags(frame, index, row):
-    """A row of a result of whole numbers."""
+    """Return a row of an int32 result."""
     return int_pointer(ffi.row(frame, ffi.RESULTS, index, row))
 
 
 @compiled
 @no_type_check
 def _numbers(given):
-    """The record of an array."""
+    """Convert an array to the `Numbers` record."""
     return Numbers(*to_fixed_tuple(carray(given, NUM_NUMBERS).astype(np.float64), NUM_NUMBERS))

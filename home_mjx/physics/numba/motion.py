@@ -1,4 +1,4 @@
-"""Poses: from positions to axes, and from accelerations to the next pose."""
+"""Poses: axes and door leaves from coordinates, and integration of accelerations."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from math import cos, sin, sqrt
@@ -15,7 +15,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def place_mobiles(work, also_sleepers):
-    """The axes of mobiles, and where the leaves of doors are at their coordinates."""
+    """Update the axes of dynamic bodies and the poses of door leaves from their coordinates."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
@@ -47,7 +47,7 @@ def _place_leaf(work, m):
 @compiled
 @no_type_check
 def rotation(quat, rot):
-    """Axes as columns of a unit quaternion wxyz."""
+    """Write the rotation matrix of a unit quaternion wxyz, with axes as columns."""
     w, x, y, z = quat[0], quat[1], quat[2], quat[3]
     rot[0], rot[1], rot[2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
     rot[3], rot[3 + 1], rot[3 + 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
@@ -57,7 +57,7 @@ def rotation(quat, rot):
 @compiled
 @no_type_check
 def move_mobiles(work, numbers):
-    """Semi-implicit Euler."""
+    """Integrate all dynamic bodies by semi-implicit Euler."""
     for a in range(work.num_agents):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
         _move_agent(work, numbers, a)
@@ -83,7 +83,7 @@ def _move_agent(work, numbers, a):
 @compiled
 @no_type_check
 def _move_body(work, numbers, m):
-    """The pose follows the speed before it is limited, as in `dynamics`."""
+    """Integrate a body; its pose follows the velocity before the speed limit, as in `dynamics`."""
     dt = numbers.sim_dt
     for k in range(6):
         work.vel[6 * m + k] += dt * work.acc[6 * m + k]
@@ -97,7 +97,7 @@ def _move_body(work, numbers, m):
 @compiled
 @no_type_check
 def _turn(quat, x, y, z, dt):
-    """Turns a quaternion about its own axes at a rate [rad/s]."""
+    """Rotate a quaternion by an angular velocity [rad/s] about its own axes."""
     rate = sqrt(x * x + y * y + z * z)
     if rate < 1e-15:
         return

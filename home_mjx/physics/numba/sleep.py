@@ -1,8 +1,9 @@
-"""What has come to rest sleeps: it is not stepped until something that is awake touches it.
+"""Body sleeping: skip bodies at rest until an awake body touches them.
 
-A mobile sleeps if its speeds and accelerations are exactly zero, so the state needs no flag. It falls asleep after a
-control step in which it hardly moved, together with all that it touches. It wakes when an agent or something fast comes
-near; what touches a sleeper all the same meets it as if it were fixed, for one physics step: then it is awake.
+A dynamic body sleeps if its speeds and accelerations are exactly zero, so the state needs no flag. It falls asleep
+after a control step in which it hardly moved, together with all bodies that it touches. It wakes when an agent or a
+fast body comes near. A contact with a body that is still asleep treats it as fixed for one physics step; it is awake in
+the next.
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
@@ -16,7 +17,7 @@ from home_mjx.physics.numba.contacts import apart, spheres_meet
 from home_mjx.physics.numba.data.limits import FREE
 from home_mjx.physics.numba.data.work import dofs
 
-WAKE_NEAR = 0.01  # [m]
+WAKE_NEAR = 0.01  # [m], distance within which agents and moving bodies wake others, at zero speed
 
 compiled = njit(error_model="numpy")
 
@@ -24,7 +25,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def find_sleepers(work, numbers, held, goal):
-    """Tells which mobiles sleep, from their state, and which of the others may come to rest."""
+    """Mark sleeping bodies from the state, and awake ones that may fall asleep."""
     for m in range(work.num_mobiles):
         work.used[m], work.wakes[m] = work.there[m], 0
         work.calm[m] = 1 if m >= work.num_agents and numbers.sleep > 0 else 0
@@ -58,7 +59,7 @@ def _wake(work, m):
 @compiled
 @no_type_check
 def wake_touched(work):
-    """Wakes what was touched."""
+    """Mark touched sleeping bodies as awake."""
     for m in range(work.num_agents, work.num_mobiles):
         if work.wakes[m]:
             _wake(work, m)
@@ -67,7 +68,7 @@ def wake_touched(work):
 @compiled
 @no_type_check
 def wake_near(work, numbers):
-    """Before a physics step: wakes what agents and fast mobiles may touch in it."""
+    """Mark sleeping bodies as awake that agents or fast bodies may touch in the next physics step."""
     for m in range(work.num_mobiles):
         if work.used[m] and (m < work.num_agents or not work.calm[m]):
             speed = shifted(work.vel, 6 * m)
@@ -93,7 +94,7 @@ def _comes_near(work, m, other, reach):
 @compiled
 @no_type_check
 def note_moves(work, numbers):
-    """After a physics step: what moves is not calm."""
+    """Mark bodies that move as not calm, after a physics step."""
     for m in range(work.num_agents, work.num_mobiles):
         if work.used[m] and work.calm[m]:
             speed, acceleration = shifted(work.vel, 6 * m), shifted(work.acc, 6 * m)
@@ -118,7 +119,7 @@ def _length(values, first):
 @compiled
 @no_type_check
 def fall_asleep(work):
-    """After a control step: islands whose mobiles all are calm sleep."""
+    """Set islands whose bodies are all calm to sleep, after a control step."""
     for m in range(work.num_mobiles):
         if work.used[m] and not work.calm[m]:
             work.wakes[work.island[m]] = 1

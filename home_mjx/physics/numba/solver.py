@@ -1,8 +1,8 @@
-"""MuJoCo's convex problem, solved exactly, island by island.
+"""Exact solver for MuJoCo's convex problem, island by island.
 
-Minimised over the accelerations: 1/2 (a - smooth)' M (a - smooth) + sum over rows of 1/2 weight min(0, J a - target)^2.
-Newton's method finds the minimum of a function that is quadratic in pieces: a full step after which the same rows
-push is the end. M is diagonal here, and mobiles that do not touch one another are independent problems.
+The accelerations minimise 1/2 (a - smooth)' M (a - smooth) + sum over rows of 1/2 weight min(0, J a - target)^2.
+Newton's method finds the minimum of this piecewise quadratic function. It has converged after a full step that leaves
+the set of active rows unchanged. M is diagonal, and bodies that do not touch one another are independent problems.
 
 Sources: E. Todorov, "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014; MuJoCo's
 documentation, "Computation", section "Constraint solver".
@@ -19,10 +19,10 @@ from home_mjx.core.native.memory import shifted
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, num_rows
 from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, dofs
 
-ENOUGH = 1e-9  # of the slope of the cost that a line search leaves, against that at its start
-LINE_STEPS = 40
-SOLVED = 1e-22  # of the cost's scale: what Newton's step would still gain, as the square of an error of 1e-11
-SMALLEST = 1e-12  # of a pivot, against the mass
+ENOUGH = 1e-9  # line-search tolerance: final slope of the cost over that at its start
+LINE_STEPS = 40  # maximum number of line-search iterations
+SOLVED = 1e-22  # Newton tolerance: remaining decrease over the cost's scale, the square of a relative error of 1e-11
+SMALLEST = 1e-12  # minimum Cholesky pivot before its square root [kg] or [kg m^2]
 
 compiled = njit(error_model="numpy")
 
@@ -30,7 +30,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def solve(work, numbers):
-    """Replaces `acc`, the guess, by the accelerations under contact."""
+    """Replace `acc`, the initial guess, by the accelerations with contact."""
     work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
@@ -52,7 +52,7 @@ def solve(work, numbers):
 @compiled
 @no_type_check
 def _find_islands(work):
-    """Gives each mobile the first mobile of those that it touches, directly or through others."""
+    """Label each body with the first body of its island, the bodies connected by contacts."""
     for m in range(work.num_mobiles):
         work.island[m] = m
     for n in range(work.counts[NUM_CONTACTS]):
@@ -74,7 +74,7 @@ def _root(work, m):
 @compiled
 @no_type_check
 def _members(work, root):
-    """Lists an island's mobiles and places their numbers one after the other; their count and that of the numbers."""
+    """Collect an island's bodies and assign their offsets in its vectors; return both counts."""
     members, size = 0, 0
     for m in range(root, work.num_mobiles):
         if work.used[m] and work.island[m] == root:
@@ -110,7 +110,7 @@ def _newton(work, members, rows, size, iterations):
 @compiled
 @no_type_check
 def _residuals(work, rows):
-    """Of all rows of an island: J a - target, and which push; whether others do than before."""
+    """Compute J a - target and the active rows of an island; return whether the active set changed."""
     changed = False
     for i in range(rows):
         n = work.rows[i]
@@ -130,7 +130,7 @@ def _residuals(work, rows):
 @compiled
 @no_type_check
 def _assemble(work, members, rows, size):
-    """Gradient and Hessian of the cost; of the Hessian the lower triangle."""
+    """Assemble the gradient and the lower triangle of the Hessian of the cost."""
     hessian, gradient = work.hessian, work.gradient
     for i in range(size):
         for j in range(i + 1):
@@ -150,7 +150,7 @@ def _assemble(work, members, rows, size):
 @compiled
 @no_type_check
 def _add_contact(work, n, size):
-    """Adds a contact's force to the gradient and its stiffness to the Hessian."""
+    """Add a contact's force to the gradient and its stiffness to the Hessian."""
     weight, friction, active = work.weight[n], work.friction[n], work.active[n]
     f0 = f1 = f2 = w00 = w01 = w02 = w11 = w22 = 0.0
     for row in range(num_rows(friction)):
@@ -174,7 +174,7 @@ def _add_contact(work, n, size):
             x, y, z = own[i], own[6 + i], own[12 + i]
             gradient[row] += x * f0 + y * f1 + z * f2
             u, v, w = w00 * x + w01 * y + w02 * z, w01 * x + w11 * y, w02 * x + w22 * z
-            # The first mobile of a contact comes first in its island, too: this is the lower triangle.
+            # The first body of a contact also comes first in its island, so this fills the lower triangle.
             for other in range(side + 1):
                 by = work.first[n] if other == 0 else m
                 jacobian = shifted(work.jacobian, 36 * n + 18 * other)
@@ -186,7 +186,7 @@ def _add_contact(work, n, size):
 @compiled
 @no_type_check
 def _factorise(matrix, size):
-    """Cholesky factor of a symmetric matrix, in place of its lower triangle."""
+    """Factor a symmetric matrix by Cholesky, in place of its lower triangle."""
     for j in range(size):
         pivot = matrix[size * j + j]
         for k in range(j):
@@ -203,7 +203,7 @@ def _factorise(matrix, size):
 @compiled
 @no_type_check
 def _back_substitute(factor, gradient, search, size):
-    """Newton's direction: minus the inverse Hessian times the gradient."""
+    """Compute Newton's direction: minus the inverse Hessian times the gradient."""
     for i in range(size):
         value = -gradient[i]
         for k in range(i):
@@ -219,7 +219,7 @@ def _back_substitute(factor, gradient, search, size):
 @compiled
 @no_type_check
 def _line_search(work, members, rows):
-    """The step along `search` that minimises the cost; exactly 1 if that is the minimum of its piece."""
+    """Return the step along `search` that minimises the cost; exactly 1 if a full step minimises its piece."""
     start, curve, scale = _along_mobiles(work, members)
     _slopes(work, rows)
     before, _ = _derivatives(work, rows, start, curve, 0.0)
@@ -243,7 +243,7 @@ def _line_search(work, members, rows):
 @compiled
 @no_type_check
 def _along_mobiles(work, members):
-    """Slope at 0 and curvature of the cost's first part along `search`; and the cost's scale."""
+    """Compute slope at 0 and curvature of the cost's inertial term along `search`, and the cost's scale."""
     start, curve, scale = 0.0, 0.0, 0.0
     for i in range(members):
         m = work.members[i]
@@ -259,7 +259,7 @@ def _along_mobiles(work, members):
 @compiled
 @no_type_check
 def _slopes(work, rows):
-    """Of the rows' residuals along `search`."""
+    """Compute the slopes of the rows' residuals along `search`."""
     for i in range(rows):
         n = work.rows[i]
         x = y = z = 0.0
@@ -278,7 +278,7 @@ def _slopes(work, rows):
 @compiled
 @no_type_check
 def _derivatives(work, rows, start, curve, length):
-    """First and second derivative of the cost at `length` along `search`."""
+    """Compute the first and second derivative of the cost at `length` along `search`."""
     slope, bend = start + length * curve, curve
     for i in range(rows):
         n = work.rows[i]

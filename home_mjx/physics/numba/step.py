@@ -1,4 +1,4 @@
-"""One control step of one environment: forces, contacts, solver, motion, as often as a step has physics steps."""
+"""One control step of one environment: forces, contacts, solver and motion, repeated for each physics step."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from math import sqrt
@@ -22,13 +22,13 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def load_house(work, static, bodies, door):
-    """Takes a house's numbers; negative half extents: no box, no door.
+    """Load a house's numbers; negative half extents mark missing boxes and doors.
 
     Args:
         work: Arrays, see `work.Work`.
         static: Position, quaternion and half extents of its static boxes.
         bodies: Validity, half extents, mass, inertia and `reference_surfaces` of its movable bodies.
-        door: Its row of `door_table`.
+        door: Rows of `door_table`.
     """
     collider_pos, collider_quat, collider_half = static
     body_valid, body_size, body_mass, body_inertia, body_surface = bodies
@@ -59,7 +59,7 @@ def load_house(work, static, bodies, door):
 @compiled
 @no_type_check
 def scale_bodies(work, mass, inertia, surface, scale):
-    """Takes an environment's factors of the friction and the mass of its house's bodies, see `load_house`."""
+    """Scale the friction and mass of a house's bodies by an environment's factors; see `load_house`."""
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
         for k in range(3):
@@ -72,7 +72,7 @@ def scale_bodies(work, mass, inertia, surface, scale):
 @compiled
 @no_type_check
 def _load_door(work, m, door):
-    """A door's leaf; see `doors.door_table`."""
+    """Load a door leaf; see `doors.door_table`."""
     work.there[m] = 1 if door[6] >= 0 else 0
     square = 0.0
     for k in range(3):
@@ -84,7 +84,7 @@ def _load_door(work, m, door):
 @compiled
 @no_type_check
 def load_agents(work, table):
-    """Takes the agents' sizes and masses; see `control.agent_table`."""
+    """Load the agents' sizes and masses; see `control.agent_table`."""
     for i in range(AGENT_COLUMNS * work.num_agents):
         work.agent[i] = table[i]
     for a in range(work.num_agents):
@@ -106,18 +106,18 @@ def load_agents(work, table):
 @compiled
 @no_type_check
 def step_env(work, numbers, ground, state, control, result, report):
-    """Steps one environment; the house's and agents' numbers are in `work`.
+    """Step one environment whose house and agents are loaded in `work`.
 
     Args:
         work: Arrays, see `work.Work`.
         numbers: See `numbers.Numbers`.
-        ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and how many these are.
+        ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and their number.
         state: qpos, qvel and the last accelerations, flat as in the template.
         control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).
-        result: The state after, like `state`.
-        report: What happened: contacts of each agent with anything but the floor (a), the most of all physics steps;
-            whether static boxes, and contact points, were left out (2); of each mobile's contacts the impulse of all
-            [N s] and the place of the strongest [m] (m, 4), and what this was with (m), see `limits`.
+        result: State after the step, like `state`.
+        report: Contacts of each agent except with the floor (a), the maximum over physics steps; overflow flags of
+            static boxes and contact points (2); each body's total impulse [N s] and the position of its strongest
+            contact [m] (m, 4); the partner in that contact (m), see `limits`.
     """
     floor, ramp, num_ramps = ground
     qpos, qvel, qacc = state
@@ -154,7 +154,7 @@ def _load(work, qpos, qvel, qacc):
                 qvel[4 * a + k],
                 qacc[4 * a + k],
             )
-        for k in range(3):  # whatever the environment before has left, such as what is no number
+        for k in range(3):  # clear values of the previous environment, which may be NaN
             work.vel[6 * a + 3 + k] = work.acc[6 * a + 3 + k] = 0.0
         work.quat[4 * a], work.vel[6 * a + 5] = qpos[4 * a + 3], qvel[4 * a + 3]
     for m in range(work.num_agents, work.num_free):
@@ -235,7 +235,7 @@ def _count_touched(work, touched):
 @compiled
 @no_type_check
 def _note_pushes(work, numbers, push, other):
-    """Adds the impulses of a physics step, and keeps the strongest."""
+    """Add the impulses of a physics step and keep the strongest contact of each dynamic body."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         impulse = _impulse(work, numbers, n)
@@ -257,7 +257,7 @@ def _note_pushes(work, numbers, push, other):
 @compiled
 @no_type_check
 def _impulse(work, numbers, n):
-    """Of a contact along its normal, at the accelerations that were found [N s]."""
+    """Compute the normal impulse of a contact at the solved accelerations [N s]."""
     friction, force = work.friction[n], 0.0
     normal, first, second = contact_velocity(work, n, work.acc)
     for row in range(num_rows(friction)):

@@ -1,1 +1,1 @@
-"""The ways to cast rays: pure JAX, CUDA, native CPU code."""
+"""Backends of ray casts: pure JAX, CUDA and native CPU code."""

@@ -1,11 +1,11 @@
-// The kernel of the `cuda` executor: two-level traversal, one ray per thread. nvrtc.py compiles it at run time.
+// Kernels of the `cuda` executor: two-level traversal, one ray per thread. nvrtc.py compiles them at run time.
 //
-// It does what xla.py and native.py do, and tests triangles with the same roundings as they, so that all three agree;
-// boxes are tested otherwise, which decides no hit.
+// Counterpart of xla.py and native/. Triangle tests round as theirs do, so that all three return the same hits. Box
+// tests round differently, which does not change any hit.
 //
-// Every index that comes from an array is held to the rows that there are, and children lie behind their parents: trees
-// of anybody's making may be cut short, but nothing beside the arrays is read, and no circle is walked. The inner loop
-// pays two comparisons for that, and no register, branch or address that it would not have without.
+// Every index read from an array is clipped to its rows, and children must follow their parents. Invalid trees may be
+// cut short, but cannot cause reads outside of the arrays or endless loops. This costs two comparisons in the inner
+// loop, and no register, branch or address.
 //
 // Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH
 // ray traversal", JCGT 2(2), 2013; T. Aila, S. Laine, "Understanding the efficiency of ray traversal on GPUs", HPG 2009
@@ -14,20 +14,20 @@
 
 #define INLINE __device__ __forceinline__
 
-constexpr int BLOCK = 64;          // threads; cuda.py launches as many
-constexpr int BLOCKS_PER_SM = 18;  // keeps the compiler to 56 registers, for many warps hide the memory's latency
-constexpr int GROUP = 32;          // moving instances that are looked at together
-constexpr int TILE_WIDTH = 8;      // pixels of an image that a warp casts
+constexpr int BLOCK = 64;          // threads per block, as in cuda.py
+constexpr int BLOCKS_PER_SM = 18;  // limits the compiler to 56 registers, since many warps hide memory latency
+constexpr int GROUP = 32;          // moving instances that are culled together
+constexpr int TILE_WIDTH = 8;      // [px], image tile of a warp
 constexpr int TILE_HEIGHT = 4;
 constexpr int EMPTY = -1;          // code of an empty leaf; on the stack, the bottom of a tree
-constexpr int MAX_DEPTH = 32;      // of a tree, as in bvh.py
-constexpr int STACK = 2 * MAX_DEPTH + 4;  // what two trees put off, and their bottoms
-constexpr float MISS = 3e38f;      // as in limits.py, like the next two
+constexpr int MAX_DEPTH = 32;      // maximum depth of a tree, as in bvh.py
+constexpr int STACK = 2 * MAX_DEPTH + 4;  // entries for the deferred nodes of two trees and their bottoms
+constexpr float MISS = 3e38f;      // as in scene/constants.py, like the next two
 constexpr float FAR_SLACK = 1 + 6e-7f;
 constexpr float TINY = 1e-20f;
 #define INF __int_as_float(0x7f800000)
 
-#ifndef WARP_SIZE  // tests compile this file for a CPU, with warps of one thread
+#ifndef WARP_SIZE  // tests define it to compile this file for a CPU, with warps of one thread
 constexpr int WARP_SIZE = 32;
 constexpr unsigned ALL_LANES = 0xffffffffu;
 
@@ -46,7 +46,7 @@ INLINE int reduce_min(int x) {
 #endif
 }
 
-// Maps a float's bits to integers of the same order, which hardware can reduce, and back.
+// Maps a float's bits to an integer of the same order, which hardware can reduce, and back.
 INLINE int in_order(int bits) { return bits ^ ((bits >> 31) & 0x7fffffff); }
 
 INLINE float warp_min(float x) { return __int_as_float(in_order(reduce_min(in_order(__float_as_int(x))))); }
@@ -55,8 +55,8 @@ INLINE float warp_max(float x) { return -warp_min(-x); }
 
 INLINE unsigned warp_ballot(bool x) { return __ballot_sync(ALL_LANES, x); }
 
-// A place of a ray's stack, which is in local memory: its address is half as long as a pointer, so that an end is held
-// to by one instruction.
+// Address of an entry of a ray's stack in local memory. It is half as long as a pointer, so that one instruction clips
+// it to the end of the stack.
 using Place = int;
 
 INLINE Place place_of(int2* entry) { return int(__cvta_generic_to_local(entry)); }
@@ -74,17 +74,17 @@ INLINE int2 get(Place place) {
 }
 #endif
 
-// The arrays of gpu_geometry.py, and one environment's part of those that cuda.py makes
+// The arrays of gpu_geometry.py, and one environment's part of the arrays of cuda.py
 struct Operands {
-  const float4* __restrict__ node;      // 4 a node: centre and half size of each child's box, then the children's codes
-  const float4* __restrict__ triangle;  // 3 a triangle: its corners, the slot in the first one's fourth place
+  const float4* __restrict__ node;      // 4 per node: centre and half size of each child's box, then their codes
+  const float4* __restrict__ triangle;  // 3 per triangle: its corners; w of the first is the material slot
   const int* __restrict__ material_mask;
-  const float4* __restrict__ fixed;   // 4 a static instance: rows of its inverse, then root, number, object, material
-  const float4* __restrict__ moving;  // the same of moving instances
-  const float2* __restrict__ box;     // 3 a moving instance: centre and half size of its bounds in the world
-  int root;                           // of the tree over the static instances
+  const float4* __restrict__ fixed;   // 4 per static instance: rows of its inverse, then root, number, object, material
+  const float4* __restrict__ moving;  // the same for moving instances
+  const float2* __restrict__ box;     // 3 per moving instance: centre and half size of its world bounds
+  int root;                           // root of the tree over the static instances
   int num_moving;
-  int nodes, triangles, materials, instances;  // rows that there are; instances of a house
+  int nodes, triangles, materials, instances;  // numbers of rows; instances per house
 };
 
 struct Ray {
@@ -92,12 +92,12 @@ struct Ray {
   int exclude, mask;
 };
 
-// A ray prepared for boxes: 1 / direction and origin / direction
+// A ray prepared for box tests: 1 / direction and origin / direction
 struct Slopes {
   float ix, iy, iz, cx, cy, cz;
 };
 
-// A ray prepared for triangles: the axis along which it is longest changes places with z
+// A ray prepared for triangle tests: its longest axis is swapped with z
 struct Shear {
   int axis;
   float ox, oy, oz, dx, dy, iz;
@@ -106,7 +106,7 @@ struct Shear {
 struct Best {
   float t;
   int instance, triangle;
-  float u, v, total;  // edge functions and their sum: u / total and v / total are the hit's
+  float u, v, total;  // edge functions and their sum; the hit's weights are u / total and v / total
   bool front;
 };
 
@@ -121,7 +121,7 @@ INLINE Slopes slopes_of(float ox, float oy, float oz, float dx, float dy, float 
 
 INLINE Slopes slopes_of(const Ray& ray) { return slopes_of(ray.ox, ray.oy, ray.oz, ray.dx, ray.dy, ray.dz); }
 
-// Whether a ray is in a box between t_min and limit, and from where on. An empty box has half size -inf.
+// Returns whether a ray hits a box between t_min and limit; writes the entry distance. An empty box has half size -inf.
 INLINE bool meets(const Slopes& s, float cx, float cy, float cz, float hx, float hy, float hz, float t_min, float limit,
                   float& near) {
   float x = fmaf(cx, s.ix, -s.cx), y = fmaf(cy, s.iy, -s.cy), z = fmaf(cz, s.iz, -s.cz);
@@ -131,8 +131,8 @@ INLINE bool meets(const Slopes& s, float cx, float cy, float cz, float hx, float
   return near <= fminf(far * FAR_SLACK, limit);
 }
 
-// The stack holds codes, each with the distance at which the ray gets there. Behind its last place lies one more: what
-// finds it full is written there, and lost.
+// Stack of codes, each with its entry distance. One extra entry behind the last absorbs pushes on a full stack, which
+// are lost.
 struct Stack {
   Place top, end;
 };
@@ -144,7 +144,7 @@ INLINE void push(Stack& stack, int code, float t) {
 
 INLINE void push_bottom(Stack& stack) { push(stack, EMPTY, -INF); }
 
-// What was put off last and still lies before the best hit, or the bottom
+// Pops the topmost code that the ray enters before its best hit, or the bottom
 INLINE int pop(Stack& stack, float limit) {
   int2 entry;
   do {
@@ -153,7 +153,7 @@ INLINE int pop(Stack& stack, float limit) {
   return entry.x;
 }
 
-// From a node on to the nearer child that the ray meets, or to what it put off last
+// Returns the nearer child of a node that the ray hits, or pops the stack
 INLINE int descend(const Operands& world, int node, const Slopes& s, float t_min, float limit, Stack& stack) {
   const float4* at = world.node + 4ll * node;
   float4 p = __ldg(at), q = __ldg(at + 1), r = __ldg(at + 2);
@@ -161,7 +161,7 @@ INLINE int descend(const Operands& world, int node, const Slopes& s, float t_min
   float t0, t1;
   bool meets0 = meets(s, p.x, p.y, p.z, p.w, q.x, q.y, t_min, limit, t0);
   bool meets1 = meets(s, q.z, q.w, r.x, r.y, r.z, r.w, t_min, limit, t1);
-  // As unsigned numbers leaves lie behind all nodes. Both boxes are looked at before: a branch would cost more.
+  // As unsigned numbers, leaf codes are larger than all nodes. Both boxes are tested first: a branch would cost more.
   meets0 &= unsigned(child.x) > unsigned(node);
   meets1 &= unsigned(child.y) > unsigned(node);
   if (!(meets0 | meets1)) return pop(stack, limit);
@@ -174,8 +174,7 @@ INLINE int descend(const Operands& world, int node, const Slopes& s, float t_min
 }
 
 // Triangles ---------------------------------------------------------------------------------------------------------
-// The _rn functions keep the compiler from fusing multiplication and addition: what triangles say of an edge that they
-// share must round alike.
+// The _rn functions prevent fused multiply-adds: both triangles must round the edge function of a shared edge alike.
 
 INLINE Shear shear_of(float ox, float oy, float oz, float dx, float dy, float dz) {
   float x = fabsf(dx), y = fabsf(dy), z = fabsf(dz);
@@ -190,7 +189,7 @@ INLINE Shear shear_of(float ox, float oy, float oz, float dx, float dy, float dz
           __fdiv_rn(1, longest)};
 }
 
-// A corner, sheared so that the ray runs along z through the origin; z counts in units of t
+// Shears a corner so that the ray runs along z through the origin; z is in units of t
 INLINE float3 corner_of(const Shear& s, const float4& p) {
   float z = __fmul_rn(__fsub_rn(s.axis == 0 ? p.x : s.axis == 1 ? p.y : p.z, s.oz), s.iz);
   float x = __fsub_rn(__fsub_rn(s.axis == 0 ? p.z : p.x, s.ox), __fmul_rn(s.dx, z));
@@ -198,7 +197,7 @@ INLINE float3 corner_of(const Shear& s, const float4& p) {
   return make_float3(x, y, z);
 }
 
-// Equal distances go to the lower instance and triangle, so that the order of traversal does not matter.
+// Ties go to the lower instance and triangle, so that the order of traversal does not matter.
 INLINE bool comes_first(float t, int instance, int triangle, const Best& best) {
   if (t != best.t || best.instance < 0) return t <= best.t;
   return instance == best.instance ? triangle < best.triangle : instance < best.instance;
@@ -209,7 +208,7 @@ INLINE void test(const Operands& world, int triangle, int instance, int material
   const float4* at = world.triangle + 3ll * triangle;
   float4 first = __ldg(at);
   float3 a = corner_of(s, first), b = corner_of(s, __ldg(at + 1)), c = corner_of(s, __ldg(at + 2));
-  // Edge functions. Their signs come from comparing the products.
+  // Edge functions. Their signs come from a comparison of the products.
   float u0 = __fmul_rn(c.x, b.y), u1 = __fmul_rn(c.y, b.x);
   float v0 = __fmul_rn(a.x, c.y), v1 = __fmul_rn(a.y, c.x);
   float w0 = __fmul_rn(b.x, a.y), w1 = __fmul_rn(b.y, a.x);
@@ -222,7 +221,7 @@ INLINE void test(const Operands& world, int triangle, int instance, int material
   if (!(t >= ray.t_min) || !comes_first(t, instance, triangle, best)) return;
   unsigned row = min(unsigned(material) + unsigned(__float_as_int(first.w)), unsigned(world.materials - 1));
   if ((__ldg(world.material_mask + row) & ray.mask) == 0) return;
-  bool mirrored = s.axis != 2;  // by changing places with z
+  bool mirrored = s.axis != 2;  // swapping an axis with z changes the orientation
   bool front = positive == ((s.iz > 0) != mirrored);
   best = {t, instance, triangle, v, w, total, front};
 }
@@ -233,7 +232,7 @@ INLINE float dot(const float4& row, float x, float y, float z) {
   return __fadd_rn(__fadd_rn(__fmul_rn(row.x, x), __fmul_rn(row.y, y)), __fmul_rn(row.z, z));
 }
 
-// Takes a ray into the frame of an instance
+// Transforms a ray into the frame of an instance
 INLINE void enter(const float4* instance, const Ray& ray, Slopes& slopes, Shear& shear) {
   float4 x = __ldg(instance), y = __ldg(instance + 1), z = __ldg(instance + 2);
   float ox = __fadd_rn(dot(x, ray.ox, ray.oy, ray.oz), x.w), dx = dot(x, ray.dx, ray.dy, ray.dz);
@@ -243,9 +242,9 @@ INLINE void enter(const float4* instance, const Ray& ray, Slopes& slopes, Shear&
   shear = shear_of(ox, oy, oz, dx, dy, dz);
 }
 
-// Casts a ray at what `code` leads to in the tree over the static instances, then at those moving instances, counted
-// from `moving`, whose bits are set in `pending`. One loop serves both levels, so that rays of a warp that are in
-// different instances, or in none, walk down nodes together.
+// Traverses the tree over the static instances from `code`, then the moving instances, counted from `moving`, whose
+// bits are set in `pending`. One loop serves both levels, so that rays of a warp in different instances, or in none,
+// descend nodes together.
 template <bool ANY_HIT>
 INLINE void traverse(const Operands& world, const Ray& ray, int code, const float4* moving, unsigned pending, Best& best) {
   int2 places[STACK + 1];
@@ -264,12 +263,12 @@ INLINE void traverse(const Operands& world, const Ray& ray, int code, const floa
         test(world, triangle++, instance, material, ray, shear, best);
       if (ANY_HIT && best.instance >= 0) return;
       code = pop(stack, best.t);
-    } else if (instance >= 0) {  // through with an instance
+    } else if (instance >= 0) {  // finished an instance
       instance = -1;
       slopes = slopes_of(ray);
       code = pop(stack, best.t);
-    } else {  // at static instances, or through with them
-      // A tree with empty leaves that a ray meets, or deeper than MAX_DEPTH, leaves things on the stack.
+    } else {  // at static instances, or finished them
+      // The stack is not empty after a tree with empty leaves that a ray hits, or one deeper than MAX_DEPTH.
       if (stack.top > shift(stack.end, -2)) return;
       const float4* next;
       if (code != EMPTY) {
@@ -287,7 +286,7 @@ INLINE void traverse(const Operands& world, const Ray& ray, int code, const floa
         pending &= pending - 1;
       }
       int4 record = __ldg(reinterpret_cast<const int4*>(next + 3));
-      bool is_none = record.x == EMPTY || record.y < 0;  // the stack has one bottom for each instance that is entered
+      bool is_none = record.x == EMPTY || record.y < 0;  // a bottom is pushed only for instances that are entered
       if (is_none || (ray.exclude >= 0 && record.z == ray.exclude)) {
         code = pop(stack, best.t);
       } else {
@@ -303,7 +302,7 @@ INLINE void traverse(const Operands& world, const Ray& ray, int code, const floa
 
 // Moving instances -----------------------------------------------------------------------------------------------------
 
-// Bounds of the origins of a warp's rays along an axis, and of 1 / direction
+// Bounds of the origins and of 1 / direction of a warp's rays along an axis
 struct Span {
   float low, high, least, most;
 };
@@ -313,7 +312,7 @@ INLINE Span span_of(bool alive, float origin, float slope) {
           warp_max(alive ? slope : -INF)};
 }
 
-// Narrows [near, far] to where any of the rays may be between the planes of a box, by interval arithmetic
+// Narrows [near, far] to the distances at which any ray may be between two planes of a box, by interval arithmetic
 INLINE void narrow(const Span& s, float center, float half, float& near, float& far) {
   if (s.least < 0 && s.most > 0) return;
   float a = center - half - s.high, b = center + half - s.low;
@@ -323,12 +322,12 @@ INLINE void narrow(const Span& s, float center, float half, float& near, float& 
 }
 
 struct Box {
-  float2 p, q, r;  // centre x and y; its z, half size x; y and z
+  float2 p, q, r;  // p: centre x, y; q: centre z, half size x; r: half size y, z
 };
 
 INLINE Box box_at(const float2* at) { return {__ldg(at), __ldg(at + 1), __ldg(at + 2)}; }
 
-// Bounds of all that a warp casts
+// Bounds of all rays of a warp
 struct Beam {
   Span x, y, z;
   float start;
@@ -339,7 +338,8 @@ INLINE Beam beam_of(bool alive, const Ray& ray, const Slopes& s) {
           warp_min(alive ? ray.t_min : INF)};
 }
 
-// Which moving instances of a group any ray of the warp may meet; each lane looks at one box for all the rays.
+// Returns a bit mask of the moving instances of a group that any ray of the warp may hit; each lane tests one box
+// against all rays.
 INLINE unsigned find_candidates(const float2* boxes, int count, const Beam& beam, float end) {
   unsigned candidates = 0;
   for (int first = 0; first < count; first += WARP_SIZE) {
@@ -358,7 +358,7 @@ INLINE unsigned find_candidates(const float2* boxes, int count, const Beam& beam
   return candidates;
 }
 
-// Which moving instances of a group this ray meets
+// Returns a bit mask of the moving instances of a group whose bounds this ray hits
 INLINE unsigned find_moving(const float2* boxes, int count, const Beam& beam, const Slopes& s, bool alive,
                             const Ray& ray, float limit) {
   unsigned found = 0;
@@ -375,7 +375,7 @@ INLINE unsigned find_moving(const float2* boxes, int count, const Beam& beam, co
 
 // Rays ------------------------------------------------------------------------------------------------------------------
 
-// The static instances first: walls hide most of what moves.
+// Casts a ray at the static instances first, since walls hide most moving instances.
 template <bool ANY_HIT>
 INLINE Best cast(const Operands& world, bool alive, const Ray& ray, float t_max) {
   Best best{fminf(t_max, MISS), -1, -1, 0, 0, 1, false};
@@ -391,7 +391,7 @@ INLINE Best cast(const Operands& world, bool alive, const Ray& ray, float t_max)
   return best;
 }
 
-// Which of its environment's rays this thread casts, or -1. Warps take tiles of the image, if there is one.
+// Returns the index of this thread's ray within its environment, or -1. Warps cast tiles of the image, if there is one.
 INLINE int ray_of_thread(int rays_per_env, int width) {
   int lane = threadIdx.x % WARP_SIZE, warp = blockIdx.x * (BLOCK / WARP_SIZE) + threadIdx.x / WARP_SIZE;
   int x = lane, y = 0;
@@ -412,7 +412,7 @@ struct Rays {
   const int *__restrict__ exclude, *__restrict__ mask;
 };
 
-// Each field has one value per ray, or, where `own` is 0, one per environment.
+// Loads a ray. Each field has one value per ray, or one per environment if its `own` is 0.
 INLINE Ray load(const Rays& rays, const int* own, int env, long long row, float& t_max) {
   const float* o = rays.origin + 3 * (__ldg(own) ? row : env);
   const float* d = rays.direction + 3 * (__ldg(own + 1) ? row : env);
@@ -428,22 +428,22 @@ INLINE Ray load(const Rays& rays, const int* own, int env, long long row, float&
           __ldg(rays.mask + (__ldg(own + 5) ? row : env))};
 }
 
-// A number times zero is zero: what is infinite or no number is not, and such a ray hits nothing.
+// Returns whether all components are finite: a finite number times zero is zero. Other rays have no hit.
 INLINE bool is_finite(const Ray& ray) { return (ray.ox + ray.oy + ray.oz + ray.dx + ray.dy + ray.dz) * 0 == 0; }
 
-// What a thread casts
+// Work of one thread
 struct Task {
-  long long row;  // of the ray and of its results; -1: none, the thread takes part in what its warp does together
+  long long row;  // of the ray and of its results; -1 none: the thread only joins its warp's collective operations
   Ray ray;
   float t_max;
 };
 
 INLINE bool can_hit(const Task& task) { return task.row >= 0 && is_finite(task.ray) && task.ray.t_min <= task.t_max; }
 
-// Finds this thread's environment and ray; false for blocks that have none. `size` holds the number of environments,
-// rays per environment, static and moving instances per environment, pixels in a row, for each field of the rays
-// whether it has a value for each of them, nodes, triangles, materials and houses, then a query's steps and bits of its
-// skin.
+// Loads this thread's environment and ray; returns false for blocks that have none. `size` holds the numbers of
+// environments, rays per environment, static and moving instances per environment, and pixels in a row. Then follow
+// six flags, 1 if a field of the rays has one value per ray; the numbers of nodes, triangles, materials and houses;
+// the query's steps and the bits of its skin.
 INLINE bool find_task(Operands& world, const int* __restrict__ house_root, const int* __restrict__ house,
                       const Rays& rays, const int* __restrict__ size, Task& task) {
   int env = blockIdx.y + gridDim.y * blockIdx.z;
@@ -462,7 +462,7 @@ INLINE bool find_task(Operands& world, const int* __restrict__ house_root, const
   return true;
 }
 
-// Object id of an instance that was hit: of what moves under its number, else of the house's
+// Returns the object id of a hit instance: that of the moving instance with its number, else that of the house
 INLINE int object_of(const Operands& world, int instance) {
   int object = -1;
   if (instance < world.instances) object = __ldg(reinterpret_cast<const int4*>(world.fixed + 4 * instance + 3)).z;
@@ -473,7 +473,7 @@ INLINE int object_of(const Operands& world, int instance) {
   return object;
 }
 
-// Operands as cuda.py gives them
+// Operands in the order of cuda.py
 #define OPERANDS                                                                                                     \
   const float4 *node, const float4 *corner, const int *material_mask, const float4 *fixed, const float4 *moving,     \
       const float2 *box, const int *house_root, const int *house, const float *origin, const float *direction,       \
@@ -509,8 +509,8 @@ extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_any(OPER
   if (task.row >= 0) instance[task.row] = best.instance;
 }
 
-// The hits along a ray: each cast begins behind the hit before it and leaves out the object met last, whose other faces
-// are not looked for; the architecture has to be walked through. Warps go on until all their rays are over.
+// Returns successive hits along a ray. Each cast begins behind the hit before it and ignores the object hit last, with
+// all of its faces; the architecture cannot be ignored. A warp continues until all of its rays have missed.
 extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_through(OPERANDS, RESULTS) {
   Operands world = WORLD;
   Task task;

@@ -1,4 +1,4 @@
-"""The executors, all with one signature over the same arrays, and the choice among them."""
+"""Registry of the executors, which share one signature, and their selection by name or platform."""
 
 import functools
 from collections.abc import Callable
@@ -21,7 +21,7 @@ Ray [e, r] belongs to environment e.
 
 
 def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
-    """The best executor of the platform that the program is lowered for."""
+    """Cast with the fastest executor of the platform that the program is lowered for."""
     branches = {name: functools.partial(cast, query=query) for name, cast in _special().items()}
     return choose(functools.partial(cast_xla, query=query), branches, geometry, house, moving, rays)
 
@@ -35,10 +35,10 @@ EXECUTORS: dict[str | None, Executor] = {None: cast_auto, "xla": cast_xla, "cpu"
 
 
 def find_executor(name: str | None) -> Executor:
-    """The executor of that name; None: by platform.
+    """Return the executor of a name; None selects by platform.
 
     Raises:
-        ConfigError: There is no such executor.
+        ConfigError: The executor is unknown.
     """
     check_known("executor", [] if name is None else [name], [n for n in EXECUTORS if n])
     return EXECUTORS[name]

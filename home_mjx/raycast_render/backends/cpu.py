@@ -1,4 +1,4 @@
-"""The `cpu` executor: a loop compiled by Numba that XLA calls directly. Compiled and tested on first use."""
+"""The `cpu` executor: Numba code that XLA calls directly, compiled and tested on first use."""
 
 import functools
 
@@ -18,30 +18,33 @@ from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
 
 TARGET = "home_mjx_cast"
 
-_kept: list[object] = []  # compiled functions that XLA may call until the process ends
+_kept: list[object] = []  # keeps compiled functions alive: XLA may call them until the process ends
 
 
 def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
-    """Casts rays of shape (environments, rays per environment); see `executors.Executor`.
+    """Cast rays of shape (environments, rays per environment); see `executors.Executor`.
 
     Raises:
-        ExecutorError: It does not work here.
+        ExecutorError: The executor is not available in this process.
     """
     problem = cpu_problem()
     if problem:
-        raise ExecutorError(f"the `cpu` executor does not work here: {problem}", hint="Use executor='xla'.")
+        raise ExecutorError(f"the `cpu` executor is not available: {problem}", hint="Use executor='xla'.")
     return _call(geometry, house, moving, rays, query)
 
 
 @functools.cache
 def cpu_available() -> bool:
-    """Whether the `cpu` executor works here; warns once if there is a CPU backend and it does not."""
-    return works("cpu", cpu_problem(), "rays are cast by the slower `xla` executor")
+    """Return whether the `cpu` executor works in this process; warn once if JAX has a CPU backend and it fails."""
+    return works("cpu", cpu_problem(), "falling back to the slower `xla` executor for ray casts")
 
 
 @functools.cache
 def cpu_problem() -> str | None:
-    """Why the executor cannot be used; None if it works. The first call compiles, registers and tests it."""
+    """Return the reason why the executor is not available; None if it works.
+
+    The first call compiles, registers and tests it.
+    """
     return problem_of("cpu", _start)
 
 

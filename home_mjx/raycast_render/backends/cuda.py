@@ -1,4 +1,4 @@
-"""The `cuda` executor: `cast.cu`, compiled for this GPU and called by XLA. Compiled and tested on first use."""
+"""The `cuda` executor: `cast.cu`, called by XLA; compiled for the installed GPU and tested on first use."""
 
 import functools
 from pathlib import Path
@@ -21,38 +21,38 @@ from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Query, RawHit, 
 TARGET = PTX_TARGET
 SOURCE = Path(__file__).with_name("cast.cu")
 WARP = 32
-BLOCK = 64  # threads, as in cast.cu
-TILE = (8, 4)  # pixels in a row and rows that a warp casts, as in cast.cu
-MAX_GRID = 65535  # blocks along the second and third axis
+BLOCK = 64  # threads per block, as in cast.cu
+TILE = (8, 4)  # [px], width and height of the image tile of a warp, as in cast.cu
+MAX_GRID = 65535  # maximum blocks along the second and third axis
 
 
 def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
-    """Casts rays of shape (environments, rays per environment); see `executors.Executor`.
+    """Cast rays of shape (environments, rays per environment); see `executors.Executor`.
 
     Raises:
-        ExecutorError: It does not work here.
+        ExecutorError: The executor is not available in this process.
     """
     problem = cuda_problem()
     if problem:
-        raise ExecutorError(f"the `cuda` executor does not work here: {problem}", hint="Use executor='xla'.")
+        raise ExecutorError(f"the `cuda` executor is not available: {problem}", hint="Use executor='xla'.")
     return _call(geometry, house, moving, rays, query)
 
 
 @functools.cache
 def cuda_available() -> bool:
-    """Whether the `cuda` executor works here; warns once if there is an NVIDIA GPU and it does not."""
-    return works("cuda", cuda_problem(), "rays are cast by the slower `xla` executor")
+    """Return whether the `cuda` executor works in this process; warn once if there is an NVIDIA GPU and it fails."""
+    return works("cuda", cuda_problem(), "falling back to the slower `xla` executor for ray casts")
 
 
 @functools.cache
 def cuda_problem() -> str | None:
-    """Why the executor cannot be used; None if it works. The first call compiles and tests it."""
+    """Return the reason why the executor is not available; None if it works. The first call compiles and tests it."""
     return problem_of("cuda", _start)
 
 
 @functools.cache
 def kernels() -> str:
-    """PTX that all GPUs of this process can run."""
+    """Compile PTX that all GPUs of this process can run."""
     return ptx_for_all(SOURCE)
 
 
@@ -77,13 +77,13 @@ def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Q
 
 
 def _any(instance: Int[Array, "e r"]) -> RawHit:
-    """The result of a cast for any hit: only whether there is one."""
+    """Return the result of an any-hit query, in which only the sign of `instance` is defined."""
     zero = jnp.zeros_like(instance, jnp.float32)
     return RawHit(jnp.where(instance < 0, MISS, zero), instance, jnp.minimum(instance, 0), zero, zero, zero > 0)
 
 
 def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Query = CLOSEST) -> tuple[Array, ...]:
-    """The arrays that the kernels read, in their order."""
+    """Return the operands of the kernels, in their order."""
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
     low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
     low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
@@ -110,17 +110,17 @@ def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query
 
 
 def _constants(values: tuple, dtype: Any) -> Array:
-    """An array made inside the program: a partitioned function may not capture arrays."""
+    """Build an array inside the program, since a partitioned function may not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
 
 
 def tile_width(count: int, width: int) -> int:
-    """Length of the image rows that warps take tiles of; 0 if `count` rays are no such rows, or too short ones."""
+    """Return the image width if warps cast tiles of it; 0 if the rays form no image or one narrower than a tile."""
     return width if width >= TILE[0] and count % width == 0 else 0
 
 
 def grid(environments: int, count: int, width: int) -> tuple[int, int, int]:
-    """Blocks for `count` rays per environment: those of one environment, then environments along two axes."""
+    """Return the grid for `count` rays per environment: blocks of one environment, then environments along two axes."""
     width = tile_width(count, width)
     warps = -(-width // TILE[0]) * -(-count // (width * TILE[1])) if width else -(-count // WARP)
     return -(-warps * WARP // BLOCK), min(environments, MAX_GRID), -(-environments // MAX_GRID)

@@ -1,4 +1,4 @@
-"""A scene of two triangles, one of them moving, on which executors are tested."""
+"""Self-test of executors on a scene of two triangles, one of them moving."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -14,10 +14,10 @@ T = TypeVar("T")
 
 
 def probe(executor: Callable) -> str | None:
-    """The fault in the result of an executor; None if it is right.
+    """Return a description of the error in an executor's result; None if the result is correct.
 
-    Four rays run along +z: through the static triangle at z = 1, through the moving one at z = 2, past both, and
-    towards the static one, ending before it.
+    Four rays run along +z. They hit the static triangle at z = 1, hit the moving one at z = 2, miss both, and end
+    before the static one.
     """
     hits = jax.jit(lambda *args: executor(*args, CLOSEST))(_geometry(), jnp.zeros(1, jnp.int32), _moving(), _rays())
     t, instance, triangle, u, v, front = (np.asarray(x)[0] for x in hits)
@@ -29,7 +29,7 @@ def probe(executor: Callable) -> str | None:
         and np.allclose(v[:2], 0.5, atol=1e-5)
         and front.tolist() == [False, False, False, False]
     )
-    return None if right else f"it casts rays wrongly: t {t}, instance {instance}, triangle {triangle}"
+    return None if right else f"wrong hits in the self-test: t {t}, instance {instance}, triangle {triangle}"
 
 
 def _geometry() -> Geometry:
@@ -97,5 +97,5 @@ def _rays() -> Rays:
 
 
 def _batched(record: T) -> T:
-    """The record of a single environment as a batch of one."""
+    """Return a record of one environment as a batch of one."""
     return jax.tree.map(lambda x: x[None], record)

@@ -1,4 +1,4 @@
-"""The hits along rays, one after the other, by a cast for each: for executors that do not find them in one go."""
+"""Successive hits along rays, one cast per hit, for executors without a native implementation."""
 
 from collections.abc import Callable
 
@@ -15,13 +15,13 @@ from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Query, RawHit, 
 def step_by_step(
     cast: Callable[..., RawHit], geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query
 ) -> RawHit:
-    """Hits of shape (environments, rays per environment, steps).
+    """Return successive hits of shape (environments, rays per environment, steps).
 
     Args:
-        cast: An executor, see `executors.Executor`; also for the others.
-        geometry: Shared.
-        house: Of each environment.
-        moving: What moves there.
+        cast: An executor, see `executors.Executor`, also for the other arguments.
+        geometry: Geometry shared by all environments.
+        house: House of each environment.
+        moving: Dynamic instances of each environment.
         rays: Rays (e r ...).
         query: Steps and skin.
     """
@@ -33,10 +33,10 @@ def step_by_step(
         met = hit.instance >= 0
         object_id = jnp.take_along_axis(objects, jnp.maximum(hit.instance, 0), axis=1, mode="clip")
         start = jnp.where(met, hit.t + jnp.float32(query.skin), start)
-        # Behind its first miss a ray is over: one that ends before it begins costs nothing.
+        # After its first miss a ray gets an empty interval, which costs nothing.
         return (start, jnp.where(met, end, -jnp.inf), jnp.where(met & (object_id >= 0), object_id, exclude)), hit
 
-    never = varying_false(house, moving, rays)  # all that the loop carries varies over a mesh as this does
+    never = varying_false(house, moving, rays)  # makes the loop's carry device-varying under `shard_map`
     start, end, exclude = (jnp.where(never, jnp.zeros_like(x), x) for x in (whole.t_min, whole.t_max, whole.exclude))
     _, hits = jax.lax.scan(step, (start, end, exclude), length=query.steps)
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, 2), hits)

@@ -1,8 +1,8 @@
 """The reference executor: two-level traversal in plain JAX, on any platform.
 
 All rays of a chunk step together: they descend until no ray is at a node, then all test triangles and enter or leave
-instances. A ray keeps a stack of tree codes; while it is inside an instance it holds that instance's
-frame, and leaves it when the stack is back to its size on entering.
+instances. A ray keeps a stack of tree codes. Inside an instance it is stored in that instance's frame. It leaves the
+instance when the stack has the same size as on entry.
 
 Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH ray
 traversal", JCGT 2(2), 2013.
@@ -23,8 +23,8 @@ from home_mjx.raycast_render.scene.constants import FAR_SLACK, MISS, TINY
 from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
 
 LEAF = 4  # triangles tested at once
-CHUNK_CPU = 1 << 12  # rays in lock step: few, so that their state stays in the cache
-CHUNK = 1 << 20  # many, to fill an accelerator; about 1 kB each
+CHUNK_CPU = 1 << 12  # rays in lock step on CPUs, whose state fits into the cache
+CHUNK = 1 << 20  # rays in lock step on accelerators, enough to fill them; about 1 kB each
 
 
 class _Best(NamedTuple):
@@ -49,7 +49,7 @@ class _State(NamedTuple):
 
 
 class _Operands(NamedTuple):
-    """What does not change during the traversal."""
+    """Constant inputs of the traversal."""
 
     geometry: Geometry
     house: Int[Array, " e"]
@@ -60,7 +60,7 @@ class _Operands(NamedTuple):
 
 
 def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
-    """Casts rays of shape (environments, rays per environment); see `executors.Executor`."""
+    """Cast rays of shape (environments, rays per environment); see `executors.Executor`."""
     if query.steps:
         return step_by_step(cast_xla, geometry, house, moving, rays, query)
     rays, shape = rays.expanded(), rays.shape
@@ -73,7 +73,7 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
         widths = [(0, count * chunk - total)] + [(0, 0)] * (flat.ndim - 1)
         return jnp.pad(flat, widths, constant_values=fill).reshape(count, chunk, *flat.shape[1:])
 
-    # Everything that the loops carry is made from this.
+    # The loops' carry is derived from this value, so that it is device-varying under `shard_map`.
     zero = varying_false(house, moving, rays).astype(jnp.int32)
     env = lax.broadcasted_iota(jnp.int32, shape, 0) + zero
     # Padding rays end before they begin: t_min 1, t_max 0.
@@ -92,14 +92,14 @@ def _cast_chunk(world: _Operands) -> RawHit:
 
 
 def _start(world: _Operands) -> _State:
-    """Rays are at their house's top tree; the stack holds every moving instance whose box they meet."""
+    """Initialise rays at their house's top tree; the stack holds every moving instance whose box they hit."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
     zero = jnp.zeros_like(world.env)
     none, weight = zero - 1, zero.astype(jnp.float32)
     alive = rays.t_min <= rays.t_max
 
     def add(slot: Any, carry: tuple[Array, Array]) -> tuple[Array, Array]:
-        slot = jnp.asarray(slot, jnp.int32)  # a Python number where jit is disabled
+        slot = jnp.asarray(slot, jnp.int32)  # a Python number if jit is disabled
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
         meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
         return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))
@@ -113,7 +113,7 @@ def _start(world: _Operands) -> _State:
 
 
 def _walk_down(world: _Operands, state: _State) -> _State:
-    """Until no ray is at a node: each moves on to the nearer child that it meets, or pops its stack."""
+    """Descend until no ray is at a node: each moves to the nearer child that it hits, or pops its stack."""
 
     def step(state: _State) -> _State:
         is_node = state.code >= 0
@@ -126,7 +126,7 @@ def _walk_down(world: _Operands, state: _State) -> _State:
 
 
 def _visit_leaves(world: _Operands, state: _State) -> _State:
-    """Rays at triangles test up to four; those done with an instance leave it; those at another one enter it."""
+    """Test up to four triangles per ray at a leaf; then let rays leave finished instances and enter new ones."""
     first, count = ~state.code >> 4, ~state.code & 15
     at_triangles = (state.instance >= 0) & (state.code != EMPTY)
     best = _test_triangles(world, state, jnp.where(at_triangles, first, 0), jnp.where(at_triangles, count, 0))
@@ -145,14 +145,14 @@ def _leaf(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array
 def _push(
     stack: Int[Array, "n s"], size: Int[Array, " n"], code: Int[Array, " n"]
 ) -> tuple[Int[Array, "n s"], Int[Array, " n"]]:
-    """Pushes every code but `EMPTY`."""
+    """Push every code except `EMPTY`."""
     n, depth = stack.shape
     place = jnp.where(code == EMPTY, depth, size)
     return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY).astype(jnp.int32)
 
 
 def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
-    """Pops the stack of rays within their frame; EMPTY if nothing is left."""
+    """Pop the stack of rays within their frame; `EMPTY` if nothing is left."""
     there = wanted & (state.size > state.base)
     size = jnp.where(there, state.size - 1, state.size)
     code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY)
@@ -160,7 +160,7 @@ def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
 
 
 def _leave(world: _Operands, state: _State) -> _State:
-    """Rays that are done with their instance return to the world frame and continue there."""
+    """Return rays that have finished their instance to the world frame and continue there."""
     done = (state.instance >= 0) & (state.code == EMPTY)
     state = state._replace(
         instance=jnp.where(done, -1, state.instance),
@@ -172,7 +172,7 @@ def _leave(world: _Operands, state: _State) -> _State:
 
 
 def _enter(world: _Operands, state: _State) -> _State:
-    """Takes rays that are at instances into the frame of the first, unless it is excluded.
+    """Transform rays at instances into the frame of the first one, unless it is excluded.
 
     Codes of top trees count a house's instances, then the moving ones.
     """
@@ -210,16 +210,16 @@ def _enter(world: _Operands, state: _State) -> _State:
 
 
 def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
-    # Not a matrix product: accelerators may round those to few bits.
+    # Not a matrix product: accelerators may compute those with reduced precision.
     return jnp.sum(matrix[:, :, :3] * vector[:, None, :], axis=2)
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Codes of a node's children that the ray meets before its best hit, the nearer and the farther; else `EMPTY`."""
+    """Return codes of a node's children that the ray hits before its best hit, nearer first; `EMPTY` for others."""
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
-    behind = (child < 0) | (child > node[:, None])  # as in every tree that was built; no circle is walked for ever
+    behind = (child < 0) | (child > node[:, None])  # holds in every built tree; prevents endless loops in invalid ones
     code_a = jnp.where((a <= limits[1]) & behind[:, 0], child[:, 0], EMPTY)
     code_b = jnp.where((b <= limits[1]) & behind[:, 1], child[:, 1], EMPTY)
     return jnp.where(a <= b, code_a, code_b), jnp.where(a <= b, code_b, code_a)
@@ -228,7 +228,7 @@ def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[
 def _slab(
     box: Float[Array, "n 6"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"], t_min: Float[Array, " n"]
 ) -> Float[Array, " n"]:
-    """Distance t at which rays enter boxes, at least t_min; infinity on a miss."""
+    """Return the distance t at which rays enter boxes, at least t_min; infinity on a miss."""
     safe = jnp.where(jnp.abs(direction) < TINY, jnp.where(direction < 0, -TINY, TINY), direction)
     low, high = (box[:, :3] - origin) / safe, (box[:, 3:] - origin) / safe
     near = jnp.maximum(jnp.max(jnp.minimum(low, high), axis=1), t_min)
@@ -237,7 +237,7 @@ def _slab(
 
 
 def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
-    """The best hits, the first `LEAF` triangles of a leaf considered."""
+    """Update the best hits with the first `LEAF` triangles of a leaf."""
     geometry, rays, best = world.geometry, world.rays, state.best
     step = jnp.arange(LEAF, dtype=jnp.int32)[None]
     triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
@@ -250,7 +250,7 @@ def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], co
         return jnp.take_along_axis(x, nearest, axis=1)[:, 0]
 
     found = _Best(take(t), state.instance, take(triangle), take(u), take(v), take(front))
-    # Equal distances go to the lower instance and triangle, so that the order of traversal does not matter.
+    # Ties go to the lower instance and triangle, so that the order of traversal does not matter.
     same = found.instance == best.instance
     lower = jnp.where(same, found.triangle < best.triangle, found.instance < best.instance)
     wins = take(valid) & ((found.t < best.t) | (best.instance < 0) | lower)
@@ -260,14 +260,18 @@ def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], co
 def _intersect(
     triangle: Float[Array, "n k 3 3"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "n k"], Float[Array, "n k"], Float[Array, "n k"], Bool[Array, "n k"]]:
-    """Intersects k triangles per ray: t (infinity for none), weights of corners 1 and 2, whether the front was met."""
+    """Intersect k triangles per ray.
+
+    Returns:
+        t (infinity on a miss), barycentric weights of corners 1 and 2, and whether the front side was hit.
+    """
     axis = jnp.argmax(jnp.abs(direction), axis=1)[:, None, None, None]
     ray = _along_z(direction[:, None, None, :], axis)
     corner = _along_z(triangle - origin[:, None, None, :], axis)
     z = corner[..., 2] / ray[..., 2]
     x, y = corner[..., 0] - ray[..., 0] * z, corner[..., 1] - ray[..., 1] * z
-    # Edge functions, each the difference of two products. Their signs come from comparing the products, not from the
-    # difference: compilers fuse that into a multiply-add, which can give both sides of a shared edge the same sign.
+    # Edge functions, each the difference of two products. Their signs come from a comparison of the products.
+    # Compilers fuse the difference into a multiply-add, which can have the same sign on both sides of a shared edge.
     plus = jnp.roll(x, 1, axis=2) * jnp.roll(y, -1, axis=2)
     minus = jnp.roll(y, 1, axis=2) * jnp.roll(x, -1, axis=2)
     positive, negative = jnp.all(plus >= minus, axis=2), jnp.all(plus <= minus, axis=2)
@@ -281,5 +285,5 @@ def _intersect(
 
 
 def _along_z(vector: Float[Array, "n k c 3"], axis: Int[Array, "n 1 1 1"]) -> Float[Array, "n k c 3"]:
-    """Turns the axes cyclically so that `axis` becomes z."""
+    """Permute the axes cyclically so that `axis` becomes z."""
     return jnp.where(axis == 2, vector, jnp.where(axis == 0, jnp.roll(vector, -1, axis=-1), jnp.roll(vector, 1, -1)))

@@ -1,1 +1,1 @@
-"""Cameras: rays, sampling, noise, and rendering on some steps only."""
+"""Cameras: rays, sampling, sensor noise, and rendering on some steps only."""

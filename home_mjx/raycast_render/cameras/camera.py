@@ -15,9 +15,9 @@ from home_mjx.core.transforms import UNIT_SLACK, is_unit, quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS
 
-MAX_PIXELS = 2**26  # of one image: more is a mistake, and kernels count rays in 32 bits
-MAX_SAMPLES = 1 << 16  # rays per pixel
-CENTER = (0.5, 0.5)  # of a pixel, right and down
+MAX_PIXELS = 2**26  # maximum pixels of an image: more is a mistake, and kernels count rays in 32 bits
+MAX_SAMPLES = 1 << 16  # maximum rays per pixel
+CENTER = (0.5, 0.5)  # centre of a pixel, right and down [px]
 # Right, up and forward of the faces of a cube map in the camera's frame: front, right, back, left, up, down.
 CUBE = np.array(
     [
@@ -33,7 +33,7 @@ CUBE = np.array(
 
 
 class Camera(Pytree):
-    """A camera in the world.
+    """Pose and field of view of a camera in the world.
 
     Example:
         >>> upright = jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0])  # level, looking along +y
@@ -47,13 +47,13 @@ class Camera(Pytree):
 
 @dataclass(frozen=True)
 class Lens:
-    """How a camera images the world; fixed when a program is compiled.
+    """Projection model and resolution of a camera; constant in a compiled program.
 
     Models:
 
     * pinhole: `fovy` is the vertical field of view; pixels are square.
-    * panorama: equirectangular, 360 degrees; the middle looks ahead, the left and right edges backwards.
-    * cube: six pinholes of 90 degrees, images get a leading axis: front, right, back, left, up, down.
+    * panorama: equirectangular, 360 degrees; the centre is ahead, the left and right edges are behind.
+    * cube: six pinholes of 90 degrees; images get a leading axis: front, right, back, left, up, down.
     * orthographic: parallel rays through an image that is `fovy` metres high.
     * lidar: `width` azimuths over 360 degrees as in a panorama, `height` elevations evenly spaced over `elevation`,
       both ends included, the highest first.
@@ -62,11 +62,11 @@ class Lens:
         width: Columns.
         height: Rows.
         model: One of `schema.choices.CAMERA_MODELS`.
-        samples: Rays per pixel of the colour images, spread over the pixel; other images use its middle.
+        samples: Rays per pixel of colour images, distributed over the pixel; other images use its centre.
         elevation: Lowest and highest beam of a lidar [degrees].
 
     Raises:
-        ConfigError: The model is unknown, or a number cannot be used.
+        ConfigError: The model is unknown, or a number is invalid.
 
     Example:
         >>> Lens(360, 16, "lidar", elevation=(-15, 15)).shape
@@ -87,7 +87,7 @@ class Lens:
         if math.prod(self.shape) > MAX_PIXELS:
             raise ConfigError(f"an image may have at most {MAX_PIXELS} pixels, got {' x '.join(map(str, self.shape))}")
         if self.model == "cube" and self.width != self.height:
-            raise ConfigError(f"the faces of a cube map are square, got {self.width} x {self.height}")
+            raise ConfigError(f"the faces of a cube map must be square, got {self.width} x {self.height}")
         is_pair = isinstance(self.elevation, tuple) and len(self.elevation) == 2
         if not (is_pair and -90 <= self.elevation[0] <= self.elevation[1] <= 90):
             raise ConfigError(f"`elevation` must be (lowest, highest) in [-90, 90] degrees, got {self.elevation}")
@@ -99,53 +99,54 @@ class Lens:
 
 
 def is_usable(camera: Camera, lens: Lens) -> Bool[Array, ""]:
-    """Whether the camera gives an image: numbers, a unit quaternion, and a field of view that there can be."""
+    """Return whether the camera yields an image: finite numbers, a unit quaternion and a valid field of view."""
     finite = [jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(camera)]
     return jnp.all(jnp.stack([*finite, is_unit(camera.quat), _is_view(camera.fovy, lens)]))
 
 
 def check_camera(camera: Camera, lens: Lens) -> None:
-    """Refuses a camera that gives no image, where its numbers are known: not while a program is traced.
+    """Refuse an invalid camera outside of traces; while tracing, its numbers are unknown.
 
     Raises:
-        ConfigError: Its quaternion is not of unit length, or its field of view cannot be, such as one in degrees.
+        ConfigError: The quaternion is not of unit length, or the field of view is invalid, for example in degrees.
     """
     leaves = jax.tree.leaves(camera)
     if any(isinstance(x, jax.core.Tracer) for x in leaves) or not all(np.isfinite(x).all() for x in leaves):  # pyright: ignore
-        return  # poses that are no numbers give images without hits
-    # In NumPy: JAX's operations on numbers give tracers, too, while something else is traced.
+        return  # poses that are not finite give images without hits
+    # NumPy, since JAX operations on concrete arrays return tracers while another function is traced.
     norm, fovy = float(np.linalg.norm(camera.quat)), float(camera.fovy)
     if abs(norm**2 - 1) >= UNIT_SLACK:
-        hint = "Divide it by its length; (1, 0, 0, 0) turns nothing."
+        hint = "Divide it by its length; (1, 0, 0, 0) is the identity."
         raise ConfigError(f"a camera's quaternion must have unit length, got {norm:.4g}", hint=hint)
     if not _is_view(fovy, lens):
         what = "height [m] above 0" if lens.model == "orthographic" else "field of view [rad] between 0 and pi"
-        hint = "Write jnp.deg2rad(degrees)." if fovy > np.pi else "Give a positive one."
+        hint = "Write jnp.deg2rad(degrees)." if fovy > np.pi else "Use a positive number."
         raise ConfigError(f"`fovy` of a camera must be a {what}, got {fovy:g}", hint=hint)
 
 
 def _is_view(fovy: Any, lens: Lens) -> Any:
-    """Whether a number, or an array of one, is a field of view that there can be; others than these two have none."""
+    """Return whether a number, or an array, is a valid `fovy`; lenses other than pinhole and orthographic ignore it."""
     if lens.model == "pinhole":
         return (fovy > 0) & (fovy < np.pi)
     return fovy > 0 if lens.model == "orthographic" else fovy == fovy
 
 
 def has_intrinsics(lens: Lens) -> bool:
-    """Whether a matrix of intrinsics describes the lens."""
+    """Return whether the lens has an intrinsic matrix."""
     return lens.model in ("pinhole", "cube")
 
 
 def camera_rays(
     camera: Camera, lens: Lens, at: Float[Array, "2"] | tuple[float, float] = CENTER
 ) -> tuple[Float[Array, "*image 3"], Float[Array, "*image 3"]]:
-    """World origins and directions of one ray per pixel, row 0 at the top.
+    """Return world origins and directions of one ray per pixel, row 0 at the top.
 
-    Directions of pinholes are scaled so that t is the depth along the optical axis; all others are unit vectors.
+    Directions of pinholes and cubes are scaled so that t is the depth along the optical axis; all others are unit
+    vectors.
 
     Args:
-        camera: Its pose and field of view.
-        lens: Its model and size.
+        camera: Pose and field of view.
+        lens: Model and resolution.
         at: Point in each pixel, right and down from its top left corner [px].
     """
     column, row = (jnp.arange(n, dtype=jnp.float32) + at[i] for i, n in enumerate((lens.width, lens.height)))
@@ -160,7 +161,7 @@ def camera_rays(
 
 
 def pixel_width(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Width of a pixel's footprint across its ray [m]: where the ray starts, and its growth per unit of t."""
+    """Return the width of a pixel's footprint across its ray [m]: at the ray's origin, and its growth per unit of t."""
     none = jnp.zeros_like(camera.fovy)
     if lens.model == "orthographic":
         return camera.fovy / lens.height, none
@@ -171,10 +172,12 @@ def pixel_width(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float[Arr
 
 
 def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
-    """Pixel coordinates (right, down, from the image's top left corner) of points (right, down, ahead) of the camera.
+    """Return the intrinsic matrix: pixel coordinates (right, down) from camera coordinates (right, down, ahead).
+
+    The origin of pixel coordinates is the image's top left corner.
 
     Raises:
-        ConfigError: The camera is no pinhole.
+        ConfigError: The camera is not a pinhole or cube.
 
     Example:
         >>> camera = Camera(jnp.zeros(3), jnp.array([1.0, 0, 0, 0]), jnp.float32(jnp.pi / 2))
@@ -182,7 +185,7 @@ def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
         [[32.0, 0.0, 32.0], [0.0, 32.0, 32.0], [0.0, 0.0, 1.0]]
     """
     if not has_intrinsics(lens):
-        raise ConfigError(f"a camera of model `{lens.model}` has no matrix of intrinsics")
+        raise ConfigError(f"a camera of model `{lens.model}` has no intrinsic matrix")
     focal = lens.height / 2 / _slope(camera, lens)
     zero, one = jnp.zeros_like(focal), jnp.ones_like(focal)
     middle = one * (lens.width / 2), one * (lens.height / 2)
@@ -191,16 +194,16 @@ def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
 
 
 def world_from_camera(camera: Camera) -> Float[Array, "4 4"]:
-    """World coordinates of points in the camera's frame: x right, y up, looking along -z."""
+    """Return the world-from-camera matrix; camera axes are x right, y up, looking along -z."""
     top = jnp.concatenate([quat_matrix(camera.quat), camera.pos[:, None]], axis=1)
     return jnp.concatenate([top, jnp.array([[0.0, 0.0, 0.0, 1.0]], jnp.float32)])
 
 
 def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) -> Float[Array, "*image 3"]:
-    """World points [m] of a depth image that was not clipped; not finite on a miss.
+    """Return the world points [m] of an unclipped depth image; not finite on a miss.
 
     Example:
-        >>> images = render(bank, scene, camera, lens, kinds=("depth",), depth_max=None)  # doctest: +SKIP
+        >>> images = render(scene, camera, lens, kinds=("depth",), depth_max=None)  # doctest: +SKIP
         >>> points = depth_points(camera, lens, images["depth"])  # doctest: +SKIP
     """
     origin, direction = camera_rays(camera, lens)
@@ -210,7 +213,7 @@ def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) ->
 def _local(
     camera: Camera, lens: Lens, column: Float[Array, "h w"], row: Float[Array, "h w"]
 ) -> Float[Array, "*image 3"]:
-    """Directions in the camera's frame."""
+    """Return ray directions in the camera's frame."""
     if lens.model in ("panorama", "lidar"):
         return _on_sphere(column, row, lens)
     x, y = _on_plane(column, row, lens, _slope(camera, lens))
@@ -221,14 +224,14 @@ def _local(
 
 
 def _slope(camera: Camera, lens: Lens) -> Float[Array, ""]:
-    """Half the height of the image at unit depth."""
+    """Return half the image height at unit depth."""
     return jnp.ones_like(camera.fovy) if lens.model == "cube" else jnp.tan(camera.fovy / 2)
 
 
 def _on_plane(
     column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens, half: Float[Array, ""]
 ) -> tuple[Float[Array, "h w"], Float[Array, "h w"]]:
-    """Right and up, on an image of half height `half`."""
+    """Return right and up coordinates on an image of half height `half`."""
     x, y = column * (2 / lens.width) - 1, 1 - row * (2 / lens.height)
     return x * half * (lens.width / lens.height), y * half
 
@@ -245,5 +248,5 @@ def _on_sphere(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens
 
 
 def _turned(turn: Float[Array, "3 3"], local: Float[Array, "*image 3"]) -> Float[Array, "*image 3"]:
-    # Not a matrix product: accelerators may round those to few bits.
+    # Not a matrix product: accelerators may compute those with reduced precision.
     return jnp.sum(turn.reshape((1,) * (local.ndim - 1) + (3, 3)) * local[..., None, :], axis=-1)

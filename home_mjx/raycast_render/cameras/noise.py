@@ -1,4 +1,4 @@
-"""Noise of real sensors, as pure functions of a key and an image."""
+"""Sensor noise models, as pure functions of a key and an image."""
 
 import jax
 import jax.numpy as jnp
@@ -7,9 +7,9 @@ from jaxtyping import Array, Float, UInt8
 from home_mjx.raycast_render.shaders.shading import encode
 from home_mjx.raycast_render.shaders.texture import DECODE
 
-BASELINE = 351.3  # [m], by which the published model divides to get disparities (it has 35130 and centimetres)
+BASELINE = 351.3  # [m], disparity times depth; the published model has 35130 with centimetres
 SHIFT = 0.5  # [px], standard deviation of the shift of a reading
-JITTER = 1 / 6  # standard deviation of a disparity, in its steps
+JITTER = 1 / 6  # [step], standard deviation of a disparity
 
 
 def kinect_depth(
@@ -19,20 +19,20 @@ def kinect_depth(
     far: float = 8.0,
     strength: Float[Array, ""] | float = 1.0,
 ) -> Float[Array, "h w 1"]:
-    """Depth as a structured-light sensor reads it: torn edges, noisy and quantised disparities.
+    """Apply the noise of a structured-light depth sensor: shifted edges, noisy and quantised disparities.
 
-    Readings are shifted by a Gaussian of half a pixel, then disparities of 1/351.3 per metre are shifted by a Gaussian
-    of a sixth of a step and rounded, so that errors grow with the square of the distance.
+    Readings are shifted by a Gaussian of half a pixel. Disparities of 1/351.3 per metre are then shifted by a Gaussian
+    of a sixth of a step and rounded. Errors therefore grow with the square of the distance.
 
     Source: J. T. Barron and J. Malik, "Intrinsic scene properties from a single RGB-D image", CVPR 2013,
     as used by A. Handa et al., "A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM", ICRA 2014.
 
     Args:
         key: Random key.
-        depth: [m], not clipped; made for 640 x 480, but any size will do.
-        near: Below this distance there is no reading [m].
-        far: Beyond this distance there is no reading [m].
-        strength: Factor of both Gaussians; disparities are rounded all the same.
+        depth: [m], not clipped; the model was made for 640 x 480 but accepts any size.
+        near: Minimum distance of a reading [m].
+        far: Maximum distance of a reading [m].
+        strength: Factor of both Gaussians; disparities are rounded for any value.
 
     Returns:
         Depth [m]; inf where there is no reading.
@@ -61,7 +61,7 @@ def sensor_rgb(
     shot: Float[Array, ""] | float = 0.002,
     read: Float[Array, ""] | float = 0.0001,
 ) -> UInt8[Array, "h w 3"]:
-    """Colours as an image sensor reads them: shot noise that grows with the light, and read noise.
+    """Apply the noise of an image sensor: shot noise that grows with the light, and read noise.
 
     In linear light the variance is `shot` times the signal, plus `read`.
 

@@ -1,22 +1,23 @@
-"""Evenly spread points for the rays of a pixel: the same in every run, image and batch."""
+"""Low-discrepancy points for the rays of a pixel; equal in every run, image and batch."""
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-# The golden ratio's sibling in two dimensions; M. Roberts, "The unreasonable effectiveness of quasirandom sequences".
+# The plastic number generalises the golden ratio to two dimensions.
+# Source: M. Roberts, "The unreasonable effectiveness of quasirandom sequences".
 PLASTIC = 1.32471795724474602596
 STEP = np.array([1 / PLASTIC, 1 / PLASTIC**2], np.float32)
 
 
 def point(sample: Int[Array, ""] | int) -> Float[Array, "2"]:
-    """The sample's point in the unit square; sample 0 is its middle."""
+    """Return a sample's point in the unit square; sample 0 is the centre."""
     shift = jnp.asarray(STEP) * jnp.asarray(sample, jnp.float32) + 0.5
     return shift - jnp.floor(shift)
 
 
 def points(sample: Int[Array, ""] | int, shape: tuple[int, ...], seed: int) -> Float[Array, "*image 2"]:
-    """The sample's point for each pixel, shifted by a number of each pixel, so that errors look like grain."""
+    """Return a sample's point for each pixel, with a random shift per pixel, so that errors look like grain."""
     own = np.random.default_rng(seed).random((*shape, 2), np.float32)
     moved = jnp.broadcast_to(point(sample), own.shape) + own
     return moved - jnp.floor(moved)

@@ -1,4 +1,4 @@
-"""Rendering at some steps or for some environments only; the other images keep their last value."""
+"""Rendering on some steps or for some environments only; the other images keep their last value."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -13,15 +13,15 @@ T = TypeVar("T")
 
 
 def render_every(interval: int, step: Int[Array, ""], draw: Callable[[], T], last: T) -> T:
-    """`draw()` on every `interval`-th step, else the last images; the others cost nothing.
+    """Return `draw()` on every `interval`-th step, else the last images at no cost.
 
-    Call it outside of `vmap`, with a step that all environments share: under `vmap` JAX computes both branches.
+    Call it outside of `vmap`, with a step shared by all environments: under `vmap` JAX computes both branches.
 
     Args:
         interval: Steps between images, at least 1.
-        step: Number of the step, from 0.
-        draw: Makes the images.
-        last: The images of the last step.
+        step: Step number, from 0.
+        draw: Renders the images.
+        last: Images of the last step.
 
     Raises:
         ConfigError: `interval` is less than 1.
@@ -37,11 +37,11 @@ def render_every(interval: int, step: Int[Array, ""], draw: Callable[[], T], las
 
 
 def render_some(chosen: Int[Array, " n"], draw: Callable[..., T], last: T, *batched: object) -> T:
-    """Images of some environments of a batch; the others keep theirs and cost nothing.
+    """Render images of some environments of a batch; the others keep their last images at no cost.
 
     Args:
         chosen: Indices of the environments; indices out of range are ignored, so that the list can be padded.
-        draw: Makes the images of one environment.
+        draw: Renders the images of one environment.
         last: Images of all environments, with a leading axis.
         batched: Arguments of `draw`, with the same leading axis.
 

@@ -1,4 +1,4 @@
-"""Closest and any hits of rays in one environment's scene."""
+"""Closest-hit and any-hit ray queries in one environment's scene."""
 
 from typing import Any
 
@@ -28,28 +28,28 @@ def cast(
     mask: Id = Ray.CAMERA,
     executor: str | None = None,
 ) -> Hit:
-    """The closest hits of rays with t_min <= t <= t_max, for any leading shape.
+    """Cast rays and return their closest hits with t_min <= t <= t_max, for any leading shape.
 
-    Triangles are two-sided and the intersection is watertight: no ray slips between triangles that share an edge. t, u
-    and v can be differentiated with respect to the rays and to `scene.moving.pose`, as the hit triangle moves; ids
-    have no gradient. Batch with `vmap`; everything but `scene.bank` may be batched at no cost.
+    Triangles are two-sided and the intersection is watertight: no ray passes between triangles that share an edge. t, u
+    and v are differentiable with respect to the rays and to `scene.moving.pose`, which moves the hit triangle; ids have
+    no gradient. Batch with `vmap`; batching anything except `scene.bank` is free.
 
     Args:
-        scene: The environment.
-        origin: [m], world; one for all rays is read once, which is quicker.
-        direction: World; t counts in units of its length.
-        t_min: Start of the part of the ray that counts, >= 0; one value or one per ray.
-        t_max: Its end; rays with t_max < t_min hit nothing and cost nothing.
+        scene: Scene of one environment.
+        origin: [m], world; a single origin for all rays is read once, which is faster.
+        direction: World; t is in units of its length.
+        t_min: Start of the ray interval, >= 0; one value or one per ray.
+        t_max: End of the ray interval; rays with t_max < t_min have no hit and no cost.
         exclude: Object id that the ray ignores, or I + a for agent a; -1 none.
-        mask: `Ray` bits; materials that stop none of them are ignored.
-        executor: "xla", "cpu" or "cuda". None takes the scene's; if that is None too, the best one of the platform for
-            which the program is compiled.
+        mask: `Ray` bits; the ray ignores materials that match none of them.
+        executor: "xla", "cpu" or "cuda". None selects the scene's; if that is None too, the fastest one of the platform
+            for which the program is compiled.
 
     Returns:
-        The hits, with the leading shape of `origin`.
+        The hits, with the leading shape of the rays.
 
     Raises:
-        ConfigError: There is no such executor.
+        ConfigError: The executor is unknown.
         ExecutorError: The executor cannot run in this process.
 
     Example:
@@ -72,7 +72,7 @@ def occluded(
     mask: Id = Ray.LIGHT,
     executor: str | None = None,
 ) -> Bool[Array, "*rays"]:
-    """Whether anything stops the rays between t_min and t_max; cheaper than `cast`. See there.
+    """Return whether anything blocks the rays between t_min and t_max; cheaper than `cast`, with the same arguments.
 
     Example:
         >>> offset = lamp - point  # doctest: +SKIP
@@ -96,30 +96,30 @@ def cast_through(
     mask: Id = Ray.CAMERA,
     executor: str | None = None,
 ) -> Hit:
-    """The hits along rays, one after the other: what `cast` would find if each cast began behind the hit before it.
+    """Return successive hits along rays, each found as if a new cast began behind the hit before it.
 
-    Once a ray has met an object, it leaves that one out, and no other, until it meets the next: one hit stands for all
-    its faces. The architecture has no such id, so a ray meets both faces of a wall. On a GPU this is one kernel call.
-    For use within the package. Gradients are those of `cast`.
+    Once a ray has hit an object, it ignores that object until it hits another one, so one hit represents all of its
+    faces. The architecture has no object id, so a ray hits both faces of a wall. On a GPU this is one kernel call. For
+    internal use. Gradients are those of `cast`.
 
     Args:
-        scene: The environment.
-        origin: [m], world; one for all rays is read once, which is quicker.
-        direction: World; t counts in units of its length.
-        steps: How many hits, at least 1.
-        skin: How far behind a hit, in units of t, the next cast begins.
-        t_min: Start of the part of the ray that counts, as in `cast`.
-        t_max: Its end.
-        exclude: Object id that the ray ignores until it meets another; -1 none.
+        scene: Scene of one environment.
+        origin: [m], world; a single origin for all rays is read once, which is faster.
+        direction: World; t is in units of its length.
+        steps: Number of hits, at least 1.
+        skin: Offset behind a hit at which the next cast begins, in units of t.
+        t_min: Start of the ray interval, as in `cast`.
+        t_max: End of the ray interval.
+        exclude: Object id that the ray ignores until it hits another object; -1 none.
         mask: `Ray` bits.
         executor: As in `cast`.
 
     Returns:
-        The hits, with the leading shape of `origin` and a last axis of `steps`: from a ray's first miss on all are
-        misses.
+        The hits, with the leading shape of the rays and a last axis of `steps`. All entries from a ray's first miss on
+        are misses.
 
     Raises:
-        ConfigError: There is no such executor.
+        ConfigError: The executor is unknown.
         ExecutorError: The executor cannot run in this process.
 
     Example:
@@ -135,7 +135,7 @@ def cast_through(
 
 
 def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
-    """Executors' results, of one hit per ray, with gradients and in the rays' shape."""
+    """Attach gradients to an executor's results, one hit per ray, and restore the rays' shape."""
     t, instance, triangle, u, v, front = (x.reshape(-1) for x in hits)
     t, u, v = differentiable(scene, rays, instance, triangle, t, u, v)
     t = jnp.where(instance < 0, jnp.inf, t)
@@ -160,16 +160,20 @@ def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exc
 
 
 def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> tuple[str, ...]:
-    """Names of the fields with one value for all rays.
+    """Return the names of the fields with one value for all rays.
 
-    In a fixed order: that of a set of strings differs between processes, and JAX's compile cache would never hit.
+    The order is fixed. The order of a set of strings would differ between processes, and JAX's compilation cache would
+    never hit.
     """
     given = {"t_min": t_min, "t_max": t_max, "exclude": exclude, "mask": mask}
     return (*(name for name, x in given.items() if jnp.ndim(x) == 0), *(("origin",) if origin.ndim == 1 else ()))
 
 
 def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, query: Query) -> tuple[Array, ...]:
-    """Hits of shape (rays,) or (rays, steps); the executor gets one value of each `shared` field: less to read."""
+    """Run the executor; return hits of shape (rays,) or (rays, steps).
+
+    The executor gets a single value of each `shared` field, which saves memory traffic.
+    """
     refuse_forked("cast rays")
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
@@ -181,7 +185,7 @@ def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None
 
 
 def _known(geometry: Geometry, moving: Moving) -> Moving:
-    """What moves, with the nearest models and materials that there are: native code would read past its arrays."""
+    """Clip the models and materials of moving instances to valid rows, since native code does not check bounds."""
     models, materials = geometry.model_root.shape[0], geometry.material_mask.shape[0]
     return moving.replace(
         model=jnp.clip(moving.model, 0, models - 1), material=jnp.clip(moving.material, 0, materials - 1)

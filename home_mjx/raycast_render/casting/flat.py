@@ -1,4 +1,4 @@
-"""The primitive beneath `cast`: rays as (environments, rays per environment), with any nesting of `vmap` folded in."""
+"""Batching primitive of `cast`: rays as (environments, rays per environment), with all levels of `vmap` folded in."""
 
 import functools
 from collections.abc import Callable
@@ -19,7 +19,10 @@ Flat = Callable[[Geometry, Array, Moving, Rays], RawHit]
 
 @functools.cache
 def flat_cast(executor: str | None, query: Query) -> Flat:
-    """Casts rays (e r ...) in environments (e ...) that share one geometry; `vmap` adds to e or to r."""
+    """Return a function that casts rays (e r ...) in environments (e ...) that share one geometry.
+
+    `vmap` of the function extends axis e or axis r.
+    """
     run = find_executor(executor)
 
     @partitioned
@@ -50,13 +53,13 @@ def flat_cast(executor: str | None, query: Query) -> Flat:
 
 
 def _no_hits(cast: Flat, batched: Any, args: Any) -> RawHit:
-    """The hits of an empty batch, without an executor."""
+    """Return the hits of an empty batch without calling an executor."""
     one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
     return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 
 
 def _one_by_one(run: Executor, query: Query, size: int, batched: Any, args: Any) -> RawHit:
-    """Environments with different geometries: they cannot share a cast."""
+    """Cast sequentially in environments with different geometries, which cannot share a cast."""
 
     def one(args: tuple[Geometry, Array, Moving, Rays]) -> RawHit:
         geometry, house, moving, rays = args
@@ -66,7 +69,10 @@ def _one_by_one(run: Executor, query: Query, size: int, batched: Any, args: Any)
 
 
 def _more_rays(size: int, rays: Rays, batched: Any) -> Rays:
-    """Rays (e r ...), or of batched fields (size e r ...), as (e size*r ...); shared fields stay shared."""
+    """Fold a batch axis into rays: (e r ...), or (size e r ...) of batched fields, to (e size*r ...).
+
+    Shared fields stay shared.
+    """
     count = max(x.shape[2 if b else 1] for x, b in zip(jax.tree.leaves(rays), jax.tree.leaves(batched), strict=True))
 
     def merge(x: Array, is_batched: bool) -> Array:
@@ -88,10 +94,10 @@ def _broadcast(size: int, values: Any, batched: Any) -> Any:
 
 
 def _merge(x: Array, axis: int = 0) -> Array:
-    """Merges an axis with the next one."""
+    """Merge an axis with the next one."""
     return x.reshape(*x.shape[:axis], x.shape[axis] * x.shape[axis + 1], *x.shape[axis + 2 :])
 
 
 def _split(x: Array, size: int) -> Array:
-    """Hits (e size*r ...) as (e size r ...)."""
+    """Reshape hits (e size*r ...) to (e size r ...)."""
     return x.reshape(x.shape[0], size, x.shape[1] // size, *x.shape[2:])

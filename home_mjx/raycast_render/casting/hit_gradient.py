@@ -1,4 +1,4 @@
-"""How t, u and v of a hit change as the ray and the hit triangle move."""
+"""Derivatives of t, u and v of a hit with respect to the ray and the pose of the hit triangle."""
 
 import jax
 import jax.numpy as jnp
@@ -18,7 +18,7 @@ def differentiable(
     u: Float[Array, " n"],
     v: Float[Array, " n"],
 ) -> Coordinates:
-    """t, u and v unchanged, but differentiable with respect to the rays and `scene.moving.pose`."""
+    """Return t, u and v unchanged, but differentiable with respect to the rays and `scene.moving.pose`."""
     pose = _pose(scene, instance)
     corners = scene.geometry.triangle[jnp.maximum(triangle, 0)]
     origin, direction = rays.origin.reshape(-1, 3), rays.direction.reshape(-1, 3)
@@ -26,7 +26,7 @@ def differentiable(
 
 
 def _pose(scene: Scene, instance: Int[Array, " n"]) -> Float[Array, "n 3 4"]:
-    """World from model of the instances that were hit."""
+    """Return the world-from-model matrix of each hit instance."""
     poses = scene.geometry.instance_pose[scene.house]
     size = poses.shape[0] + scene.moving.instance.shape[0]
     place = jnp.where(scene.moving.instance < 0, size, scene.moving.instance)
@@ -42,7 +42,7 @@ def _attach(pose: Array, origin: Array, direction: Array, corners: Array, valid:
 
 @_attach.defjvp
 def _attach_jvp(primals: tuple, tangents: tuple) -> tuple[Coordinates, Coordinates]:
-    """Differentiates origin + t direction = corner_0 + u edge_1 + v edge_2, of which the hit is the solution."""
+    """Differentiate origin + t direction = corner_0 + u edge_1 + v edge_2, which the hit satisfies."""
     pose, _, direction, corners, valid, _ = primals
     d_pose, d_origin, d_direction, d_corners, _, _ = tangents
     t, u, v = _attach(*primals)

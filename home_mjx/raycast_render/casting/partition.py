@@ -1,4 +1,4 @@
-"""How a cast may be partitioned over devices: by environments and by rays, never the geometry."""
+"""Partitioning of a cast over devices: by environments and by rays, never by geometry."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -15,9 +15,9 @@ NUM_RAYS = 6  # fields of Rays
 
 
 def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
-    """`run(geometry, house (e), moving (e ...), rays (e r ...))` with a partitioning rule.
+    """Return `run(geometry, house (e), moving (e ...), rays (e r ...))` with a partitioning rule.
 
-    Without one, a program on sharded inputs gathers them all on every device before each cast.
+    Without a rule, a program on sharded inputs would gather them all on every device before each cast.
     """
 
     def partition(mesh: Any, arguments: Any, results: Any) -> Any:
@@ -37,7 +37,7 @@ def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
 
 
 def _sharding_rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
-    """An einsum-like rule: `e` environments, `r` rays; all other axes are their own."""
+    """Return an einsum-like rule: `e` environments, `r` rays; all other axes are independent."""
     alone = len(operands) - NUM_PLACES - NUM_RAYS
     shared = [()] * alone + [("e",)] * NUM_PLACES
     shared += [("e", "r") if _shape(rays)[1] == _shape(results[0])[1] else ("e",) for rays in operands[-NUM_RAYS:]]

@@ -1,4 +1,4 @@
-"""Images of one camera."""
+"""Rendering of one camera's images."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -37,35 +37,35 @@ def render(
     exclude: Int[Array, ""] | int = -1,
     depth_max: float | None = 10.0,
 ) -> dict[str, Array]:
-    """Images that one camera sees; only the kinds that are asked for are computed, all from one cast.
+    """Render images of one camera; only the requested kinds are computed, all from one cast.
 
     Row 0 is at the top; H, W is `lens.shape`. Kinds:
 
-    * rgb: uint8 (H, W, 3), sRGB, as the preset draws it: "fast", textured albedo under a light at the camera; "lit",
-      or a `Lit` with options, under the lights of the house.
+    * rgb: uint8 (H, W, 3), sRGB, shaded by the preset: "fast" is textured albedo under a light at the camera. "lit", or
+      a `Lit` with options, uses the lights of the house.
     * albedo: float32 (H, W, 3), linear light.
     * depth: float32 (H, W, 1), t of the camera's rays [m]: along the optical axis for pinholes, cubes and orthographic
-      cameras, along the ray for others; distance: along the ray [m]. inf on a miss, unless clipped.
+      cameras, along the ray for others. distance: along the ray [m]. Both are inf on a miss, unless clipped.
     * normal: float32 (H, W, 3), unit, world, facing the camera; zero on a miss.
     * instance: int32 (H, W), object ids, I + a for agent a; -1 for the architecture and on a miss.
     * fine, coarse, nyu40, room, level, partition, room_type, size, color (of 16): int32 (H, W), columns of
       `scene.bank.semantics`; -1 for none and on a miss.
     * material: int32 (H, W), rows of `scene.bank.materials`; -1 on a miss.
-    * valid: bool (), whether the camera's and all objects' poses are finite, their quaternions of unit length and the
-      field of view one that there can be; if not, the image shows only misses.
+    * valid: bool (), True if all poses are finite, all quaternions are of unit length and the field of view is valid.
+      If False, all pixels are misses.
 
     Args:
-        scene: The environment, whose `executor` casts the rays.
-        camera: Where the camera is.
-        lens: How it images.
-        kinds: Which images.
-        preset: How rgb is lit.
-        exclude: Object id that the camera does not see, such as its own agent; -1 none.
-        depth_max: Greatest value of depth and distance images [m]; None leaves them as they are.
+        scene: Scene of one environment, whose `executor` casts the rays.
+        camera: Pose and field of view.
+        lens: Projection model and resolution.
+        kinds: Kinds of images to render.
+        preset: Shading of rgb.
+        exclude: Object id hidden from the camera, such as its own agent; -1 none.
+        depth_max: Maximum value of depth and distance images [m]; None disables clipping.
 
     Raises:
-        ConfigError: A kind, a preset or the scene's executor is unknown, or `depth_max` is negative; outside of `jit`
-            also a camera that gives no image, see `check_camera`.
+        ConfigError: A kind, the preset or the scene's executor is unknown, or `depth_max` is negative. Outside of `jit`
+            also if the camera is invalid, see `check_camera`.
 
     Example:
         >>> images = render(scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP
@@ -84,7 +84,7 @@ def render(
 
 
 class _Images:
-    """Images of one view, each made when asked for."""
+    """Images of one view, each computed on request."""
 
     def __init__(self, view: View, depth_max: float | None) -> None:
         self._view, self._depth_max = view, depth_max

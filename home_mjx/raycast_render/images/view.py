@@ -1,4 +1,4 @@
-"""What one camera sees of one environment: its rays, and their colours under a preset."""
+"""View of one camera in one environment: its rays, and their colours under a preset."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +22,7 @@ from home_mjx.schema.compiled import Ray
 
 
 class CameraRays(Pytree):
-    """One ray per pixel, and what it meets first."""
+    """One ray per pixel and its first hit."""
 
     origin: Float[Array, "*image 3"]
     direction: Float[Array, "*image 3"]
@@ -31,7 +31,7 @@ class CameraRays(Pytree):
 
 @dataclass(frozen=True)
 class View:
-    """A camera in an environment; `options` None is the fast preset."""
+    """A camera in an environment; `options` None selects the fast preset."""
 
     scene: Scene
     camera: Camera
@@ -41,16 +41,16 @@ class View:
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
-        """Whether the camera can be used, and the poses of everything that moves are numbers."""
+        """Validity of the camera and of the poses of all moving instances."""
         return is_usable(self.camera, self.lens) & jnp.all(jnp.isfinite(self.scene.moving.pose))
 
     @cached_property
     def middle(self) -> CameraRays:
-        """Through the middle of every pixel."""
+        """Rays through the centre of every pixel."""
         return self.cast(sampling.point(0))
 
     def cast(self, at: Float[Array, "2"]) -> CameraRays:
-        """Through a point of every pixel; nothing is met where a pose is no number."""
+        """Cast rays through a point of every pixel; all rays miss if a pose is invalid."""
         origin, direction = camera_rays(self.camera, self.lens, at)
         reach = jnp.where(self.valid, jnp.inf, -1.0)
         found = cast(
@@ -61,12 +61,12 @@ class View:
             exclude=self.exclude,
             mask=Ray.CAMERA,
         )
-        # Without the barrier XLA fuses the camera's rays into every image and computes them again for each component.
+        # Without the barrier XLA would fuse the camera's rays into every image and recompute them per component.
         direction, found = jax.lax.optimization_barrier((direction, found))
         return CameraRays(origin, direction, found)
 
     def rgb(self) -> UInt8[Array, "*image 3"]:
-        """sRGB: the mean of the samples of each pixel as they would be shown."""
+        """Return sRGB, the mean over each pixel's samples after tone mapping."""
         first = self._shown(self.middle, 0)
         if self.lens.samples == 1:
             return first.map(shading.encode).packed()
@@ -78,7 +78,7 @@ class View:
         return (total * (1 / self.lens.samples)).map(shading.encode).packed()
 
     def _shown(self, rays: CameraRays, sample: Int[Array, ""] | int) -> Vec:
-        """Linear light on a display, 0..1."""
+        """Return linear light on a display, in [0, 1]."""
         if self.options is None:
             albedo = shading.albedo(self.scene, rays.hit)
             direction = Vec.of(rays.direction)
@@ -97,13 +97,13 @@ class View:
         return lit.tone_map(exposed(self.scene.look, light), exposure)
 
     def sight(self, rays: CameraRays) -> optics.Sight:
-        """Camera rays before they go on through glass or off mirrors."""
+        """Return the path state of camera rays before specular transport."""
         width = jnp.full_like(rays.hit.t, pixel_width(self.camera, self.lens)[0])
         white = Vec(*[jnp.ones_like(width)] * 3)
         return optics.Sight(Vec.of(rays.origin), Vec.of(rays.direction), rays.hit, width, white)
 
     def _spread(self, shape: tuple[int, ...], sample: Int[Array, ""] | int) -> Spread:
-        """Where on a light its light comes from; its middle, unless several samples can be told apart."""
+        """Return emitting positions on lights; None (their centres) without several samples or ambient occlusion."""
         if self.lens.samples == 1 and not (self.options and self.options.corners):
             return None
         return 2 * sampling.points(sample, shape, seed=1) - 1

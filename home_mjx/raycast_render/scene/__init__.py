@@ -1,1 +1,1 @@
-"""The scene of one environment as rays see it."""
+"""Scene of one environment: geometry queries, appearance overrides and surface attributes."""

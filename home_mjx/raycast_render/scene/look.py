@@ -1,7 +1,7 @@
-"""How one environment looks different from what its house says: lights, exposure, colours and textures.
+"""Appearance overrides of one environment: lights, exposure, colours and textures.
 
-Everything is a few numbers per environment; what differs by material is a hash of its row, so that no environment has
-a material table of its own.
+An override is a few numbers per environment. Per-material values are hashes of the material's row, so that no
+environment needs its own material table.
 """
 
 import jax.numpy as jnp
@@ -10,28 +10,28 @@ from jaxtyping import Array, Bool, Float, Int, UInt32
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.vec import Vec, take
 
-# Odd numbers and shifts of MurmurHash3's finaliser; A. Appleby, 2011.
+# Multipliers and shifts of MurmurHash3's finaliser; A. Appleby, 2011.
 FIRST, SECOND, ROUNDS = 0x85EBCA6B, 0xC2B2AE35, (16, 13, 16)
-GOLDEN = 0x9E3779B1  # 2^32 over the golden ratio: neighbouring rows fall far apart
+GOLDEN = 0x9E3779B1  # 2^32 over the golden ratio, which separates neighbouring rows
 TO_UNIT = 2.0**-24
-RED, GREEN, BLUE, SWAPPED, LAYER = range(5)  # what is drawn for a material
+RED, GREEN, BLUE, SWAPPED, LAYER = range(5)  # channels of `drawn`, one per random number of a material
 
 
 class Look(Pytree):
-    """What an episode changes of a house's looks; None: as the house has it."""
+    """Appearance overrides of an episode; None keeps the house's value."""
 
-    seed: UInt32[Array, ""]  # of what materials draw
+    seed: UInt32[Array, ""]  # of the random numbers of materials
     lamps: Float[Array, " rooms_and_none"] | None = None  # factor of the lamps by room + 1
     daylight: Float[Array, ""] | None = None  # factor of sun and sky, outdoors and through windows
     sun_azimuth: Float[Array, ""] | None = None  # [rad]
     sun_elevation: Float[Array, ""] | None = None  # [rad]
-    exposure: Float[Array, ""] | None = None  # factor of the light that cameras take in
-    tint: Float[Array, ""] | None = None  # greatest relative change of each material's red, green and blue
-    swap: Float[Array, ""] | None = None  # chance of each textured material to have another texture of the bank
+    exposure: Float[Array, ""] | None = None  # factor of the light that cameras receive
+    tint: Float[Array, ""] | None = None  # maximum relative change of each material's red, green and blue
+    swap: Float[Array, ""] | None = None  # probability that a textured material gets a random texture of the bank
 
 
 def dimmed(look: Look | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]) -> Vec:
-    """Light of windows, or of the lamps of rooms (-1: of none), as bright as it is in this episode."""
+    """Scale the light of windows, or of lamps by room (-1: no room), by the episode's factors."""
     if look is not None and look.lamps is not None:
         lamps = take(look.lamps, jnp.clip(room + 1, 0, look.lamps.shape[0] - 1))
         light = light * jnp.where(daylight, 1.0, lamps)
@@ -41,17 +41,17 @@ def dimmed(look: Look | None, light: Vec, daylight: Bool[Array, "*#n"], room: In
 
 
 def outdoors(look: Look | None, light: Vec) -> Vec:
-    """Light of sun or sky."""
+    """Scale the light of sun or sky by the episode's factor."""
     return light if look is None or look.daylight is None else light * look.daylight
 
 
 def exposed(look: Look | None, light: Vec) -> Vec:
-    """Light as cameras take it in."""
+    """Scale the light that a camera receives by the episode's exposure factor."""
     return light if look is None or look.exposure is None else light * look.exposure
 
 
 def tinted(look: Look | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
-    """Reflectances of materials in this episode, by their rows."""
+    """Return reflectances of materials, given by row, with the episode's random tint."""
     if look is None or look.tint is None:
         return color
     tint = look.tint
@@ -60,13 +60,13 @@ def tinted(look: Look | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
 
 
 def swapped(look: Look | None, layer: Int[Array, "*rays"], row: Int[Array, "*rays"], layers: Array) -> Array:
-    """Layers of the textures that materials have in this episode; -1 stays none.
+    """Return texture layers with the episode's random swaps; -1, no texture, stays -1.
 
     Args:
-        look: Of the episode.
-        layer: That the materials have.
-        row: Of the materials.
-        layers: (rows of the material table) those of all materials, of which any is drawn.
+        look: Overrides of the episode.
+        layer: Texture layers that the house specifies.
+        row: Rows of the materials.
+        layers: Texture layers of all rows of the material table; their maximum bounds the draw.
     """
     if look is None or look.swap is None:
         return layer
@@ -77,7 +77,7 @@ def swapped(look: Look | None, layer: Int[Array, "*rays"], row: Int[Array, "*ray
 
 
 def drawn(seed: UInt32[Array, ""], row: Int[Array, "*n"], what: int) -> Float[Array, "*n"]:
-    """A number in [0, 1) for each row, the same whenever it is asked for.
+    """Draw a number in [0, 1) for each row, determined by seed, row and channel.
 
     Example:
         >>> drawn(jnp.uint32(7), jnp.arange(2), RED).shape

@@ -1,4 +1,4 @@
-"""One environment's movable objects, doors and agents, placed."""
+"""Construction of an environment's scene from the poses of movable objects, doors and agents."""
 
 import functools
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from home_mjx.raycast_render.scene.look import Look
 from home_mjx.raycast_render.scene.types import Moving, Scene
 from home_mjx.schema.agent import Body
 
-SLACK = 1e-4  # [m], by which boxes grow: rays meet a model in its own frame, where they round differently
+SLACK = 1e-4  # [m], margin of bounding boxes, since intersections round differently in a model's own frame
 
 
 @functools.partial(jax.jit, inline=True, static_argnames="executor")
@@ -31,22 +31,24 @@ def make_scene(
     agent_size: Float[Array, "a 2"] | None = None,
     look: Look | None = None,
 ) -> Scene:
-    """The scene of one environment.
+    """Return the scene of one environment.
 
     Args:
-        bank: The houses.
-        house: Which of them; the nearest, if there is none.
-        body_pos: Position of every movable body, its box's middle [m]; rows beyond the house's bodies do not count.
-        body_quat: Orientation of every movable body, unit quaternions (w, x, y, z); any other makes the scene invalid.
-        agent_pos: Middle of every agent's capsule [m].
-        agent_quat: Orientation of every agent, unit quaternions (w, x, y, z).
-        executor: Of all rays in the scene, see `cast`.
-        door_angle: Of every door's leaf, about +z from as placed [rad], of sliding ones the way [m]; None: as placed.
+        bank: Houses.
+        house: Index of the house, clipped to the bank.
+        body_pos: Position of every movable body, the centre of its box [m]; rows beyond the house's bodies are ignored.
+        body_quat: Orientation of every movable body as unit quaternion (w, x, y, z); other quaternions make the scene
+            invalid.
+        agent_pos: Centre of every agent's capsule [m].
+        agent_quat: Orientation of every agent as unit quaternion (w, x, y, z).
+        executor: Executor of all rays in the scene, see `cast`.
+        door_angle: Rotation of every door about +z from its authored pose [rad], or displacement of a sliding door [m].
+            None: the authored pose.
         agent_size: Radius and height of every agent [m]; None: those of a default `Body`.
-        look: What the episode changes of the house's looks; None: nothing.
+        look: Appearance overrides of the episode; None: none.
 
     Returns:
-        The scene; what moves are the bodies, then the doors, then the agents.
+        The scene; its moving instances are the bodies, then the doors, then the agents.
 
     Example:
         >>> scene = make_scene(bank, house, body_pos, body_quat, agent_pos, agent_quat)  # doctest: +SKIP
@@ -61,7 +63,7 @@ def make_scene(
 
 
 def agent_sizes(bodies: Sequence[Body]) -> Float[Array, "a 2"] | None:
-    """Radius and height of agents [m] as `make_scene` takes them; None: all are those of a default `Body`."""
+    """Return radius and height of agents [m] for `make_scene`; None if all equal those of a default `Body`."""
     sizes = [(body.radius, body.height) for body in bodies]
     return None if set(sizes) == {(RADIUS, HEIGHT)} else jnp.array(sizes, jnp.float32)
 
@@ -74,7 +76,7 @@ def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], qu
 
 
 def _placed(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float[Array, "n 3 4"]:
-    """Poses; no numbers where a quaternion is not of unit length, which would make things larger or smaller."""
+    """Return pose matrices; NaN for quaternions that are not of unit length, which would scale the object."""
     return jnp.where(is_unit(quat)[:, None, None], jax.vmap(rigid)(pos, quat), jnp.nan)
 
 
@@ -89,7 +91,7 @@ def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) ->
 
 
 def _about(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, "2"]) -> Float[Array, "3 4"]:
-    """The turn about the vertical line through a point of the plan, and a way in the plan."""
+    """Return a rotation about the vertical line through a point of the plan, followed by a horizontal displacement."""
     (x, y), (along, across) = pivot, way
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     zero, one = jnp.zeros_like(cos), jnp.ones_like(cos)
@@ -101,9 +103,9 @@ def _about(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, 
 def _instances(
     bank: HouseBank, house: Int[Array, ""], instance: Int[Array, " d"], pose: Float[Array, "d 3 4"]
 ) -> Moving:
-    """Instances of the house at other poses than in the bank; -1: none."""
+    """Return instances of the house at the given poses; -1: none."""
     geometry, valid, row = bank.geometry, instance >= 0, jnp.maximum(instance, 0)
-    # The map of one that the house lacks may be anything, even singular.
+    # The matrix of a missing instance is arbitrary and may be singular.
     pose = jnp.where(valid[:, None, None], pose, jnp.eye(3, 4, dtype=jnp.float32)[None])
     return _moving(
         geometry,

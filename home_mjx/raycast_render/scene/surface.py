@@ -1,4 +1,4 @@
-"""From a hit to what it means: model triangle, instance and the bank's tables."""
+"""Surface attributes of hits from the bank's tables: ids, materials, texture coordinates and normals."""
 
 import jax
 import jax.numpy as jnp
@@ -9,20 +9,20 @@ from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 
 
 def object_ids(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
-    """Object ids; -1 for the architecture and on a miss."""
+    """Return object ids; -1 for the architecture and on a miss."""
     ids = by_instance(scene.geometry.instance_object[scene.house], scene.moving, scene.moving.object_id)
     return jnp.where(hit.instance < 0, -1, take(ids, jnp.maximum(hit.instance, 0)))
 
 
 def material_rows(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
-    """Rows in the bank's material table; -1 on a miss."""
+    """Return rows in the bank's material table; -1 on a miss."""
     first = by_instance(scene.geometry.instance_material[scene.house], scene.moving, scene.moving.material)
     slot = take(scene.geometry.triangle_slot, jnp.maximum(hit.triangle, 0))
     return jnp.where(hit.instance < 0, -1, take(first, jnp.maximum(hit.instance, 0)) + slot)
 
 
 def semantics(scene: Scene, hit: Hit, column: int) -> Int[Array, "*rays"]:
-    """A column of the semantic table (`compiled.Semantic`); -1 on a miss."""
+    """Return a column of the semantic table (`compiled.Semantic`); -1 on a miss."""
     first = by_instance(scene.geometry.instance_semantic[scene.house], scene.moving, scene.moving.semantic)
     part = take(scene.geometry.triangle_part, jnp.maximum(hit.triangle, 0))
     row = take(first, jnp.maximum(hit.instance, 0)) + part
@@ -30,46 +30,46 @@ def semantics(scene: Scene, hit: Hit, column: int) -> Int[Array, "*rays"]:
 
 
 def texture_coordinates(scene: Scene, hit: Hit) -> tuple[Float[Array, "*rays"], Float[Array, "*rays"]]:
-    """Texture coordinates u and v; v = 0 is the bottom row. Meaningless on a miss."""
+    """Interpolate texture coordinates u and v; v = 0 is the bottom row. Undefined on a miss."""
     u, v = texture_corners(scene, hit)
     weight = Vec(1 - hit.u - hit.v, hit.u, hit.v)
     return weight.dot(u), weight.dot(v)
 
 
 def texture_corners(scene: Scene, hit: Hit) -> tuple[Vec, Vec]:
-    """Texture coordinates u of the triangles' three corners, and v."""
+    """Return texture coordinates u of the triangles' three corners, and v."""
     triangle, table = jnp.maximum(hit.triangle, 0), scene.geometry.triangle_uv
     u, v = (Vec(*(take(table, triangle, corner, i) for corner in range(3))) for i in range(2))
     return u, v
 
 
 def normals(scene: Scene, direction: Float[Array, "*rays 3"], hit: Hit) -> Float[Array, "*rays 3"]:
-    """Unit normals of the flat triangles in the world, turned against the rays; zero on a miss."""
+    """Return unit geometric normals of the triangles in the world, facing the rays; zero on a miss."""
     return unit_normals(scene, Vec.of(direction), hit).packed()
 
 
 def unit_normals(scene: Scene, direction: Vec, hit: Hit) -> Vec:
-    """The same as one array per component."""
+    """Return unit geometric normals as `normals` does, with one array per component."""
     area = area_vectors(scene, direction, hit)
     return area * jnp.where(hit.instance < 0, 0.0, area.inverse_norm())
 
 
 def area_vectors(scene: Scene, direction: Vec, hit: Hit) -> Vec:
-    """Normals of the flat triangles in the world, turned against the rays, as long as twice the area [m^2]."""
+    """Return geometric normals in the world, facing the rays, with a length of twice the triangle's area [m^2]."""
     a, b, c = (take_vec(scene.geometry.triangle, jnp.maximum(hit.triangle, 0), k) for k in range(3))
     area = to_world(scene, (b - a).cross(c - a), hit)
     return select(area.dot(direction) > 0, -area, area)
 
 
 def to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
-    """Vector products in the frame of the model that was hit, in the world.
+    """Transform vector products from the frame of the hit model to the world.
 
     They transform by the transpose of the inverse times the determinant, as normals do except for their length.
     """
     inverse = by_instance(scene.geometry.instance_inverse[scene.house], scene.moving, scene.moving.inverse)
     rows = [Vec.of(inverse[:, i, :3]) for i in range(3)]
     volume = 1 / jnp.maximum(jnp.abs(rows[0].dot(rows[1].cross(rows[2]))), 1e-30)
-    # The barrier keeps this a computation per instance; fused with what follows it would be one per pixel.
+    # The barrier keeps this computation per instance; fusion with later operations would repeat it per pixel.
     rows = jax.lax.optimization_barrier([row * volume for row in rows])
     instance = jnp.maximum(hit.instance, 0)
     x, y, z = (row.map(lambda column: take(column, instance)) for row in rows)
@@ -77,7 +77,7 @@ def to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
 
 
 def by_instance(static: Array, moving: Moving, moved: Array) -> Array:
-    """A table over all instance numbers of one environment: the house's, then the agents'."""
+    """Build a table over all instances of one environment: the house's with moved rows replaced, then the agents'."""
     size = static.shape[0] + moving.instance.shape[0]
     table = jnp.concatenate([static, jnp.zeros((size - static.shape[0], *static.shape[1:]), static.dtype)])
     return table.at[jnp.where(moving.instance < 0, size, moving.instance)].set(moved, mode="drop")

@@ -1,4 +1,4 @@
-"""What `cast` takes and gives."""
+"""Inputs and results of ray casts."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from home_mjx.raycast_render.scene.look import Look
 
 
 class Moving(Pytree):
-    """Instances that move: D = movable objects, then doors, then agents. One environment's poses."""
+    """Dynamic instances of one environment: D = movable objects, then doors, then agents."""
 
     instance: Int[Array, " d"]  # instance index in the house, I + a for agent a; -1 none
     model: Int[Array, " d"]  # library model
@@ -26,39 +26,39 @@ class Moving(Pytree):
 
 
 class SoundMaterials(Pytree):
-    """How the bank's materials take sound in one environment, instead of as the bank says; energy fractions."""
+    """Acoustic material properties of one environment that replace the bank's; energy fractions."""
 
-    absorption: Float[Array, "material bands"]  # what is transmitted counts as absorbed, and is never more
+    absorption: Float[Array, "material bands"]  # includes transmission, which is never larger
     scattering: Float[Array, "material bands"]
     transmission: Float[Array, "material bands"]
 
 
 class Scene(Pytree):
-    """One environment as rays see and hear it: the bank, which house it is in, and what moves there.
+    """One environment for ray casts: the bank, the index of its house, and its dynamic instances.
 
-    All environments share the bank. Make scenes inside the function that `vmap` maps, and let images or sounds leave
-    it. A scene that leaves `vmap` as it is takes a copy of the whole bank per environment with it: where scenes must
-    cross that border, say with `axes` that the bank is not mapped.
+    All environments share the bank. Create scenes inside the function that `vmap` maps, and return images or sounds. A
+    scene returned from `vmap` would carry a copy of the whole bank per environment. If scenes must cross that border,
+    pass `axes` to mark the bank as not mapped.
     """
 
     bank: HouseBank  # shared by all environments
     house: Int[Array, ""]
     moving: Moving
-    executor: str | None = static(default=None)  # of rays, see `cast`; None: the platform's best
-    look: Look | None = None  # what the episode changes of the house's looks; None: nothing
-    materials: SoundMaterials | None = None  # for sound, in this environment alone; None: the bank's
+    executor: str | None = static(default=None)  # executor of rays, see `cast`; None: fastest of the platform
+    look: Look | None = None  # appearance overrides of the episode; None: none
+    materials: SoundMaterials | None = None  # acoustic materials of this environment; None: the bank's
 
     @property
     def geometry(self) -> Geometry:
-        """The bank's."""
+        """The bank's geometry."""
         return self.bank.geometry
 
     @classmethod
     def axes(cls, executor: str | None = None) -> "Scene":
-        """`in_axes` or `out_axes` of a batch of scenes that share one bank.
+        """Return `in_axes` or `out_axes` of a batch of scenes that share one bank.
 
         Args:
-            executor: The scenes'.
+            executor: Executor of the scenes.
 
         Example:
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
@@ -70,17 +70,17 @@ class Scene(Pytree):
 class Rays(Pytree):
     """Rays of any leading shape.
 
-    As executors get them, of shape (environments, rays per environment), a field of which all rays of an environment
-    have the same value may have one ray only.
+    Executors get rays of shape (environments, rays per environment). There, a field with the same value for all rays of
+    an environment may have one entry only.
     """
 
     origin: Float[Array, "*rays 3"]  # [m], world
     direction: Float[Array, "*rays 3"]  # need not be of unit length
     t_min: Float[Array, "*rays"]  # in units of |direction|, >= 0
-    t_max: Float[Array, "*rays"]  # no hit can be found where t_max < t_min
+    t_max: Float[Array, "*rays"]  # rays with t_max < t_min have no hit
     exclude: Int[Array, "*rays"]  # object id (I + a for agent a) that the ray passes through; -1 none
     mask: Int[Array, "*rays"]  # `compiled.Ray` bits
-    width: int = static(default=0)  # of the image whose rows the rays are; 0 if they are none
+    width: int = static(default=0)  # [px], width of the image that the rays form; 0 if they form none
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -88,25 +88,25 @@ class Rays(Pytree):
         return max(field.shape[:2] for field in jax.tree.leaves(self))
 
     def expanded(self) -> "Rays":
-        """The same rays, every field with one value per ray."""
+        """Return the same rays with one value per ray in every field."""
         return jax.tree.map(lambda x: jnp.broadcast_to(x, (*self.shape, *x.shape[2:])), self)
 
 
 class Query(NamedTuple):
-    """What rays are cast for; a program is made for each."""
+    """Kind of a ray query; a program is compiled for each."""
 
-    any_hit: bool = False  # only whether there is a hit: a ray may stop at the first triangle that it meets
-    steps: int = 0  # if not 0: so many hits of each ray, one after the other, as `cast_through` says
-    skin: float = 0.0  # then, in units of |direction|: each step begins so far behind the hit before it
+    any_hit: bool = False  # True: a ray may stop at any hit, and only its existence is returned
+    steps: int = 0  # number of successive hits per ray, see `cast_through`; 0: closest hit only
+    skin: float = 0.0  # offset of each step behind the hit before it, in units of |direction|
 
 
 CLOSEST = Query()
 
 
 class RawHit(NamedTuple):
-    """What executors return, of shape (environments, rays per environment), and steps if the query has some.
+    """Results of executors, of shape (environments, rays per environment), with a last axis if the query has steps.
 
-    After casting for any hit only `instance` counts, and of that only whether it is >= 0.
+    After an any-hit query only the sign of `instance` is defined.
     """
 
     t: Array  # MISS on a miss
@@ -118,11 +118,11 @@ class RawHit(NamedTuple):
 
 
 class Hit(Pytree):
-    """The closest hits of rays of any leading shape."""
+    """Closest hits of rays of any leading shape."""
 
     t: Float[Array, "*rays"]  # in units of |direction|, so [m] for unit directions; inf on a miss
     instance: Int[Array, "*rays"]  # -1 on a miss
     triangle: Int[Array, "*rays"]  # absolute index into Geometry.triangle; -1 on a miss
     u: Float[Array, "*rays"]  # barycentric weight of corner 1
     v: Float[Array, "*rays"]  # barycentric weight of corner 2
-    front: Bool[Array, "*rays"]  # met the side that the corners wind counter-clockwise around, in the model's frame
+    front: Bool[Array, "*rays"]  # hit the side from which the corners are counter-clockwise, in the model's frame

@@ -1,7 +1,7 @@
-"""Vectors of many pixels with one array per component, and numbers picked from tables for them.
+"""Vectors of pixels with one array per component, and table look-ups for them.
 
-Of such arrays XLA makes few kernels that compute everything once. Behind a trailing axis of 3 it computes what leads to
-a vector once per component, or hands rows through memory.
+XLA fuses such arrays into few kernels that compute everything once. With a trailing axis of 3 it would repeat the
+computation of a vector for each component, or pass rows through memory.
 """
 
 import math
@@ -19,7 +19,7 @@ Component = Shaped[Array, "*rays"] | float
 
 
 class Vec(Pytree):
-    """Three-dimensional vectors or colours of pixels of any shape, or one for all of them.
+    """Three-dimensional vectors or colours: one per pixel of any shape, or one for all pixels.
 
     Example:
         >>> a = Vec.of(jnp.array([[3.0, 0.0, 4.0]]))
@@ -33,16 +33,16 @@ class Vec(Pytree):
 
     @classmethod
     def of(cls, rows: Shaped[Array, "*rays 3"]) -> "Vec":
-        """Vectors from a trailing axis of 3."""
+        """Split a trailing axis of 3 into components."""
         return cls(*(rows[..., i] for i in range(3)))
 
     def packed(self) -> Shaped[Array, "*rays 3"]:
-        """The vectors along a trailing axis of 3."""
-        # Without the barrier XLA computes what the components have in common once for each of them.
+        """Stack the components along a trailing axis of 3."""
+        # Without the barrier XLA would repeat shared computations for each component.
         return jnp.stack(jax.lax.optimization_barrier((self.x, self.y, self.z)), axis=-1)
 
     def map(self, function: Callable[..., Any], *others: "Vec") -> "Vec":
-        """A function of each component, and of the same ones of other vectors."""
+        """Apply a function to each component, together with the same components of other vectors."""
         return Vec(*(function(*parts) for parts in zip(*(_parts(v) for v in (self, *others)), strict=True)))
 
     def __add__(self, other: "Vec") -> "Vec":
@@ -55,15 +55,15 @@ class Vec(Pytree):
         return self.map(lambda a: -a)
 
     def __mul__(self, factor: "Vec | Component") -> "Vec":
-        """Component by component, or by a number per pixel."""
+        """Multiply by a vector, component by component, or by one number per pixel."""
         return self.map(lambda a, b: a * b, factor if isinstance(factor, Vec) else Vec(factor, factor, factor))
 
     def dot(self, other: "Vec") -> Any:
-        """Scalar products."""
+        """Return scalar products."""
         return self.x * other.x + self.y * other.y + self.z * other.z
 
     def cross(self, other: "Vec") -> "Vec":
-        """Vector products."""
+        """Return vector products."""
         return Vec(
             self.y * other.z - self.z * other.y,
             self.z * other.x - self.x * other.z,
@@ -71,21 +71,21 @@ class Vec(Pytree):
         )
 
     def inverse_norm(self) -> Any:
-        """1 / length; large, but finite, of zero."""
+        """Return 1 / length; large, but finite, for zero vectors."""
         return jax.lax.rsqrt(jnp.maximum(self.dot(self), 1e-37))
 
     def unit(self) -> "Vec":
-        """The same directions with length 1; zero stays zero."""
+        """Return the vectors scaled to length 1; zero stays zero."""
         return self * self.inverse_norm()
 
 
 def select(condition: Bool[Array, "*rays"], yes: Vec, no: Vec) -> Vec:
-    """`yes` where the condition holds."""
+    """Return `yes` where the condition holds, else `no`."""
     return yes.map(lambda a, b: jnp.where(condition, a, b), no)
 
 
 def take(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Shaped[Array, "*rays"]:
-    """table[index, *place] of indices that are not negative, without copying a column of the table first."""
+    """Return table[index, *place] for non-negative indices, without copying a column of the table first."""
     row = table.shape[1:]
     if row:
         index = index * math.prod(row) + int(np.ravel_multi_index(place, row))
@@ -93,7 +93,7 @@ def take(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int
 
 
 def take_vec(table: Float[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Vec:
-    """The vectors table[index, *place, :3]."""
+    """Return the vectors table[index, *place, :3]."""
     return Vec(*(take(table, index, *place, i) for i in range(3)))
 
 

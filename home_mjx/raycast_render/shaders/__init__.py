@@ -1,1 +1,1 @@
-"""Colour of what rays hit: textures, lights, glass and mirrors."""
+"""Shading of hits: textures, lights, glass and mirrors."""

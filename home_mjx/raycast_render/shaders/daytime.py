@@ -1,21 +1,21 @@
-"""Sun and sky by the time of day."""
+"""Sun and sky by time of day."""
 
 import math
 
 LATITUDE = 48.0  # [degrees]
-FULL = 0.595  # transmittance of the air at the elevation that `Lit` has by default, 35 degrees
+FULL = 0.595  # transmittance of the air at 35 degrees, the default elevation of `Lit`
 WARM_BELOW = 18.0  # [degrees], elevation of the sun below which its light reddens
-DUSK, NIGHT = 0.12, 1e-3  # radiance of the sky when the sun sets, and least, over that at 35 degrees
-TWILIGHT = 4.5  # [degrees] below the horizon, over which the sky's light falls to a tenth
+DUSK, NIGHT = 0.12, 1e-3  # radiance of the sky at sunset, and its minimum, over that at 35 degrees
+TWILIGHT = 4.5  # [degrees], depression of the sun per factor of 10 in the sky's radiance
 
 
 def sun_position(hour: float, latitude: float = LATITUDE, declination: float = 12.0) -> tuple[float, float]:
-    """Azimuth, from +x (east) towards +y (north), and elevation of the sun [degrees].
+    """Compute the sun's azimuth, from +x (east) towards +y (north), and its elevation [degrees].
 
     Args:
-        hour: Solar time: at 12 the sun is highest.
+        hour: Solar time; the sun is highest at 12.
         latitude: [degrees].
-        declination: Of the sun [degrees]; 0 at the equinoxes, 23.4 at midsummer.
+        declination: Declination of the sun [degrees]; 0 at the equinoxes, 23.4 at midsummer.
 
     Source: J. Meeus, "Astronomical Algorithms", chapter 13.
 
@@ -31,7 +31,7 @@ def sun_position(hour: float, latitude: float = LATITUDE, declination: float = 1
 
 
 def sun_share(elevation: float) -> float:
-    """Irradiance of the sun over that at 35 degrees.
+    """Return the irradiance of the sun over that at an elevation of 35 degrees.
 
     Source: F. Kasten and A. T. Young, "Revised optical air mass tables", Applied Optics, 1989; A. B. Meinel and M. P.
     Meinel, "Applied Solar Energy", 1976: a transmittance of 0.7 ** (air mass ** 0.678).
@@ -43,11 +43,14 @@ def sun_share(elevation: float) -> float:
 
 
 def sky_share(elevation: float) -> float:
-    """Radiance of the sky over that at 35 degrees: as the sine of the elevation, and less and less in twilight."""
+    """Return the radiance of the sky over that at 35 degrees.
+
+    It is affine in the sine of the elevation by day and decays exponentially in twilight.
+    """
     day = DUSK + (1 - DUSK) * math.sin(math.radians(max(elevation, 0.0))) / math.sin(math.radians(35.0))
     return max(NIGHT, day * 10 ** (min(elevation, 0.0) / TWILIGHT))
 
 
 def warmth(elevation: float) -> float:
-    """How red the light is, 0 to 1, where the sun stands low."""
+    """Return the redness of sunlight, from 0 to 1 as the sun sinks to the horizon."""
     return max(0.0, 1 - max(elevation, 0.0) / WARM_BELOW)

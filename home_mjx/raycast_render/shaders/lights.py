@@ -1,4 +1,4 @@
-"""Light that reaches points from the lights of a house."""
+"""Direct light at surface points from the lights of a house."""
 
 import math
 
@@ -16,23 +16,23 @@ from home_mjx.raycast_render.shaders.daytime import warmth
 from home_mjx.raycast_render.shaders.preset import Lit
 from home_mjx.schema.compiled import ARCHITECTURE
 
-OFFSET = 5e-4  # [m] above the surface, where rays to lights start
-GAP = 0.05  # [m] before the light, where they end: bulbs may be sunk into ceilings
-ELSEWHERE = 0.1  # weight of lights in other rooms when lights are chosen
-SHADE = 0.6  # [m], least distance of a lamp's own surfaces from its light
+OFFSET = 5e-4  # [m], offset of shadow rays above the surface at their origin
+GAP = 0.05  # [m], distance before the light at which shadow rays end, since bulbs may be recessed into ceilings
+ELSEWHERE = 0.1  # weight of lights in other rooms in the selection of lights
+SHADE = 0.6  # [m], minimum distance that is assumed between a lamp's own surfaces and its light
 DAYLIGHT = (0.85, 0.93, 1.0)  # colour of the sky's light
 SUNLIGHT, SUNSET = (1.0, 0.93, 0.82), (1.0, 0.6, 0.3)
 LUMINANCE = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709
-INDEX_BITS = 10  # of a choice's key; the lights of a house are fewer than 2**10
-UNROLLED = 4  # lights that are compared in one kernel: 16 are no quicker and take three times as long to compile
+INDEX_BITS = 10  # bits of a key for the light's index; a house has fewer than 2**10 lights
+UNROLLED = 4  # lights compared per scan step: 16 are not faster and take three times as long to compile
 
 Color = tuple[float, float, float]
-# Where on a light its light comes from, -1..1 along each axis; None: its middle.
+# Emitting position on a light, in [-1, 1] along each of its axes; None: its centre.
 Spread = Float[Array, "*rays 2"] | None
 
 
 class PlacedLights(Pytree):
-    """Lights in the world: those of one environment, or one light for each point."""
+    """Lights in world coordinates: all of one environment, or one per point."""
 
     pos: Vec  # [m]
     axis_u: Vec  # [m], half extents
@@ -49,26 +49,26 @@ class PlacedLights(Pytree):
 
 
 class Point(Pytree):
-    """Where light is wanted, for rays of any shape."""
+    """Shading points of rays of any shape."""
 
     pos: Vec  # [m]
     normal: Vec  # unit, of the triangle, facing the ray
     shading: Vec  # unit, smooth
-    view: Vec  # unit, to where it is seen from
+    view: Vec  # unit, towards the viewer
     shininess: Float[Array, "*rays"]
-    instance: Int[Array, "*rays"]  # -1: nothing there
+    instance: Int[Array, "*rays"]  # -1 on a miss
     room: Int[Array, "*rays"]
 
 
 class Received(Pytree):
-    """Light at points."""
+    """Incident light at points."""
 
     diffuse: Vec  # irradiance [W/m^2]
-    specular: Vec  # radiance of the gloss, for a specular reflectance of 1 [W/m^2/sr]
+    specular: Vec  # specular radiance for a specular reflectance of 1 [W/m^2/sr]
 
 
 def place_lights(scene: Scene, options: Lit) -> PlacedLights:
-    """The lights of the environment's house; those of lamps that were moved stand where the lamps are."""
+    """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps."""
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]
     carrier = jnp.maximum(instance, 0)
@@ -97,24 +97,24 @@ def place_lights(scene: Scene, options: Lit) -> PlacedLights:
         object_id=by_instance(geometry.instance_object[house], scene.moving, scene.moving.object_id)[carrier],
         room=lights.room[house],
     )
-    # The barrier keeps this a computation per light; fused with what follows it would be one per pixel.
+    # The barrier keeps this computation per light; fusion with later operations would repeat it per pixel.
     return jax.lax.optimization_barrier(placed)
 
 
 def lamp_light(scene: Scene, lights: PlacedLights, point: Point, spread: Spread, count: int) -> Received:
-    """Light of the most important lights of each point, as far as nothing stands between.
+    """Compute the unoccluded light of each point's most important lights.
 
     Args:
-        scene: The environment.
-        lights: Its lights.
-        point: Where.
-        spread: Where on lines and rectangles light comes from.
+        scene: Scene of one environment.
+        lights: Lights of the environment.
+        point: Shading points.
+        spread: Positions on linear and rectangular lights that emit; None: their centres.
         count: Lights per point.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
         return Received(none, none)
-    # With the barriers nothing is computed again that every light, or the other side of the cast, needs as well.
+    # The barriers prevent recomputation for every light and on the other side of the cast.
     key = jax.lax.optimization_barrier(choose(lights, point, count))
     chosen = key & (2**INDEX_BITS - 1)
     light = jax.tree.map(lambda column: take(column, chosen), lights)
@@ -139,10 +139,10 @@ def lamp_light(scene: Scene, lights: PlacedLights, point: Point, spread: Spread,
 
 
 def choose(lights: PlacedLights, point: Point, count: int) -> Int[Array, "k *rays"]:
-    """The lights that would give a point the most light, the brightest first.
+    """Select the lights with the highest estimated irradiance at each point, brightest first.
 
     Returns:
-        Keys whose lowest `INDEX_BITS` are the light; what is above is 0 where there are no more lights.
+        Keys whose lowest `INDEX_BITS` bits are the light's index; the upper bits are 0 if there are no more lights.
     """
     total = lights.instance.shape[0]
     lines = -(-total // UNROLLED)
@@ -167,7 +167,7 @@ def choose(lights: PlacedLights, point: Point, count: int) -> Int[Array, "k *ray
 
 
 def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Received:
-    """Light of the sun, where it is seen; its disc is a degree wide."""
+    """Compute the light of the sun where it is not occluded; its disc has a diameter of one degree."""
     aim, level = _sun(scene.look, options)
     way = aim.map(lambda x: jnp.full(point.instance.shape, x, jnp.float32))
     if spread is not None:
@@ -176,7 +176,7 @@ def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Recei
     reach = jnp.where(strength > 0, jnp.inf, -1.0)
     start = point.pos + point.normal * OFFSET
     gloss = strength * blinn_phong(point, aim)
-    # The barrier keeps what is known before the cast from being computed again after it.
+    # The barrier prevents recomputation after the cast.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
     blocked = occluded(scene, start.packed(), way.packed(), t_max=reach)
     light = outdoors(scene.look, mixed(SUNLIGHT, SUNSET, warmth(options.sun_elevation)))
@@ -184,15 +184,15 @@ def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Recei
 
 
 def mixed(one: Color, other: Color, share: float) -> Vec:
-    """A colour between two."""
+    """Interpolate linearly between two colours."""
     return Vec(*(a + (b - a) * share for a, b in zip(one, other, strict=True)))
 
 
 def _sun(look: Look | None, options: Lit) -> tuple[Vec, Vec]:
-    """The unit direction to the sun, and one across it that is level."""
+    """Return the unit direction to the sun, and a horizontal unit vector perpendicular to it."""
     azimuth, elevation = math.radians(options.sun_azimuth), math.radians(options.sun_elevation)
     given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
-    if given == (None, None):  # on the host, so that the program is the same as without looks
+    if given == (None, None):  # computed on the host, so that the program equals the one without overrides
         turn, rise = ((math.cos(angle), math.sin(angle)) for angle in (azimuth, elevation))
     else:
         azimuth, elevation = azimuth if given[0] is None else given[0], elevation if given[1] is None else given[1]
@@ -201,7 +201,7 @@ def _sun(look: Look | None, options: Lit) -> tuple[Vec, Vec]:
 
 
 def blinn_phong(point: Point, toward: Vec) -> Float[Array, "*rays"]:
-    """Gloss as a fraction of the irradiance, (n + 8) / (8 pi) * cos^n of the half vector.
+    """Compute the normalised Blinn-Phong BRDF, (n + 8) / (8 pi) * cos^n of the half vector.
 
     Source: T. Akenine-Möller et al., "Real-Time Rendering", on the normalised Blinn-Phong reflectance.
     """
@@ -210,10 +210,10 @@ def blinn_phong(point: Point, toward: Vec) -> Float[Array, "*rays"]:
 
 
 def _key(light: PlacedLights, number: Int[Array, ""], point: Point) -> Int[Array, "*rays"]:
-    """The upper bits of the light that one light may give, as a number that sorts like it, then the light's number.
+    """Return a sortable key: upper bits of the estimated irradiance of one light, then the light's index.
 
-    A power of a cosine is as C. Schlick's approximation has it, which is exact for exponents 0 and 1: "A fast
-    alternative to Phong's specular model", Graphics Gems IV, 1994.
+    Powers of cosines use C. Schlick's approximation, which is exact for exponents 0 and 1: "A fast alternative to
+    Phong's specular model", Graphics Gems IV, 1994.
     """
     offset = light.pos - point.pos
     square = jnp.maximum(offset.dot(offset), 1e-4)
@@ -222,7 +222,7 @@ def _key(light: PlacedLights, number: Int[Array, ""], point: Point) -> Int[Array
     facing = jnp.maximum(offset.dot(point.shading) * inverse, 0.0)
     ahead = jnp.maximum(cosine, 1e-6)
     fall = (light.exponent + ahead * (1 - light.exponent)) * (square + light.area / math.pi)
-    per_fall = jax.lax.rsqrt(fall) ** 2  # for so many lights a division costs a GPU too much
+    per_fall = jax.lax.rsqrt(fall) ** 2  # cheaper on a GPU than one division per light
     strength = jnp.where(cosine >= light.cutoff, light.power * facing * ahead * per_fall, 0.0)
     here = (light.room == point.room) | (point.room < 0)
     strength = jnp.where(here, strength, ELSEWHERE * strength)
@@ -232,17 +232,17 @@ def _key(light: PlacedLights, number: Int[Array, ""], point: Point) -> Int[Array
 
 
 def _is_own(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
-    """Whether the surface is part of the lamp whose light it is; the frame of a window is not."""
+    """Return whether the surface belongs to the lamp that emits the light; window frames do not count."""
     return (light.instance == instance) & (light.instance != ARCHITECTURE) & (light.area == 0)
 
 
 def _unshadowed(
     light: PlacedLights, offset: Vec, at: Point, own: Bool[Array, "*rays"]
 ) -> tuple[Float[Array, "*rays"], Vec]:
-    """Irradiance [1/m^2] per intensity if nothing stands between, and the unit direction to the light.
+    """Compute the unoccluded irradiance per intensity [1/m^2], and the unit direction to the light.
 
-    Rectangles count as discs of their area around the point that light comes from: J. R. Wallace et al., "A ray tracing
-    algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, let light through.
+    A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
+    algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, transmit its light.
     """
     square = jnp.maximum(offset.dot(offset), jnp.where(own, SHADE**2, 1e-4))
     toward = offset.unit()
@@ -252,13 +252,13 @@ def _unshadowed(
 
 
 def _facing(at: Point, toward: Vec) -> Float[Array, "*rays"]:
-    """Cosine at the surface; 0 if the light is behind the triangle or behind the surface that it stands for."""
+    """Return the cosine at the surface; 0 if the light is behind the geometric or the shading normal."""
     return jnp.where(toward.dot(at.normal) > 0, jnp.maximum(toward.dot(at.shading), 0.0), 0.0)
 
 
 def _profile(
     cosine: Float[Array, "*rays"], exponent: Float[Array, "*rays"], cutoff: Float[Array, "*rays"]
 ) -> Float[Array, "*rays"]:
-    """Share of the intensity that a light has in a direction."""
+    """Return the fraction of a light's intensity that is emitted in a direction."""
     power = jnp.exp(exponent * jnp.log(jnp.maximum(cosine, 1e-6)))
     return jnp.where(cosine >= cutoff, power, 0.0)

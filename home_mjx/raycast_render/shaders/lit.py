@@ -1,6 +1,6 @@
-"""The lit preset: the lights of the house, shadows, glass, mirrors, gloss, and textures without sparkle.
+"""The lit preset: direct light of the house's lights, shadows, glass, mirrors, specular highlights, filtered textures.
 
-Global illumination would replace `_ambient`: all else is light that comes straight from lights.
+Global illumination would replace `_ambient`; all other terms are direct light.
 """
 
 import math
@@ -29,17 +29,17 @@ from home_mjx.raycast_render.shaders.preset import Lit
 from home_mjx.schema.lighting import REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 
-WHITE = 5.0  # luminance that becomes white
-MIDDLE = 0.5  # luminance that the meter gives the middle of an image: `tone_map` makes 0.34 of it
-DARKEST = 1e-4  # [W/m^2/sr]: less counts as much for the meter
-ZENITH, HORIZON, GROUND = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # of the sky's radiance
-DUSK = (1.35, 0.72, 0.42)  # the horizon's when the sun sets
+WHITE = 5.0  # luminance after exposure that is mapped to white
+MIDDLE = 0.5  # target of the mean luminance after exposure; `tone_map` maps it to 0.34
+DARKEST = 1e-4  # [W/m^2/sr], minimum luminance in auto exposure
+ZENITH, HORIZON, GROUND = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # factors of the sky's radiance
+DUSK = (1.35, 0.72, 0.42)  # factor at the horizon at sunset
 
 
 class Corner(Pytree):
-    """The triangle that was hit, in the world."""
+    """Normals of the hit triangle, in the world."""
 
-    area: Vec  # normal facing the ray, as long as twice the area [m^2]
+    area: Vec  # normal facing the ray, with a length of twice the area [m^2]
     shading: Vec  # unit smooth normal, on the same side
 
 
@@ -51,22 +51,22 @@ def radiance(
     options: Lit,
     exclude: Int[Array, ""] | int = -1,
 ) -> Vec:
-    """Light that comes along rays [W/m^2/sr].
+    """Compute the radiance along rays [W/m^2/sr].
 
     Args:
-        scene: The environment.
-        sight: Camera rays and what they hit first.
-        growth: Of the footprint's width per unit of t [m].
-        spread: Where on lines, rectangles and the sun light comes from.
-        options: Of the preset.
-        exclude: Object id that the camera does not see, except in mirrors.
+        scene: Scene of one environment.
+        sight: Camera rays and their first hits.
+        growth: Increase of the footprint's width per unit of t [m].
+        spread: Emitting positions on linear lights, rectangular lights and the sun.
+        options: Options of the preset.
+        exclude: Object id hidden from the camera, except in mirrors.
     """
     sight = follow(scene, sight, growth, options.bounces, exclude)
     row = jnp.maximum(material_rows(scene, sight.hit), 0)
     corner = _corner(scene, sight)
     point = _point(scene, sight, corner, row)
     color = _color(scene, sight, corner, row, growth)
-    # The barrier keeps the surface from being computed again by everything that lights it.
+    # The barrier prevents recomputation of the surface for every light.
     point, color, row = jax.lax.optimization_barrier((point, color, row))
     placed = lights.place_lights(scene, options)
     got = lights.lamp_light(scene, placed, point, spread, options.num_lights)
@@ -80,9 +80,9 @@ def radiance(
 
 
 def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
-    """Linear light for a display, 0..1, from light of any strength.
+    """Map light of any strength to linear display light in [0, 1].
 
-    Luminances up to `WHITE` fit; colours keep their hue until they reach it.
+    Luminances up to `WHITE` fit; colours keep their hue until a channel saturates.
 
     Source: E. Reinhard et al., "Photographic tone reproduction for digital images", SIGGRAPH 2002, equation 4.
     """
@@ -92,13 +92,16 @@ def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
 
 
 def metered(light: Vec) -> Float[Array, ""]:
-    """The exposure of one image: its logarithmic mean luminance becomes `MIDDLE`; equation 1 of the same source."""
+    """Return the exposure that maps an image's logarithmic mean luminance to `MIDDLE`.
+
+    Source: equation 1 of the source of `tone_map`.
+    """
     luminance = jnp.maximum(light.dot(Vec(*lights.LUMINANCE)), DARKEST)
     return MIDDLE / jnp.exp(jnp.log(luminance).mean())
 
 
 def sky(direction: Vec, options: Lit) -> Vec:
-    """Radiance where rays hit nothing: blue above, bright at the horizon, red there at dusk, bare ground below."""
+    """Return the sky's radiance: blue above, bright at the horizon, red there at dusk, bare ground below."""
     up = direction.z * direction.inverse_norm()
     high = jnp.sqrt(jnp.clip(up, 0.0, 1.0))
     horizon = lights.mixed(HORIZON, DUSK, warmth(options.sun_elevation))
@@ -129,7 +132,7 @@ def _point(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"])
 
 
 def _color(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"], growth: Float[Array, ""]) -> Vec:
-    """Diffuse reflectance: the material's colour times its texture, filtered over the pixel's footprint."""
+    """Return the diffuse reflectance: the material's colour times its texture, filtered over the pixel's footprint."""
     hit, materials, textures = sight.hit, scene.bank.materials, scene.bank.materials.textures
     u, v = texture_corners(scene, hit)
     texels = (u.y - u.x) * (v.z - v.x) - (v.y - v.x) * (u.z - u.x)
@@ -146,7 +149,7 @@ def _color(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"],
 
 
 def _ambient(scene: Scene, point: lights.Point, spread: lights.Spread, options: Lit) -> Vec:
-    """Irradiance by what surfaces reflect on each other: alike in all of a room, less in corners."""
+    """Return the irradiance by interreflection: uniform within a room, reduced by ambient occlusion."""
     table = scene.bank.lights.ambient
     place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)
     lamps, daylight = (take_vec(table.reshape(-1, 2, 3), place, source) for source in range(2))
@@ -166,7 +169,7 @@ def _ambient(scene: Scene, point: lights.Point, spread: lights.Spread, options: 
 
 
 def _cosine_direction(normal: Vec, spread: Float[Array, "*rays 2"]) -> Vec:
-    """Unit directions about the normal, as dense as the cosine: the normal plus a point of the unit sphere."""
+    """Sample cosine-distributed unit directions about the normal: the normal plus a point of the unit sphere."""
     z, turn = 0.999 * spread[..., 0], math.pi * spread[..., 1]
     ring = jnp.sqrt(1 - z * z)
     return (normal + Vec(ring * jnp.cos(turn), ring * jnp.sin(turn), z)).unit()

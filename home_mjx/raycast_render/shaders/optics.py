@@ -1,4 +1,4 @@
-"""Rays that go on: through glass and the gaps of leaves, and off mirrors."""
+"""Specular transport of camera rays: through glass and cut-out textures, and off mirrors."""
 
 import jax
 import jax.numpy as jnp
@@ -15,22 +15,22 @@ from home_mjx.schema.compiled import Ray
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 
 GLASS = MATERIAL_KINDS.index("glass")
-CUT = 128  # texels of less opacity are holes
-PAST = 1e-4  # [m] beyond a surface, where a ray goes on
+CUT = 128  # minimum opacity of an opaque texel; texels below it are holes
+PAST = 1e-4  # [m], offset from a surface at which a ray continues
 
 
 class Sight(Pytree):
-    """What pixels see at the end of their rays."""
+    """Path state of camera rays: last segment, hit, footprint and throughput."""
 
-    origin: Vec  # of the last stretch
-    direction: Vec  # as long as the camera's
+    origin: Vec  # [m], of the last segment
+    direction: Vec  # of the last segment, with the length of the camera ray's
     hit: Hit
-    width: Float[Array, "*rays"]  # of the footprint where the last stretch starts [m]
-    tint: Vec  # what glass and mirrors on the way leave of the light
+    width: Float[Array, "*rays"]  # [m], of the footprint at the origin of the last segment
+    tint: Vec  # throughput of glass and mirrors on the path
 
     @property
     def end(self) -> Vec:
-        """Where the rays end [m]; their origin if they meet nothing."""
+        """End of the last segment [m]; its origin on a miss."""
         return self.origin + self.direction * jnp.where(self.hit.instance < 0, 0.0, self.hit.t)
 
 
@@ -41,16 +41,16 @@ def follow(
     bounces: int,
     exclude: Int[Array, ""] | int,
 ) -> Sight:
-    """Where rays end that may go on `bounces` times.
+    """Trace camera rays through at most `bounces` specular events.
 
-    Behind the first pane no more glass is seen, so that both faces of a pane, or of many, cost one ray.
+    Behind the first pane all other glass is ignored, so that any number of panes costs one ray.
 
     Args:
-        scene: The environment.
-        sight: First hits.
-        growth: Of the footprint's width per unit of t [m].
-        bounces: Casts at most.
-        exclude: Object id that the camera does not see, except in mirrors.
+        scene: Scene of one environment.
+        sight: Camera rays and their first hits.
+        growth: Increase of the footprint's width per unit of t [m].
+        bounces: Maximum number of casts.
+        exclude: Object id hidden from the camera, except in mirrors.
     """
     for _ in range(bounces):
         sight = _go_on(scene, sight, growth, exclude)
@@ -73,9 +73,9 @@ def _go_on(
     normal = unit_normals(scene, sight.direction, hit)
     bent = sight.direction - normal * (2 * sight.direction.dot(normal))
     direction = select(mirror, bent, sight.direction)
-    # A mirror has no thickness to get past, but float32 may put the point behind it.
+    # Offset the origin from a mirror, since float32 rounding may put the hit point behind it.
     pos = select(on, select(mirror, sight.end + normal * PAST, sight.end), sight.origin)
-    # The barrier keeps what is known before the cast from being computed again after it.
+    # The barrier prevents recomputation after the cast.
     pos, direction, on, hole, mirror, row = jax.lax.optimization_barrier((pos, direction, on, hole, mirror, row))
     found = cast(
         scene,
@@ -97,13 +97,13 @@ def _go_on(
 
 
 def _through(materials: Materials, row: Int[Array, "*rays"]) -> Vec:
-    """What glass leaves of the light: clear glass all, coloured glass most of its own colour."""
+    """Return the transmittance of glass: 1 for clear glass, mostly its own colour for coloured glass."""
     opacity = take(materials.albedo, row, 3)
     return take_vec(materials.albedo, row).map(lambda color: 1 - opacity * (1 - color))
 
 
 def _holes(scene: Scene, hit: Hit, row: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
-    """Whether rays have met a texture where it is cut out."""
+    """Return whether rays have hit a texture where it is cut out."""
     materials = scene.bank.materials
     layer = take(materials.texture, row)
     texel = texture.nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))

@@ -1,4 +1,4 @@
-"""Which light colour images are drawn in."""
+"""Presets of colour images and their options."""
 
 import math
 from dataclasses import dataclass, fields
@@ -11,21 +11,26 @@ from home_mjx.schema.choices import PRESETS
 
 @dataclass(frozen=True)
 class Lit:
-    """The lights of the house, with shadows: per sample at most 1 + bounces + num_lights + 1 (sun) + 1 (corners) rays.
+    """Options of the lit preset: the lights of the house, with shadows.
+
+    Rays per sample: at most 1 + bounces + num_lights + 1 (sun) + 1 (ambient occlusion).
 
     Attributes:
-        num_lights: Lights that each point is lit by: those that would give it the most light if nothing stood between,
-            lights of other rooms counting a tenth; each is tested by a shadow ray, so none shines through walls.
-        bounces: How often a ray may go on through glass or cut-out leaves, or off a mirror.
-        sun: Irradiance of the sun at right angles [W/m^2]; 0: no sun and no rays to it.
+        num_lights: Lights per point, those with the highest unoccluded irradiance; lights of other rooms are weighted
+            by 0.1. A shadow ray tests each light, so none shines through walls.
+        bounces: Maximum number of specular events: glass, cut-out textures and mirrors.
+        sun: Normal irradiance of the sun [W/m^2]; 0 disables the sun and its rays.
         sun_azimuth: Direction to the sun from +x towards +y [degrees].
-        sun_elevation: Of the sun above the horizon [degrees]; below 18 its light, and the horizon, are redder.
+        sun_elevation: Elevation of the sun above the horizon [degrees]; below 18 sunlight and horizon are redder.
         sky: Radiance of the sky [W/m^2/sr], outdoors and through windows; 0: night.
-        ambient: Scales the light that surfaces reflect on each other.
-        corners: Radius in which other surfaces keep that light out of corners [m]; 0: no rays for it. Noisy unless the
-            lens takes several samples per pixel.
-        exposure: Scales everything before tone mapping. None: so that the middle of each image is as bright as a
-            surface of middle reflectance under full light, as a camera's meter chooses it.
+        ambient: Factor of the interreflected light.
+        corners: Ambient-occlusion radius [m]; 0 disables ambient occlusion. Noisy unless the lens takes several samples
+            per pixel.
+        exposure: Factor of all light before tone mapping. None: auto exposure, which maps the mean luminance of each
+            image to middle grey.
+
+    Raises:
+        ConfigError: A value is invalid.
     """
 
     num_lights: int = 4
@@ -47,14 +52,14 @@ class Lit:
 
     @classmethod
     def at(cls, hour: float, **options: Any) -> "Lit":
-        """The lights of a time of day, with sun and sky as they are then; other options as given.
+        """Return options with the sun and sky of a time of day; other options as given.
 
         Args:
-            hour: Solar time, 0 to 24: the sun rises at about 5, is highest at 12, and sets at about 19.
+            hour: Solar time, 0 to 24. The sun rises at about 5, is highest at 12, and sets at about 19.
             options: Other fields.
 
         Raises:
-            ConfigError: There is no such hour, or option.
+            ConfigError: The hour or an option is invalid.
 
         Example:
             >>> Lit.at(23).sun, Lit.at(12).sun > Lit.at(18).sun
@@ -75,10 +80,10 @@ Preset = str | Lit
 
 
 def resolve(preset: Preset) -> Lit | None:
-    """The options of the lit preset; None for the fast one.
+    """Return the options of the lit preset; None for the fast preset.
 
     Raises:
-        ConfigError: There is no such preset.
+        ConfigError: The preset is unknown.
     """
     if isinstance(preset, Lit):
         return preset

@@ -1,4 +1,4 @@
-"""Texels of mip-mapped textures, in linear light."""
+"""Texture look-up with mip maps, in linear light."""
 
 import math
 
@@ -11,33 +11,36 @@ from home_mjx.raycast_render.scene.vec import Vec, take
 
 
 def _decode_table() -> Float[np.ndarray, "256"]:
-    """Linear light of each sRGB byte (IEC 61966-2-1)."""
+    """Return the linear light of each sRGB byte (IEC 61966-2-1)."""
     return decode_srgb(np.arange(256) / 255).astype(np.float32)
 
 
 DECODE = _decode_table()
-# The curve above byte 10 as a polynomial, highest power first: a least maximum error fit to the 245 bytes.
+# Minimax polynomial of the curve above byte 10, highest power first, fitted to the 245 bytes.
 DECODE_POWERS = (-0.05466916, 0.22675983, -0.43463315, 0.71703972, 0.51144349, 0.03313933, 0.00091457)
-ALPHA = 3  # place of the channel
+ALPHA = 3  # index of the alpha channel
 
 
 def edge_of(textures: UInt32[Array, "l p"]) -> int:
-    """Edge of the largest mip level [px]: a square texture of edge s has (4 s^2 - 1) / 3 texels in all levels."""
+    """Return the edge of the largest mip level [px].
+
+    A square texture of edge s has (4 s^2 - 1) / 3 texels in all levels.
+    """
     return math.isqrt((3 * textures.shape[1] + 1) // 4)
 
 
 def channel(texel: UInt32[Array, "*rays"], place: int) -> Int[Array, "*rays"]:
-    """A byte of texels: red, green, blue, `ALPHA`."""
+    """Return a byte of texels: red, green, blue, `ALPHA`."""
     return ((texel >> (8 * place)) & 255).astype(jnp.int32)
 
 
 def linear(texel: UInt32[Array, "*rays"]) -> Vec:
-    """Colours of texels in linear light."""
+    """Decode texels to linear light."""
     return Vec(*(take(jnp.asarray(DECODE), channel(texel, place)) for place in range(3)))
 
 
 def nearly_linear(texel: UInt32[Array, "*rays"]) -> Vec:
-    """The same within 6e-6 without a look-up per channel, for the many texels of a filter."""
+    """Decode texels to linear light within 6e-6, without a table look-up per channel, for texture filters."""
 
     def decode(byte: Int[Array, "*rays"]) -> Float[Array, "*rays"]:
         value = byte.astype(jnp.float32) * (1 / 255)
@@ -52,9 +55,9 @@ def nearly_linear(texel: UInt32[Array, "*rays"]) -> Vec:
 def nearest(
     textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], u: Float[Array, "*rays"], v: Float[Array, "*rays"]
 ) -> UInt32[Array, "*rays"]:
-    """The nearest texel of the largest level, the texture repeating; v = 0 is the bottom row.
+    """Return the nearest texel of the largest level of a repeating texture; v = 0 is the bottom row.
 
-    Nearest, because at 64x64 pixels textures are minified and bilinear taps would cost four gathers and still alias.
+    At 64x64 pixels textures are minified, and bilinear taps would cost four gathers and still alias.
     """
     size = edge_of(textures)
     column, row = (jnp.minimum(jnp.floor((x - jnp.floor(x)) * size).astype(jnp.int32), size - 1) for x in (u, v))
@@ -68,14 +71,14 @@ def trilinear(
     v: Float[Array, "*rays"],
     level: Float[Array, "*rays"],
 ) -> Vec:
-    """Colours between texels and between mip levels, in linear light; the texture repeats.
+    """Interpolate between texels and between mip levels of a repeating texture, in linear light.
 
     Args:
-        textures: Layers with all their levels.
-        layer: Which.
-        u: Where, to the right.
-        v: Where, up; 0 is the bottom row.
-        level: 0 is the largest level, 1 half of it; beyond both ends the nearest is taken.
+        textures: Layers with all their mip levels.
+        layer: Layer of each ray.
+        u: Texture coordinate to the right.
+        v: Texture coordinate upwards; 0 is the bottom row.
+        level: Mip level; 0 is the largest, 1 has half its edge. Clipped to the levels of the texture.
     """
     last = edge_of(textures).bit_length() - 1
     level = jnp.clip(level, 0.0, float(last))
@@ -86,7 +89,7 @@ def trilinear(
 
 
 def mip_level(texels: Float[Array, "*rays"]) -> Float[Array, "*rays"]:
-    """The level whose texels are as large as the footprint of a pixel.
+    """Return the mip level whose texels are as large as the footprint of a pixel.
 
     Source: T. Akenine-Möller et al., "Texture level of detail strategies for real-time ray tracing", Ray Tracing Gems
     2019: half the binary logarithm of the area, in texels of the largest level.
@@ -111,13 +114,13 @@ def _bilinear(
     edge = edge_of(textures)
     size = edge >> level
     start = (edge * edge - size * size) * 4 // 3  # texels of all larger levels
-    # Texel centres lie at half integers; rows count down from v = 1.
+    # Texel centres are at half integers; rows count down from v = 1.
     span = size.astype(jnp.float32)
     column, row = (u - jnp.floor(u)) * span - 0.5, (1 - (v - jnp.floor(v))) * span - 0.5
     left, top = jnp.floor(column), jnp.floor(row)
 
     def texel(dx: int, dy: int) -> Vec:
-        # Edges are powers of two, so the mask is the remainder.
+        # Edges are powers of two, so the mask computes the remainder.
         x, y = (left.astype(jnp.int32) + dx) & (size - 1), (top.astype(jnp.int32) + dy) & (size - 1)
         return nearly_linear(_pick(textures, layer, start + y * size + x))
 

@@ -177,7 +177,7 @@ def test_other_houses_than_the_banks_are_refused(bank):
         ExportedTemplate(PhysicsConfig(), bank, HOUSES)
     template = ExportedTemplate(PhysicsConfig(impl="c"), bank, HOUSES)
     one = HouseBank.from_compiled(HOUSES[:1])
-    with pytest.raises(ConfigError, match="2 exported houses, the bank 1"):
+    with pytest.raises(ConfigError, match="2 exported houses, the bank has 1"):
         rollout(template, one, STARTS[:1], steps=1)
 
 

@@ -113,7 +113,7 @@ def test_doors_meet_the_robot_but_not_the_house(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("robot", "message"), [("no_such.xml", "no such file"), ("<mujoco><nothing/></mujoco>", "no MJCF")]
+    ("robot", "message"), [("no_such.xml", "does not exist"), ("<mujoco><nothing/></mujoco>", "not valid MJCF")]
 )
 def test_what_is_no_robot_is_refused(robot, message):
     with pytest.raises(ConfigError, match=message):

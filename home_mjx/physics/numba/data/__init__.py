@@ -1,1 +1,1 @@
-"""What the fused step works on: sizes, numbers and memory."""
+"""Sizes, parameters and memory of the fused step."""

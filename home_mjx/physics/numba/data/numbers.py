@@ -1,4 +1,4 @@
-"""The numbers of a template that every environment and agent shares."""
+"""Scalar parameters of a template, shared by all environments and agents."""
 
 from typing import NamedTuple, TypeVar
 
@@ -12,30 +12,30 @@ from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS
 
 Values = TypeVar("Values", jax.Array, np.ndarray)  # (*batch, 5)
-ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
-BY_FORCE = 1.0  # `control`
-# What is slower than this for a control step, and not pulled, has come to rest.
+ITERATIONS = 50  # maximum number of Newton iterations; most physics steps converge in one to three
+BY_FORCE = 1.0  # value of `control` for force control
+# Maximum speeds and acceleration of a body at rest; a body below them for a whole control step may fall asleep.
 REST_SPEED, REST_SPIN, REST_PULL = 2e-3, 1e-2, 0.1  # [m/s], [rad/s], [m/s^2]
 
 
 class Numbers(NamedTuple):
-    """In [m], [kg], [s], [N] and their products; an array holds them in this order."""
+    """Parameters in [m], [kg], [s], [N] and their products; arrays have the same order."""
 
     sim_dt: float
     substeps: float
     gravity: float
-    control: float  # BY_FORCE, or 0: by velocity
+    control: float  # BY_FORCE, or 0 for velocity control
     response_time: float
     max_body_speed: float
     max_body_spin: float
-    stiffness: float  # of contacts with agents, and ends of doors' ways: reference acceleration per depth and impedance
-    damping: float  # and per velocity
+    stiffness: float  # of agents' contacts and door limits: reference acceleration per depth and impedance
+    damping: float  # of the same: reference acceleration per velocity
     impedance_low: float
     impedance_high: float
     impedance_width: float
     iterations: float
     corner_radius: float
-    sleep: float  # 1: what has come to rest is left out
+    sleep: float  # 1: bodies at rest are skipped
     rest_speed: float
     rest_spin: float
     rest_pull: float
@@ -56,7 +56,7 @@ class Numbers(NamedTuple):
 
 
 def numbers_of(config: PhysicsConfig) -> Numbers:
-    """The numbers of a template."""
+    """Return the parameters of a template."""
     dt = config.timing.sim_dt
     constant = max(agent.TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
     return Numbers(
@@ -96,6 +96,9 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
 
 
 def reference_surfaces(surfaces: Values) -> Values:
-    """`base.surfaces` with reference accelerations: stiffness per depth and impedance, damping per velocity."""
+    """Convert rows of `base.surfaces` to reference accelerations.
+
+    Stiffness becomes an acceleration per depth and impedance, damping one per velocity.
+    """
     factor = np.array([1, agent.SOLIMP[1] ** -2, 1 / agent.SOLIMP[1], 1, 1], surfaces.dtype)
     return surfaces * factor.reshape((1,) * (surfaces.ndim - 1) + (-1,))

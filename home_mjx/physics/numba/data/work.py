@@ -1,7 +1,7 @@
-"""What a thread needs to step one environment: all arrays, made once and used again.
+"""Memory in which a thread steps one environment: all arrays, allocated once and reused.
 
-They are bare pointers: Numba counts the references of arrays, which made the step several times slower. Rows lie one
-after the other, so number k of row i of an (n, 3) array is at 3 * i + k.
+They are bare pointers, since Numba's reference counting of arrays made the step several times slower. Rows are
+contiguous: element k of row i of an (n, 3) array is at 3 * i + k.
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
@@ -23,72 +23,75 @@ from home_mjx.physics.numba.data.limits import (
     SURFACE_COLUMNS,
 )
 
-NUM_CONTACTS, LOST_STATIC, LOST_POINTS, NEWTON_STEPS = range(4)  # in `counts`
+NUM_CONTACTS, LOST_STATIC, LOST_POINTS, NEWTON_STEPS = range(4)  # indices in `counts`
 
 Pointer = Any  # to float64 or int64
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 
 
 class Work(NamedTuple):
-    """Mobiles are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds."""
+    """Arrays of one environment.
+
+    Dynamic bodies are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds.
+    """
 
     num_agents: int
-    num_free: int  # agents and bodies: the first door
+    num_free: int  # number of agents and bodies; also the index of the first door
     num_mobiles: int  # m
     num_static: int  # c
     most_points: int  # n
     pos: Pointer  # (m, 3) centres
-    quat: Pointer  # (m, 4) wxyz; of agents the yaw, of doors their coordinate comes first
+    quat: Pointer  # (m, 4) wxyz; element 0 is the yaw of an agent, or the coordinate of a door
     rot: Pointer  # (m, 3, 3) axes as columns
-    vel: Pointer  # (m, 6) linear in the world, angular in the mobile's own frame; a door's rate comes first
-    acc: Pointer  # (m, 6) the solution of the last physics step, then of this one
+    vel: Pointer  # (m, 6) linear in the world, angular in the body's own frame; element 0 is the rate of a door
+    acc: Pointer  # (m, 6) solution of the last physics step, then of this one
     smooth: Pointer  # (m, 6) acceleration without contacts
     half: Pointer  # (m, 3) half extents of bodies
     mass: Pointer  # (m, 6) diagonal of the mass matrix
-    used: Pointer  # (m) 1: is stepped; 0: sleeps, or is parked
+    used: Pointer  # (m) 1: awake; 0: asleep or parked
     there: Pointer  # (m) 0: parked
     calm: Pointer  # (m) 1: has hardly moved in this control step
-    wakes: Pointer  # (m) 1: was touched in its sleep
-    inverse: Pointer  # (m) of the mass that a contact meets at the mobile's centre: MuJoCo's `body_invweight0`
+    wakes: Pointer  # (m) 1: was touched while asleep
+    inverse: Pointer  # (m) MuJoCo's translational `body_invweight0`, the inverse mass at the centre
     radius: Pointer  # (m) of the bounding sphere
     agent: Pointer  # (a, AGENT_COLUMNS), see `control.agent_table`
     door: Pointer  # (h, DOOR_COLUMNS), see `doors.door_table`
-    surface: Pointer  # (m, SURFACE_COLUMNS) of bodies, see `numbers.reference_surfaces`; of others nothing
-    push: Pointer  # (m, 2) impulse of its contacts in a control step: of all, of the strongest in one physics step
+    surface: Pointer  # (m, SURFACE_COLUMNS) see `numbers.reference_surfaces`; unused except for bodies
+    push: Pointer  # (m, 2) contact impulses in a control step: sum, and maximum of one contact in a physics step
     static_pos: Pointer  # (c, 3)
     static_rot: Pointer  # (c, 3, 3)
     static_half: Pointer  # (c, 3)
-    near: Pointer  # (m, NEAR) static boxes near a mobile
-    num_near: Pointer  # (m)
-    near_from: Pointer  # (m, 12) pose of the mobile when they were looked for
-    first: Pointer  # (n) mobile of a contact
-    second: Pointer  # (n) the other one, or what does not move, see `limits`
+    near: Pointer  # (m, NEAR) static boxes near a body
+    num_near: Pointer  # (m) number of them; -1 if the list is invalid
+    near_from: Pointer  # (m, 12) pose of the body when they were listed
+    first: Pointer  # (n) first body of a contact
+    second: Pointer  # (n) second body, or a code, see `limits`
     place: Pointer  # (n, 4) position and distance of a contact
     frame: Pointer  # (n, 3, 3) rows: normal from first to second, two tangents
     friction: Pointer  # (n) 0: frictionless
-    jacobian: Pointer  # (n, 2, 3, 6) contact frame from the velocities of first and second
-    weight: Pointer  # (n) 1 / regularisation of its rows
-    target: Pointer  # (n, 4) reference acceleration of its rows
-    active: Pointer  # (n) bits: rows that push
-    residual: Pointer  # (n, 4) of its rows
+    jacobian: Pointer  # (n, 2, 3, 6) contact-frame velocity from the velocities of first and second
+    weight: Pointer  # (n) 1 / regularisation of the rows
+    target: Pointer  # (n, 4) reference acceleration of the rows
+    active: Pointer  # (n) bit mask of the rows that push
+    residual: Pointer  # (n, 4) of the rows
     slope: Pointer  # (n, 4) of the residuals along the search direction
-    island: Pointer  # (m) its first mobile
-    offset: Pointer  # (m) first number in the island's vectors
-    members: Pointer  # (m) mobiles of an island
+    island: Pointer  # (m) first body of the island
+    offset: Pointer  # (m) index of the body's first DoF in the island's vectors
+    members: Pointer  # (m) bodies of an island
     rows: Pointer  # (n) contacts of an island
-    hessian: Pointer  # (d, d) of an island, its lower triangle
+    hessian: Pointer  # (d, d) of an island, lower triangle
     gradient: Pointer  # (d)
     search: Pointer  # (d)
-    points: Pointer  # (MOST_POINTS, 4)
-    normals: Pointer  # (2, 3)
-    counts: Pointer  # (4) contacts, what was lost, steps of Newton's method; see the names above
+    points: Pointer  # (MOST_POINTS, 4) contact points of the current pair
+    normals: Pointer  # (2, 3) their normals
+    counts: Pointer  # (4) number of contacts, overflow flags, Newton steps; see the names above
 
 
 @njit(error_model="numpy")
 @no_type_check
 def make_work(num_agents, num_bodies, num_doors, num_static):
-    """Memory for environments of these sizes, all zero; give it to `free_work` in the end."""
-    _, size = _carve(0, num_agents, num_bodies, num_doors, num_static)  # how much it takes
+    """Allocate zeroed memory for environments of these sizes; release it with `free_work`."""
+    _, size = _carve(0, num_agents, num_bodies, num_doors, num_static)  # from address 0: the total size
     block = allocate(size)
     zeros = ints(block)
     for i in range(size // WORD):
@@ -100,7 +103,7 @@ def make_work(num_agents, num_bodies, num_doors, num_static):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def dofs(work, m):
-    """How many of a mobile's six numbers contacts act on."""
+    """Return the number of a dynamic body's DoFs that contacts act on."""
     if m < work.num_agents:
         return AGENT_DOFS
     return BODY_DOFS if m < work.num_free else DOOR_DOFS
@@ -109,7 +112,7 @@ def dofs(work, m):
 @njit(error_model="numpy")
 @no_type_check
 def _carve(at, num_agents, num_bodies, num_doors, num_static):
-    """The arrays one after the other from an address on, and the address behind them."""
+    """Lay out the arrays one after another from an address on; return them and the address behind the last."""
     m, c = num_agents + num_bodies + num_doors, num_static
     n, d = POINTS_PER_MOBILE * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies + DOOR_DOFS * num_doors
     pos, at = floats(at), at + WORD * (3 * m)
@@ -215,5 +218,5 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
 @njit(error_model="numpy")
 @no_type_check
 def free_work(work):
-    """Gives the memory back."""
+    """Release the memory."""
     release(address_of(work.pos))

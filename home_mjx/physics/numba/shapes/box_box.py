@@ -1,11 +1,11 @@
-"""Contact points of two boxes, where C MuJoCo puts them.
+"""Contact points of two boxes, as in C MuJoCo.
 
 The axis of least overlap is one of six face normals or nine cross products of edges. A face of the second box is then
-clipped by a face of the first one, or the other way round. Between faces the clipping is along their normal, between
-edges along the cross product.
+clipped by a face of the first one, or vice versa. Face contacts are measured along the face normal, edge contacts along
+the cross product.
 
-Sources: S. Gottschalk, M. Lin, D. Manocha, "OBBTree", SIGGRAPH 1996 (separating axes); `mjc_BoxBox` of MuJoCo, which
-tells which points are kept.
+Sources: S. Gottschalk, M. Lin, D. Manocha, "OBBTree", SIGGRAPH 1996 (separating axes); `mjc_BoxBox` of MuJoCo
+(selection of points).
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
@@ -17,11 +17,11 @@ from numba import njit, types
 
 from home_mjx.core.native.memory import stack_of
 
-MOST_POINTS = 16  # of a pair of shapes
+MOST_POINTS = 16  # maximum number of contact points of a pair of shapes
 
-NEARLY_PARALLEL = 1e-15  # of edges: length of the cross product of their directions
-PREFER_FACES = 1 - 1e-12  # an edge axis must overlap less than this times the best face axis
-ALIKE, ALIKE_FACTOR = 0.99, 0.95  # an edge axis this near the face's normal must overlap this much less
+NEARLY_PARALLEL = 1e-15  # minimum length of the cross product of edge directions; shorter: parallel edges
+PREFER_FACES = 1 - 1e-12  # maximum overlap of an edge axis over that of the best face axis
+ALIKE, ALIKE_FACTOR = 0.99, 0.95  # cosine to the face normal from which on that maximum is `ALIKE_FACTOR`
 APART, NO_EDGE = -2, -1
 EDGE = 6  # codes from here on: EDGE + 3 * axis of the first box + axis of the second one
 
@@ -32,7 +32,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
-    """Writes the contact points of two boxes.
+    """Write the contact points of two boxes.
 
     Args:
         pos1: Centre of the first box (3) [m].
@@ -45,7 +45,7 @@ def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
         normal: Result (3): unit, from the first box to the second one.
 
     Returns:
-        The number of points; 0: the boxes do not overlap.
+        The number of points; 0 if the boxes do not overlap.
     """
     between, cosine = vector(), matrix()
     for i in range(3):
@@ -68,14 +68,14 @@ def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def sum3(x, y, z, end, start):
-    """Scalar product of (x, y, z) and end - start."""
+    """Return the scalar product of (x, y, z) and end - start."""
     return x * (end[0] - start[0]) + y * (end[1] - start[1]) + z * (end[2] - start[2])
 
 
 @compiled
 @no_type_check
 def _least_overlap(between, cosine, half1, half2, axis):
-    """Codes of the axis of least overlap and of the best face; -1: apart.
+    """Find the axis of least overlap; return its code and that of the best face, -1 if the boxes are apart.
 
     An edge axis is written to `axis`, in the first box's frame, from the first box to the second one.
     """
@@ -103,7 +103,11 @@ def _least_overlap(between, cosine, half1, half2, axis):
 @compiled
 @no_type_check
 def _best_edge(between, cosine, half1, half2, face, axis):
-    """The pair of edges whose cross product is the axis of least overlap; the overlap; its cosine to the best face."""
+    """Find the pair of edges whose cross product has the least overlap.
+
+    Returns:
+        Code of the pair, its overlap, and the absolute cosine of its axis to the best face's normal.
+    """
     least, best, likeness = np.inf, NO_EDGE, 0.0
     for i in range(3):
         for j in range(3):
@@ -135,7 +139,7 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 @compiled
 @no_type_check
 def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
-    """Clips the nearest face, edge or corner of box 2 by the face of box 1 across its axis `up`."""
+    """Clip the nearest face, edge or corner of box 2 by the face of box 1 across its axis `up`."""
     toward = sum3(rot1[up], rot1[3 + up], rot1[6 + up], pos2, pos1)
     side = -1.0 if toward < 0 else 1.0
     frame = matrix()
@@ -148,7 +152,7 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
     for k in range(3):
         for j in range(3):
             local[3 * k + j] = frame[k] * rot2[j] + frame[3 + k] * rot2[3 + j] + frame[6 + k] * rot2[6 + j]
-    # The face of box 2 that looks at this one the most; the other two axes are its edges.
+    # The face of box 2 that is most antiparallel to this one; the other two axes are its edges.
     facing = _largest(abs(local[3 * 2]), abs(local[6 + 1]), abs(local[6 + 2]))
     edges = matrix()
     for j in range(3):
@@ -169,12 +173,12 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
 @compiled
 @no_type_check
 def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
-    """Writes the point half-way between two edges; False if they do not cross, seen along the axis."""
+    """Write the point half-way between two edges; return False if they do not cross when seen along the axis."""
     edge1, edge2 = code // 3, code % 3
     away = vector()  # the axis in the second box's frame
     for j in range(3):
         away[j] = axis[0] * cosine[j] + axis[1] * cosine[3 + j] + axis[2] * cosine[6 + j]
-    # A point of either edge, in the first box's frame: box 2 lies where the axis points.
+    # A point of each edge, in the first box's frame: box 2 is in the direction of the axis.
     start, other = vector(), vector()
     for k in range(3):
         other[k] = between[k]
@@ -211,7 +215,7 @@ def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal
 @compiled
 @no_type_check
 def _face_axes(rot, up, side, frame):
-    """Writes the axes of a face as columns, right-handed; the third is its outward normal."""
+    """Write the axes of a face as columns, right-handed; the third is its outward normal."""
     for k in range(3):
         frame[3 * k] = rot[3 * k + (up + 1) % 3]
         frame[3 * k + 1] = side * rot[3 * k + (up + 2) % 3]
@@ -221,7 +225,7 @@ def _face_axes(rot, up, side, frame):
 @compiled
 @no_type_check
 def _largest(x, y, z):
-    """Which of three values is the largest; the first of equal ones."""
+    """Return the index of the largest of three values; ties go to the first."""
     if x >= y and x >= z:
         return 0
     return 1 if y >= z else 2
@@ -230,7 +234,7 @@ def _largest(x, y, z):
 @compiled
 @no_type_check
 def _clip(corner, edges, size, points):
-    """Points of a parallelogram below a rectangle in the plane z = 0: crossings of borders, and corners of both.
+    """Write the points of a parallelogram below a rectangle in the plane z = 0: border crossings, and corners of both.
 
     Args:
         corner: A corner of the parallelogram (3).
@@ -262,7 +266,7 @@ def _clip(corner, edges, size, points):
 @compiled
 @no_type_check
 def _crossings(start, edge, size, points, number):
-    """Where an edge crosses the border of the rectangle."""
+    """Add the points where an edge crosses the border of the rectangle."""
     for q in range(2):
         if abs(edge[q]) <= NEARLY_PARALLEL:
             continue
@@ -280,7 +284,7 @@ def _crossings(start, edge, size, points, number):
 @compiled
 @no_type_check
 def _covered(corner, edges, size, points, number):
-    """Corners of the rectangle that lie under the parallelogram."""
+    """Add the corners of the rectangle that are covered by the parallelogram."""
     a, c = edges[0], edges[1]
     b, d = edges[3], edges[4]
     determinant = a * d - b * c
@@ -298,7 +302,7 @@ def _covered(corner, edges, size, points, number):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _add(x, y, z, points, number):
-    """Adds the middle of a point and of the plane above it."""
+    """Add the midpoint between a point and the plane above it."""
     if z > 0 or number >= MOST_POINTS:
         return number
     points[4 * number], points[4 * number + 1], points[4 * number + 2], points[4 * number + 3] = x, y, z / 2, z

@@ -1,7 +1,7 @@
-"""Contact points of upright capsules with boxes and with one another, where C MuJoCo puts them.
+"""Contact points of upright capsules with boxes and with one another, as in C MuJoCo.
 
-A capsule touches a box with one or two spheres: one at the point of its axis that is nearest to the box, a second one
-as far along the axis as it still runs beside the same face or edge. Source: `mjc_CapsuleBox` of MuJoCo.
+A capsule touches a box with one or two spheres. The first is at the point of its axis that is nearest to the box. The
+second is as far along the axis as the axis still runs beside the same face or edge. Source: `mjc_CapsuleBox` of MuJoCo.
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
@@ -14,7 +14,7 @@ from numba import njit, types
 from home_mjx.core.native.memory import stack_of
 
 TINY = 1e-15
-NONE, FACE, EDGE, CORNER = -1, 0, 1, 2  # what of a box is nearest
+NONE, FACE, EDGE, CORNER = -1, 0, 1, 2  # kind of the nearest feature of a box
 
 vector, quad = stack_of(types.float64, 3), stack_of(types.float64, 4)
 compiled = njit(error_model="numpy")
@@ -23,19 +23,19 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def sphere_box(x, y, z, radius, half, point, normal):
-    """Contact of a sphere and a box, in the box's frame.
+    """Compute the contact of a sphere and a box, in the box's frame.
 
     Args:
         x: Centre of the sphere [m].
-        y: The same.
-        z: The same.
+        y: Centre, second coordinate.
+        z: Centre, third coordinate.
         radius: [m]
         half: Half extents (3) [m].
         point: Result (4): position half-way between the surfaces, and distance [m].
         normal: Result (3): unit, from the sphere to the box.
 
     Returns:
-        Whether they touch.
+        True if they touch.
     """
     center = (x, y, z)
     square = 0.0
@@ -52,7 +52,7 @@ def sphere_box(x, y, z, radius, half, point, normal):
             point[k] = center[k] + normal[k] * (distance + radius) / 2
         point[3] = distance - radius
         return True
-    # The centre is inside: out through the nearest face.
+    # The centre is inside the box: push out through the nearest face.
     nearest, axis, side = np.inf, 0, 1.0
     for k in range(3):
         for s in (-1.0, 1.0):
@@ -69,7 +69,7 @@ def sphere_box(x, y, z, radius, half, point, normal):
 @compiled
 @no_type_check
 def capsule_box(pos, radius, length, box, rot, half, points, normals):
-    """Writes the contact points of an upright capsule and a box.
+    """Write the contact points of an upright capsule and a box.
 
     Args:
         pos: Centre of the capsule (3) [m].
@@ -79,7 +79,7 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
         rot: Its axes as columns (3, 3).
         half: Half extents (3) [m].
         points: Result (2, 4): positions half-way between the surfaces, and distances [m].
-        normals: Result (2, 3): units from the capsule to the box.
+        normals: Result (2, 3): unit vectors from the capsule to the box.
 
     Returns:
         The number of points.
@@ -90,7 +90,7 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
         axis[k] = rot[6 + k] * length
     first, second = _places(center, axis, length, half)
     count = _touch(center, axis, first, radius, box, rot, half, points, normals, 0)
-    if second == second:  # there is one
+    if second == second:  # not NaN
         count = _touch(center, axis, second, radius, box, rot, half, points, normals, count)
     return count
 
@@ -98,7 +98,7 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 @compiled
 @no_type_check
 def _touch(center, axis, t, radius, box, rot, half, points, normals, count):
-    """Adds the contact of the sphere at t of the axis, in world coordinates."""
+    """Add the contact of the sphere at t of the axis, in world coordinates."""
     point, normal = quad(), vector()
     x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
     if not sphere_box(x, y, z, radius, half, point, normal):
@@ -113,14 +113,14 @@ def _touch(center, axis, t, radius, box, rot, half, points, normals, count):
 @compiled
 @no_type_check
 def _places(center, axis, length, half):
-    """Where on the axis, from -1 to 1, the two spheres are; the second is NaN if there is none."""
+    """Return the positions of the two spheres on the axis, from -1 to 1; the second is NaN if there is only one."""
     best, t, kind, on, corner, at = _nearest_end(center, axis, half)
     best, t, kind, on, corner, at = _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at)
     if kind == FACE:
         return t, t + _beside_face(center, axis, half, t, on)
     if kind == NONE:
         return t, np.nan
-    forward = 0  # bits: directions in which the axis runs up
+    forward = 0  # bit mask of the box axes along which the capsule's axis increases
     for k in range(3):
         if axis[k] > 0:
             forward += 1 << k
@@ -132,10 +132,10 @@ def _places(center, axis, length, half):
 @compiled
 @no_type_check
 def _nearest_end(center, axis, half):
-    """The end of the axis that lies before a face or inside, if that is nearest.
+    """Find the end of the axis that is in front of a face or inside the box, if one is nearest.
 
     Returns:
-        Square of the distance, place on the axis, what is nearest and on which axis of the box, unused numbers.
+        Squared distance, position on the axis, kind of the nearest feature, its box axis, two unused numbers.
     """
     best, t, kind, on = np.inf, 0.0, NONE, -1
     for end in (-1.0, 1.0):
@@ -153,7 +153,7 @@ def _nearest_end(center, axis, half):
 @compiled
 @no_type_check
 def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
-    """The same after a look at the twelve edges; with the corner's bits and the place on the edge."""
+    """Update the result of `_nearest_end` with the twelve edges, including corner bits and position on the edge."""
     gap = vector()
     for j in range(3):
         ma, mb, mc = half[j] * half[j], -half[j] * axis[j], length * length
@@ -169,7 +169,7 @@ def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
             v = axis[0] * gap[0] + axis[1] * gap[1] + axis[2] * gap[2]
             edge = (mc * u - mb * v) / determinant
             place = (ma * v - mb * u) / determinant
-            end = 0  # of the edge, if the nearest point of its line is beyond one: kept when that changes below
+            end = 0  # end of the edge beyond which the nearest point of its line is; not reset below
             if abs(edge) > 1:
                 end = 1 if edge > 0 else -1
                 edge = float(end)
@@ -194,7 +194,7 @@ def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
 @compiled
 @no_type_check
 def _beside_face(center, axis, half, end, face):
-    """From an end before a face: how far the axis runs before the same face; NaN if the end is inside the box."""
+    """Return the signed length from an end along the axis that stays in front of its face; NaN for an end inside."""
     if face < 0:
         return np.nan
     direction, reach = -end, 2.0
@@ -211,7 +211,7 @@ def _beside_face(center, axis, half, end, face):
 @compiled
 @no_type_check
 def _from_corner(axis, length, half, t, turn):
-    """From a corner: along its edge or its face, as the axis is inclined; NaN if it points away or at it."""
+    """Return the signed length from a corner along its edge or face; NaN if the axis points away or at the corner."""
     if turn in (0, 7):
         return np.nan
     direction = 1.0
@@ -228,7 +228,7 @@ def _from_corner(axis, length, half, t, turn):
 @compiled
 @no_type_check
 def _from_edge(axis, half, t, edge, at, forward, turn):
-    """From within an edge: across the face that the axis is inclined to the least; NaN if it points away."""
+    """Return the signed length from an edge across the face least inclined to the axis; NaN if the axis points away."""
     if turn not in (1, 2, 4):
         return np.nan
     ax1, ax2 = (edge + 1) % 3, (edge + 2) % 3
@@ -245,13 +245,13 @@ def _from_edge(axis, half, t, edge, at, forward, turn):
 @compiled
 @no_type_check
 def capsule_capsule(pos1, radius1, length1, pos2, radius2, length2, points, normals):
-    """Writes the contacts of two upright capsules; see `capsule_box`. Parallel ones touch at two points."""
+    """Write the contacts of two upright capsules, which touch at up to two points; see `capsule_box`."""
     dx, dy = pos2[0] - pos1[0], pos2[1] - pos1[1]
     low = max(pos1[2] - length1, pos2[2] - length2)
     high = min(pos1[2] + length1, pos2[2] + length2)
     count = 0
     for i in range(2):
-        # The ends of what overlaps; the nearest ends if nothing does, which MuJoCo counts twice.
+        # The ends of the overlapping range; without overlap the nearest ends, which MuJoCo counts twice.
         z1 = z2 = low if i == 0 else high
         if low > high:
             z1, z2 = (high, low) if pos1[2] < pos2[2] else (low, high)

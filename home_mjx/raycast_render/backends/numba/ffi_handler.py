@@ -1,4 +1,4 @@
-"""The compiled loop as a handler that XLA calls directly: no Python, no interpreter lock, no copies."""
+"""The `cpu` executor as an XLA FFI handler: no Python, no interpreter lock, no copies."""
 # ruff: noqa: ANN001, ANN202  (Numba infers the types)
 
 from typing import Any, no_type_check
@@ -17,12 +17,12 @@ from home_mjx.raycast_render.backends.numba import packet as native_packet
 from home_mjx.raycast_render.backends.numba import traverse as native
 from home_mjx.raycast_render.scene import constants as limits
 
-ANY_HIT, WIDTH = 0, 1  # attributes, in the order of their names
+ANY_HIT, WIDTH = 0, 1  # indices of attributes, which are sorted by name
 NUM_OPERANDS, NUM_RESULTS = 24, 6
-# Operands whose shapes tell how many rows there are
+# Operands whose shapes define the numbers of rows
 NODE, TRIANGLE, MODEL, HOUSE, INSTANCE_MODEL, MATERIAL, MOVING_INSTANCE = 1, 2, 4, 5, 6, 10, 12
 NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY
-CHUNK = 16  # packets that a thread takes at once
+CHUNK = 16  # packets per chunk of work
 WORK, TASK = "home_mjx_cast_work", "home_mjx_cast_task"
 
 operand_words, result_words = stack_of(types.int64, NUM_OPERANDS), stack_of(types.int64, NUM_RESULTS)
@@ -33,11 +33,12 @@ compiled = njit(error_model="numpy")
 
 @with_checked_cache
 def build_handler() -> tuple[Any, Any, Any]:
-    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+    """Compile the work, the task and the handler, or load them from Numba's cache on disk.
 
-    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    Keep all three alive while XLA may call them. Task and handler call the work at its address: each would otherwise be
+    compiled with a copy of it, which takes as long again.
     """
-    # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
+    # The cache checks this file only. The functions refer to the digest, so that a change of the others invalidates it.
     parts: tuple[Any, ...] = (ffi, lanes, limits, native, native_intersect, native_memory, native_packet)
     digest = ffi.digest(*(part.__file__ for part in parts))
 
@@ -76,7 +77,7 @@ def build_handler() -> tuple[Any, Any, Any]:
 @compiled
 @no_type_check
 def _work(job):
-    """Casts chunks until none is left."""
+    """Cast chunks of packets until none is left."""
     while True:
         chunk = ffi.next_chunk(job)
         if chunk < 0:

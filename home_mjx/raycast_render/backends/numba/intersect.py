@@ -1,4 +1,4 @@
-"""Packets of rays against boxes and triangles, one ray in each lane, with the roundings of `xla` and `cuda`."""
+"""Intersection of ray packets with boxes and triangles, one ray per lane, rounded as in `xla` and `cuda`."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from typing import Any, NamedTuple, no_type_check
@@ -13,12 +13,12 @@ from home_mjx.raycast_render.scene import constants as limits
 FAR_SLACK, TINY = np.float32(limits.FAR_SLACK), np.float32(limits.TINY)
 ZERO, ONE, INF = np.float32(0), np.float32(1), np.float32(np.inf)
 
-Lane = Any  # a vector of `LANES` items
+Lane = Any  # a SIMD vector of `LANES` items
 compiled = njit(error_model="numpy", forceinline=True)
 
 
 class Ray(NamedTuple):
-    """The rays of a packet in one frame, with the inverse of their directions for boxes, and what they may hit."""
+    """Rays of a packet in one frame, with inverse directions for box tests, masks and the kind of query."""
 
     ox: Lane
     oy: Lane
@@ -43,7 +43,7 @@ class Instance(NamedTuple):
 
 
 class Best(NamedTuple):
-    """The best hits so far."""
+    """Best hits up to now."""
 
     t: Lane
     instance: Lane
@@ -56,7 +56,7 @@ class Best(NamedTuple):
 @compiled
 @no_type_check
 def slab(box, index, ray):
-    """Distance t at which the rays enter a box, at least t_min; infinity on a miss."""
+    """Return the distance t at which the rays enter a box, at least t_min; infinity on a miss."""
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
@@ -69,7 +69,7 @@ def slab(box, index, ray):
 @compiled
 @no_type_check
 def prepare(rays, alive, any_hit):
-    """A packet as it was read, with a mask of the lanes that count."""
+    """Prepare a packet for traversal; lanes that are not alive get t_min = infinity."""
     origin, direction = (rays.ox, rays.oy, rays.oz), (rays.dx, rays.dy, rays.dz)
     return _ray(origin, direction, where(alive, rays.t_min, INF), rays.mask, any_hit)
 
@@ -90,7 +90,7 @@ def _inverse(x):
 @compiled
 @no_type_check
 def into(inverse, index, ray, sees):
-    """The rays that see an instance in its frame."""
+    """Transform the rays that see an instance into its frame."""
     at = 12 * index
     ox = inverse[at] * ray.ox + inverse[at + 1] * ray.oy + inverse[at + 2] * ray.oz + inverse[at + 3]
     oy = inverse[at + 4] * ray.ox + inverse[at + 5] * ray.oy + inverse[at + 6] * ray.oz + inverse[at + 7]
@@ -102,7 +102,7 @@ def into(inverse, index, ray, sees):
 
 
 class Shear(NamedTuple):
-    """Rays prepared for triangles: the axis along which each is longest becomes its z."""
+    """Rays prepared for triangle tests: the longest axis of each direction becomes its z."""
 
     along_x: Lane
     along_y: Lane
@@ -117,7 +117,7 @@ class Shear(NamedTuple):
 @compiled
 @no_type_check
 def shear_of(ray):
-    """Values of the rays in this frame that triangle tests need."""
+    """Prepare the rays of this frame for triangle tests."""
     x, y, z = magnitude(ray.dx), magnitude(ray.dy), magnitude(ray.dz)
     along_x = (x >= y) & (x >= z)
     along_y = ~along_x & (y >= z)
@@ -129,7 +129,7 @@ def shear_of(ray):
 @compiled
 @no_type_check
 def _turn(along_x, along_y, x, y, z):
-    """Turns the axes cyclically so that the longest one becomes z."""
+    """Permute the axes cyclically so that the longest one becomes z."""
     return (
         where(along_x, y, where(along_y, z, x)),
         where(along_x, z, where(along_y, x, y)),
@@ -140,7 +140,7 @@ def _turn(along_x, along_y, x, y, z):
 @compiled
 @no_type_check
 def _corner(triangle, at, shear):
-    """A corner, sheared so that the rays run along z through the origin; z counts in units of t."""
+    """Shear a corner so that the rays run along z through the origin; z is in units of t."""
     px, py, pz = _turn(
         shear.along_x, shear.along_y, spread(triangle[at]), spread(triangle[at + 1]), spread(triangle[at + 2])
     )
@@ -152,12 +152,12 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test(world, instance, triangle, ray, shear, reaches, best):
-    """The best hits after one triangle, which only some rays may test."""
+    """Update the best hits with one triangle, for rays in `reaches` only."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)
     cx, cy, cz = _corner(world.triangle, at + 6, shear)
-    # Edge functions; their signs come from comparing the products, which no multiply-add can spoil.
+    # Edge functions; their signs come from a comparison of the products, which a fused multiply-add cannot change.
     u0, u1, v0, v1, w0, w1 = cx * by, cy * bx, ax * cy, ay * cx, bx * ay, by * ax
     positive = (u0 >= u1) & (v0 >= v1) & (w0 >= w1)
     meets = reaches & (positive | ((u0 <= u1) & (v0 <= v1) & (w0 <= w1)))
@@ -166,7 +166,7 @@ def test(world, instance, triangle, ray, shear, reaches, best):
     u, v, w = u0 - u1, v0 - v1, w0 - w1
     total = u + v + w
     t = (u * az + v * bz + w * cz) / total
-    # Equal distances go to the lower instance and triangle, so that the order of traversal does not matter.
+    # Ties go to the lower instance and triangle, so that the order of traversal does not matter.
     number = instance.number
     same = best.instance == number
     lower = (same & (best.triangle > triangle)) | (best.instance > number) | (best.instance < np.int32(0))

@@ -1,4 +1,4 @@
-"""How rays are grouped into packets, and how packets are read and hits written."""
+"""Grouping of rays into packets; input of packets and output of hits."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from typing import NamedTuple, no_type_check
@@ -11,8 +11,8 @@ from home_mjx.core.native.simd import LANES, load, spread, store, where
 from home_mjx.raycast_render.backends.numba.intersect import INF, ONE, ZERO, Lane
 from home_mjx.raycast_render.scene import constants as limits
 
-TILE = 4  # pixels in a row of the image that a packet casts
-FIRST_RAY = 18  # operand: the first of `types.Rays`
+TILE = 4  # [px], width of the image tile of a packet
+FIRST_RAY = 18  # index of the first operand that is a field of `types.Rays`
 
 MISS = np.float32(limits.MISS)
 float_pointer, int_pointer, byte_pointer = map(pointer_to, (types.float32, types.int32, types.uint8))
@@ -22,17 +22,17 @@ compiled = njit(error_model="numpy", forceinline=True)
 
 
 class Tiling(NamedTuple):
-    """How an environment's rays are grouped into packets: tiles of an image, or consecutive rays."""
+    """Grouping of an environment's rays into packets: tiles of an image, or consecutive rays."""
 
     count: np.int64  # rays
-    width: np.int64  # of the image; all rays if there is none
+    width: np.int64  # of the image; number of rays if there is none
     tile_width: np.int64
-    across: np.int64  # packets side by side
+    across: np.int64  # packets per row of tiles
     packets: np.int64
 
 
 class Sizes(NamedTuple):
-    """How many rows the arrays have: instances per house, moving ones per environment."""
+    """Numbers of rows of the arrays: instances per house, moving ones per environment."""
 
     nodes: np.int64
     triangles: np.int64
@@ -44,7 +44,7 @@ class Sizes(NamedTuple):
 
 
 class Packet(NamedTuple):
-    """Rays as the caller gave them."""
+    """Rays of a packet as given by the caller."""
 
     ox: Lane
     oy: Lane
@@ -61,14 +61,14 @@ class Packet(NamedTuple):
 @compiled
 @no_type_check
 def known(row, count):
-    """The nearest row that there is."""
+    """Clip a row index to the rows of an array."""
     return min(max(np.int64(row), np.int64(0)), count - 1)
 
 
 @compiled
 @no_type_check
 def tiling(rays, width):
-    """The packets of `rays` rays, the rows of an image of this width; 0: of none."""
+    """Return the packets of `rays` rays that form an image of the given width; 0 if they form none."""
     if width < TILE or rays % width != 0:
         across = (rays + LANES - 1) // LANES
         return Tiling(rays, rays, LANES, across, across)
@@ -79,7 +79,7 @@ def tiling(rays, width):
 @compiled
 @no_type_check
 def place(tiles, packet, rows):
-    """Writes which of its environment's rays each lane casts; -1 none."""
+    """Write the index of each lane's ray within its environment; -1 none."""
     x0, y0 = packet % tiles.across * tiles.tile_width, packet // tiles.across * (LANES // tiles.tile_width)
     for lane in range(LANES):
         x, start = x0 + lane % tiles.tile_width, (y0 + lane // tiles.tile_width) * tiles.width
@@ -89,7 +89,7 @@ def place(tiles, packet, rows):
 @compiled
 @no_type_check
 def read(operands, counts, env, rows):
-    """The rays of an environment that the lanes cast; t_min is infinity in lanes without a ray."""
+    """Read the rays of the lanes; t_min is infinity in lanes without a ray."""
     origin, direction = float_pointer(operands[FIRST_RAY]), float_pointer(operands[FIRST_RAY + 1])
     t_min, t_max = float_pointer(operands[FIRST_RAY + 2]), float_pointer(operands[FIRST_RAY + 3])
     exclude, mask = int_pointer(operands[FIRST_RAY + 4]), int_pointer(operands[FIRST_RAY + 5])
@@ -120,14 +120,14 @@ def read(operands, counts, env, rows):
 @compiled
 @no_type_check
 def _index(counts, field, env, row):
-    """Index of a field of a ray; some fields have one value for all rays of an environment."""
+    """Return the index of a field of a ray; some fields have one value for all rays of an environment."""
     return env * counts[field] + (row if counts[field] > 1 else 0)
 
 
 @compiled
 @no_type_check
 def write(results, first, rows, best):
-    """Writes the hits of the lanes that have a ray; `first` is the first ray of their environment."""
+    """Write the hits of the lanes that have a ray; `first` is the first ray of their environment."""
     t, instance, triangle = float_pointer(results[0]), int_pointer(results[1]), int_pointer(results[2])
     u, v, front = float_pointer(results[3]), float_pointer(results[4]), byte_pointer(results[5])
     floats, ints = lane_floats(), lane_ints()

@@ -1,11 +1,12 @@
 """Two-level traversal as a compiled loop over packets of rays: the inner part of the `cpu` executor.
 
 The algorithm is that of `xla`, which names its sources. The rays of a packet, a tile of the image, traverse the trees
-together, one in each lane of a vector. A node is opened if any ray meets it; the stack keeps where each ray enters it.
-So each ray tests the triangles that it would test alone. All memory is reached through bare pointers:
-Numba counts references to arrays at every step, which costs several times the work itself. So every index that comes
-from an array is held to the rows that there are, and a walk ends after as many nodes as there are: trees of anybody's
-making may be cut short, but nothing beside the arrays is read and no circle is walked for ever.
+together, one in each lane of a vector. A node is opened if any ray hits it; the stack stores each ray's entry distance.
+Each ray therefore tests the same triangles as it would alone.
+
+All memory is accessed through bare pointers, since Numba's reference counting of arrays costs several times the work
+itself. Every index read from an array is therefore clipped to its rows, and a traversal visits at most as many nodes as
+exist. Invalid trees may be cut short, but cannot cause reads outside of the arrays or endless loops.
 
 Source: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive rendering with coherent ray tracing",
 Eurographics 2001.
@@ -41,7 +42,7 @@ compiled = njit(error_model="numpy", forceinline=True)
 
 
 class Operands(NamedTuple):
-    """The arrays of `Geometry` that rays need, then the houses of the environments and arrays of `Moving`."""
+    """Arrays of `Geometry` that rays need, then the houses of the environments and arrays of `Moving`."""
 
     node_box: Pointer  # (n, 2, 6) float32
     node_child: Pointer  # (n, 2) int32
@@ -67,16 +68,16 @@ class Operands(NamedTuple):
 @njit(error_model="numpy")
 @no_type_check
 def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> None:
-    """Casts one packet.
+    """Cast one packet.
 
     Args:
         operands: Addresses of the arrays of `Operands` in its order, then of `types.Rays`.
         counts: Number of values per environment of each field of the rays: the number of rays, or one.
         results: Addresses of t, instance, triangle, u, v and front.
-        sizes: How many rows the arrays have.
-        tiles: Each environment's packets.
-        any_hit: Whether a ray may stop at the first triangle that it meets.
-        packet: Its number, counted over all environments.
+        sizes: Numbers of rows of the arrays.
+        tiles: Tiling of each environment.
+        any_hit: True if a ray may stop at any hit.
+        packet: Index of the packet, counted over all environments.
     """
     world = _world(operands, sizes)
     env = packet // tiles.packets
@@ -119,7 +120,7 @@ def _world(at, sizes):
 @compiled
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
-    """Static instances through the house's top tree, then the moving ones one by one."""
+    """Visit static instances through the house's top tree, then the moving ones one by one."""
     house, num_instances, left = known(world.house[env], world.sizes.houses), world.sizes.instances, world.sizes.nodes
     code, enter, size = world.house_root[house], ray.t_min, 0
     while code != EMPTY:
@@ -158,7 +159,7 @@ def _sees(object_id, exclude):
 @njit(error_model="numpy")  # called from two places, too large to inline
 @no_type_check
 def _cast_model(world, instance, ray, best, codes, enters):
-    """The best hits after one instance; the rays are in its frame."""
+    """Update the best hits with one instance; the rays are in its frame."""
     shear = shear_of(ray)
     left = world.sizes.nodes
     code, enter, size = world.model_root[known(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
@@ -180,9 +181,9 @@ def _cast_model(world, instance, ray, best, codes, enters):
 @compiled
 @no_type_check
 def _open(world, node, ray, limit, codes, enters, size):
-    """Puts the child of a node that most rays enter later on the stack; returns the other one, and where they enter it.
+    """Open a node: push the child that most rays enter later; return the other one and its entry distances.
 
-    The code of a child that no ray meets before its best hit is EMPTY.
+    The code of a child that no ray hits before its best hit is `EMPTY`.
     """
     at = 2 * known(node, world.sizes.nodes)
     near, far = world.node_child[at], world.node_child[at + 1]
@@ -198,7 +199,7 @@ def _open(world, node, ray, limit, codes, enters, size):
 @compiled
 @no_type_check
 def _pop(codes, enters, size, base, limit):
-    """The topmost code that still lies before any ray's best hit, or EMPTY, and where the rays enter it."""
+    """Pop the topmost code that some ray enters before its best hit, or `EMPTY`, with the entry distances."""
     enter = limit
     while size > base:
         size -= 1
