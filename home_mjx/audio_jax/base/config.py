@@ -58,18 +58,19 @@ class AudioConfig:
         temperature: [degrees Celsius].
         humidity: Relative humidity [%].
         pressure: [kPa].
-        late: Where late sound comes from. "traced": rays, in every step. "baked": what the bank has of it, see
-            `add_bakes`; `num_rays`, `num_bounces` and the detector then play no part, and the bins, the order of
-            reflections and the air must be the default's, with which it was baked. "none": there is none.
-        early: Which rules early paths follow. "physical": those of this engine. "home": those of HoME (2017), to
-            compare with it, see `audio_preset("home")`: specular paths up to `reflection_order`, objects as
-            boxes, delays of whole samples, its table of air; no diffraction, no transmission, and no late sound.
-        motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
-            ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
-        num_heard: With `motion`, how many early paths sound at once: the direct one, and the strongest of what was
-            found. Frames cost by this number, and of 21 paths that are looked for in houses at most 7 sound. None: all.
-        tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
-            decay; rounded up to halves of a response.
+        late: Source of late reverberation. "traced": rays in every step. "baked": looked up in the bank, see
+            `add_bakes`. `num_rays`, `num_bounces`, `octave_rays` and the detector are then ignored, and
+            `bin_seconds`, `reflection_order` and the air must have their defaults, with which the bank was baked.
+            "none": no late reverberation.
+        early: Model of early paths. "physical": this engine's. "home": that of HoME (2017), for comparison, see
+            `audio_preset("home")`. It has specular paths up to `reflection_order`, boxes for objects, whole-sample
+            delays and its own air table; no diffraction, transmission or late reverberation.
+        motion: Whether early paths move within a frame (Doppler effect at every frequency) and reverberation continues
+            for `tail_seconds`. False: whole responses are cross-faded, see `sound_frame`.
+        num_heard: With `motion`, maximum number of audible early paths: the direct path and the strongest others. The
+            cost of a frame grows with it; of 21 candidates in houses at most 7 are audible. None: all.
+        tail_seconds: With `motion`, reverberation beyond `response_seconds` [s], each octave at its last decay rate;
+            rounded up to half responses.
 
     Raises:
         ConfigError: If a value is invalid, or options contradict each other.

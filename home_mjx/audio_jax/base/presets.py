@@ -1,9 +1,9 @@
 """Three sets of options with their cost and their errors.
 
-Errors are those of `benchmarks/acoustics.py`, in six rooms against a Monte Carlo that shares nothing with the engine,
-the largest over octaves of 125 to 8000 Hz. Rooms that absorb evenly or are bare are named first; then those with a soft
-floor, with a carpet and a curtain, two coupled rooms, and scattering that rises with frequency. They are those of one
-microphone; moving tones, of `tests/audio_jax/moving_sources`. Furnished houses: see docs/benchmarks.md.
+Errors are the largest over the octaves 125 to 8000 Hz, for one microphone. `benchmarks/acoustics.py` measures them in
+six rooms against an independent Monte Carlo reference. The first figure is for bare or evenly absorbing rooms. Then
+follow a soft floor, a carpet with a curtain, two coupled rooms, and scattering that rises with frequency. Errors of
+moving tones are those of `tests/audio_jax/moving_sources`. For furnished houses see docs/benchmarks.md.
 """
 
 from typing import Any
@@ -79,8 +79,8 @@ HOME: dict[str, Any] = {
 def audio_preset(name: str, **changes: Any) -> AudioConfig:
     """Return the options of the preset "fast", "balanced" or "reference"; `PRESETS` lists their errors.
 
-    The first two look late sound up in what has been baked, see `add_bakes`; `make` bakes by itself, unless it is
-    given a bank. With `late="traced"` they have rays in every step instead.
+    "fast" and "balanced" look up baked late reverberation, see `add_bakes`; `make` bakes it unless a bank is
+    passed. With `late="traced"` they trace rays in every step instead.
 
     Args:
         name: Name of the preset; "home" for the acoustics of HoME (2017).

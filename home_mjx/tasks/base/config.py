@@ -96,18 +96,19 @@ class EnvConfig:
         look_rate: Maximum rate of change of pitch [rad/s].
         pitch_max: Maximum pitch, up or down [rad].
         episode_length: Steps until truncation.
-        actions: "continuous": numbers in [-1, 1], parts of the fastest rates. "discrete", or a `DiscreteActions` with
-            options: an integer, one of a few moves. If no move fits into the default `ctrl_dt`, that becomes 0.3 s.
-        hands: Whether there are actions to pick up, put down, drop and throw things and to turn doors.
-        aim_angle: Hands mean what is nearest to the middle of the view, at most so much aside and up or down from it,
-            that they can reach and lift, or put things on [degrees]; 0: whatever is exactly in the middle.
-        speech: What agents may say besides what their task lets them: further discrete actions, each a word of the
-            tasks' language after `say:` or `answer:`, such as "say:yes". See `Snapshot.said`.
-        doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
-            closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
-        arrangement: Where movable bodies are at reset: "placed" (as in the file) or "random" (one of the bank's settled
-            arrangements, by key, in which agents have room; see `home_mjx.tasks.arrangements`).
-        source_height: Sound source above the floor [m].
+        actions: "continuous": numbers in [-1, 1], as fractions of the maximum rates. "discrete", or a `DiscreteActions`
+            with options: the index of a move. If a move does not fit into the default `ctrl_dt`, that becomes 0.3 s.
+        hands: If True, there are actions to pick up, put down, drop and throw objects and to turn doors.
+        aim_angle: Maximum horizontal and vertical angle between the view centre and a hand's target [degrees]. The
+            target nearest to the centre that can be reached and lifted, or placed on, is used. 0 uses the centre ray.
+        speech: Further discrete actions that speak a word, in addition to the task's own. Each is `say:` or `answer:`
+            and a word of the tasks' language, such as "say:yes". See `Snapshot.said`.
+        doors: Door angles at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
+            closed, by key). Agents can push every leaf, whatever is before it, or turn it with their hands.
+        arrangement: Poses of movable bodies at reset: "placed" (as in the file) or "random". Random
+            selects one of the bank's settled arrangements with room for the agents, by key; see
+            `home_mjx.arrangements`.
+        source_height: Height of the sound source above the floor [m].
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
         num_sources: Maximum number of simultaneous sound sources, at most 256; each is traced separately. Raised to the
             number that the task needs.
