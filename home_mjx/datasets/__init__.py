@@ -1,6 +1,6 @@
-"""Houses on disk: readers, writer and validator of SUNCG's format, and procedural houses.
+"""Datasets on disk: reader, writer and validator of SUNCG's format, and procedural houses.
 
-Host only: nothing here loads JAX.
+Host only: no module here imports JAX.
 """
 
 from home_mjx.datasets.generators.generate import generate_dataset

@@ -1,4 +1,4 @@
-"""All generators of houses behind one door: by version, and by names of houses."""
+"""Common interface of all house generators: by version, and by names of generated houses."""
 
 from home_mjx.datasets.generators.generate import generate_dataset
 from home_mjx.datasets.generators.names import ProceduralHouses

@@ -1,4 +1,4 @@
-"""Generated houses by a name instead of a folder: `procedural:16?seed=100&version=2`."""
+"""Names of generated houses, used instead of a folder: `procedural:16?seed=100&version=2`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,17 +12,17 @@ from home_mjx.datasets.seeds import house_id
 from home_mjx.errors import ConfigError
 
 PREFIX = "procedural:"
-FORM = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers."
+FORM = "Write `procedural:N` or `procedural:N?seed=S&version=V` with whole numbers."
 
 
 @dataclass(frozen=True)
 class ProceduralHouses:
-    """Generated houses of consecutive seeds, kept in the cache folder.
+    """Generated houses of consecutive seeds, stored in the cache folder.
 
     Attributes:
-        count: How many.
-        seed: The first one.
-        version: Of the generator.
+        count: Number of houses.
+        seed: First seed.
+        version: Generator version.
     """
 
     count: int
@@ -36,13 +36,13 @@ class ProceduralHouses:
 
     @classmethod
     def named(cls, text: object) -> "ProceduralHouses | None":
-        """The houses of a name; None if it is none, but a folder.
+        """Parse a name of generated houses; None if it has another form, such as a folder.
 
         Args:
-            text: Such as `procedural:16?seed=100&version=2`.
+            text: Name such as `procedural:16?seed=100&version=2`.
 
         Raises:
-            ConfigError: The name has other parts.
+            ConfigError: The name has the prefix, but a wrong form.
 
         Example:
             >>> ProceduralHouses.named("procedural:16?seed=100")
@@ -60,11 +60,11 @@ class ProceduralHouses:
 
     @property
     def ids(self) -> tuple[str, ...]:
-        """Of the houses, by their seeds."""
+        """Ids of the houses, in the order of their seeds."""
         return tuple(house_id(seed) for seed in range(self.seed, self.seed + self.count))
 
     def write(self, progress: bool = False) -> Path:
-        """The root of their dataset, which may hold others; they are made on first use.
+        """Generate missing houses and return the root of their dataset, which may contain other houses.
 
         Args:
             progress: Show a progress bar.

@@ -1,1 +1,1 @@
-"""Solids from outlines: slabs and wall prisms."""
+"""Solids built from outlines: slabs and wall prisms."""
