@@ -96,7 +96,7 @@ def test_a_refused_file_keeps_its_own_message(tmp_path: Path):
 def test_unknown_ids_and_missing_folders(tmp_path: Path):
     with pytest.raises(FileNotFoundError, match="dataset root is not a folder"):
         open_dataset(tmp_path / "nowhere")
-    with pytest.raises(FileNotFoundError, match="folder holds no house"):
+    with pytest.raises(FileNotFoundError, match="folder contains no house"):
         open_dataset(tmp_path)
     dataset = open_dataset(write_tiny_dataset(tmp_path))
     with pytest.raises(KeyError) as caught:

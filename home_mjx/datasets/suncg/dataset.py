@@ -1,4 +1,4 @@
-"""A SUNCG dataset on disk, v1 or v2: its houses and its metadata tables."""
+"""A SUNCG dataset on disk, v1 or v2: its houses and metadata tables."""
 
 import logging
 import os
@@ -25,11 +25,11 @@ from home_mjx.schema.house import House, Mesh, Metadata, StandIn
 log = logging.getLogger(__name__)
 
 DEFAULT_OPTIONS = ReadOptions()
-LAYOUT = "A dataset root holds house/, room/, object/, texture/ and metadata/."
+LAYOUT = "A dataset root contains house/, room/, object/, texture/ and metadata/."
 
 
 class Dataset:
-    """A dataset root; `open_dataset` makes one. Library models are parsed once and shared by its houses.
+    """An open dataset, created by `open_dataset`; library models are parsed once and shared by its houses.
 
     Args:
         root: Absolute dataset root.
@@ -48,7 +48,7 @@ class Dataset:
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
-        """Names of the folders that hold a house.json: generated houses by their seeds, then all others, sorted."""
+        """Names of the folders with a house.json: generated houses by seed, then all others, sorted."""
         return in_order(path.parent.name for path in (self.root / "house").glob("*/house.json"))
 
     @cached_property
@@ -62,9 +62,9 @@ class Dataset:
 
     @cached_property
     def joints(self) -> Joints:
-        """Movable parts of library models by model id, see `Joint`; empty if the dataset says nothing of them.
+        """Movable parts of library models by model id, see `Joint`; empty if the dataset has no joint table.
 
-        They are read on first use, and nothing else needs them: for the compiler furniture is rigid.
+        They are read on first use. Nothing else uses them: the compiler treats furniture as rigid.
 
         Raises:
             DatasetError: The table is broken.
@@ -76,15 +76,15 @@ class Dataset:
         return read_joints(self.root / "metadata")
 
     def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
-        """Reads one house and the models that it uses.
+        """Read one house and the models that it uses.
 
         Args:
             house_id: One of `house_ids`.
-            options: Whether people, plants and backdrops are read, and whether what is lacking is refused. If not,
-                `stand_ins` of the house lists what was taken in its place, and a warning counts it.
+            options: Selection of people, plants and backdrops, and whether missing parts are rejected. If not,
+                `stand_ins` of the house lists the fallbacks, and a warning counts them.
 
         Raises:
-            DatasetError: There is no such house, or a file that it needs is missing or broken.
+            DatasetError: The house is unknown, or a file that it needs is missing or broken.
         """
         self.check_known(house_id)
         options = self.resolved(options)
@@ -95,29 +95,29 @@ class Dataset:
         return house
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
-        """The options, `strict` decided: generated datasets are whole, so what one lacks is a fault."""
+        """Return the options with `strict` resolved: generated datasets are complete, so missing parts are errors."""
         if options.strict is not None:
             return options
         return replace(options, strict=is_file(self.root / MARKER))
 
     def metadata_for(self, options: ReadOptions) -> Metadata:
-        """The tables that go with a house that was read with these options.
+        """Return the metadata tables for houses read with these options.
 
         Args:
-            options: If they are not strict, tables may be missing, and SUNCG's doors and windows are known without.
+            options: If not strict, tables may be missing; categories of SUNCG's doors and windows are then built in.
 
         Raises:
-            DatasetError: As of `metadata`.
+            DatasetError: A table is missing or broken, see `metadata`.
         """
         return self.metadata if self.resolved(options).strict else with_known_models(self._tables)
 
     @cached_property
     def _tables(self) -> Metadata:
-        """The tables, as far as they are there."""
+        """The tables that exist; missing ones are empty."""
         return read_metadata(self.root / "metadata", tolerant=True)
 
     def load_model(self, key: str) -> Mesh:
-        """Reads one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
+        """Read one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
 
         Raises:
             DatasetError: Its OBJ file is missing or broken.
@@ -126,7 +126,7 @@ class Dataset:
         return self.assets.model(place.name(), key, place)
 
     def check_known(self, house_id: str) -> None:
-        """Raises `UnknownIdError`, a `DatasetError`, if there is no such house."""
+        """Raise `UnknownIdError`, a `DatasetError`, if the dataset has no house with this id."""
         if house_id not in self._known:
             where = self.root / "house"
             hint = did_you_mean(house_id, self.house_ids)
@@ -142,12 +142,12 @@ class Dataset:
 
 
 def warn_of(root: Path, house_id: str, stand_ins: Sequence[StandIn]) -> None:
-    """Says in one line what stands in for what a house lacks; nothing if it is whole, and nothing twice.
+    """Log one warning that counts the fallbacks of a house; nothing for a complete house, and nothing twice.
 
     Args:
-        root: Of the dataset.
-        house_id: Which house.
-        stand_ins: What was taken.
+        root: Dataset root.
+        house_id: Id of the house.
+        stand_ins: Fallbacks of the house.
     """
     if stand_ins:
         _warn(root, house_id, in_words(stand_ins))
@@ -156,22 +156,22 @@ def warn_of(root: Path, house_id: str, stand_ins: Sequence[StandIn]) -> None:
 @lru_cache(maxsize=100_000)
 def _warn(root: Path, house_id: str, lacking: str) -> None:
     listing = f"home-mjx inspect {house_id} --dataset {root}"
-    log.warning("house %s lacks %s: stand-ins are taken, `%s` lists them", house_id, lacking, listing)
+    log.warning("house %s lacks %s: fallbacks are used, `%s` lists them", house_id, lacking, listing)
 
 
 def open_dataset(root: str | Path | None = None) -> Dataset:
-    """Opens a dataset in SUNCG's on-disk format, real or generated.
+    """Open a dataset in SUNCG's on-disk format, real or generated.
 
     Args:
-        root: Its folder; by default the one that the environment variable `SUNCG_DATA_DIR` names.
+        root: Folder of the dataset; by default that of the environment variable `SUNCG_DATA_DIR`.
 
     Raises:
-        MissingFileError: The folder does not exist or holds no house.
-        DatasetError: No folder was given, or it is a file.
+        MissingFileError: The folder does not exist or contains no house.
+        DatasetError: No folder is specified, or it is a file.
     """
     named = dataset_root() if root is None else root
     if named is None or not str(named):
-        raise DatasetError("no dataset root was given", hint=f"Pass a folder or set {ROOT_VARIABLE}. {LAYOUT}")
+        raise DatasetError("no dataset root was specified", hint=f"Pass a folder or set {ROOT_VARIABLE}. {LAYOUT}")
     path = Path(os.path.abspath(Path(named).expanduser()))
     if not path.is_dir():
         hint = f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
@@ -179,7 +179,7 @@ def open_dataset(root: str | Path | None = None) -> Dataset:
         raise kind("dataset root is not a folder", file=path, hint=hint)
     dataset = Dataset(path)
     if not dataset.house_ids:
-        raise MissingFileError("folder holds no house/<id>/house.json", file=path, hint=_root_hint(path))
+        raise MissingFileError("folder contains no house/<id>/house.json", file=path, hint=_root_hint(path))
     return dataset
 
 

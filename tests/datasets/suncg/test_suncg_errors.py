@@ -36,7 +36,7 @@ def house_json(root):
 def test_root_not_given(monkeypatch):
     monkeypatch.delenv("SUNCG_DATA_DIR", raising=False)
     error = refused(open_dataset)
-    assert error.message == "no dataset root was given"
+    assert error.message == "no dataset root was specified"
     assert "set SUNCG_DATA_DIR" in (error.hint or "")
     assert "house/, room/, object/, texture/ and metadata/" in (error.hint or "")
 
@@ -60,7 +60,7 @@ def test_root_in_the_home_folder(monkeypatch, root):
 
 def test_root_without_houses(tmp_path):
     error = refused(open_dataset, tmp_path)
-    assert (error.message, error.file) == ("folder holds no house/<id>/house.json", str(tmp_path))
+    assert (error.message, error.file) == ("folder contains no house/<id>/house.json", str(tmp_path))
 
 
 @pytest.mark.parametrize("inside", ["house", f"house/{HOUSE_ID}", "object"])
