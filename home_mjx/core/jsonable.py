@@ -49,8 +49,8 @@ def from_json(text: str, file: Path | None = None) -> Any:
         file: Source of the text, for error messages.
 
     Raises:
-        ConfigError: The text is broken or too long; or it names a type that is not a dataclass, or whose module is
-            neither part of this package nor imported; or `check_trusted` of a part raises.
+        ConfigError: The text is broken or too long. Or it names a type that is not a dataclass, or a module that is
+            neither part of this package nor imported. Or `check_trusted` of a part raises.
     """
     try:
         _check_length(text)  # before parsing: nested lists take many times the memory of their text

@@ -36,8 +36,8 @@ def body_quat(yaw: Float[Array, ""]) -> Float[Array, "4"]:
 def camera_quat(yaw: Float[Array, ""], pitch: Float[Array, ""]) -> Float[Array, "4"]:
     """Return the quaternion wxyz of MuJoCo's camera frame (-z forward, +y up) for an agent that faces +x at yaw 0.
 
-    It is the product of the yaw about +z, the pitch about -y (positive is up) and the constant rotation from -z to +x
-    and from +y to +z, which is (1, 1, -1, -1) / 2. Angles in [rad].
+    It is the product of the yaw about +z, the pitch about -y (positive is up) and a constant rotation. The latter maps
+    -z to +x and +y to +z; it is (1, 1, -1, -1) / 2. Angles in [rad].
     """
     cy, sy = jnp.cos(yaw / 2), jnp.sin(yaw / 2)
     cp, sp = jnp.cos(pitch / 2), jnp.sin(pitch / 2)

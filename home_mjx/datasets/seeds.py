@@ -24,7 +24,7 @@ def house_id(seed: int) -> str:
 def in_order(ids: Iterable[str]) -> tuple[str, ...]:
     """Sort house ids: generated houses by seed, then all others by id.
 
-    The first houses of a generated folder thus stay first when houses of higher seeds are added; sorted by id, which is
+    The first houses of a generated folder thus stay first when houses of higher seeds are added. Sorted by id, which is
     a hash, a new house could come anywhere. Seeds of `MAX_KNOWN` and more count as unknown.
 
     Example:

@@ -1,9 +1,9 @@
 """On-disk index of file digests, so that later processes do not read unchanged files again.
 
 A file counts as unchanged while its size, modification and change time (mtime, ctime) and inode are the same. A file
-that was changed less than two seconds before it was read is not indexed: a second change might fall into the same
-clock tick, as in Git's index. A changed file with all of these equal is not detected, such as after copying a whole
-file system with other content; then set `HOME_MJX_RECHECK=1` or call `digests.forget_digests`.
+that changed less than two seconds before it was read is not indexed: a second change might fall into the same clock
+tick, as in Git's index. Changed content with all of these equal is not detected, such as after copying a whole file
+system. Then set `HOME_MJX_RECHECK=1` or call `digests.forget_digests`.
 
 Indices are in the cache folder, one per dataset root and part of it. They are written atomically. Processes that
 write the same index at the same time may lose each other's entries, which are then only recomputed.

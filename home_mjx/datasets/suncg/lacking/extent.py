@@ -26,7 +26,7 @@ def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds
 
 
 def _turned_back(transform: Float[np.ndarray, "4 4"], bbox: Bounds) -> Bounds:
-    """Return the box whose image under the transform has the given bounding box.
+    """Return the box whose image under the transform has the bounding box `bbox`.
 
     Half edges h of the model yield half edges |A| h of the object. If that hardly distinguishes two edges, they are
     taken as equal.

@@ -114,7 +114,7 @@ def _plain(materials: Sequence[Material], slots: Mapping[str, str]) -> tuple[Mat
 
 
 def _opening(path: Path, fine: str, bounds: Bounds, closed: bool) -> Mesh:
-    """Build a door whose leaf swings to -z as far as the box allows; or only the frame, for an arch."""
+    """Build a door whose leaf swings to -z up to the side of the box; or only the frame, for an arch."""
     (x0, y0, z0), (x1, y1, _) = bounds.tolist()
     width, height = max(x1 - x0, 3 * JAMB), max(y1 - y0, 0.5)
     reach = np.clip((-z0 - BEHIND) / (width - 2 * JAMB), 0.0, 1.0)
