@@ -1,6 +1,6 @@
-"""Typed, located errors: what was expected, what came, where, and what to do.
+"""Typed, located errors: each states the expected value, the actual value, the location and a remedy.
 
-Each class also derives from the built-in class that other code catches in such a case:
+Each class also derives from the matching built-in class, so that generic `except` clauses catch it:
 
 | Class | Also a |
 | --- | --- |
@@ -18,19 +18,19 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-MAX_LISTED = 20  # names in a hint: a dataset may have 45,000 houses
-MAX_COMPARED = 100  # characters of a name
-MAX_CANDIDATES = 100_000
+MAX_LISTED = 20  # maximum names listed in a hint; a dataset may have 45,000 houses
+MAX_COMPARED = 100  # maximum length of a compared name [characters]
+MAX_CANDIDATES = 100_000  # maximum names compared for a suggestion
 
 
 class HomeMjxError(Exception):
-    """Base of every error that home_mjx raises on purpose.
+    """Base class of all errors that home_mjx raises deliberately.
 
     Args:
-        message: What was expected and what came.
-        file: The file at fault, if one is.
-        element: Path of the element inside it, such as `levels[0].nodes[17].transform`.
-        hint: What the user can do about it.
+        message: Expected and actual value.
+        file: File at fault; None if no file is involved.
+        element: Path of the element inside the file, such as `levels[0].nodes[17].transform`.
+        hint: Remedy for the user.
 
     Example:
         >>> print(DatasetError("expected 16 numbers, got 3", element="levels[0].nodes[1].transform"))
@@ -55,7 +55,7 @@ class HomeMjxError(Exception):
         where = ", ".join(w for w in (self.file and f"in {self.file}", self.element and f"at {self.element}") if w)
         text = f"{self.message} ({where})" if where else self.message
         text = f"{text}. {self.hint}" if self.hint else text
-        # What a file holds may have halves of characters, which can be printed nowhere.
+        # Text from files may contain lone surrogates, which no output can encode.
         return text.encode(errors="backslashreplace").decode()
 
     def __reduce__(self) -> tuple:
@@ -70,11 +70,11 @@ def _rebuild(
 
 
 class DatasetError(HomeMjxError, ValueError):
-    """A dataset folder or a file in it is missing, broken or out of its format."""
+    """Missing, broken or invalid dataset folder or file."""
 
 
 class MissingFileError(DatasetError, FileNotFoundError):
-    """A file or folder is missing. `filename` is that file, or the one that refers to it.
+    """Missing file or folder; `filename` is its path or the path of the file that refers to it.
 
     Example:
         >>> try:
@@ -90,31 +90,31 @@ class MissingFileError(DatasetError, FileNotFoundError):
 
 
 class UnknownIdError(DatasetError, KeyError):
-    """A dataset or a bank has no house of this id."""
+    """Unknown house id in a dataset or a bank."""
 
 
 class ConfigError(HomeMjxError, ValueError):
-    """An option is unknown or has a value that cannot be used."""
+    """Unknown option, or an option value that cannot be used."""
 
 
 class UnknownNameError(ConfigError, KeyError):
-    """A name is none of the known ones: an environment, an option, a sensor, a command."""
+    """Unknown name of an environment, an option, a sensor or a command."""
 
 
 class OutOfRangeError(ConfigError, IndexError):
-    """A number is that of no row: there are fewer, or it is less than 0."""
+    """Index outside the valid range of rows."""
 
 
 class CapacityError(HomeMjxError, ValueError):
-    """Something does not fit the fixed capacity that was asked for."""
+    """Data that exceeds a requested fixed capacity."""
 
 
 class ExecutorError(HomeMjxError, RuntimeError):
-    """A ray-cast executor cannot run here."""
+    """Ray-cast backend that cannot run in this process."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A hint that names the closest known name, and all of them or the first twenty.
+    """Return a hint with the closest known name and at most `MAX_LISTED` known names.
 
     Example:
         >>> did_you_mean("deptth", ["rgb", "depth"])
@@ -122,8 +122,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """
     known = sorted(set(known) - {""})
     if not known:
-        return "There is none to choose from."
-    # names from a broken file may be megabytes long, and comparing takes the product of their lengths
+        return "No choices are available."
+    # Names from a broken file may have megabytes, and the cost of comparing is the product of both lengths.
     short = [candidate for candidate in known if len(candidate) <= MAX_COMPARED]
     close = difflib.get_close_matches(str(name)[:MAX_COMPARED], short[:MAX_CANDIDATES], n=1)
     more = f", … ({len(known)} in all)" if len(known) > MAX_LISTED else ""
@@ -132,7 +132,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def install_hint(extra: str) -> str:
-    """How to get the packages of one of our extras; the project is installed from a clone.
+    """Return the command that installs one of this project's extras from a clone.
 
     Example:
         >>> install_hint("exact")

@@ -96,7 +96,7 @@ def test_a_refused_file_keeps_its_own_message(tmp_path: Path):
 def test_unknown_ids_and_missing_folders(tmp_path: Path):
     with pytest.raises(FileNotFoundError, match="dataset root is not a folder"):
         open_dataset(tmp_path / "nowhere")
-    with pytest.raises(FileNotFoundError, match="folder holds no house"):
+    with pytest.raises(FileNotFoundError, match="folder contains no house"):
         open_dataset(tmp_path)
     dataset = open_dataset(write_tiny_dataset(tmp_path))
     with pytest.raises(KeyError) as caught:
@@ -143,9 +143,9 @@ def test_a_wrong_value_in_json_keeps_its_own_message():
 
 def test_options_that_are_too_long_are_refused_before_they_are_parsed():
     """One of 115 MB, lists of forty within lists of forty, took 1.6 GiB and sixteen seconds."""
-    with pytest.raises(errors.ConfigError, match=rf"^text of options has {MOST_TEXT + 1} characters, at most"):
+    with pytest.raises(errors.ConfigError, match=rf"^options text has {MOST_TEXT + 1} characters, at most"):
         from_json("[" * (MOST_TEXT + 1))
-    with pytest.raises(errors.ConfigError, match=r"^text of options has"):
+    with pytest.raises(errors.ConfigError, match=r"^options text has"):
         to_json("a" * MOST_TEXT)
     longest = "a" * (MOST_TEXT - 2)  # in quotes
     assert from_json(to_json(longest)) == longest
@@ -160,5 +160,5 @@ def test_an_entry_point_that_is_refused_keeps_its_own_message(tmp_path: Path, mo
 
 
 def test_hints_name_no_empty_names():
-    assert errors.did_you_mean("depth", []) == errors.did_you_mean("", [""]) == "There is none to choose from."
+    assert errors.did_you_mean("depth", []) == errors.did_you_mean("", [""]) == "No choices are available."
     assert errors.did_you_mean("a", ["", "b"]) == "Known: b"

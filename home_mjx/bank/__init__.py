@@ -1,4 +1,4 @@
-"""Many compiled houses on the device, as one pytree."""
+"""Many compiled houses as one pytree on the device."""
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Acoustics, BankSpec, Finish, Geometry, Lights, Materials, Navigation, Physics, schema

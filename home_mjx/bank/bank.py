@@ -1,6 +1,6 @@
-"""Many compiled houses on the device: ragged geometry concatenated, small tables padded.
+"""Bank of compiled houses on the device: ragged geometry is concatenated, small tables are padded.
 
-An environment holds only an int32 house index.
+An environment stores only an int32 house index.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from home_mjx.schema.compiled import CompiledHouse
 
 
 class HouseBank(BankArrays):
-    """Many houses in one pytree.
+    """Compiled houses packed into one pytree.
 
     Example:
         >>> bank = home_mjx.load_bank("datasets/demo")  # doctest: +SKIP
@@ -28,13 +28,13 @@ class HouseBank(BankArrays):
 
     @classmethod
     def from_compiled(cls, houses: Sequence[CompiledHouse]) -> "HouseBank":
-        """A bank of compiled houses, in the given order.
+        """Pack compiled houses into a bank, in the given order.
 
         Args:
-            houses: At least one; all compiled with the same options.
+            houses: At least one house; all compiled with the same options.
 
         Raises:
-            ConfigError: No house, or houses that cannot share a bank.
+            ConfigError: There is no house, or the houses cannot share a bank.
             CapacityError: The houses have too many triangles for one bank.
             DatasetError: A texture cannot be read.
         """
@@ -47,23 +47,23 @@ class HouseBank(BankArrays):
 
     @property
     def house_ids(self) -> tuple[str, ...]:
-        """The dataset's ids of the houses, in order; on the host."""
+        """Ids of the houses in the dataset, in bank order; computed on the host."""
         return tuple(bytes(row).rstrip(b"\0").decode() for row in np.asarray(self.house_id))
 
     def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
-        """See `Geometry.known_house`."""
+        """Clip house indices to the bank, see `Geometry.known_house`."""
         return self.geometry.known_house(house)
 
     def semantics_of(self, house: Int[Array, ""] | int, object_id: Int[Array, "*n"], column: int) -> Int[Array, "*n"]:
-        """What objects are, by their ids: those of an instance image, say.
+        """Look up a semantic column for object ids, such as the pixels of an instance image.
 
         Args:
             house: Index of the house in the bank.
-            object_id: Object ids; `spec.num_instances` + a for agent a.
-            column: One of `compiled.Semantic`; `semantics.vocabularies()` has the names of its numbers.
+            object_id: Object ids; agent a has the id `spec.num_instances` + a.
+            column: One of `compiled.Semantic`; `semantics.vocabularies()` maps its values to names.
 
         Returns:
-            The numbers; -1 for none, and for ids that the house has not, such as -1 of its architecture.
+            Values; -1 if the id is unknown (the architecture is -1) or the object has no value in this column.
 
         Example:
             >>> sizes = bank.semantics_of(0, images["instance"], Semantic.SIZE)  # doctest: +SKIP
@@ -76,8 +76,8 @@ class HouseBank(BankArrays):
 
 
 def to_bank(packed: Packed) -> HouseBank:
-    """Packed houses on the device."""
-    # One transfer: `jnp.asarray` of each array would compile a program for each.
+    """Transfer packed houses to the device."""
+    # One transfer of all arrays; `jnp.asarray` per array would compile a program for each.
     tables = by_record(jax.device_put(packed.arrays, may_alias=False))
     if jax.default_backend() == "gpu":
         tables["geometry"]["gpu"] = gpu_geometry(Geometry(**tables["geometry"]))

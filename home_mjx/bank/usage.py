@@ -1,4 +1,4 @@
-"""How many bytes houses, models and textures take of a bank."""
+"""Memory usage of a bank by houses, models and textures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from home_mjx.schema.compiled import CompiledHouse
 
 @dataclass(frozen=True)
 class Usage:
-    """Bytes in a bank, besides what rounds its tables up to a size class.
+    """Bytes in a bank, without the padding of concatenated tables to a size class.
 
     Attributes:
-        houses: What each house has to itself, its padded tables included, by id.
-        models: What each library model takes, once for all houses, by key; the agent's is the first.
-        textures: All texture layers.
+        houses: Bytes private to each house, including its padded tables, by id.
+        models: Bytes of each library model, shared by all houses, by key; the agent's is the first.
+        textures: Bytes of all texture layers.
     """
 
     houses: dict[str, int]
@@ -29,13 +29,13 @@ class Usage:
 
 
 def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
-    """What some houses take of a bank.
+    """Compute the memory usage of houses in a bank.
 
     Args:
-        houses: At least one.
+        houses: At least one house.
 
     Raises:
-        ConfigError: No house.
+        ConfigError: There is no house.
 
     Example:
         >>> found = bank_usage([compiled])  # doctest: +SKIP
@@ -50,17 +50,17 @@ def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
 
 
 def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
-    """Bytes of each array of the bank that some houses would make, without making it.
+    """Compute the size of each array of a bank of these houses, without building it.
 
     Args:
-        houses: At least one.
+        houses: At least one house.
 
     Returns:
-        Bytes by name, such as "geometry.triangle". The derived layout of the `cuda` executor (`Geometry.gpu`) and the
-        few bytes of `draw` are not among them.
+        Bytes by array name, such as "geometry.triangle". The derived layout of the `cuda` executor (`Geometry.gpu`)
+        and the few bytes of `draw` are excluded.
 
     Raises:
-        ConfigError: No house.
+        ConfigError: There is no house.
         CapacityError: The houses have too many triangles for one bank.
 
     Example:
@@ -72,7 +72,7 @@ def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
 
 
 def bank_bytes(bank: BankArrays) -> int:
-    """Bytes of all arrays of a bank, or of one of `jax.ShapeDtypeStruct`s.
+    """Return the size of all arrays of a bank, or of a bank of `jax.ShapeDtypeStruct`s [bytes].
 
     Example:
         >>> bank_bytes(bank)  # doctest: +SKIP
@@ -82,7 +82,7 @@ def bank_bytes(bank: BankArrays) -> int:
 
 
 def _owned_bytes(owners: Owners, sizes: Sizes) -> int:
-    """Bytes of the rows of some owners; a house's own row counts with its padding."""
+    """Return the bytes of the rows of some owners; a house's own row counts with its padding."""
     total = 0
     for declaration in schema():
         if declaration.kind == HOUSE and HOUSE in owners:

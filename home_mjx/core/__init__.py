@@ -1,1 +1,1 @@
-"""Helpers without a domain: checks of options, pytrees, transforms, colour, files, images, folders, workers."""
+"""Domain-independent helpers: option checks, pytrees, transforms, colour, files, images, paths and worker processes."""

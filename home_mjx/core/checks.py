@@ -1,4 +1,4 @@
-"""Checks of options: each raises a `ConfigError` that says what was expected."""
+"""Option checks; each raises a `ConfigError` with the expected and the actual value."""
 
 import json
 import math
@@ -8,12 +8,12 @@ from typing import TypeGuard
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
-MOST_WHOLE = 2.0**63  # those of 64 bits are less
-MAX_SHOWN = 200  # characters of a value in a message
+MOST_WHOLE = 2.0**63  # exclusive bound of signed 64-bit integers
+MAX_SHOWN = 200  # maximum length of a value in a message [characters]
 
 
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
-    """Raises `UnknownNameError`, a `ConfigError`, for the first of `names` that is not in `known`."""
+    """Raise `UnknownNameError`, a `ConfigError`, for the first of `names` that is not in `known`."""
     known = list(known)
     for name in names:
         if name not in known:
@@ -21,14 +21,14 @@ def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
 
 
 def check_names(kind: str, names: object, known: Iterable[str]) -> None:
-    """Raises `ConfigError` unless `names` is a sequence of known names; one bare string is not."""
+    """Raise `ConfigError` unless `names` is a sequence of known names; a bare string is rejected."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise ConfigError(f"expected several names of a {kind}, got {shown(names)}", hint=as_names(names))
     check_known(kind, [str(name) for name in names], known)
 
 
 def as_names(text: object) -> str:
-    """A hint how to write several names, for who gave a text with or without commas.
+    """Return a hint that writes `text`, with or without commas, as a sequence of names.
 
     Example:
         >>> as_names("depth, rgb")
@@ -41,13 +41,13 @@ def as_names(text: object) -> str:
 
 
 def check_flag(name: str, value: object) -> None:
-    """Raises `ConfigError` unless an option is True or False."""
+    """Raise `ConfigError` unless an option is True or False."""
     if not isinstance(value, bool):
         raise ConfigError(f"`{name}` must be True or False, got {value!r}")
 
 
 def check_type(name: str, value: object, kind: type) -> None:
-    """Raises `ConfigError` unless an option is an instance of `kind`."""
+    """Raise `ConfigError` unless an option is an instance of `kind`."""
     if not isinstance(value, kind):
         raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {shown(value)}")
 
@@ -55,14 +55,14 @@ def check_type(name: str, value: object, kind: type) -> None:
 def check_number(
     name: str, value: object, least: float = -math.inf, most: float = math.inf, *, whole: bool = False
 ) -> None:
-    """Raises `ConfigError` unless an option is a finite number within limits.
+    """Raise `ConfigError` unless an option is a finite number within limits.
 
     Args:
         name: Name of the option, for the message.
         value: Its value.
-        least: Least allowed value.
-        most: Greatest allowed value.
-        whole: It must be an integer.
+        least: Minimum allowed value.
+        most: Maximum allowed value.
+        whole: Require an integer.
 
     Example:
         >>> check_number("width", 64, 1, whole=True)
@@ -79,7 +79,7 @@ def check_number(
 
 
 def _is_number(value: object, whole: bool) -> TypeGuard[float]:
-    """Whether it is a finite number that computers calculate with; Python's whole numbers have any length."""
+    """Return whether a value is a finite number; integers must also fit 64 bits, unlike Python's."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral if whole else numbers.Real):
         return False
     try:
@@ -90,7 +90,7 @@ def _is_number(value: object, whole: bool) -> TypeGuard[float]:
 
 
 def shown(value: object) -> str:
-    """A value in a message, cut off where it is long.
+    """Return the `repr` of a value for a message, shortened to its start if it is long.
 
     Example:
         >>> shown(10**400)
@@ -98,13 +98,13 @@ def shown(value: object) -> str:
     """
     try:
         text = repr(value)
-    except ValueError:  # Python does not write whole numbers of thousands of digits
+    except ValueError:  # Python refuses to format integers with thousands of digits
         return "a number of thousands of digits"
     return text if len(text) <= MAX_SHOWN else f"{text[:40]}… ({len(text)} characters)"
 
 
 def check_shape(name: str, shape: tuple[int, ...], expected: tuple[int, ...]) -> None:
-    """Raises `ConfigError` unless an array of one environment has the expected shape.
+    """Raise `ConfigError` unless an array of one environment has the expected shape.
 
     Example:
         >>> check_shape("x", (64, 3), (3,))

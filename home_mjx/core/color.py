@@ -1,29 +1,29 @@
-"""Colour spaces: sRGB, linear light, CIELAB, and the perceived difference of two colours."""
+"""Colour spaces (sRGB, linear light, CIELAB) and the perceived difference of two colours."""
 
 import numpy as np
 from jaxtyping import Float
 
-# Linear sRGB to CIE XYZ and the white of D65 (IEC 61966-2-1).
+# Linear sRGB to CIE XYZ (IEC 61966-2-1); the row sums are the white point D65.
 _XYZ = np.array(
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )
 _WHITE = _XYZ.sum(axis=1)
-_KNEE = 6 / 29  # of CIELAB's cube root
+_KNEE = 6 / 29  # CIELAB: the cube root becomes linear below `_KNEE**3`
 
 
 def decode_srgb(color: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Linear light from sRGB, both in 0..1 (IEC 61966-2-1)."""
+    """Convert sRGB to linear light, both in 0..1 (IEC 61966-2-1)."""
     return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
 
 
 def encode_srgb(linear: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Encoded sRGB from linear light, both in 0..1 (IEC 61966-2-1)."""
+    """Convert linear light to sRGB, both in 0..1 (IEC 61966-2-1)."""
     curve = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
     return np.where(linear <= 0.0031308, 12.92 * linear, curve)
 
 
 def linear_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
-    """CIELAB (L 0..100, a, b; white D65) of colours in linear sRGB (CIE 15:2004).
+    """Convert linear sRGB to CIELAB (L 0..100, a, b; white point D65) by CIE 15:2004.
 
     Example:
         >>> np.abs(linear_to_lab(np.ones((1, 3))).round(3))
@@ -36,15 +36,15 @@ def linear_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]
 
 
 def srgb_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
-    """CIELAB of sRGB colours in 0..1; see `linear_to_lab`."""
+    """Convert sRGB colours in 0..1 to CIELAB; see `linear_to_lab`."""
     return linear_to_lab(decode_srgb(color))
 
 
 def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Float[np.ndarray, "..."]:
-    """Perceived difference of CIELAB colours, broadcast over leading axes; at least one is needed.
+    """Compute the perceived difference CIEDE2000 of CIELAB colours, broadcast over at least one leading axis.
 
-    Formula and names: Sharma, Wu, Dalal, "The CIEDE2000 Color-Difference Formula", Color Research & Application 30
-    (2005), equations 2 to 22, with all three parametric factors 1.
+    Formula and symbols: Sharma, Wu, Dalal, "The CIEDE2000 Color-Difference Formula", Color Research & Application 30
+    (2005), equations 2 to 22, with all three parametric factors equal to 1.
 
     Args:
         a: CIELAB colours.

@@ -1,4 +1,4 @@
-"""Compiled programs on disk, so that a second start need not compile again."""
+"""Persistent cache of compiled JAX programs, so that later processes skip compilation."""
 
 import functools
 import hashlib
@@ -14,17 +14,17 @@ OPTIONS = {
     "jax_compilation_cache_dir": FOLDER,
     "jax_persistent_cache_min_compile_time_secs": "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS",
 }
-MIN_SECONDS = "0.1"  # programs that compile faster are not kept
+MIN_SECONDS = "0.1"  # [s], minimum compile time of a cached program
 
 
 def use_compile_cache() -> Path | None:
-    """Has JAX keep compiled programs in the cache folder, for this process and those that it starts.
+    """Enable JAX's compilation cache in the cache folder, for this process and its children.
 
-    Call it before the first program is compiled. The command line does so by itself. A cache that the user has chosen,
-    by `JAX_COMPILATION_CACHE_DIR` or JAX's own configuration, stays; set that variable to "" for none.
+    Call it before the first program is compiled. The command line calls it automatically. A cache chosen by the user,
+    through `JAX_COMPILATION_CACHE_DIR` or JAX's own configuration, is kept; set that variable to "" to disable caching.
 
     Returns:
-        The folder, None if there is no cache.
+        The folder; None if caching is disabled.
 
     Example:
         >>> home_mjx.use_compile_cache()  # doctest: +SKIP
@@ -33,7 +33,7 @@ def use_compile_cache() -> Path | None:
     if FOLDER not in os.environ:
         os.environ[FOLDER] = str(cache_folder() / f"programs-{_processor()}")
         os.environ.setdefault(OPTIONS["jax_persistent_cache_min_compile_time_secs"], MIN_SECONDS)
-        if "jax" in sys.modules:  # JAX reads the environment once, when it is imported
+        if "jax" in sys.modules:  # JAX reads the environment only once, at import
             _tell_jax()
     return Path(os.environ[FOLDER]) if os.environ[FOLDER] else None
 
@@ -48,7 +48,10 @@ def _tell_jax() -> None:
 
 @functools.cache
 def _processor() -> str:
-    """A name of this kind of processor: what XLA compiles for one may crash on another that shares the folder."""
+    """Return a hash of the processor model and its flags.
+
+    Code that XLA compiles for one processor may crash on another that shares the folder.
+    """
     facts = [platform.machine(), platform.processor()]
     info = Path("/proc/cpuinfo")
     if info.is_file():

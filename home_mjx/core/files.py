@@ -1,4 +1,4 @@
-"""Bounded reading of files below a dataset root, and writing of files whole or not at all."""
+"""Size-bounded file reading and atomic file writing."""
 
 import io
 import itertools
@@ -22,26 +22,26 @@ from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFile
 
 Row = TypeVar("Row")
 
-_swept: set[Path] = set()  # folders, by this process
+_swept: set[Path] = set()  # folders that this process has swept
 
-# The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
+# The largest SUNCG file has a few MB and 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
-MAX_LINE = 1 << 20  # [bytes] of JSON lines; a task has some 1,500
-MAX_UNPACKED = 1 << 32  # [bytes], of arrays of one file
-MAX_NAME = 1000  # characters of a path that a message shows
-TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
-UNFINISHED = f".{'[0-9a-f]' * 32}{TEMPORARY}"  # pattern of the names that `write_whole` gives
-LEFTOVER_SECONDS = 3600.0  # nothing takes so long to write
+MAX_LINE = 1 << 20  # [bytes], maximum length of a JSON line; a task has about 1,500
+MAX_UNPACKED = 1 << 32  # [bytes], maximum size of the unpacked arrays of one file
+MAX_NAME = 1000  # maximum length of a path in a message [characters]
+TEMPORARY = ".tmp"  # suffix of incomplete files; their names begin with a dot
+UNFINISHED = f".{'[0-9a-f]' * 32}{TEMPORARY}"  # pattern of the temporary names of `write_whole`
+LEFTOVER_SECONDS = 3600.0  # [s], minimum age of a leftover file; no write takes that long
 
 
 def read_text(path: Path, hint: str | None = None, most: int | None = None) -> str:
-    """The text of a UTF-8 file.
+    """Read the text of a UTF-8 file.
 
     Args:
         path: The file.
-        hint: What to do if it is missing.
-        most: Largest accepted size [bytes]; `MAX_BYTES` by default.
+        hint: Remedy if the file is missing.
+        most: Maximum accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
@@ -55,17 +55,17 @@ def read_text(path: Path, hint: str | None = None, most: int | None = None) -> s
 
 
 def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: int | None = None) -> Iterator[Row]:
-    """What is made of each line of a file of JSON lines.
+    """Parse a file of JSON lines and yield one row per line.
 
     Args:
         path: The file.
-        what: What a line holds, for messages.
-        parse: From a line's JSON to what is wanted.
-        most: Largest accepted size [bytes]; `MAX_BYTES` by default.
+        what: Name of the content of a line, for messages.
+        parse: Converts the JSON value of a line to a row.
+        most: Maximum accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
-        DatasetError: It cannot be read, or a line is broken; says which.
+        DatasetError: The file cannot be read, or a line is broken; the error names the line.
     """
     for number, line in enumerate(_lines(path, most), 1):
         try:
@@ -76,11 +76,11 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
         except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
             hint = "Each line must be one JSON object, as the package writes them."
-            raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}", hint=hint) from None
+            raise DatasetError(f"invalid {what}: {reason}", file=path, element=f"line {number}", hint=hint) from None
 
 
 def _lines(path: Path, most: int | None) -> Iterator[str]:
-    """Lines of a file one after the other, so that no more than one of them takes memory; errors as of `read_text`."""
+    """Yield the lines of a file with only one of them in memory; errors as in `read_text`."""
     with _readable(path):
         _check(path, most or MAX_BYTES)
         with open_regular(path) as file:
@@ -95,15 +95,15 @@ def _lines(path: Path, most: int | None) -> Iterator[str]:
 
 
 def write_json_lines(path: Path, rows: Iterable[Any], what: str) -> None:
-    """Writes a file that `read_json_lines` reads, one row a line.
+    """Write a file for `read_json_lines`, one row per line.
 
     Args:
         path: The file.
-        rows: What JSON can hold.
-        what: What the rows are, for messages.
+        rows: JSON-serializable values.
+        what: Name of the rows, for messages.
 
     Raises:
-        ConfigError: It cannot be written.
+        ConfigError: The file cannot be written.
     """
     text = "".join(f"{json.dumps(row)}\n" for row in rows)
     with write_durably(path, what) as file:
@@ -111,7 +111,7 @@ def write_json_lines(path: Path, rows: Iterable[Any], what: str) -> None:
 
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:
-    """The content of a file; arguments and errors as in `read_text`."""
+    """Read the content of a file; arguments and errors as in `read_text`."""
     with _readable(path, hint):
         _check(path, most or MAX_BYTES)
         return path.read_bytes()
@@ -119,10 +119,10 @@ def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> 
 
 @contextmanager
 def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
-    """What fails as the file is read is a typed error."""
+    """Convert failures to read a file within the block to typed errors."""
     try:
         yield
-    except DatasetError:  # from `_check`: it is a ValueError as well
+    except DatasetError:  # from `_check`; a `DatasetError` is also a `ValueError`
         raise
     except FileNotFoundError:
         raise MissingFileError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
@@ -133,48 +133,48 @@ def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
 
 
 def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[np.ndarray]:
-    """Arrays of an `.npz` file by name; nothing in it is run.
+    """Read arrays of an `.npz` file by name; pickled objects are rejected, so no code in the file runs.
 
     Args:
         path: The file.
-        names: Of the arrays.
-        what: What the file is, for messages.
-        hint: What to do if it is none.
+        names: Names of the arrays.
+        what: Name of the file's content, for messages.
+        hint: Remedy if the file is missing or is not such a file.
 
     Raises:
         MissingFileError: The file is missing.
-        DatasetError: It is broken, or lacks a name.
+        DatasetError: The file is broken, or an array is missing.
     """
     try:
         with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
             _check_unpacked(file.zip, names, path)
             return [_is_array(file[name], name) for name in names]
-    except DatasetError:  # of `_check_unpacked`
+    except DatasetError:  # from `_check_unpacked`
         raise
     except FileNotFoundError:
         raise MissingFileError(f"there is no {what}", file=path, hint=hint) from None
     except KeyError as error:
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
-    except Exception as error:  # a made-up file can make NumPy and zipfile raise nearly anything, MemoryError too
-        raise DatasetError(f"file is no {what}: {error!s:.300}", file=path, hint=hint) from None
+    except Exception as error:  # a crafted file can make NumPy and zipfile raise nearly anything, including MemoryError
+        raise DatasetError(f"file is not a valid {what}: {error!s:.300}", file=path, hint=hint) from None
 
 
 def _is_array(found: Any, name: str) -> np.ndarray:
-    """What NumPy gives for a part of an archive: its bytes, where it has not the head of an array."""
+    """Return a loaded array after validation; NumPy returns raw bytes for entries without an array header."""
     if not isinstance(found, np.ndarray):
-        raise ValueError(f"`{name}` is no array")
-    if found.dtype.kind == "U":  # NumPy makes strings of any numbers, with which Python then fails anywhere
+        raise ValueError(f"`{name}` is not an array")
+    if found.dtype.kind == "U":  # NumPy accepts any code points, on which Python later fails anywhere
         letters = np.frombuffer(found.tobytes(), np.dtype(np.uint32).newbyteorder(found.dtype.byteorder))
         if letters.max(initial=0) > sys.maxunicode:
-            raise ValueError(f"`{name}` has characters that there are not")
+            raise ValueError(f"`{name}` has invalid Unicode characters")
     return found
 
 
 def open_regular(path: Path) -> io.BufferedReader:
-    """Opens a regular file for reading; never waits, as a pipe would have it.
+    """Open a regular file for reading; never block on pipes.
 
     Raises:
-        OSError: It is no regular file, or cannot be read.
+        OSError: The path is not a regular file, or cannot be read.
     """
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     if stat.S_ISREG(os.fstat(handle).st_mode):
@@ -184,27 +184,27 @@ def open_regular(path: Path) -> io.BufferedReader:
 
 
 def _check_unpacked(archive: zipfile.ZipFile, names: Sequence[str], path: Path) -> None:
-    """Refuses arrays that a small file would unpack to more than anyone writes."""
+    """Raise `DatasetError` if a small file would unpack to more than `MAX_UNPACKED` bytes."""
     sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     total = sum(sizes.get(name, 0) for name in names)
     if total > MAX_UNPACKED:
-        message = f"arrays have {total} bytes when they are unpacked, at most {MAX_UNPACKED} are read"
+        message = f"arrays have {total} bytes after unpacking, at most {MAX_UNPACKED} are read"
         raise DatasetError(message, file=path, hint="Write it again, in several files.")
 
 
 def is_file(path: Path) -> bool:
-    """Whether the file exists; never fails, however long or odd the name is."""
+    """Return whether a file exists; never raise, even for long or invalid names."""
     return os.path.isfile(path)
 
 
 def is_folder(path: Path) -> bool:
-    """Whether the folder exists; never fails either."""
+    """Return whether a folder exists; never raise, even for long or invalid names."""
     return os.path.isdir(path)
 
 
 def _check(path: Path, most: int) -> None:
     status = path.stat()
-    if not stat.S_ISREG(status.st_mode):  # reading a pipe might never end
+    if not stat.S_ISREG(status.st_mode):  # reading a pipe might block forever
         raise DatasetError("file cannot be read: it is not a regular file", file=path, hint="Fetch or write it again.")
     if status.st_size > most:
         message = f"file has {status.st_size} bytes, at most {most} are read"
@@ -222,9 +222,9 @@ def _decode(data: bytes, path: Path, first: int = 1) -> str:
 
 
 def below(root: Path, folder: Path, relative: str) -> Path | None:
-    """The path `relative` to `folder`; None if it leads out of `root`.
+    """Return the path `relative` to `folder`; None if it leads out of `root`.
 
-    Only the text of the path counts, so that folders of a dataset may be symbolic links to another disk.
+    Only the text of the path is checked, so folders of a dataset may be symbolic links to another disk.
 
     Example:
         >>> below(Path("/data"), Path("/data/object/122"), "../../texture//wood_8.jpg").as_posix()
@@ -236,13 +236,13 @@ def below(root: Path, folder: Path, relative: str) -> Path | None:
 
 @contextmanager
 def write_whole(path: Path) -> Iterator[IO[bytes]]:
-    """A file beside `path` that takes its place when the block ends, so that no reader ever meets half a file.
+    """Write a file atomically: a temporary file replaces `path` when the block ends, so no reader sees a partial file.
 
-    If the block raises, `path` stays as it was. Nothing is forced to the disk: what is written so is checked when it
-    is read, and can be made again. Who first writes to a folder sweeps it, see `sweep`.
+    If the block raises, `path` is unchanged. Nothing is synced to disk: such files are checked on reading and can be
+    regenerated. The first write of a process to a folder removes leftovers, see `sweep`.
 
     Args:
-        path: The file; its folder is made if need be.
+        path: The file; its folder is created if missing.
 
     Raises:
         OSError: The folder cannot be written to.
@@ -256,38 +256,38 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
         _swept.add(path.parent)
         sweep(path.parent)
     beside = path.with_name(f".{uuid.uuid4().hex}{TEMPORARY}")
-    with _in_place(path, beside, beside.open("xb")) as file:  # not private, so that others can read it
+    with _in_place(path, beside, beside.open("xb")) as file:  # not private, so that other users can read it
         yield file
 
 
 def sweep(folder: Path) -> None:
-    """Removes what killed processes have left of `write_whole` in a folder, more than an hour ago.
+    """Remove temporary files of `write_whole` that killed processes left in a folder more than an hour ago.
 
     Args:
-        folder: Where they wrote; need not exist.
+        folder: Folder of the written files; it need not exist.
 
     Example:
         >>> sweep(Path("kernels"))
     """
     for path in folder.glob(UNFINISHED):
-        with suppress(OSError):  # another process was quicker, or it is someone else's
+        with suppress(OSError):  # removed by another process, or owned by another user
             if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
                 path.unlink()
 
 
 @contextmanager
 def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO[bytes]]:
-    """As `write_whole`, and on the disk when the block ends; the file has the permissions of any new one.
+    """Write a file as `write_whole` does and sync it to disk; the file has the permissions of any new one.
 
-    What a killed process leaves beside `path` is overwritten the next time.
+    A leftover temporary file of a killed process is overwritten by the next call.
 
     Args:
-        path: The file; its folder exists.
-        what: What is written, for messages.
-        hint: What to do if it cannot be.
+        path: The file, in an existing folder.
+        what: Name of the content, for messages.
+        hint: Remedy if it cannot be written.
 
     Raises:
-        ConfigError: It cannot be written, such as on a full disk; nothing of it is left.
+        ConfigError: The file cannot be written, such as on a full disk; no partial file remains.
 
     Example:
         >>> with write_durably(Path("notes.json"), "notes") as file:  # doctest: +SKIP
@@ -303,7 +303,7 @@ def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO
 
 @contextmanager
 def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
-    """An open file that takes the place of another one when the block ends, and is gone if that raises."""
+    """Yield an open file that replaces `path` when the block ends; delete it if the block raises."""
     try:
         with file:
             yield file
@@ -315,17 +315,17 @@ def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
 
 
 def write_through(path: Path, content: bytes, mode: str = "wb") -> None:
-    """Writes to a file, and returns when it is on the disk; a new name is, once its folder is forced there.
+    """Write to a file and sync its content to disk; a new name also needs a sync of its folder.
 
-    For what takes its place by a rename, or is added to line by line.
+    Use it for files that are renamed into place, or that grow line by line.
 
     Args:
-        path: The file; its folder exists.
-        content: What is written.
-        mode: `wb`, or `ab` to add.
+        path: The file, in an existing folder.
+        content: Bytes to write.
+        mode: `wb`, or `ab` to append.
 
     Raises:
-        OSError: It cannot be written.
+        OSError: The file cannot be written.
 
     Example:
         >>> write_through(Path("lines.jsonl"), b"{}", "ab")  # doctest: +SKIP
@@ -337,7 +337,7 @@ def write_through(path: Path, content: bytes, mode: str = "wb") -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Forces a folder's list of names to the disk; some systems cannot."""
+    """Sync the entries of a folder to disk; ignore systems that cannot."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:
@@ -348,14 +348,14 @@ def _sync_folder(folder: Path) -> None:
 
 @contextmanager
 def write_together(folder: Path, what: str) -> Iterator[Path]:
-    """A folder to write files to; all of them take their places in another one when the block ends, or none does.
+    """Create a temporary folder whose files all move to `folder` when the block ends, or none if it raises.
 
     Args:
-        folder: Where they are to be; made if need be.
-        what: What they are, for messages.
+        folder: Destination; created if missing.
+        what: Name of the files, for messages.
 
     Raises:
-        ConfigError: They cannot be written there.
+        ConfigError: The files cannot be written.
 
     Example:
         >>> with write_together(Path("play"), "film") as beside:  # doctest: +SKIP
@@ -363,7 +363,7 @@ def write_together(folder: Path, what: str) -> Iterator[Path]:
     """
     with writing(what, folder):
         folder.mkdir(parents=True, exist_ok=True)
-        # In it, not in the system's folder: from another disk, files would be copied, and could come half.
+        # Inside `folder`, since a move from another disk would copy files and could leave partial ones.
         beside = tempfile.TemporaryDirectory(dir=folder, prefix=".", suffix=TEMPORARY)
     with beside:
         yield Path(beside.name)
@@ -374,24 +374,24 @@ def write_together(folder: Path, what: str) -> Iterator[Path]:
 
 @contextmanager
 def writing(what: str, path: Path, hint: str | None = None) -> Iterator[None]:
-    """Where the system refuses to write, the block raises what `unwritable` gives."""
+    """Convert an `OSError` of the block to the error of `unwritable`."""
     try:
         yield
-    except HomeMjxError:  # a missing file of a dataset is an `OSError` as well
+    except HomeMjxError:  # a `MissingFileError` is also an `OSError`
         raise
     except OSError as error:
         raise unwritable(what, path, error, hint) from error
 
 
 def as_path(path: object, what: str) -> Path:
-    """The path of a file, as users give it.
+    """Convert a user's file name to a path.
 
     Args:
         path: Text or a path.
-        what: What the file is, for messages.
+        what: Name of the file's content, for messages.
 
     Raises:
-        ConfigError: It is neither.
+        ConfigError: `path` is neither.
 
     Example:
         >>> as_path("runs/tasks.jsonl", "tasks").name
@@ -404,7 +404,7 @@ def as_path(path: object, what: str) -> Path:
 
 
 def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:
-    """What to raise where the system refuses to write.
+    """Return the `ConfigError` for a failed write.
 
     Example:
         >>> print(unwritable("film", Path("out.mp4"), OSError(28, "No space left on device")))
@@ -415,14 +415,14 @@ def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -
 
 
 def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
-    """Writes a folder beside its place and, once it is on the disk, moves it there; an older one goes.
+    """Replace a folder atomically: write and sync a new one beside it, then rename it into place.
 
     Args:
         target: The folder.
-        files: Contents by path in it.
+        files: Contents by relative path.
 
     Raises:
-        OSError: It cannot be written; the older folder, if there is one, is still there.
+        OSError: The folder cannot be written; an older folder is unchanged.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     fresh, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))

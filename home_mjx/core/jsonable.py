@@ -1,4 +1,4 @@
-"""Frozen dataclasses of options to and from JSON."""
+"""Conversion of option dataclasses to and from JSON."""
 
 import dataclasses
 import importlib
@@ -12,25 +12,25 @@ from home_mjx.errors import ConfigError
 
 PACKAGE = __name__.split(".")[0]
 TYPE, TUPLE = "__type__", "__tuple__"
-MOST_SHOWN = 600  # characters of a message
-MOST_TEXT = 1 << 22  # characters; the ids of all of SUNCG's 45,622 houses take 2 million
-HINT = "Another version of home_mjx wrote it, or it was changed by hand."
+MOST_SHOWN = 600  # maximum length of a message [characters]
+MOST_TEXT = 1 << 22  # maximum length [characters]; the ids of SUNCG's 45,622 houses take 2 million
+HINT = "It was written by another version of home_mjx, or edited by hand."
 
 
 @runtime_checkable
 class Trusting(Protocol):
-    """Options that name what is run: `from_json` asks them before it hands them on, as a file must not choose that."""
+    """Options that name code to run; `from_json` calls `check_trusted` because a file must not choose that code."""
 
     def check_trusted(self) -> None:
-        """Raises `ConfigError` if what they name is not known here."""
+        """Raise `ConfigError` if the named code is not registered in this process."""
         ...
 
 
 def to_json(value: Any) -> str:
-    """A value as JSON text; dataclasses and tuples come back as such.
+    """Serialize a value as JSON text that preserves dataclasses and tuples.
 
     Raises:
-        ConfigError: Something in it is no number, text, container or dataclass, or the text is too long to be read.
+        ConfigError: A part is not a number, text, container or dataclass, or the text is too long for `from_json`.
 
     Example:
         >>> to_json((1, "a"))
@@ -42,20 +42,20 @@ def to_json(value: Any) -> str:
 
 
 def from_json(text: str, file: Path | None = None) -> Any:
-    """What `to_json` was given.
+    """Rebuild a value from the text of `to_json`.
 
     Args:
-        text: What it gave.
-        file: Where the text is from, for errors.
+        text: Output of `to_json`.
+        file: Source of the text, for error messages.
 
     Raises:
-        ConfigError: The text is broken or too long, or names something that is no dataclass, or one of a module that
-            neither is of this package nor has been imported; or `check_trusted` of a part refuses.
+        ConfigError: The text is broken or too long. Or it names a type that is not a dataclass, or a module that is
+            neither part of this package nor imported. Or `check_trusted` of a part raises.
     """
     try:
-        _check_length(text)  # before it is parsed: lists within lists take many times the memory of their text
+        _check_length(text)  # before parsing: nested lists take many times the memory of their text
         return _rebuilt(json.loads(text))
-    except ConfigError as error:  # it is a ValueError as well
+    except ConfigError as error:  # a `ConfigError` is also a `ValueError`
         message, hint = _shown(error.message), _shown(error.hint or HINT)
         raise type(error)(message, file=file or error.file, element=error.element, hint=hint) from error
     except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError) as error:
@@ -64,12 +64,12 @@ def from_json(text: str, file: Path | None = None) -> Any:
 
 def _check_length(text: str) -> None:
     if len(text) > MOST_TEXT:
-        message = f"text of options has {len(text)} characters, at most {MOST_TEXT} are read"
+        message = f"options text has {len(text)} characters, at most {MOST_TEXT} are read"
         raise ConfigError(message, hint="Name a dataset or a split instead of each house.")
 
 
 def _shown(text: str) -> str:
-    """As a message has it: what a file holds may be long, or no text that can be printed."""
+    """Return text for a message: printable and at most `MOST_SHOWN` characters long."""
     return text.encode(errors="backslashreplace").decode()[:MOST_SHOWN]
 
 
@@ -106,9 +106,9 @@ def _rebuilt(value: Any) -> Any:
 
 def _dataclass(name: str) -> type:
     module, _, qualname = name.partition(":")
-    if module.split(".")[0] != PACKAGE and module not in sys.modules:  # a file must not choose what is run
+    if module.split(".")[0] != PACKAGE and module not in sys.modules:  # a file must not choose the code to run
         hint = f"If you trust it, import {module} first."
-        raise ConfigError(f"`{name}` is of a module that has not been imported", hint=hint)
+        raise ConfigError(f"`{name}` belongs to a module that has not been imported", hint=hint)
     try:
         found: Any = importlib.import_module(module)
         for part in qualname.split("."):
@@ -116,5 +116,5 @@ def _dataclass(name: str) -> type:
     except (ImportError, AttributeError) as error:
         raise ConfigError(f"`{name}` cannot be imported: {error}") from error
     if not (isinstance(found, type) and dataclasses.is_dataclass(found)):
-        raise ConfigError(f"`{name}` is no dataclass")
+        raise ConfigError(f"`{name}` is not a dataclass")
     return found

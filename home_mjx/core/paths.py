@@ -1,4 +1,4 @@
-"""Folders and environment variables of the whole package."""
+"""Folders and environment variables used by the whole package."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,7 @@ ROOT_VARIABLE = "SUNCG_DATA_DIR"
 
 
 def cache_folder() -> Path:
-    """The folder of compiled houses, generated datasets and compiled programs.
+    """Return the folder of compiled houses, generated datasets and compiled programs.
 
     `$HOME_MJX_CACHE`, else `home_mjx` in the user's cache folder.
     """
@@ -19,6 +19,6 @@ def cache_folder() -> Path:
 
 
 def dataset_root() -> Path | None:
-    """The dataset that `$SUNCG_DATA_DIR` names, None if it is not set."""
+    """Return the dataset folder named by `$SUNCG_DATA_DIR`; None if it is not set."""
     named = os.environ.get(ROOT_VARIABLE)
     return Path(named) if named else None

@@ -1,4 +1,4 @@
-"""Frozen dataclasses as JAX pytrees."""
+"""Frozen dataclasses that are JAX pytrees."""
 
 import dataclasses
 from typing import Any, TypeVar, dataclass_transform
@@ -9,17 +9,17 @@ T = TypeVar("T", bound="Pytree")
 
 
 def static(**kwargs: Any) -> Any:
-    """A dataclass field that is part of the tree's structure (hashable), not an array."""
+    """Declare a dataclass field as static: hashable and part of the pytree structure, not a leaf."""
     return dataclasses.field(metadata={"static": True}, **kwargs)
 
 
 def array(doc: str, **notes: Any) -> Any:
-    """A dataclass field for an array, with its meaning and notes for whoever fills it; `declared` gives them back."""
+    """Declare an array field with its meaning and notes for the code that fills it; see `declared`."""
     return dataclasses.field(metadata={"doc": doc, "notes": notes})
 
 
 def declared(cls: type) -> dict[str, tuple[Any, str, dict[str, Any]]]:
-    """Annotation, meaning and notes of the fields of a record that `array` declares, by name.
+    """Return annotation, meaning and notes of all fields declared with `array`, by field name.
 
     Example:
         >>> class Line(Pytree):
@@ -33,10 +33,10 @@ def declared(cls: type) -> dict[str, tuple[Any, str, dict[str, Any]]]:
 
 @dataclass_transform(frozen_default=True, field_specifiers=(static, array, dataclasses.field))
 class Pytree:
-    """Base of the device-side records: subclasses become frozen dataclasses registered with JAX.
+    """Base class of device-side records: subclasses become frozen dataclasses registered with JAX as pytrees.
 
-    Under pytest the constructor checks the shapes of one environment. JAX's own rebuilding and `replace` do not, since
-    both also handle batched trees. So this does not use `register_dataclass`, which calls the constructor.
+    Under pytest the constructor checks the shapes of one environment. Unflattening and `replace` do not, since they
+    also handle batched trees. Hence this class does not use `register_dataclass`, which calls the constructor.
 
     Example:
         >>> class Point(Pytree):
@@ -52,11 +52,11 @@ class Pytree:
 
     @classmethod
     def unchecked(cls: type[T], **values: Any) -> T:
-        """A record whose fields are not what they are declared as, such as the axes of arrays for `jax.vmap`."""
+        """Build a record without type checks, for fields such as the `in_axes` of `jax.vmap`."""
         return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:
-        """A copy with some fields changed."""
+        """Return a copy with some fields replaced."""
         names = _names(type(self), True) + _names(type(self), False)
         unknown = set(changes) - set(names)
         if unknown:

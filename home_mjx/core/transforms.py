@@ -5,7 +5,9 @@ from jaxtyping import Array, Bool, Float
 
 
 def sum3(parts: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
-    """The sum over the last axis, written out: XLA makes calls of a library of short sums on CPUs, ten times as slow.
+    """Sum over the last axis as written-out additions.
+
+    On CPUs XLA lowers short reductions to library calls, which are ten times as slow.
 
     Example:
         >>> sum3(jnp.array([[1.0, 2.0, 4.0]])).tolist()
@@ -15,27 +17,27 @@ def sum3(parts: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
 
 
 def length3(vector: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
-    """Euclidean lengths, in the same way."""
+    """Compute Euclidean lengths with `sum3`."""
     return jnp.sqrt(sum3(vector * vector))
 
 
 def wrap_angle(angle: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """The same angle from -pi to pi [rad]."""
+    """Wrap an angle to -pi..pi [rad]."""
     return (angle + jnp.pi) % (2 * jnp.pi) - jnp.pi
 
 
 def body_quat(yaw: Float[Array, ""]) -> Float[Array, "4"]:
-    """Quaternion wxyz of a rotation by `yaw` about +z."""
+    """Return the quaternion wxyz of a rotation by `yaw` [rad] about +z."""
     half = yaw / 2
     zero = jnp.zeros_like(half)
     return jnp.stack([jnp.cos(half), zero, zero, jnp.sin(half)])
 
 
 def camera_quat(yaw: Float[Array, ""], pitch: Float[Array, ""]) -> Float[Array, "4"]:
-    """Quaternion wxyz of MuJoCo's camera frame (looks along -z, +y up) for an agent that looks along +x at yaw 0.
+    """Return the quaternion wxyz of MuJoCo's camera frame (-z forward, +y up) for an agent that faces +x at yaw 0.
 
-    The product of the yaw about +z, the pitch about -y (up is positive) and the fixed turn that maps -z to +x and +y
-    to +z, which is (1, 1, -1, -1) / 2.
+    It is the product of the yaw about +z, the pitch about -y (positive is up) and a constant rotation. The latter maps
+    -z to +x and +y to +z; it is (1, 1, -1, -1) / 2. Angles in [rad].
     """
     cy, sy = jnp.cos(yaw / 2), jnp.sin(yaw / 2)
     cp, sp = jnp.cos(pitch / 2), jnp.sin(pitch / 2)
@@ -45,17 +47,17 @@ def camera_quat(yaw: Float[Array, ""], pitch: Float[Array, ""]) -> Float[Array, 
 
 
 def quat_multiply(a: Float[Array, "4"], b: Float[Array, "4"]) -> Float[Array, "4"]:
-    """The product a b: the rotation `b`, then `a`; both wxyz."""
+    """Multiply two quaternions wxyz: the result rotates by `b`, then by `a`."""
     w = a[0] * b[0] - jnp.dot(a[1:], b[1:])
     xyz = a[0] * b[1:] + b[0] * a[1:] + jnp.cross(a[1:], b[1:])
     return jnp.concatenate([w[None], xyz])
 
 
-UNIT_SLACK = 1e-2  # of the squared length of a quaternion
+UNIT_SLACK = 1e-2  # tolerance of a unit quaternion's squared norm
 
 
 def is_unit(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
-    """Whether quaternions have unit length, but for rounding; rotations by others would scale.
+    """Return whether quaternions have unit length within `UNIT_SLACK`; rotations by others would scale.
 
     Example:
         >>> is_unit(jnp.array([[1.0, 0, 0, 0], [1.05, 0, 0, 0]])).tolist()
@@ -65,7 +67,7 @@ def is_unit(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
 
 
 def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
-    """Rotation matrix of a unit quaternion.
+    """Return the rotation matrix of a unit quaternion wxyz.
 
     Example:
         >>> quat_matrix(jnp.array([1.0, 0.0, 0.0, 0.0])).tolist()
@@ -82,18 +84,18 @@ def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
 
 
 def rigid(pos: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, "3 4"]:
-    """The map from a body frame to the world."""
+    """Return the affine map from a body frame to the world, from position [m] and unit quaternion wxyz."""
     return jnp.concatenate([quat_matrix(quat), pos[:, None]], axis=1)
 
 
 def compose(outer: Float[Array, "3 4"], inner: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
-    """The map that applies `inner`, then `outer`."""
+    """Compose two affine maps: the result applies `inner`, then `outer`."""
     linear = jnp.matmul(outer[:, :3], inner, precision="highest")
     return linear.at[:, 3].add(outer[:, 3])
 
 
 def invert(pose: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
-    """The inverse map, by cofactors. The linear part may scale, mirror and shear, but must not be singular."""
+    """Invert an affine map by cofactors; its linear part may scale, mirror and shear, but must not be singular."""
     a, b, c = pose[:, 0], pose[:, 1], pose[:, 2]
     rows = jnp.stack([jnp.cross(b, c), jnp.cross(c, a), jnp.cross(a, b)])
     linear = rows / jnp.sum(a * rows[0])
@@ -102,7 +104,7 @@ def invert(pose: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
 
 
 def bounds(pose: Float[Array, "3 4"], box: Float[Array, "2 3"]) -> Float[Array, "2 3"]:
-    """World bounds of a box given in the mapped frame.
+    """Return world bounds (min, max) of an axis-aligned box in the local frame of `pose`.
 
     Source: J. Arvo, "Transforming axis-aligned bounding boxes", Graphics Gems, 1990.
     """

@@ -1,4 +1,4 @@
-"""Worker processes that end with the process that started them."""
+"""Worker processes that terminate with their parent process."""
 
 import multiprocessing
 import os
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 
 def usable_cores() -> int:
-    """CPU cores that this process may use; all of the machine where that is not known.
+    """Return the number of CPU cores available to this process, or of all cores where the affinity is unknown.
 
     Example:
         >>> usable_cores() >= 1
@@ -20,12 +20,12 @@ def usable_cores() -> int:
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool of freshly started processes.
+    """Create a pool of spawned worker processes for the duration of a `with` block.
 
-    Work that has not begun when the block ends is dropped; of an interrupted block, also what has begun.
+    At the end of the block, pending work is cancelled. After a keyboard interrupt, running workers are terminated too.
 
     Args:
-        workers: How many.
+        workers: Number of processes.
 
     Example:
         >>> with worker_pool(2) as pool:  # doctest: +SKIP
@@ -35,7 +35,7 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     pool = ProcessPoolExecutor(workers, context, initializer=_leave_with_parent)
     try:
         yield pool
-    except KeyboardInterrupt:  # what they are at is written whole or not at all
+    except KeyboardInterrupt:  # safe, since workers write files atomically
         for process in [*(pool._processes or {}).values()]:
             process.terminate()
         raise
@@ -44,7 +44,7 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _leave_with_parent() -> None:
-    """Ends this worker when its parent is gone: the pool's own workers would wait for ever."""
+    """Exit this worker when its parent has ended; the pool's own workers would block forever."""
     parent = multiprocessing.parent_process()
 
     def wait() -> None:

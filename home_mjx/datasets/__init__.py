@@ -1,6 +1,6 @@
 """Houses on disk: the `Dataset` protocol and its registry; readers, writer and validator of SUNCG's format.
 
-Host only: nothing here loads JAX.
+Host only: no module here imports JAX.
 """
 
 from home_mjx.datasets.base import Dataset, FileDigests, InputDigests

@@ -1,4 +1,4 @@
-"""Joints of library models as data: which faces of a model are a drawer, a door or a lid, and how it moves."""
+"""Joints of library models: the faces of a drawer, door or lid, and their motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Joint:
-    """One movable part of a library model, in the model's own Y-up frame; at 0 it is as drawn.
+    """A movable part of a library model, in the model's own Y-up frame; joint value 0 is the pose in the OBJ.
 
     Example:
         >>> door = Joint("home_x_1", "door_1", "hinge", (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), 0.0, 1.5, ((0, 1), (4, 4)))
@@ -27,31 +27,31 @@ class Joint:
     """
 
     model_id: str
-    part: str  # `drawer_2`: what it is, and a number that makes it unique in its model
+    part: str  # such as `drawer_2`: kind of part, and a number unique in its model
     kind: JointKind
-    axis: Vector  # unit vector; a hinge turns by the right hand, a slide goes along it
-    point: Vector  # [m], on the axis of a hinge, on the front of a slide
-    low: float  # hinge [rad], slide [m]
+    axis: Vector  # unit vector; right-handed rotation of a hinge, direction of a slide
+    point: Vector  # [m], a point on the axis of a hinge or on the front of a slide
+    low: float  # hinge [rad], slide [m]; minimum, at most 0
     high: float
-    ranges: tuple[tuple[int, int], ...]  # first and last face of each run, in the order of the OBJ's `f` lines, from 0
+    ranges: tuple[tuple[int, int], ...]  # first and last face of each run, as 0-based `f` lines of the OBJ
 
     @cached_property
     def faces(self) -> Int[np.ndarray, " n"]:
-        """Indices of its faces in a mesh that was read from the model's OBJ."""
+        """Indices of its faces in a mesh read from the model's OBJ."""
         return np.concatenate([np.arange(first, last + 1) for first, last in self.ranges])
 
     def matrix(self, value: float) -> Float[np.ndarray, "4 4"]:
-        """The motion from the drawn pose to a value of the joint.
+        """Return the rigid motion from the pose in the OBJ to a joint value.
 
         Args:
-            value: Angle [rad] or way [m].
+            value: Angle [rad] or displacement [m].
 
         Raises:
-            ConfigError: The value is out of the joint's range.
+            ConfigError: The value is outside the joint's range.
         """
         if not self.low <= value <= self.high:
-            hint = f"It goes from {self.low:g} to {self.high:g}."
-            raise ConfigError(f"{self.model_id} {self.part} cannot be at {value!r:.40}", hint=hint)
+            hint = f"Its range is {self.low:g} to {self.high:g}."
+            raise ConfigError(f"{self.model_id} {self.part} has no joint value {value!r:.40}", hint=hint)
         motion = np.eye(4)
         if self.kind == "slide":
             motion[:3, 3] = value * np.asarray(self.axis)
@@ -61,14 +61,14 @@ class Joint:
         return motion
 
     def move(self, mesh: Mesh, value: float) -> Mesh:
-        """The model with this part moved; meshes of several moved parts come from one call after another.
+        """Return the model with this part moved; call it once per part to move several parts.
 
         Args:
-            mesh: The model as read from its OBJ, its faces in the order of the file.
-            value: Angle [rad] or way [m].
+            mesh: The model as read from its OBJ, with faces in file order.
+            value: Angle [rad] or displacement [m].
 
         Raises:
-            ConfigError: The value is out of range, or the mesh has fewer faces than the part names.
+            ConfigError: The value is out of range, or the mesh lacks faces of the part.
         """
         if self.ranges[-1][1] >= len(mesh.faces):
             raise ConfigError(f"{self.model_id} {self.part} has faces that the mesh lacks", hint="Is it another model?")
@@ -82,7 +82,7 @@ Joints = Mapping[str, tuple[Joint, ...]]  # by model id
 
 
 def _turn(axis: Float[np.ndarray, " 3"], angle: float) -> Float[np.ndarray, "3 3"]:
-    """The rotation about a unit vector, by Rodrigues' formula."""
+    """Return the rotation about a unit vector by Rodrigues' formula."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross

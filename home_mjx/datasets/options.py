@@ -1,4 +1,4 @@
-"""Options of reading houses."""
+"""Options of the house reader."""
 
 from dataclasses import dataclass
 
@@ -7,14 +7,14 @@ from home_mjx.core.checks import check_flag
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Which parts of a house are read.
+    """Selection of the parts of a house to read.
 
     Args:
         people: Keep models of the coarse category `person`: dense, static meshes.
         plants: Keep models of the coarse category `plant`: foliage of many thousand triangles.
-        backdrops: Keep boxes of 20 m and more whole. By default they are cut to the extent of the level.
-        strict: Refuse a house that lacks a texture, a model, a mesh of a room or a row of the tables, instead of
-            taking stand-ins. None: strict for datasets that were generated, tolerant for all others.
+        backdrops: Keep boxes of 20 m and more uncut. By default they are cut to the extent of the level.
+        strict: Reject a house with a missing texture, model, room mesh or metadata row, instead of using fallbacks.
+            None: strict for generated datasets, tolerant for all others.
 
     Example:
         >>> ReadOptions(people=False).categories_left_out
@@ -34,5 +34,5 @@ class ReadOptions:
 
     @property
     def categories_left_out(self) -> tuple[str, ...]:
-        """Coarse categories whose objects are left out."""
+        """Coarse categories of the objects to leave out."""
         return ("person",) * (not self.people) + ("plant",) * (not self.plants)

@@ -1,4 +1,4 @@
-"""Houses from the outlines of their rooms: floors, ceilings and walls as meshes, for `write_house`."""
+"""Construction of houses from room outlines: meshes of floors, ceilings and walls for `write_house`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,9 +13,9 @@ from home_mjx.geometry.slabs import simplify, slab
 from home_mjx.geometry.wall_prisms import DEPTH, Hole, Wall
 from home_mjx.schema.house import Box, House, Level, Material, Mesh, Room
 
-THICKNESS = 0.05  # [m], of floors and ceilings; the upper side of a floor is so high
-OUTSET = DEPTH / 5  # [m], of floors and ceilings beyond the middle lines of walls
-LEAST = 0.05  # [m] of an opening's width along a wall
+THICKNESS = 0.05  # [m], of floors and ceilings; also the height of a floor's upper side
+OUTSET = DEPTH / 5  # [m], of floors and ceilings beyond the centre lines of walls
+LEAST = 0.05  # [m], minimum width of an opening along a wall
 PLASTER, WOOD = Material("plaster", (0.9, 0.9, 0.85)), Material("wood", (0.65, 0.5, 0.35))
 
 Point = tuple[float, float]
@@ -23,13 +23,13 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class RoomOutline:
-    """A room in the floor plan.
+    """A room of a floor plan.
 
     Attributes:
         type: One of `schema.ROOM_TYPES`.
-        corners: (x, z) of the middle lines of its walls in order [m]; two rooms share a wall if they share a line.
+        corners: (x, z) of the centre lines of its walls in order [m]; two rooms share a wall if they share a line.
         floor: Material of the floor.
-        walls: Material of the walls' insides.
+        walls: Material of the walls' inner faces.
         ceiling: Material of the ceiling.
     """
 
@@ -42,10 +42,10 @@ class RoomOutline:
 
 @dataclass(frozen=True)
 class Opening:
-    """A hole through every wall that runs along it.
+    """A hole through every wall along its line.
 
     Attributes:
-        start: (x, z) of one end, on the middle line of a wall [m].
+        start: (x, z) of one end, on the centre line of a wall [m].
         end: (x, z) of the other end [m].
         low: Height of its lower edge; 0 for a doorway [m].
         high: Height of its upper edge [m].
@@ -64,14 +64,14 @@ def outline_house(
     boxes: Sequence[Box] = (),
     height: float = 2.7,
 ) -> House:
-    """A house of one level whose walls follow the outlines of its rooms. Y is up, in metres.
+    """Build a house of one level with walls along the outlines of its rooms. Y is up, in metres.
 
     Args:
-        house_id: Its id, the name of its folders.
-        rooms: Its rooms; neighbours share lines.
+        house_id: Id of the house and name of its folders.
+        rooms: Rooms of the house; neighbours share lines.
         openings: Doorways and windows.
-        boxes: Plain furniture; ids and indices are given anew.
-        height: Of the walls [m].
+        boxes: Plain furniture; ids and indices are reassigned.
+        height: Height of the walls [m].
 
     Raises:
         ConfigError: The outline of a room has no area or crosses itself.
@@ -126,7 +126,7 @@ def _walls(
     openings: Sequence[Opening],
     height: float,
 ) -> Mesh:
-    """One wall per side; corners run so that the interior lies to the right, as `wall_prisms` wants it."""
+    """Build one wall per side; the interior is to the right of the corners' order, as `wall_prisms` requires."""
     pieces: list[Piece] = []
     for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
         holes = tuple(hole for opening in openings if (hole := _hole(opening, start, end)) is not None)
@@ -136,7 +136,7 @@ def _walls(
 
 
 def _hole(opening: Opening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
-    """What an opening cuts out of a wall; None if the wall does not run along it."""
+    """Compute the hole of an opening in a wall; None if the wall does not run along it."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.array([opening.start, opening.end], float) - start

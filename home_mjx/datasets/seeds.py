@@ -1,18 +1,18 @@
-"""Ids of generated houses, and the order of seeds that they stand for."""
+"""Ids of generated houses, and their order by seed."""
 
 import hashlib
 from collections.abc import Iterable
 
 from home_mjx.errors import UnknownIdError
 
-# "home" in hexadecimal: SUNCG's ids are hashes, so one of its 45,622 begins so with probability 1e-5.
+# "home" in hexadecimal. SUNCG's ids are hashes; one of its 45,622 has this prefix with probability 1e-5.
 ID_PREFIX = "686f6d65"
-MARKER = "generated.json"  # lies in the root of a generated dataset
-MAX_KNOWN = 1 << 16  # seeds from here on are not looked for: this many take 0.1 s
+MARKER = "generated.json"  # file in the root of a generated dataset
+MAX_KNOWN = 1 << 16  # exclusive maximum seed of a lookup by id; searching them all takes 0.1 s
 
 
 def house_id(seed: int) -> str:
-    """The id of a seed's house: 32 hexadecimal digits.
+    """Return the id of a seed's house: 32 hexadecimal digits.
 
     Example:
         >>> house_id(0)
@@ -22,10 +22,10 @@ def house_id(seed: int) -> str:
 
 
 def in_order(ids: Iterable[str]) -> tuple[str, ...]:
-    """Ids of houses: generated ones by their seeds, then all others, sorted.
+    """Sort house ids: generated houses by seed, then all others by id.
 
-    So the first houses of a generated folder stay the first when houses of higher seeds are added. Ids are hashes: in
-    their own order a new house could come anywhere. Seeds of `MAX_KNOWN` and more count as unknown.
+    The first houses of a generated folder thus stay first when houses of higher seeds are added. Sorted by id, which is
+    a hash, a new house could come anywhere. Seeds of `MAX_KNOWN` and more count as unknown.
 
     Example:
         >>> in_order(["b", house_id(9), "a", house_id(2)]) == (house_id(2), house_id(9), "a", "b")
@@ -37,10 +37,10 @@ def in_order(ids: Iterable[str]) -> tuple[str, ...]:
 
 
 def seeds_of(ids: Iterable[str]) -> tuple[int, ...]:
-    """Seeds of generated houses, each once, the lowest first.
+    """Return the distinct seeds of generated houses in ascending order.
 
     Raises:
-        UnknownIdError: One is of no seed below `MAX_KNOWN`.
+        UnknownIdError: An id does not belong to a seed below `MAX_KNOWN`.
 
     Example:
         >>> seeds_of([house_id(9), house_id(2)])
@@ -50,12 +50,12 @@ def seeds_of(ids: Iterable[str]) -> tuple[int, ...]:
     found = _known(wanted)
     if strangers := sorted(wanted.difference(found)):
         hint = "Name its dataset: `houses=` in Python, `--dataset` on the command line."
-        raise UnknownIdError(f"no house `{strangers[0]:.100}` is generated without a dataset", hint=hint)
+        raise UnknownIdError(f"no house `{strangers[0]:.100}` can be generated without a dataset", hint=hint)
     return tuple(found.values())
 
 
 def _known(ids: set[str]) -> dict[str, int]:
-    """Seeds of those that are known, in order."""
+    """Map ids of seeds below `MAX_KNOWN` to their seeds, in ascending order of seeds."""
     left = sum(name.startswith(ID_PREFIX) for name in ids)
     found: dict[str, int] = {}
     for seed in range(MAX_KNOWN):

@@ -1,4 +1,4 @@
-"""Splits of a dataset by a hash of the house's id."""
+"""Dataset splits by a hash of the house id."""
 
 import hashlib
 from collections.abc import Iterable, Mapping
@@ -10,18 +10,18 @@ SPLITS: Mapping[str, float] = {"train": 0.8, "val": 0.1, "test": 0.1}
 
 
 def split_of(house_id: str, fractions: Mapping[str, float] = SPLITS) -> str:
-    """The split that a house belongs to, the same for ever and whatever other houses there are.
+    """Return the split of a house, which depends only on its id and the fractions.
 
     Args:
-        house_id: The house.
-        fractions: Part of all houses in each split; they add up to 1.
+        house_id: Id of the house.
+        fractions: Fraction of all houses in each split; they sum to 1.
 
     Example:
         >>> split_of("0004d52d1aeeb8ae6de39d6bd993e992")
         'test'
     """
     if abs(sum(fractions.values()) - 1) > 1e-9 or min(fractions.values()) < 0:
-        raise ConfigError(f"fractions of splits must add up to 1, got {dict(fractions)}")
+        raise ConfigError(f"fractions of splits must sum to 1, got {dict(fractions)}")
     at = int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "big") / 2**64
     names = list(fractions)
     for name in names[:-1]:
@@ -32,10 +32,10 @@ def split_of(house_id: str, fractions: Mapping[str, float] = SPLITS) -> str:
 
 
 def select_ids(ids: Iterable[str], split: str | None) -> list[str]:
-    """Those of some houses that belong to a split of `SPLITS`; all if it is None.
+    """Select the house ids of a split of `SPLITS`; all if it is None.
 
     Raises:
-        ConfigError: There is no such split.
+        ConfigError: The split is unknown.
     """
     if split is None:
         return list(ids)

@@ -1,4 +1,4 @@
-"""Levels one above the other: each is made on the ground, then lifted to its place."""
+"""Stacking of levels: each is built on the ground, then lifted to its height."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,11 +12,11 @@ Placed = TypeVar("Placed", Object, Box)
 
 
 def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
-    """Levels that were all made on the ground, one above the other, with names of their own.
+    """Stack levels that were all built on the ground, and rename their nodes and meshes by level.
 
     Args:
-        levels: From below, each as `outline_house` gives it.
-        rise: From floor to floor [m].
+        levels: Levels of `outline_house`, from below.
+        rise: Height from floor to floor [m].
 
     Example:
         >>> from home_mjx.datasets import RoomOutline, outline_house

@@ -1,4 +1,4 @@
-"""Closed pieces with material slots, and the mesh that they make."""
+"""Closed mesh pieces with material slots, and their union as one mesh."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,12 +10,12 @@ from jaxtyping import Float, Int
 from home_mjx.geometry.wall_prisms import Prism, Wall, wall_prisms
 from home_mjx.schema.house import Material, Mesh
 
-CUT = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # the grey of cut faces
+CUT = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # grey of cut faces
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A closed part of a mesh, with its slots counted from its own materials."""
+    """A closed part of a mesh; its slots index its own materials."""
 
     group: str
     vertices: Float[np.ndarray, "v 3"]
@@ -25,11 +25,11 @@ class Piece:
 
 
 def wall_pieces(wall: Wall, wall_id: str) -> list[Piece]:
-    """The inner and the outer layer of a wall; its slots are inside, cut faces, outside.
+    """Build the inner and the outer layer of a wall, with slots for inside, cut faces and outside.
 
     Args:
         wall: The wall.
-        wall_id: What both groups are named after, such as `0_1_3`.
+        wall_id: Suffix of both group names, such as `0_1_3`.
     """
     names = [f"{name}#{wall_id}" for name in ("WallInside", "WallOutside")]
     return [_wall_piece(*item) for item in zip(names, wall_prisms(wall), (0, 2), strict=True)]
@@ -40,13 +40,13 @@ def _wall_piece(group: str, prism: Prism, slot: int) -> Piece:
 
 
 def join_pieces(path: Path, pieces: Sequence[Piece], materials: Sequence[Material], scale: float = 1.0) -> Mesh:
-    """One mesh of pieces whose slots are counted from the first of all materials.
+    """Join pieces into one mesh; their slots index the joint list of materials.
 
     Args:
-        path: File of the mesh.
-        pieces: Its parts.
-        materials: One per slot; they are numbered.
-        scale: [m] per unit of the pieces.
+        path: Path of the mesh's file.
+        pieces: Parts of the mesh.
+        materials: One per slot; they are renamed `material_0`, `material_1`, ...
+        scale: Metres per unit of the pieces [m].
     """
     starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     names = tuple(dict.fromkeys(piece.group for piece in pieces))

@@ -1,4 +1,4 @@
-"""Floors, ceilings and grounds: polygons with a thickness."""
+"""Slabs for floors, ceilings and grounds: polygons with a thickness."""
 
 from collections.abc import Sequence
 
@@ -6,9 +6,9 @@ import mapbox_earcut
 import numpy as np
 from jaxtyping import Float, Int
 
-MERGE = 1e-6  # [m]: corners nearer than this, or nearer to the line between their neighbours, are dropped
-SHARP = 4.0  # largest growth of a pointed corner, in outsets
-MAX_ROUNDS = 100  # of dropping corners: each may make others straight
+MERGE = 1e-6  # [m], corners closer than this to a corner, or to the line between their neighbours, are dropped
+SHARP = 4.0  # maximum growth of an acute corner, in outsets
+MAX_ROUNDS = 100  # maximum passes that drop corners; each may make others collinear
 
 Polygon = Float[np.ndarray, "n 2"]  # (x, z) [m]
 
@@ -16,16 +16,16 @@ Polygon = Float[np.ndarray, "n 2"]  # (x, z) [m]
 def slab(
     polygons: Sequence[Polygon], low: float, high: float, outset: float
 ) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"], Float[np.ndarray, "f 3 2"]]:
-    """Closed, outward-wound slabs over polygons of either winding.
+    """Build closed, outward-wound slabs over polygons of either winding.
 
     Args:
         polygons: Corners (x, z) [m]; each polygon becomes a slab of its own.
         low: Height of the underside [m].
         high: Height of the upper side [m].
-        outset: How far the sides extend beyond the polygon [m].
+        outset: Distance by which the sides extend beyond the polygon [m].
 
     Returns:
-        Vertices [m], Y up; triangles; texture coordinates in metres from the polygon's corner of least x and z.
+        Vertices [m], Y up; triangles; texture coordinates in metres from the polygon's minimum x and z.
 
     Raises:
         ValueError: A polygon has no area or crosses itself.
@@ -52,7 +52,7 @@ def _piece(
 
 
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
-    """The polygon with its outset, and its triangles; without the outset where narrow notches would close."""
+    """Return the polygon with its outset and its triangles; without the outset if narrow notches would close."""
     grown = grow(polygon, outset)
     try:
         return grown, triangulate(grown)
@@ -61,19 +61,19 @@ def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, 
 
 
 def signed_area(polygon: Polygon) -> float:
-    """Area [m^2], above 0 if the polygon runs counter-clockwise seen along +y, with x right and z up.
+    """Compute the signed area [m^2], positive if the polygon is counter-clockwise seen along +y, x right and z up.
 
-    By the shoelace formula.
+    It uses the shoelace formula.
     """
     x, z = polygon.T
     return float((x * np.roll(z, -1) - np.roll(x, -1) * z).sum() / 2)
 
 
 def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
-    """The polygon, counter-clockwise, without repeated corners and corners on a straight line.
+    """Return the polygon counter-clockwise, without repeated and collinear corners.
 
     Raises:
-        ValueError: Nothing with an area remains.
+        ValueError: The remaining polygon has no area.
     """
     turned = polygon if signed_area(polygon) > 0 else polygon[::-1]
     for _ in range(MAX_ROUNDS):
@@ -90,7 +90,7 @@ def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
 
 
 def grow(polygon: Polygon, outset: float) -> Polygon:
-    """Moves the sides of a counter-clockwise polygon outwards, with mitred corners."""
+    """Offset the sides of a counter-clockwise polygon outwards, with mitred corners."""
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     normal = np.stack([way[:, 1], -way[:, 0]], 1)
@@ -101,7 +101,7 @@ def grow(polygon: Polygon, outset: float) -> Polygon:
 
 
 def triangulate(polygon: Polygon) -> Int[np.ndarray, "t 3"]:
-    """Triangles of a simple polygon (earcut, as in three.js, which wrote SUNCG), facing +y.
+    """Triangulate a simple polygon (earcut, as in three.js, which wrote SUNCG), facing +y.
 
     Raises:
         ValueError: The polygon crosses itself.
@@ -112,5 +112,5 @@ def triangulate(polygon: Polygon) -> Int[np.ndarray, "t 3"]:
     areas = ((x1 - x0) * (z2 - z0) - (x2 - x0) * (z1 - z0)) / 2
     if len(triangles) != len(polygon) - 2 or abs(abs(areas).sum() - signed_area(polygon)) > 1e-6 * abs(areas).sum():
         raise ValueError("polygon crosses itself")
-    # (x, z) counter-clockwise is clockwise seen from above, where x is right and z is down
+    # Counter-clockwise (x, z) is clockwise seen from above, with x right and z down.
     return np.where(areas[:, None] > 0, triangles[:, ::-1], triangles)

@@ -1,4 +1,4 @@
-"""Which faces of a room's walls are one wall, and where a wall faces."""
+"""Grouping of a room's wall faces into walls, and the facing direction of a wall."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -7,10 +7,10 @@ from home_mjx.schema.house import Mesh
 
 
 def wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
-    """Faces of each wall: the inner and the outer layer, WallInside#0_1_3 and WallOutside#0_1_3, are one.
+    """Return the faces of each wall; inner and outer layer, WallInside#0_1_3 and WallOutside#0_1_3, are one wall.
 
     Args:
-        walls: The walls of one room. Faces without a group are one wall.
+        walls: Wall mesh of one room. Faces without a group form one wall.
     """
     numbers = [name.rpartition("#")[2] for name in walls.groups]
     order = {number: i for i, number in enumerate(dict.fromkeys(numbers))}
@@ -20,13 +20,13 @@ def wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
 
 
 def direction_across(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
-    """The horizontal direction in which most of a wall's area faces, either way.
+    """Return the horizontal axis, of either sign, that most of a wall's area faces.
 
-    The first principal axis of the normals, weighted by area.
+    It is the first principal axis of the normals, weighted by area.
 
     Args:
-        normal: Horizontal part of each triangle's normal, as long as the triangle is large [m^2].
-        area: Of each triangle [m^2].
+        normal: Horizontal part of each triangle's normal, scaled by its area [m^2].
+        area: Area of each triangle [m^2].
     """
     flat = normal / np.sqrt(np.maximum(area, 1e-12))[:, None]
     return np.linalg.eigh(flat.T @ flat)[1][:, -1]

@@ -1,7 +1,7 @@
-"""Walls as SUNCG builds them: two prisms, one towards the room and one behind it, with holes for doors and windows.
+"""Walls as in SUNCG: two prisms, one towards the room and one behind it, with holes for doors and windows.
 
-Measures are those of the program that wrote the dataset (SSTK's `makeWallWithHoles`), as fractions of the depth d:
-each prism is d/2 thick and reaches 2d/5 beyond both ends of the wall, so that corners close; the outer one overlaps
+Dimensions are those of the program that wrote the dataset (SSTK's `makeWallWithHoles`), as fractions of the depth d.
+Each prism is d/2 thick and extends 2d/5 beyond both ends of the wall, so that corners close. The outer prism overlaps
 the inner one by d/19, so that their faces do not coincide.
 """
 
@@ -12,43 +12,43 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-DEPTH = 0.1  # [m], of a wall
-RISE = 0.035  # [m], of a wall above its nominal height
+DEPTH = 0.1  # [m], thickness of a wall
+RISE = 0.035  # [m], height of a wall above its nominal height
 Hole = tuple[float, float, float, float]  # [m]: from, to along the wall; from, to above its base
-# Lines of a grid over a wall's rectangle along it and upwards [m], and which of its cells are solid.
+# Lines of a grid over a wall's rectangle, along it and upwards [m], and a mask of its solid cells.
 Panel = tuple[Float[np.ndarray, " n"], Float[np.ndarray, " m"], Bool[np.ndarray, "_ _"]]
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A straight wall. Its interior lies at direction x up, to the right of the way from start to end."""
+    """A straight wall; its interior is in the direction x up, to the right of the direction from start to end."""
 
-    start: Float[np.ndarray, "3"]  # [m], Y up, at the base of the centre-line
+    start: Float[np.ndarray, "3"]  # [m], Y up, at the base of the centre line
     end: Float[np.ndarray, "3"]  # [m], at the height of the start
     height: float  # [m], nominal
     holes: tuple[Hole, ...] = ()
     depth: float = DEPTH  # [m]
     rise: float = RISE  # [m]
-    lines: tuple[float, ...] = ()  # [m], heights above its base at which faces are divided
+    lines: tuple[float, ...] = ()  # [m], heights above its base at which faces are split
 
     @property
     def length(self) -> float:
-        """Of the centre-line [m]."""
+        """Length of the centre line [m]."""
         return float(np.linalg.norm(self.end - self.start))
 
 
 @dataclass(frozen=True)
 class Prism:
-    """Half of a wall: closed, outward-wound."""
+    """One layer of a wall: closed, outward-wound."""
 
     vertices: Float[np.ndarray, "v 3"]  # [m], Y up
     faces: Int[np.ndarray, "f 3"]
-    uv: Float[np.ndarray, "f 3 2"]  # [m], along the wall and up on large faces
-    large: Bool[np.ndarray, " f"]  # whether a face is one of the two large ones; else it is a cut face
+    uv: Float[np.ndarray, "f 3 2"]  # [m]; along the wall and upwards on large faces
+    large: Bool[np.ndarray, " f"]  # True for faces of the two large sides, False for cut faces
 
 
 def wall_prisms(wall: Wall) -> tuple[Prism, Prism]:
-    """The inner and the outer prism of a wall.
+    """Build the inner and the outer prism of a wall.
 
     Args:
         wall: The wall; holes that reach its ends, its base or its nominal height are open there.
@@ -75,7 +75,7 @@ def _prism(wall: Wall, panel: Panel, beyond: float, low: float, thickness: float
 
 
 def _panel(wall: Wall, beyond: float) -> Panel:
-    """Lines of a grid over the wall's rectangle, and which of its cells are solid."""
+    """Return lines of a grid over the wall's rectangle, and the mask of its solid cells."""
     width, top = wall.length + 2 * beyond, wall.height + wall.rise
     holes = np.array([_open(hole, wall, beyond, width, top) for hole in merge_holes(wall.holes)]).reshape(-1, 4)
     us = np.unique(np.clip([0.0, width, *holes[:, 0], *holes[:, 1]], 0, width))
@@ -88,7 +88,7 @@ def _panel(wall: Wall, beyond: float) -> Panel:
 
 
 def merge_holes(holes: Sequence[Hole]) -> list[Hole]:
-    """Holes; those that touch are replaced by the rectangle around them, until none touch.
+    """Merge holes that touch into their bounding rectangle, until none touch.
 
     Example:
         >>> merge_holes([(0, 1, 0, 1), (3, 4, 0, 1), (0.5, 2, 0.5, 2)])
@@ -109,7 +109,7 @@ def _meet(a: Hole, b: Hole) -> bool:
 
 
 def _open(hole: Hole, wall: Wall, beyond: float, width: float, top: float) -> Hole:
-    """The hole on the prism, which is longer and higher than the wall."""
+    """Convert a hole to the prism's coordinates; the prism is longer and higher than the wall."""
     left, right, low, high = hole
     return (
         0.0 if left <= 0 else left + beyond,
@@ -125,18 +125,18 @@ def extrude(
     keep: Bool[np.ndarray, "n1 m1"],
     depth: tuple[float, float],
 ) -> tuple[Float[np.ndarray, "p 3"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
-    """Extrudes the kept cells of a rectangular grid: rectangles with rectangular holes, and rectilinear polygons.
+    """Extrude the kept cells of a rectangular grid: rectangles with rectangular holes, and rectilinear polygons.
 
-    Using the whole grid leaves no T-junction, so the solid is watertight.
+    The whole grid is used, which avoids T-junctions, so the solid is watertight.
 
     Args:
-        us: Grid lines along u, rising.
-        vs: Grid lines along v, rising.
-        keep: Which cells are solid.
+        us: Grid lines along u, ascending.
+        vs: Grid lines along v, ascending.
+        keep: Mask of solid cells.
         depth: Extent along w, where (u, v, w) is right-handed.
 
     Returns:
-        Points (u, v, w), outward triangles, and which triangles are large faces (else they are cut faces).
+        Points (u, v, w), outward triangles, and the mask of triangles on large faces (the others are cut faces).
     """
     used, faces, large = _topology(keep.shape, keep.tobytes())
     grid = np.stack(np.meshgrid(us, vs, indexing="ij"), -1).reshape(-1, 2)
@@ -144,11 +144,11 @@ def extrude(
     return points[used], faces.copy(), large.copy()
 
 
-@lru_cache(maxsize=1024)  # walls with openings are alike: few of them differ in more than lengths
+@lru_cache(maxsize=1024)  # most walls with openings differ only in lengths
 def _topology(
     shape: tuple[int, int], kept: bytes
 ) -> tuple[Int[np.ndarray, " p"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
-    """Which nodes of the grid are used, of both ends; the triangles of these; and which triangles are large faces."""
+    """Return the used grid nodes of both ends, their triangles, and the mask of triangles on large faces."""
     keep = np.frombuffer(kept, bool).reshape(shape)
     node = np.arange((shape[0] + 1) * (shape[1] + 1)).reshape(shape[0] + 1, shape[1] + 1)
     corner = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], -1)  # counter-clockwise from +w

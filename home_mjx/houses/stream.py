@@ -1,4 +1,4 @@
-"""A bank whose houses change while environments run: for datasets that are larger than memory."""
+"""Bank whose houses are exchanged while environments run, for datasets larger than device memory."""
 
 import functools
 import logging
@@ -33,45 +33,44 @@ from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, Model
 
 log = logging.getLogger(__name__)
 
-Prepared = tuple[str, dict[Key, Array], dict[Key, Array]]  # house id, rows, and where they begin
+Prepared = tuple[str, dict[Key, Array], dict[Key, Array]]  # house id, rows, and the first row of each
 
 
 @dataclass
 class _Retiring:
-    """A house slot that no reset draws any more, and the house that will take it."""
+    """A house slot that resets no longer draw, and the house that will replace its content."""
 
     house_slot: int
-    since: int  # the call of `advance` from which on no reset draws it
+    since: int  # number of the `advance` call since which no reset draws it
     house: "Future[Prepared | None]"
 
 
 class HouseStream:
-    """A `HouseBank` of a fixed number of house slots, which a thread fills with the houses of a dataset in turn.
+    """A `HouseBank` with a fixed number of house slots, which a thread fills in turn with the houses of a dataset.
 
-    Models and textures of all houses stay on the device; a house slot holds what is a house's own. Shapes never
-    change, so nothing is compiled again. A slot is first retired: resets stop drawing it. When no environment is in it
-    any more, the next house is written over it, in place.
+    Models and textures of all houses stay on the device; a slot stores only data private to its house. Shapes never
+    change, so nothing is recompiled. To exchange a house, its slot is first retired: resets no longer draw it. When no
+    environment uses the slot any more, the next house overwrites it in place.
 
-    Houses should be in the cache (`home-mjx compile ROOT`), or the first pass compiles them.
+    Houses should be in the cache (`home-mjx compile ROOT`); otherwise the first pass compiles them.
 
     Args:
-        root: Folder of the dataset, an open one, or a `HouseSet`; None: the dataset that `SUNCG_DATA_DIR` names.
-        ids: Which houses; all by default.
-        num_slots: Houses in the bank at a time.
-        spare: How many of them may be retired at a time.
-        headroom: How many times as large as the largest of the first houses a house may be. Houses that do not fit are
-            skipped, see `skipped`.
-        split: Only houses of this split.
-        seed: Of the order, which is another one in every pass over the dataset.
-        options: How to compile.
-        progress: Show a progress bar while all houses are looked through.
-        where: Only houses that have all this.
-        num_houses: Only the first so many of them.
+        root: Folder of the dataset, an open `Dataset`, or a `HouseSet`; None: the dataset of `SUNCG_DATA_DIR`.
+        ids: House ids; all by default.
+        num_slots: Number of houses in the bank at a time.
+        spare: Number of slots that are retired at a time.
+        headroom: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see `skipped`.
+        split: Restrict to houses of this split.
+        seed: Seed of the order of houses, which differs in every pass over the dataset.
+        options: Compiler options.
+        progress: Show a progress bar while models and textures of all houses are collected.
+        where: Restrict to houses that meet this filter.
+        num_houses: Maximum number of houses; the first are taken.
 
     Attributes:
-        bank: The bank as it is now. The one before is gone once `advance` was called: its memory is written over.
-        skipped: Reason by id of each house that cannot be shown.
-        swaps: Houses exchanged so far.
+        bank: The current bank. Earlier banks are invalid after `advance`, since their memory is overwritten.
+        skipped: Reason for each skipped house, by id.
+        swaps: Number of houses exchanged so far.
 
     Raises:
         ConfigError: There are fewer houses than slots.
@@ -117,9 +116,9 @@ class HouseStream:
         self.bank: HouseBank = to_bank(pack_house_slots(first, self._library, self._capacity, self._stride))
         self.bank = _write(
             self.bank, *self._prepare(first[0], 0)[1:]
-        )  # compiled now, so that the first swap does not wait
+        )  # compiled now, so that the first swap does not have to wait
         self._calls, self._used, self._closed = 0, None, False
-        self._num_envs = 0  # of which there were indices; 0: not known yet
+        self._num_envs = 0  # number of environments; 0: not known yet
         self._worker = ThreadPoolExecutor(1, "house-stream")
         self._active = list(range(num_slots))
         self._retiring: list[_Retiring] = []
@@ -127,22 +126,22 @@ class HouseStream:
             self._retire()
 
     def advance(self, houses: Int[Array, "..."]) -> HouseBank:
-        """Exchanges a house if one is ready; call it before every step, or as often as houses may change.
+        """Exchange each retired house whose successor is ready; call it before every step, or less often.
 
         Args:
-            houses: House index of every environment that there is, as in `states.world.house`.
+            houses: House indices of all environments, as in `states.world.house`.
 
         Returns:
             The bank for the next steps; do not use an earlier one.
 
         Raises:
-            ConfigError: The stream is closed; or there are indices of more or fewer environments than before, so that a
-                house that somebody is in could be written over.
+            ConfigError: The stream is closed; or the number of indices differs from earlier calls, so that a house in
+                    use could be overwritten.
         """
         if self._closed:
-            raise ConfigError("the stream is closed: no house comes any more", hint="Step inside its `with` block.")
+            raise ConfigError("the stream is closed: it exchanges no more houses", hint="Step inside its `with` block.")
         self._check_all(houses.size)
-        used = self._used  # of the last call: it is known by now, so nothing waits for the device
+        used = self._used  # of the previous call, so the host does not wait for the device
         self._calls += 1
         self._used = (self._calls, _slots_in_use(houses, self.bank.num_houses))
         if used is not None:
@@ -153,14 +152,14 @@ class HouseStream:
         return self.bank
 
     def _check_all(self, count: int) -> None:
-        """Refuses indices of some of the environments; without any there are none to be hurt."""
+        """Raise `ConfigError` if indices of some environments are missing; an empty array is accepted."""
         known = self._num_envs = self._num_envs or count
         if count not in (0, known):
             message = f"expected the house of every environment, of which there were {known}, got {count}"
-            raise ConfigError(message, hint="Give states.world.house of all; open another stream for another batch.")
+            raise ConfigError(message, hint="Pass states.world.house of all; open another stream for another batch.")
 
     def close(self) -> None:
-        """Ends the thread."""
+        """Stop the background thread."""
         self._closed = True
         self._worker.shutdown(cancel_futures=True)
 
@@ -171,7 +170,7 @@ class HouseStream:
         self.close()
 
     def _look_through(self, ids: Sequence[str], progress: bool) -> tuple[dict[str, Model], tuple[str, ...]]:
-        """Every model and texture of the houses; those that cannot be compiled are skipped."""
+        """Collect all models and textures of the houses; skip houses that cannot be compiled."""
         agent = agent_model()
         models, textures = {agent.key: agent}, set()
         for house_id in tqdm(ids, desc="models", unit="house", disable=not progress):
@@ -185,7 +184,7 @@ class HouseStream:
         return models, tuple(sorted(textures))
 
     def _endless(self, ids: Sequence[str], rng: np.random.Generator) -> Iterator[str]:
-        """Ids of houses that are not skipped, every pass in another order; ends if none is left."""
+        """Yield ids of houses that are not skipped, shuffled anew in every pass; end if all are skipped."""
         while any(house_id not in self.skipped for house_id in ids):
             for i in rng.permutation(len(ids)):
                 house_id = ids[int(i)]
@@ -202,11 +201,11 @@ class HouseStream:
                 return list(houses.values())
         raise ConfigError(
             f"{num_slots} slots need at least as many houses, there are {len(houses)}",
-            hint="Use fewer slots, or a HouseBank: it holds all houses.",
+            hint="Use fewer slots, or a HouseBank with all houses.",
         )
 
     def _retire(self) -> None:
-        """Takes the slot that was filled first out of what resets draw, and has the next house made ready for it."""
+        """Retire the slot that was filled first and start to prepare the next house for it."""
         house_slot = self._active.pop(0)
         self.bank = self.bank.replace(draw=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32))
         self._retiring.append(_Retiring(house_slot, self._calls, self._worker.submit(self._next, house_slot)))
@@ -214,7 +213,7 @@ class HouseStream:
     def _exchange(self, item: _Retiring) -> None:
         self._retiring.remove(item)
         prepared = item.house.result()
-        if prepared is None:  # no house is left that could be shown: the slot stays as it is
+        if prepared is None:  # no usable house is left, so the slot keeps its house
             return
         _, rows, starts = prepared
         self.bank = _write(self.bank, rows, starts)
@@ -223,7 +222,7 @@ class HouseStream:
         self._retire()
 
     def _next(self, house_slot: int) -> Prepared | None:
-        """The next house that fits, made ready for a slot; in the thread."""
+        """Prepare the next house that fits, for a slot; runs in the background thread."""
         for house_id in self._order:
             try:
                 return self._prepare(self._cache.load(house_id), house_slot)
@@ -233,16 +232,16 @@ class HouseStream:
         return None
 
     def _prepare(self, house: CompiledHouse, house_slot: int) -> Prepared:
-        """Raises `CapacityError` if the house does not fit."""
+        """Pack a house for a slot and transfer it to the device; raise `CapacityError` if it does not fit."""
         rows, starts = pack_house_slot(house, self._library, self._capacity, self._stride, house_slot)
         for key in house.instances.model[:1]:
-            self._cache.library.pop(key, None)  # its architecture; models stay
+            self._cache.library.pop(key, None)  # drop its architecture; shared models stay
         return house.id, jax.device_put(rows), jax.device_put({k: np.int32(v) for k, v in starts.items()})
 
 
 @functools.partial(jax.jit, donate_argnums=0)
 def _write(bank: HouseBank, rows: Mapping[Key, Array], starts: Mapping[Key, Array]) -> HouseBank:
-    """The bank with other rows, in the same memory."""
+    """Overwrite rows of the bank in its own memory."""
     write = functools.partial(jax.lax.dynamic_update_slice_in_dim, axis=0)
     bank = with_arrays(bank, {key: write(array_of(bank, key), values, starts[key]) for key, values in rows.items()})
     if bank.geometry.gpu is not None:

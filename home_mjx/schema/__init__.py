@@ -1,6 +1,6 @@
-"""Records that cross packages: the house of a dataset, the compiled house, and their vocabularies.
+"""Records shared by all packages: the dataset's house, the compiled house, and their vocabularies.
 
-Host only: nothing here loads JAX.
+Host only: no module here imports JAX.
 """
 
 from home_mjx.schema.agent import Body

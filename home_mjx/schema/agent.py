@@ -1,4 +1,4 @@
-"""The body of an agent."""
+"""Physical parameters of an agent."""
 
 from dataclasses import dataclass
 
@@ -8,22 +8,22 @@ from home_mjx.errors import ConfigError
 
 @dataclass(frozen=True)
 class Body:
-    """An upright capsule with eyes and ears: the one source of an agent's size, strength and speed.
+    """An upright capsule with eyes and ears: the only definition of an agent's size, strength and speed.
 
     Attributes:
-        radius: [m]
-        height: Total [m].
-        mass: [kg]
-        eye_height: Of eyes and ears above the floor [m].
-        forward_speed: [m/s] at action 1.
-        strafe_speed: [m/s] at action 1.
-        turn_rate: [rad/s] at action 1.
-        push_force: Largest force of the motors, in any horizontal direction [N].
-        reach: Of the hand, from the body's axis [m].
-        lift: Heaviest thing that the hand takes [kg].
+        radius: Radius of the capsule [m].
+        height: Total height [m].
+        mass: Mass [kg].
+        eye_height: Height of eyes and ears above the floor [m].
+        forward_speed: Forward speed at action 1 [m/s].
+        strafe_speed: Sideways speed at action 1 [m/s].
+        turn_rate: Turn rate at action 1 [rad/s].
+        push_force: Maximum force of the motors, in any horizontal direction [N].
+        reach: Reach of the hand from the body's axis [m].
+        lift: Maximum mass of an object that the hand lifts [kg].
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is out of range.
 
     Example:
         >>> Body(radius=0.25, height=1.5).half_length
@@ -68,5 +68,5 @@ class Body:
 
     @property
     def half_length(self) -> float:
-        """Half the length of the cylinder between the two half balls [m]."""
+        """Half the length of the cylinder between the two hemispheres [m]."""
         return self.height / 2 - self.radius

@@ -1,7 +1,6 @@
-"""The fixed vocabularies of SUNCG, and the position of a name in them.
+"""SUNCG's fixed vocabularies and the index of a name in them.
 
-Ids on the device are positions in these tuples. Names that only v2 has come last, so
-that the ids of v1 stay the same.
+Ids on the device are indices into these tuples. Names that only v2 has come last, so that v1's ids are unchanged.
 """
 
 import json
@@ -26,7 +25,7 @@ def _positions(names: tuple[str, ...]) -> dict[str, int]:
 
 
 def fine_index(name: str) -> int:
-    """Position in `FINE`; other names are `unknown`.
+    """Return the index of a name in `FINE`; other names map to `unknown`.
 
     Example:
         >>> FINE[fine_index("double_bed")], FINE[fine_index("bidet")], FINE[fine_index("unicorn")]
@@ -36,24 +35,24 @@ def fine_index(name: str) -> int:
 
 
 def coarse_index(name: str) -> int:
-    """Position in `COARSE`; other names are `unknown`."""
+    """Return the index of a name in `COARSE`; other names map to `unknown`."""
     return _positions(COARSE).get(name, _positions(COARSE)["unknown"])
 
 
 def nyu40_index(name: str) -> int:
-    """The NYUv2-40 label; 0 (void) if there is none."""
+    """Return the NYUv2-40 label of a name; 0 (void) if unknown."""
     return _positions(NYU40).get(name, 0)
 
 
 def room_type_index(name: str) -> int:
-    """Position in `ROOM_TYPES`; -1 if there is none."""
+    """Return the index of a name in `ROOM_TYPES`; -1 if unknown."""
     return _positions(ROOM_TYPES).get(name, -1)
 
 
 def texture_family(texture: str) -> str:
-    """The family that SUNCG's texture names start with.
+    """Return the family of a SUNCG texture name.
 
-    Digits and trailing underscores are removed; any name with `textile` or `wood` in it belongs there (HoME's rule).
+    Digits and trailing underscores are removed. Names that contain `textile` or `wood` map to it (HoME's rule).
 
     Args:
         texture: Name without folder and extension.

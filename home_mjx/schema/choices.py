@@ -1,5 +1,5 @@
-"""Names of what can be chosen in several packages: one list each, so that the command line need load no JAX for it."""
+"""Option values shared by several packages, importable by the command line without JAX."""
 
 CAMERA_MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
-PRESETS = ("fast", "lit")  # of how colours are lit
-COLLISIONS = ("box", "exact")  # what objects of an exported house collide by
+PRESETS = ("fast", "lit")  # shading presets of colour images
+COLLISIONS = ("box", "exact")  # collision geometry of objects in an exported house

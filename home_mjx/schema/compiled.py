@@ -1,6 +1,6 @@
-"""One house as the arrays that the engines need: NumPy, world frame (Z up, metres), no padding.
+"""Compiled house: the arrays of one house that all engines read (NumPy, world frame Z up, metres, no padding).
 
-`compile_house` makes it, `cache` stores it, `bank` puts many of them on the device.
+`compile_house` creates it, `cache` stores it on disk, and `bank` packs many houses into device arrays.
 """
 
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ NUM_BANDS = 7  # octaves 125 .. 8000 Hz
 
 
 class Ray(IntFlag):
-    """Kinds of ray, as bits of the mask of what a material stops."""
+    """Ray kinds as bits of a material's blocking mask."""
 
     CAMERA = 1
     LIGHT = 2
@@ -30,9 +30,9 @@ class Ray(IntFlag):
 
 @dataclass(frozen=True)
 class Tree:
-    """A binary bounding-volume tree; node 0 is the root.
+    """A binary bounding-volume hierarchy; node 0 is the root.
 
-    A child code >= 0 is an inner node; a negative one is a leaf: `~code` holds `first << 4 | count`,
+    A child code >= 0 is an inner node; a negative one is a leaf: `~code` encodes `first << 4 | count`,
     so -1 is an empty leaf. `first` counts primitives (triangles, or instances in a top tree).
     """
 
@@ -42,12 +42,12 @@ class Tree:
 
 @dataclass(frozen=True)
 class MaterialTable:
-    """Rows of materials, for light and for sound."""
+    """Optical and acoustic properties of materials, one row per material."""
 
     albedo: Float[np.ndarray, "r 4"]  # sRGB diffuse 0..1, and opacity
     texture: tuple[str, ...]  # absolute path of the image, "" for none
     kind: tuple[str, ...]  # semantic and acoustic name, such as "wood", "wallpaper"; "" unknown
-    mask: Int[np.ndarray, " r"]  # Ray bits that the material stops
+    mask: Int[np.ndarray, " r"]  # Ray bits that the material blocks
     absorption: Float[np.ndarray, "r bands"]  # energy fractions per octave
     scattering: Float[np.ndarray, "r bands"]
     transmission: Float[np.ndarray, "r bands"]
@@ -55,12 +55,12 @@ class MaterialTable:
 
 @dataclass(frozen=True)
 class Model:
-    """A library model in its own frame (Z up), triangles in the order of its tree's leaves."""
+    """A library model in its own frame (Z up), with triangles in the order of the leaves of its tree."""
 
     key: str  # content-addressed: file stem, variant and digest
     triangle: Float[np.ndarray, "t 3 3"]  # [m]
     uv: Float[np.ndarray, "t 3 2"]
-    normal: Float[np.ndarray, "t 3 3"]  # unit, of the corners; smooth where the surface is meant to be round
+    normal: Float[np.ndarray, "t 3 3"]  # unit, per corner; interpolated on smooth surfaces
     slot: Int[np.ndarray, " t"]  # material slot
     part: Int[np.ndarray, " t"]  # semantic part; 0 for objects
     tree: Tree
@@ -69,7 +69,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Instances:
-    """Everything a ray can hit; row `ARCHITECTURE` is the house itself."""
+    """Instances of models that rays can hit; row `ARCHITECTURE` is the house's own geometry."""
 
     model: tuple[str, ...]  # keys into the library
     pose: Float[np.ndarray, "i 3 4"]  # world from model: linear part (rotation, scale, mirror) and translation [m]
@@ -81,7 +81,7 @@ class Instances:
 
 @dataclass(frozen=True)
 class Colliders:
-    """Static collision boxes: of the architecture, of objects, and invisible ones that keep agents in the rooms."""
+    """Static collision boxes of the architecture and objects, and invisible barriers that keep agents in the rooms."""
 
     pos: Float[np.ndarray, "c 3"]  # [m], centre
     quat: Float[np.ndarray, "c 4"]  # wxyz
@@ -91,7 +91,7 @@ class Colliders:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Movable objects, one box each, in the order of priority."""
+    """Movable bodies, one box each, in order of priority (lightest first)."""
 
     instance: Int[np.ndarray, " k"]
     pos: Float[np.ndarray, "k 3"]  # [m], centre of the box = centre of mass
@@ -99,44 +99,44 @@ class Bodies:
     size: Float[np.ndarray, "k 3"]  # [m], half extents
     mass: Float[np.ndarray, " k"]  # [kg]
     friction: Float[np.ndarray, " k"]  # sliding
-    restitution: Float[np.ndarray, " k"]  # part of the speed that is left after a bounce, 0..1
+    restitution: Float[np.ndarray, " k"]  # ratio of the speeds after and before a bounce, 0..1
     from_model: Float[np.ndarray, "k 3 4"]  # body frame from model frame, constant
 
 
 @dataclass(frozen=True)
 class Doors:
-    """Leaves of doors between rooms, each its own instance on a vertical hinge or a horizontal rail.
+    """Door leaves between rooms, each an instance of its own on a vertical hinge or a horizontal rail.
 
-    Each has one coordinate, 0 as placed. Of a hinged leaf it is an angle about +z: at angle q its box and its instance
-    are turned by q about the vertical line through `pivot`. A sliding leaf is shifted by q along `slide`.
-    Leaves of doors that lead outdoors are shut and static: they are not listed.
+    Each leaf has one joint coordinate q, 0 as authored. For a hinged leaf q is an angle about +z: its box and its
+    instance are rotated by q about the vertical line through `pivot`. A sliding leaf is translated by q along `slide`.
+    Leaves of exterior doors are closed and static, and have no row here.
     """
 
     instance: Int[np.ndarray, " h"]
-    pivot: Float[np.ndarray, "h 2"]  # [m], where the hinge meets the plan; of a sliding leaf the middle of its box
+    pivot: Float[np.ndarray, "h 2"]  # [m], position of the hinge in plan; for a sliding leaf the centre of its box
     closed: Float[np.ndarray, " h"]  # [rad] or [m], coordinate at which the leaf is closed
-    wide: Float[np.ndarray, " h"]  # at which it is wide open, as far as it can be
-    low: Float[np.ndarray, " h"]  # between `low` and `high` it moves freely; one of them is `closed`
-    high: Float[np.ndarray, " h"]
-    pos: Float[np.ndarray, "h 3"]  # [m], centre of the leaf's box, as placed
+    wide: Float[np.ndarray, " h"]  # [rad] or [m], coordinate at which the leaf is fully open
+    low: Float[np.ndarray, " h"]  # [rad] or [m], minimum coordinate; `low` or `high` equals `closed`
+    high: Float[np.ndarray, " h"]  # [rad] or [m], maximum coordinate
+    pos: Float[np.ndarray, "h 3"]  # [m], centre of the leaf's box at q = 0
     quat: Float[np.ndarray, "h 4"]  # wxyz
     size: Float[np.ndarray, "h 3"]  # [m], half extents
     mass: Float[np.ndarray, " h"]  # [kg]
-    slide: Float[np.ndarray, "h 2"]  # unit direction in which it slides; 0: it is hinged
+    slide: Float[np.ndarray, "h 2"]  # unit direction of sliding; 0: hinged
 
     @property
     def slides(self) -> Bool[np.ndarray, " h"]:
-        """Which leaves slide."""
+        """Mask of sliding leaves."""
         return (self.slide != 0).any(axis=1)
 
     def rows(self, num_doors: int, num_slides: int) -> Int[np.ndarray, " h"]:
-        """Row of each leaf in a table of so many, of which the last slide."""
+        """Return the row of each leaf in a table of `num_doors` rows; sliding leaves use the last `num_slides` rows."""
         hinged, sliding = np.cumsum(~self.slides) - 1, num_doors - num_slides + np.cumsum(self.slides) - 1
         return np.where(self.slides, sliding, hinged).astype(np.int32)
 
     @staticmethod
     def none() -> "Doors":
-        """No doors."""
+        """Return an empty table of doors."""
         flat = np.zeros(0)
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
         angles = dict.fromkeys(("closed", "wide", "low", "high"), flat)
@@ -145,7 +145,7 @@ class Doors:
 
 @dataclass(frozen=True)
 class Ramps:
-    """Slopes that stand for flights of stairs: static boxes, the upper side of each from floor to floor."""
+    """Ramps that replace flights of stairs: static boxes whose upper sides connect two floors."""
 
     object_id: Int[np.ndarray, " f"]  # Semantic.OBJECT of the stairs
     pos: Float[np.ndarray, "f 3"]  # [m], centre
@@ -157,7 +157,7 @@ class Ramps:
 
     @staticmethod
     def none() -> "Ramps":
-        """No stairs."""
+        """Return an empty table of ramps."""
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
         rows = np.zeros(0, np.int32)
         return Ramps(rows, **box, slope=np.zeros(0), up=np.zeros((0, 2)), collider=rows)
@@ -165,7 +165,7 @@ class Ramps:
 
 @dataclass(frozen=True)
 class Planes:
-    """Rectangles of walls, floors and ceilings that mirror sound, facing the room."""
+    """Rectangles of walls, floors and ceilings that reflect sound specularly, facing the room."""
 
     center: Float[np.ndarray, "p 3"]  # [m]
     normal: Float[np.ndarray, "p 3"]
@@ -186,7 +186,7 @@ class Rooms:
 
 
 class PortalKind(IntEnum):
-    """The kinds of connection between two rooms."""
+    """Kinds of connection between two rooms."""
 
     OPENING = 0
     DOOR = 1
@@ -199,59 +199,59 @@ class Portals:
 
     room: Int[np.ndarray, "p 2"]  # room indices, the lower first; -1 outdoors
     pos: Float[np.ndarray, "p 3"]  # [m], middle, on the floor
-    width: Float[np.ndarray, " p"]  # [m], over which an agent's axis can cross with leaves open; 0: agents cannot
+    width: Float[np.ndarray, " p"]  # [m], clear width for an agent's axis with the leaves open; 0: impassable
     kind: Int[np.ndarray, " p"]  # PortalKind
-    leaf: Int[np.ndarray, "p 2"]  # rows of Doors: leaves that can close it; -1 none
+    leaf: Int[np.ndarray, "p 2"]  # rows of Doors: leaves that close it; -1 none
 
 
-FIELD_UNIT = 0.0025  # [m], of stored geodesic distances
+FIELD_UNIT = 0.0025  # [m], unit of stored geodesic distances
 FIELD_FAR = 65535  # stored distance where there is no path
-BELOW_FLOOR = 0.3  # [m]: a point so far below the lowest floor of a level still counts as on that level
+BELOW_FLOOR = 0.3  # [m], maximum depth below a level's lowest floor of points assigned to that level
 
 
 @dataclass(frozen=True)
 class Fringe:
-    """Cells beside the home region that agents can come to: close to walls, and where things stand that can be moved.
+    """Reachable cells outside the home region: cells close to walls, and cells occupied by movable objects.
 
-    They are numbered after the home cells.
+    Their numbers follow those of the home cells.
     """
 
-    narrow: int  # the first so many are free as things stand, with less room than in the home region
+    narrow: int  # number of leading cells that are free as authored, with less clearance than the home region
     place: Int[np.ndarray, "e 3"]  # grid, row and column
     height: Float[np.ndarray, " e"]  # [m], of the floor or ramp
-    field: UInt16[np.ndarray, "e g"]  # [FIELD_UNIT], distances of the home region continued: see `navigation.fringe`
-    nearest: Int[np.ndarray, "l ny nx"]  # of every cell: its number, or that of the nearest cell that has one
+    field: UInt16[np.ndarray, "e g"]  # [FIELD_UNIT], extrapolated distances to the goals; see `navigation.fringe`
+    nearest: Int[np.ndarray, "l ny nx"]  # number of each cell, or of the nearest numbered cell
 
 
 @dataclass(frozen=True)
 class Navigation:
-    """Where an agent can stand: one grid per level that has rooms, the lowest first; row = y, column = x.
+    """Walkable grids, one per level that has rooms, the lowest first; row = y, column = x.
 
-    Region 0 is the home region: the largest one of the ground floor and, where agents climb stairs, of the levels that
-    are joined to it. Its cells are numbered in the order of the grids. Ramps are part of it: of each, what lies more
-    than `BELOW_FLOOR` below the upper level is in the grid of the lower one. Starts and goals lie on floors.
+    Region 0 is the home region: the connected region with the largest area on the ground floor, including levels that
+    agents reach by stairs. Its cells are numbered in the order of the grids. It contains ramps: the part of a ramp
+    that is more than `BELOW_FLOOR` below the upper level is in the lower level's grid. Starts and goals are on floors.
     """
 
     origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid
     cell: float  # [m]
-    agent_radius: float  # [m], of the agents for whom there is room in `region`
+    agent_radius: float  # [m], radius of the agents that fit into `region`
     agent_height: float  # [m]
     level: Int[np.ndarray, " l"]  # level index of each grid
     floor: Float[np.ndarray, " l"]  # [m], lowest floor of each level
-    region: Int[np.ndarray, "l ny nx"]  # connected region where the agent's axis may be, larger before smaller; -1 none
+    region: Int[np.ndarray, "l ny nx"]  # connected region of the agent's axis, by area; -1 none
     region_area: Float[np.ndarray, " n"]  # [m^2]
     room: Int[np.ndarray, "l ny nx"]  # room index; -1 outside
-    height: Float[np.ndarray, " c"]  # [m], of the floor or ramp under each home cell
+    height: Float[np.ndarray, " c"]  # [m], height of the floor or ramp under each home cell
     start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
     goal: Float[np.ndarray, "g 3"]
     field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
     fringe: Fringe
     portals: Portals
-    room_hops: Int[np.ndarray, "r r"]  # least number of portals between two rooms; -1 no way
+    room_hops: Int[np.ndarray, "r r"]  # minimum number of portals between two rooms; -1 unreachable
 
     @property
     def free(self) -> Bool[np.ndarray, "l ny nx"]:
-        """The home region."""
+        """Mask of the home region."""
         return self.region == 0
 
     @property
@@ -260,7 +260,7 @@ class Navigation:
         return np.argwhere(self.free)
 
     def distance(self, goal: int) -> Float[np.ndarray, "l ny nx"]:
-        """Geodesic distance to a goal [m]; inf where there is no path."""
+        """Return the geodesic distance to a goal [m]; inf if unreachable."""
         field = np.full(self.region.shape, np.inf)
         field[self.free] = np.where(self.field[:, goal] == FIELD_FAR, np.inf, self.field[:, goal] * FIELD_UNIT)
         return field
@@ -268,7 +268,7 @@ class Navigation:
 
 @dataclass(frozen=True)
 class CompiledHouse:
-    """A house ready for the engines."""
+    """A compiled house, the input of all engines."""
 
     id: str
     offset: Float[np.ndarray, " 3"]  # [m], added to file coordinates (after Z up) to get the world frame
@@ -290,8 +290,8 @@ class CompiledHouse:
     doors: Doors = field(default_factory=Doors.none)
     ramps: Ramps = field(default_factory=Ramps.none)
     lights: LightTable = field(default_factory=LightTable.none)
-    gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the rest is matt
-    # Ids of objects that could be pushed if they did not stand in something.
+    gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the others are matt
+    # Ids of objects that would be movable if they did not intersect other geometry.
     stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))
 
 

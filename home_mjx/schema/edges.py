@@ -1,4 +1,4 @@
-"""The twelve edges of a box."""
+"""Numbering of the twelve edges of a box."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ EDGES = 12
 
 
 def edge_rows() -> np.ndarray:
-    """Axis along each edge, and on which side of the other two axes (in ascending order) it lies: shape (12, 3).
+    """Return for each edge its axis and its side (-1 or 1) on the other two axes in ascending order: shape (12, 3).
 
     Example:
         >>> edge_rows()[[0, 11]].tolist()
@@ -16,7 +16,7 @@ def edge_rows() -> np.ndarray:
 
 
 def edge_number(u: int, side_u: int, v: int, side_v: int) -> int:
-    """Number of the edge between the faces on the given sides of two different axes.
+    """Return the number of the edge between the faces on the given sides of axes `u` and `v`.
 
     Example:
         >>> edge_number(1, 1, 0, 1) == edge_number(0, 1, 1, 1) == 11

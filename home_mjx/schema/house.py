@@ -1,4 +1,4 @@
-"""The content of a dataset as frozen dataclasses of NumPy arrays, in the file's own frame (Y up, metres).
+"""Dataset content as frozen dataclasses of NumPy arrays, in the file's own frame (Y up, metres).
 
 Nothing here needs JAX or MuJoCo. The compiler turns these into the world frame (Z up).
 """
@@ -22,11 +22,11 @@ class Material:
     opacity: float | None = None  # 1 = opaque
     specular: tuple[float, float, float] | None = None  # linear light, `Ks`
     shininess: float | None = None  # `Ns`, Blinn-Phong exponent
-    lacking: str = ""  # name of a texture, or with `.mtl` of a material library, that the dataset lacks
+    lacking: str = ""  # name of a missing texture, or of a missing material library if it ends with `.mtl`
 
     @property
     def texture_name(self) -> str:
-        """Name of its texture, whether the dataset has it or not; "" if there is none."""
+        """Name of its texture, even if the image is missing; "" without a texture."""
         return self.texture.stem if self.texture is not None else "" if self.lacking.endswith(".mtl") else self.lacking
 
 
@@ -42,18 +42,18 @@ class Mesh:
     group: Int[np.ndarray, " f"]  # index into groups; -1 where the file has none
     materials: tuple[Material, ...]
     groups: tuple[str, ...] = ()  # names of the `o` lines, such as WallInside#0_1_3
-    normal: Float[np.ndarray, "f 3 3"] | None = None  # unit, per corner; None if the file has none or flat ones only
+    normal: Float[np.ndarray, "f 3 3"] | None = None  # unit, per corner; None if the file lacks normals or all are flat
 
 
 @dataclass(frozen=True)
 class Node:
-    """The fields that all nodes of a level have."""
+    """The common fields of a level's nodes."""
 
     id: str  # "<level>_<index>" as in the file
     index: int  # position in the level's node list
     path: str  # element path for messages: levels[0].nodes[17]
     bbox: Float[np.ndarray, "2 3"] | None  # [m], min and max as in the file
-    extra: Mapping[str, Any] = field(default_factory=dict, kw_only=True)  # unknown fields, unchanged
+    extra: Mapping[str, Any] = field(default_factory=dict, kw_only=True)  # unknown fields, preserved unchanged
 
 
 @dataclass(frozen=True)
@@ -67,17 +67,17 @@ class Object(Node):
 
     @property
     def model_key(self) -> str:
-        """Stem of the OBJ that this instance shows."""
+        """Stem of the OBJ of this instance's state."""
         return self.model_id if not self.state else f"{self.model_id}_{self.state - 1}"
 
     @property
     def other_key(self) -> str:
-        """Stem of the OBJ of the other state: closed for what is shown open, else open."""
+        """Stem of the OBJ of the other state: the closed variant of an open object, else the open base model."""
         return self.model_id if self.state else f"{self.model_id}_0"
 
     @property
     def mirrored(self) -> bool:
-        """Whether the transform mirrors the model."""
+        """True if the transform mirrors the model."""
         return bool(np.linalg.det(self.transform[:3, :3]) < 0)
 
 
@@ -112,7 +112,7 @@ class Ground(Node):
 
 @dataclass(frozen=True)
 class Unknown(Node):
-    """A node of an unknown type: not shown, but kept as in the file and written again."""
+    """A node of unknown type, which is not visible but preserved for writing."""
 
     data: Mapping[str, Any]
 
@@ -129,27 +129,27 @@ class Level:
     grounds: tuple[Ground, ...]
     unknown: tuple[Unknown, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
-    hidden: tuple[Unknown, ...] = ()  # switched off or empty: only to be written again
+    hidden: tuple[Unknown, ...] = ()  # disabled or empty nodes, preserved for writing
 
 
 @dataclass(frozen=True)
 class Problem:
-    """An oddity in the input that was tolerated: kept and reported, never dropped silently."""
+    """A tolerated irregularity of the input, which is always reported."""
 
     element: str
     message: str
-    rule: str = ""  # name of the validator's rule that it breaks
+    rule: str = ""  # name of the violated validator rule
 
 
 @dataclass(frozen=True)
 class StandIn:
-    """Something that the dataset lacks, and what was taken in its place."""
+    """A missing part of the dataset and the fallback used instead."""
 
     kind: str  # one of STAND_INS
-    name: str  # of the texture, material library, model, mesh of a room, or row
-    element: str  # who needs it first: an element path or a file
-    taken: str  # what stands in
-    reason: str = ""  # why, if not because the file is missing
+    name: str  # name of the texture, material library, model, room mesh or metadata row
+    element: str  # first user: an element path or a file
+    taken: str  # description of the fallback
+    reason: str = ""  # cause, if the file is not simply missing
 
     def __str__(self) -> str:
         reason = f": {self.reason}" if self.reason else ""
@@ -161,7 +161,7 @@ STAND_INS = ("texture", "material library", "model", "room mesh", "metadata row"
 
 @dataclass(frozen=True)
 class House:
-    """One house and every library model that it uses."""
+    """A house with all library models that it uses."""
 
     id: str
     version: str
@@ -171,17 +171,17 @@ class House:
     others: Mapping[str, Mesh] = field(default_factory=dict)  # by Object.other_key, for objects with another state
     problems: tuple[Problem, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
-    stand_ins: tuple[StandIn, ...] = ()  # for what the dataset lacks
+    stand_ins: tuple[StandIn, ...] = ()  # fallbacks for missing parts of the dataset
 
 
 def base_model(model_id: str, known: Callable[[str], bool]) -> str:
-    """The base model of a variant (`122` of `122_0`, `s__12` of `s__12_2`), or the model itself.
+    """Return the base model of a variant (`122` of `122_0`, `s__12` of `s__12_2`), or the model itself.
 
-    Ids contain underscores and digits themselves, so the existing models decide, not the form of the id.
+    Ids themselves contain underscores and digits, so the set of existing models decides, not the form of the id.
 
     Args:
         model_id: The id of a model or of a variant.
-        known: Says whether a model of an id exists.
+        known: Returns whether a model id exists.
 
     Example:
         >>> models = {"122", "s__12", "s__1296", "table_1"}
@@ -195,7 +195,7 @@ def base_model(model_id: str, known: Callable[[str], bool]) -> str:
 
 @dataclass(frozen=True)
 class ModelInfo:
-    """A row of ModelCategoryMapping.csv joined with one of models.csv."""
+    """A row of ModelCategoryMapping.csv joined with its row of models.csv."""
 
     model_id: str
     fine: str = "unknown"
@@ -203,7 +203,7 @@ class ModelInfo:
     nyu40: str = "void"
     dims: tuple[float, float, float] | None = None  # [m], x y z in the model's own Y-up frame
     front: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    low: tuple[float, float, float] | None = None  # [m], least corner of its box, of which `dims` are the edges
+    low: tuple[float, float, float] | None = None  # [m], minimum corner of its box with edges `dims`
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,7 @@ class Light:
     direction: tuple[float, float, float] | None = None
     cutoff: float | None = None  # [rad]
     end: tuple[float, float, float] | None = None  # [m], second end of a LineLight
-    dropoff: float = 0.0  # exponent of the cosine from `direction`; light falls with the square of the distance
+    dropoff: float = 0.0  # exponent of the cosine to `direction`; intensity falls with the squared distance
 
 
 @dataclass(frozen=True)
@@ -228,5 +228,5 @@ class Metadata:
     lights: Mapping[str, tuple[Light, ...]] = field(default_factory=dict)
 
     def info(self, model_id: str) -> ModelInfo:
-        """The row of a model; variants (`_0`, `_2`) fall back to their base, the rest to `unknown`."""
+        """Return the row of a model; variants (`_0`, `_2`) fall back to their base, other ids to `unknown`."""
         return self.models.get(base_model(model_id, self.models.__contains__)) or ModelInfo(model_id)

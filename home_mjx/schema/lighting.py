@@ -1,40 +1,41 @@
-"""Lights and glossy surfaces of one house as arrays; `scene_compile.lighting` makes them."""
+"""Lights and glossy surfaces of one house as arrays, created by `scene_compile.lighting`."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-REFLECTANCE = 0.4  # mean of a room's surfaces
+REFLECTANCE = 0.4  # mean diffuse reflectance of a room's surfaces
 
 
-SOURCES = ("lamps", "daylight")  # of the ambient light
+SOURCES = ("lamps", "daylight")  # sources of ambient light
 
 
 @dataclass(frozen=True)
 class LightTable:
     """Lights in the frames of the instances that carry them, so that a light moves with its lamp.
 
-    A light is a point, a line (`axis_u` alone) or a rectangle, and shines with `intensity * max(cos, 0)**exponent`
-    around `direction` as far as `cos >= cutoff`: a point light has exponent 0 and cutoff -2, a window exponent 1.
+    A light is a point, a line (`axis_u` alone) or a rectangle. Its radiant intensity is
+    `intensity * max(cos, 0)**exponent` around `direction` for `cos >= cutoff`. A point light has exponent 0 and cutoff
+    -2, a window exponent 1.
     """
 
-    pos: Float[np.ndarray, "n 3"]  # [m], middle, in the model's frame
+    pos: Float[np.ndarray, "n 3"]  # [m], centre in the model's frame
     axis_u: Float[np.ndarray, "n 3"]  # [m], half extents
     axis_v: Float[np.ndarray, "n 3"]
     direction: Float[np.ndarray, "n 3"]  # unit
-    intensity: Float[np.ndarray, "n 3"]  # linear light [W/sr]; of daylight [m^2]: times the sky's radiance
+    intensity: Float[np.ndarray, "n 3"]  # linear light [W/sr]; for daylight [m^2], times the sky's radiance
     exponent: Float[np.ndarray, " n"]
     cutoff: Float[np.ndarray, " n"]  # cosine
     area: Float[np.ndarray, " n"]  # [m^2], of rectangles
     daylight: Bool[np.ndarray, " n"]
-    instance: Int[np.ndarray, " n"]  # instance that carries it and does not shadow it
-    room: Int[np.ndarray, " n"]  # room that it lights; -1 none
-    ambient: Float[np.ndarray, "r 2 3"]  # irradiance [W/m^2] by room + 1 (0: in none) and source (`SOURCES`)
+    instance: Int[np.ndarray, " n"]  # instance that carries it and casts no shadow of it
+    room: Int[np.ndarray, " n"]  # illuminated room; -1 none
+    ambient: Float[np.ndarray, "r 2 3"]  # irradiance [W/m^2] by room + 1 (0: no room) and source (`SOURCES`)
 
     @staticmethod
     def none() -> "LightTable":
-        """No lights and no ambient light."""
+        """Return a table without lights and ambient light."""
         vectors = dict.fromkeys(("pos", "axis_u", "axis_v", "direction", "intensity"), np.zeros((0, 3)))
         numbers = dict.fromkeys(("exponent", "cutoff", "area"), np.zeros(0))
         rows = dict.fromkeys(("instance", "room"), np.zeros(0, np.int32))
@@ -52,5 +53,5 @@ class Gloss:
 
     @staticmethod
     def matt(count: int) -> "Gloss":
-        """Rows without gloss."""
+        """Return `count` rows without specular reflection."""
         return Gloss(np.zeros((count, 3)), np.ones(count), np.zeros(count, bool))

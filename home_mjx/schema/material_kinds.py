@@ -1,9 +1,9 @@
-"""Kinds of material: from the name of the texture, else from transparency and the object's category."""
+"""Material kinds, derived from the texture's name, else from transparency and the object's category."""
 
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.house import Material
 
-# The 20 families of Planner 5D's textures in HoME's paper, with the names in its code.
+# The 20 families of Planner 5D textures in HoME's paper, named as in its code.
 HOME_TEXTURE_KINDS = {
     "beam": "wood",
     "bricks": "bricks",
@@ -122,10 +122,10 @@ MATERIAL_KINDS = tuple(sorted({*TEXTURE_KINDS.values(), *CATEGORY_KINDS.values()
 
 
 def material_kind(material: Material, coarse: str) -> str:
-    """Kind of one resolved material slot, one of `MATERIAL_KINDS`; "" if it cannot be told.
+    """Return the kind of a resolved material slot, one of `MATERIAL_KINDS`; "" if unknown.
 
     Args:
-        material: The slot, after overrides.
+        material: Material of the slot after overrides.
         coarse: Coarse category of the object, or "wall", "floor", "ceiling".
     """
     if material.texture_name:

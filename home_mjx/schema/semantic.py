@@ -1,4 +1,4 @@
-"""Rows of the semantic table: the meaning of a hit."""
+"""Rows of the semantic table, which describe the surfaces that rays hit."""
 
 from enum import IntEnum
 
@@ -17,7 +17,7 @@ class Semantic(IntEnum):
     NYU40 = 3  # 0 void, 1 wall .. 40 otherprop
     ROOM = 4  # room index in the house
     LEVEL = 5
-    PARTITION = 6  # physical wall or slab: sound pays its transmission once per crossing
+    PARTITION = 6  # physical wall or slab; its sound transmission applies once per crossing
     MOVABLE = 7  # index of the movable body
     ROOM_TYPE = 8  # index into ROOM_TYPES
     MATERIAL = 9  # index into MATERIAL_KINDS
@@ -32,8 +32,8 @@ class Semantic(IntEnum):
     XKCD_2 = 18
     XKCD_3 = 19
     SUPPORT = 20  # index into SUPPORTS
-    SUPPORTER = 21  # object id of what it stands or lies on
-    CONTAINER = 22  # object id of what it is in
+    SUPPORTER = 21  # object id of the supporting object
+    CONTAINER = 22  # object id of the containing object
 
 
 def semantic_row(
@@ -47,7 +47,7 @@ def semantic_row(
     partition: int = -1,
     movable: int = -1,
 ) -> Int[np.ndarray, " c"]:
-    """One row; columns are those of `Semantic`. Columns that the semantic engine fills are -1.
+    """Build a row of the semantic table; columns filled by the semantic engine are -1.
 
     Args:
         fine: Fine v1 category; `unknown` for names that v1 lacks.

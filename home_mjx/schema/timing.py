@@ -1,26 +1,26 @@
-"""The clock of an environment."""
+"""Time steps and sample rate of an environment."""
 
 from dataclasses import dataclass
 
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 
-LONGEST = 3600.0  # [s], of a step
-FASTEST = 10**7  # [Hz]
+LONGEST = 3600.0  # [s], maximum length of a step
+FASTEST = 10**7  # [Hz], maximum sample rate
 
 
 @dataclass(frozen=True)
 class Timing:
-    """The one clock of physics, images and sound.
+    """The common clock of physics, images and sound.
 
     Attributes:
         ctrl_dt: Length of one environment step, one image and one sound frame [s]; a whole number of `sim_dt` and of
             samples.
         sim_dt: Length of one physics step [s].
-        sample_rate: Of the sound [Hz].
+        sample_rate: Sample rate of sound [Hz].
 
     Raises:
-        ConfigError: A value cannot be used, or the step does not divide exactly.
+        ConfigError: A value is out of range, or the lengths do not divide exactly.
 
     Example:
         >>> Timing().substeps, Timing().frame

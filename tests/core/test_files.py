@@ -127,7 +127,7 @@ def test_files_without_end_and_lists_within_lists_are_refused(tmp_path):
     (tmp_path / "a.jsonl").write_text("1\n" + "[" * 100_000 + "\n")
     lines = read_json_lines(tmp_path / "a.jsonl", "episode", lambda line: line)
     assert next(lines) == 1
-    with pytest.raises(DatasetError, match=r"no episode: .*line 2"):
+    with pytest.raises(DatasetError, match=r"invalid episode: .*line 2"):
         next(lines)
 
 
@@ -158,7 +158,7 @@ def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):
     np.savez_compressed(tmp_path / "a.npz", a=np.zeros(1 << 20), b=np.ones(2))
     assert (tmp_path / "a.npz").stat().st_size < 1 << 14
     monkeypatch.setattr(files, "MAX_UNPACKED", 1 << 16)
-    with pytest.raises(DatasetError, match=r"8388736 bytes when they are unpacked, at most 65536 are read"):
+    with pytest.raises(DatasetError, match=r"8388736 bytes after unpacking, at most 65536 are read"):
         read_arrays(tmp_path / "a.npz", ["a"], "checkpoint", "Name one.")
     assert read_arrays(tmp_path / "a.npz", ["b"], "checkpoint", "Name one.")[0].tolist() == [1, 1]
 
@@ -173,7 +173,7 @@ def test_text_of_characters_that_there_are_not_is_refused(tmp_path, order):
             (found,) = read_arrays(tmp_path / "a.npz", ["text"], "notes", "Write them again.")
             assert str(found) == "A\U0010ffff"
         else:
-            with pytest.raises(DatasetError, match="`text` has characters that there are not"):
+            with pytest.raises(DatasetError, match="`text` has invalid Unicode characters"):
                 read_arrays(tmp_path / "a.npz", ["text"], "notes", "Write them again.")
 
 
@@ -182,7 +182,7 @@ def test_a_made_up_size_takes_no_memory(tmp_path):
     head = b"{'descr': '<f8', 'fortran_order': False, 'shape': (10000000000000,), }".ljust(117) + b"\n"
     with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
         archive.writestr("a.npy", b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head)
-    with pytest.raises(DatasetError, match="file is no checkpoint"):
+    with pytest.raises(DatasetError, match="file is not a valid checkpoint"):
         read_arrays(tmp_path / "a.npz", ["a"], "checkpoint", "Name one.")
 
 

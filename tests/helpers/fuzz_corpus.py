@@ -50,7 +50,7 @@ WHOLE_FILE = (  # errors that have no place inside of their file
     "mesh has no faces",
     "faces have about",
     "cannot read texture",
-    "folder holds no house",
+    "folder contains no house",
     "not valid JSON",
     "expected an object",
 )

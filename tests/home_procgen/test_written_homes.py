@@ -238,7 +238,7 @@ def test_folders_of_another_version_are_refused(root):
 
 @pytest.mark.parametrize("version", [0, 3, -1, True])
 def test_unknown_versions_are_refused(tmp_path, version):
-    with pytest.raises(ConfigError, match="no generator of version"):
+    with pytest.raises(ConfigError, match="no generator has version"):
         generate_dataset(tmp_path / "x", [0], version=version)
     assert not (tmp_path / "x").exists()
 

@@ -98,7 +98,7 @@ def test_a_slot_in_use_is_never_written_over(stream):
 def test_indices_of_some_environments_are_refused(stream):
     """The others might be in the house that is written over."""
     stream.advance(jnp.array([0, 1, 1], jnp.int32))
-    with pytest.raises(ConfigError, match=r"of which there were 3, got 2.*Give states.world.house of all"):
+    with pytest.raises(ConfigError, match=r"of which there were 3, got 2.*Pass states.world.house of all"):
         stream.advance(jnp.array([0, 1], jnp.int32))
     stream.advance(jnp.array([[1, 0, 0]], jnp.int32))
 

@@ -38,7 +38,7 @@ def test_a_growing_first_split_only_takes_houses_from_the_next():
 
 @pytest.mark.parametrize("fractions", [{"train": 0.5}, {"train": 1.5, "test": -0.5}])
 def test_wrong_fractions_are_refused(fractions):
-    with pytest.raises(ConfigError, match="add up to 1"):
+    with pytest.raises(ConfigError, match="sum to 1"):
         split_of("a", fractions)
 
 

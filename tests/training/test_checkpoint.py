@@ -124,7 +124,7 @@ def test_files_that_are_no_checkpoint(tmp_path: Path):
     broken.write_bytes(b"PK\x03\x04 and no more")
     np.savez(other, x=np.zeros(3))
     save_checkpoint(older, Tree(tree().net, []), CONFIG)
-    for path, words in ((broken, "no checkpoint"), (other, "lacks config"), (older, r"lacks \.rest")):
+    for path, words in ((broken, "not a valid checkpoint"), (other, "lacks config"), (older, r"lacks \.rest")):
         with pytest.raises(DatasetError, match=words):
             load_checkpoint(path, tree(), CONFIG)
 
@@ -148,7 +148,7 @@ def test_an_empty_file_and_a_bare_array_are_no_checkpoints(tmp_path: Path):
     with (tmp_path / "array.npz").open("wb") as file:
         np.save(file, np.zeros(3))
     for name in ("empty.npz", "array.npz"):
-        with pytest.raises(DatasetError, match="no checkpoint"):
+        with pytest.raises(DatasetError, match="not a valid checkpoint"):
             read_config(tmp_path / name)
 
 
@@ -176,7 +176,7 @@ def test_made_up_arrays_are_no_checkpoint(tmp_path: Path, header: str):
         file.writestr("config.npy", config.getvalue())
         file.writestr(".net['w'].npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text)
     assert read_config(path) == CONFIG
-    with pytest.raises(DatasetError, match="no checkpoint"):
+    with pytest.raises(DatasetError, match="not a valid checkpoint"):
         load_net(path, {"w": jnp.zeros((4, 4))})
 
 

@@ -1,1 +1,1 @@
-"""Compiled houses into the arrays of a bank; host only, NumPy."""
+"""Packing of compiled houses into the arrays of a bank; host only, NumPy."""

@@ -1,4 +1,4 @@
-"""How an agent looks to others: a capsule with a visor on the side that it faces (+x)."""
+"""Visual model of agents: a capsule with a visor on its front side (+x)."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -8,15 +8,15 @@ from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import Model
 from home_mjx.schema.semantic import semantic_row
 
-RADIUS, HEIGHT = Body().radius, Body().height  # [m]; scenes scale it to other bodies
+RADIUS, HEIGHT = Body().radius, Body().height  # [m]; scenes scale the model to other bodies
 VISOR_CENTER = (0.09, 0.0, Body().eye_height - HEIGHT / 2)  # [m], at eye height
 VISOR_SIZE = (0.07, 0.12, 0.06)  # [m]
-SEGMENTS = 16
-RINGS = 4  # per half sphere
+SEGMENTS = 16  # around the axis
+RINGS = 4  # per hemisphere
 
 
 def agent_model() -> Model:
-    """The agent's library model: origin mid-capsule, Z up, looking along +x; material slots body and visor."""
+    """Build the agent's library model: origin mid-capsule, Z up, facing +x; material slots body and visor."""
     body = _capsule()
     visor = box_triangles(np.array(VISOR_CENTER), np.array(VISOR_SIZE) / 2)
     slot = np.repeat([0, 1], [len(body), len(visor)])
@@ -24,12 +24,12 @@ def agent_model() -> Model:
 
 
 def agent_semantics() -> Int[np.ndarray, "1 columns"]:
-    """The one semantic row of agents; which agent it was is the instance that the ray hit."""
+    """Return the semantic row shared by all agents; the instance of a hit identifies the agent."""
     return semantic_row("person", "person", "person")[None]
 
 
 def _capsule() -> Float[np.ndarray, "t 3 3"]:
-    """Triangles of a capsule along z, counter-clockwise outwards."""
+    """Build the triangles of a capsule along z, counter-clockwise outwards."""
     angle = np.linspace(-np.pi / 2, 0, RINGS + 1)
     radius = RADIUS * np.cos(np.concatenate([angle, -angle[::-1]]))
     shift = np.repeat([-1, 1], RINGS + 1) * (HEIGHT / 2 - RADIUS)

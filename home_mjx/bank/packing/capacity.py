@@ -1,4 +1,4 @@
-"""How large a bank's arrays are: lengths of the axes of houses, and rows of the concatenated tables."""
+"""Capacity of a bank's arrays: axis lengths per house, and rows of the concatenated tables."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,14 +19,14 @@ FIXED: Sizes = {"bands": NUM_BANDS, "columns": len(Semantic), "id_bytes": ID_LEN
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis that the arrays of a bank pad to one length for all houses.
+    """An axis of a bank's arrays that is padded to one length for all houses.
 
     Attributes:
-        count: What a house needs.
-        smallest: Lengths are this times a power of two.
-        block: Lengths are multiples of this instead.
-        drawn: An option of the compiler gives the length, not the house.
-        optional: The length is 0 where no house has any: what is done for each of them is then left out of programs.
+        count: Returns the length that a house needs.
+        smallest: Lengths are multiples of this by a power of two.
+        block: If set, lengths are multiples of this instead.
+        drawn: A compiler option determines the length, not the house.
+        optional: The length is 0 if no house needs any; programs then contain no code for its items.
     """
 
     count: Callable[[CompiledHouse], int]
@@ -36,17 +36,17 @@ class Axis:
     optional: bool = False
 
     def rounded(self, count: int) -> int:
-        """The least length of this axis that holds `count`."""
+        """Return the minimum length of this axis that holds `count` items."""
         if self.optional and not count:
             return 0
         return size_class(count, self.smallest) if self.block is None else -(-count // self.block) * self.block
 
 
 AXES: Mapping[str, Axis] = {
-    # Agents take the object ids from `instances` on, so every object's id must lie below it.
+    # Agents use the object ids from `instances` on, so every object's id must be below it.
     "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
     "bodies": Axis(lambda h: len(h.bodies.mass), 8, optional=True),
-    "arrangements": Axis(lambda h: 0, optional=True),  # made of whole banks
+    "arrangements": Axis(lambda h: 0, optional=True),  # added to complete banks
     "hinged_leaves": Axis(lambda h: int((~h.doors.slides).sum()), 8, optional=True),
     "slides": Axis(lambda h: int(h.doors.slides.sum()), 2, optional=True),
     "ramps": Axis(lambda h: len(h.ramps.slope), 1),
@@ -64,12 +64,12 @@ AXES: Mapping[str, Axis] = {
 
 
 def needs(house: CompiledHouse) -> dict[str, int]:
-    """What a house needs of each axis."""
+    """Return the length that a house needs on each axis."""
     return {name: axis.count(house) for name, axis in AXES.items()}
 
 
 def capacity_of(houses: Sequence[CompiledHouse], headroom: float = 1.0) -> dict[str, int]:
-    """Lengths of the axes that hold each of some houses, and others up to `headroom` times as large."""
+    """Return axis lengths that hold each of the houses, and others up to `headroom` times as large."""
     found = [needs(house) for house in houses]
     largest = {name: max(counts[name] for counts in found) for name in AXES}
     growth = {name: 1.0 if axis.drawn else headroom for name, axis in AXES.items()}
@@ -77,13 +77,13 @@ def capacity_of(houses: Sequence[CompiledHouse], headroom: float = 1.0) -> dict[
 
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
-    """Lengths of all axes but those of rows and houses."""
+    """Return the lengths of all axes except those of rows and houses."""
     doors = capacity["hinged_leaves"] + capacity["slides"]
     return {**FIXED, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 
 
 def rows_of(house: CompiledHouse) -> dict[str, int]:
-    """Rows that a house takes of each kind of concatenated table, besides the models that it shares with others."""
+    """Count the rows of a house in each kind of concatenated table, without models shared with other houses."""
     own = house.models[house.instances.model[ARCHITECTURE]]
     return model_rows([own]) | {
         "node": len(own.tree.child) + len(house.top.child),
@@ -94,36 +94,36 @@ def rows_of(house: CompiledHouse) -> dict[str, int]:
 
 
 def model_rows(models: Iterable[Model]) -> dict[str, int]:
-    """Rows that models take."""
+    """Count the rows of models in each kind of table."""
     models = list(models)
     nodes, triangles = sum(len(m.tree.child) for m in models), sum(len(m.triangle) for m in models)
     return {"model": len(models), "triangle": triangles, "node": nodes}
 
 
 def shared_rows(models: Iterable[Model], materials: MaterialTable, semantics: np.ndarray) -> dict[str, int]:
-    """Rows that come before those of all houses: the library's models, and the agent's materials and semantics."""
+    """Count the rows before those of all houses: library models, and the agent's materials and semantics."""
     return model_rows(models) | {"material": len(materials.mask), "semantic": len(semantics), "cell": 0}
 
 
 def row_stride(houses: Sequence[CompiledHouse], headroom: float) -> dict[str, int]:
-    """Rows of each kind of table that hold each of some houses, and others up to `headroom` times as large."""
+    """Return rows per table kind that hold each of the houses, and others up to `headroom` times as large."""
     found = [rows_of(house) for house in houses]
     largest = {kind: max(rows[kind] for rows in found) for kind in found[0]}
     return {kind: 1 if kind == "model" else ragged_class(int(count * headroom)) for kind, count in largest.items()}
 
 
 def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
-    """Raises `CapacityError` for the first kind of which a house needs more than there is."""
+    """Raise `CapacityError` for the first kind of row or axis of which a house needs more than is available."""
     for kind, count in needed.items():
         if count > available[kind]:
             raise CapacityError(
                 f"house {house_id} needs {count} {kind.replace('_', ' ')}, {available[kind]} fit",
-                hint="Leave more head room, or leave the house out.",
+                hint="Use a larger `headroom`, or leave the house out.",
             )
 
 
 def running_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, int]]:
-    """Where the rows of each house begin if houses follow each other."""
+    """Return the first row of each house in each table if the houses follow one another from `first` on."""
     starts, at = [], dict(first)
     for counts in rows:
         starts.append(dict(at))

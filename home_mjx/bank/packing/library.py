@@ -1,4 +1,4 @@
-"""What the houses of a bank share, and who owns the rows of its arrays."""
+"""Library of models and textures shared by the houses of a bank, and the owners of its array rows."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ Owners = dict[str, list]  # in the order of their rows, by kind of array
 
 @dataclass(frozen=True)
 class Library:
-    """What the houses of a bank share: models by key, the agent's first, and texture files, in the bank's order."""
+    """Shared models by key, the agent's first, and texture files, both in the order of the bank."""
 
     models: Mapping[str, Model]
     textures: tuple[str, ...]
@@ -25,7 +25,7 @@ class Library:
 
     @classmethod
     def of(cls, houses: Sequence[CompiledHouse]) -> "Library":
-        """Each model and texture of some houses once; a house's architecture is its own."""
+        """Collect each model and texture of the houses once; a house's architecture is private to it."""
         agent = agent_model()
         models = {agent.key: agent}
         for house in houses:
@@ -36,21 +36,21 @@ class Library:
 
     @cached_property
     def index(self) -> dict[str, int]:
-        """Number of each model."""
+        """Index of each model, by key."""
         return {key: i for i, key in enumerate(self.models)}
 
     @cached_property
     def layer(self) -> dict[str, int]:
-        """Layer of each texture; -1 of no texture."""
+        """Layer of each texture, by path; -1 for no texture."""
         return {"": -1} | {path: i for i, path in enumerate(self.textures)}
 
     @cached_property
     def rows(self) -> dict[str, int]:
-        """Rows of the concatenated tables that come before those of the houses."""
+        """Rows of the library in each concatenated table, which precede those of the houses."""
         return shared_rows(self.models.values(), self.agent_materials, agent_semantics())
 
     def owners(self, sizes: Sizes) -> Owners:
-        """Owners of those rows."""
+        """Return the owners of the library's rows."""
         models = list(self.models.values())
         sizes_of = [{"node": len(m.tree.child), "triangle": len(m.triangle)} for m in models]
         starts = running_starts({"node": 0, "triangle": 0}, sizes_of)
@@ -64,17 +64,17 @@ class Library:
         return found | {"material": [row], "semantic": [row]}
 
     def shared(self, texture_size: int) -> Owners:
-        """The owner of what has no rows; reads the textures."""
+        """Return the owner of shared arrays without rows; this reads the textures."""
         pixels = load_textures(self.textures, texture_size).view("<u4")[..., 0]
         return {SHARED: [Shared(SharedRows(pixels))]}
 
     def house_owners(self, house: CompiledHouse, start: Counts, sizes: Sizes) -> Owners:
-        """Owners of a house's own rows.
+        """Return the owners of a house's private rows.
 
         Args:
             house: The house.
-            start: Where its rows of each kind begin.
-            sizes: Of the bank.
+            start: First row of each kind.
+            sizes: Axis lengths of the bank.
         """
         own = house.models[house.instances.model[ARCHITECTURE]]
         found = model_owners(own, start)
@@ -84,6 +84,6 @@ class Library:
 
 
 def model_owners(model: Model, start: Counts) -> Owners:
-    """Owners of the rows of one model."""
+    """Return the owners of the rows of one model."""
     at = ModelAt(model, start["node"])
     return {"model": [at], "triangle": [at], "node": [TreeAt(model.tree, start["node"], start["triangle"])]}

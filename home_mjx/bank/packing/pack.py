@@ -1,8 +1,8 @@
-"""Packs many compiled houses into the arrays of a `HouseBank`: host side, NumPy only.
+"""Packing of compiled houses into the arrays of a `HouseBank`: host side, NumPy only.
 
-Tables that rays walk are concatenated (trees get absolute indices): first what houses share, then each house's own.
-The small arrays are padded. Every length but the number of houses is rounded up to a size class, so that similar banks
-have equal shapes and share one compiled step. What arrays there are, `bank.records` declares.
+Tables that rays traverse are concatenated, with absolute indices in trees: first shared rows, then each house's own
+rows. Small arrays are padded. Every length except the number of houses is rounded up to a size class, so that similar
+banks have equal shapes and share one compiled step. `bank.records` declares the arrays.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -23,20 +23,20 @@ from home_mjx.errors import CapacityError, ConfigError
 from home_mjx.schema.compiled import CompiledHouse
 
 MAX_TRIANGLES = 2 ** (31 - LEAF_BITS)
-# The compiler's options that all houses of a bank have in common, and where a house tells them.
+# Compiler options that must be equal for all houses of a bank, and their values in a house.
 COMMON: Mapping[str, Callable[[CompiledHouse], float]] = {
     "cell": lambda house: house.navigation.cell,
     "agent_radius": lambda house: house.navigation.agent_radius,
     "agent_height": lambda house: house.navigation.agent_height,
 }
 MESSAGES = {"cell": "navigation cell size", "agent_radius": "agent radius", "agent_height": "agent height"}
-# That `BankSpec` names.
+# Axes whose lengths `BankSpec` stores.
 SPEC_AXES = ("instances", "bodies", "doors", "slides", "colliders", "planes", "starts", "goals")
 
 
 @dataclass(frozen=True)
 class Packed:
-    """Arrays of a `bank.HouseBank`, and its static numbers."""
+    """Arrays and static numbers of a `bank.HouseBank`."""
 
     arrays: Arrays
     spec: BankSpec
@@ -44,23 +44,23 @@ class Packed:
 
 @dataclass(frozen=True)
 class _Part:
-    """Owners, and the row of each kind at which theirs begin in the arrays."""
+    """Owners, and the first row of theirs in each kind of array."""
 
     owners: Owners
     start: Counts
 
 
 def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> Packed:
-    """Arrays of a bank that holds `houses` in the given order.
+    """Pack houses into the arrays of a bank, in the given order.
 
     Args:
-        houses: At least one; all compiled for the same navigation cell and agents.
+        houses: At least one house; all compiled for the same navigation cell and agents.
         texture_size: Edge of the square texture layers [px].
 
     Raises:
-        ConfigError: No house, or houses compiled differently, or an id that is not short ASCII.
-        CapacityError: More triangles than leaf codes can name.
-        DatasetError: A texture file is missing or is no image.
+        ConfigError: There is no house, houses were compiled differently, or an id is not short ASCII.
+        CapacityError: There are more triangles than leaf codes can address.
+        DatasetError: A texture file is missing or is not an image.
     """
     library, sizes = plan(houses, texture_size)
     starts = running_starts(library.rows, [rows_of(house) for house in houses])
@@ -68,7 +68,7 @@ def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> P
 
 
 def plan(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> tuple[Library, dict[str, int]]:
-    """What the houses of a bank share, and the length of every axis of its arrays. See `pack`."""
+    """Return the shared library of a bank of these houses and the lengths of all its axes; see `pack`."""
     if not houses:
         raise ConfigError("a bank needs at least one house")
     library = Library.of(houses)
@@ -86,17 +86,17 @@ def pack_house_slots(
     stride: Counts,
     texture_size: int = TEXTURE_SIZE,
 ) -> Packed:
-    """Arrays of a bank whose houses can be exchanged: each has room for `stride` rows of the concatenated tables.
+    """Pack houses into a bank of exchangeable houses, each with `stride` rows in the concatenated tables.
 
     Args:
-        houses: One per house slot.
-        library: Every model and texture that any house may show.
-        capacity: Lengths of the axes of houses.
-        stride: Rows of each kind that a house may take.
+        houses: One house per slot.
+        library: All models and textures of all houses that may ever be exchanged.
+        capacity: Lengths of the axes per house.
+        stride: Maximum rows of each kind per house.
         texture_size: Edge of the square texture layers [px].
 
     Raises:
-        CapacityError: A house needs more, or there are more triangles than leaf codes can name.
+        CapacityError: A house needs more, or there are more triangles than leaf codes can address.
     """
     for house in houses:
         check_house(house, capacity, stride)
@@ -109,7 +109,7 @@ def pack_house_slots(
 def pack_house_slot(
     house: CompiledHouse, library: Library, capacity: Counts, stride: Counts, house_slot: int
 ) -> tuple[Arrays, dict[Key, int]]:
-    """What must be written into a bank of `pack_house_slots` to put a house into a slot, and from which row on.
+    """Pack one house for a slot of a `pack_house_slots` bank: return its rows and the first row of each array.
 
     Raises:
         CapacityError: The house does not fit.
@@ -124,18 +124,18 @@ def pack_house_slot(
 
 
 def slot_start(library: Library, stride: Counts, house_slot: int) -> dict[str, int]:
-    """Where the rows of a house slot begin."""
+    """Return the first row of a house slot in each table."""
     return {kind: library.rows[kind] + house_slot * count for kind, count in stride.items()}
 
 
 def check_house(house: CompiledHouse, capacity: Counts, stride: Counts) -> None:
-    """Raises `CapacityError` if a house does not fit a house slot."""
+    """Raise `CapacityError` if a house does not fit a house slot."""
     check_fits(house.id, needs(house), capacity)
     check_fits(house.id, rows_of(house), stride)
 
 
 def check_triangles(count: int) -> None:
-    """Raises `CapacityError` if leaf codes cannot name so many triangles."""
+    """Raise `CapacityError` if leaf codes cannot address this number of triangles."""
     if count >= MAX_TRIANGLES:
         raise CapacityError(
             f"the bank's models have {count} triangles, at most {MAX_TRIANGLES - 1} fit",
@@ -144,10 +144,10 @@ def check_triangles(count: int) -> None:
 
 
 def common_options(houses: Sequence[CompiledHouse]) -> dict[str, float]:
-    """What all houses were compiled with.
+    """Return the compiler options that all houses share.
 
     Raises:
-        ConfigError: Houses that were compiled differently.
+        ConfigError: The houses were compiled with different options.
     """
     for name, value in COMMON.items():
         if len({round(value(house), 9) for house in houses}) > 1:
@@ -166,7 +166,7 @@ def _packed(
 
 
 def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, texture_size: int) -> dict[str, int]:
-    """Length of every axis of a bank."""
+    """Return the length of every axis of a bank."""
     layers, texels = texture_shape(len(library.textures), texture_size)
     return {**axis_lengths(capacity), **rows, HOUSE: num_houses, "layers": layers, "texels": texels}
 
@@ -176,12 +176,12 @@ def _declared(shared: bool) -> list[Declaration]:
 
 
 def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Sizes) -> Arrays:
-    """Every array: the rows of its owners, then padding."""
+    """Fill every array with the rows of its owners, then padding."""
     return {d.key: d.pack(_placed(d, parts), sizes) for d in declarations}
 
 
 def _placed(declaration: Declaration, parts: Sequence[_Part]) -> list[tuple[int, np.ndarray]]:
-    """Values of an array, and the rows at which they begin."""
+    """Return the values of an array with the first row of each."""
     found, kind = [], declaration.kind
     for part in parts:
         row = part.start.get(kind, 0)

@@ -1,8 +1,8 @@
-"""Lengths of arrays, rounded up to a few size classes so that similar banks share one compiled step."""
+"""Size classes of array lengths: few distinct lengths let similar banks share one compiled step."""
 
 
 def size_class(count: int, smallest: int) -> int:
-    """Smallest `smallest * 2**n` that holds `count`.
+    """Return the smallest `smallest * 2**n` of at least `count`.
 
     Example:
         >>> size_class(44, 32), size_class(3, 8)
@@ -15,7 +15,7 @@ def size_class(count: int, smallest: int) -> int:
 
 
 def ragged_class(count: int) -> int:
-    """Capacity of a concatenated table: at least four classes per octave, so at most a quarter is unused.
+    """Return the capacity of a concatenated table: at least four classes per octave, so at most a quarter is unused.
 
     Example:
         >>> ragged_class(1000), ragged_class(102_076)

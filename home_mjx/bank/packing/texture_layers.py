@@ -1,4 +1,4 @@
-"""Image files as one array of layers."""
+"""Loading of image files into one array of texture layers."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,19 +13,19 @@ from home_mjx.core.images import open_texture
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import TextureArray
 
-TEXTURE_SIZE = 128  # [px]
+TEXTURE_SIZE = 128  # [px], edge of a layer
 
 
 def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArray:
-    """Images as sRGB and alpha layers, each with its mip levels; layers beyond the last image are white.
+    """Load images as sRGB and alpha layers with mip levels; layers beyond the last image are white.
 
     Args:
         paths: Image files.
         size: Edge of the square layers [px], a power of two.
 
     Raises:
-        DatasetError: As `open_texture`.
-        ConfigError: `size` is no power of two.
+        DatasetError: An image cannot be read, see `open_texture`.
+        ConfigError: `size` is not a power of two.
     """
     if size < 1 or size & (size - 1):
         raise ConfigError(f"the edge of texture layers must be a power of two, got {size}")
@@ -37,7 +37,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
 
 
 def mip_sizes(size: int) -> list[int]:
-    """Texels of each mip level of a square texture, from the full size down to one.
+    """Return the texels of each mip level of a square texture, from full size to one texel.
 
     Example:
         >>> mip_sizes(4)
@@ -47,9 +47,9 @@ def mip_sizes(size: int) -> list[int]:
 
 
 def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
-    """A texture and its halvings, row by row after one another; each texel is the mean of four, in linear light.
+    """Compute a texture's mip levels, concatenated row by row; each texel is the mean of four, in linear light.
 
-    Texels count by their opacity, so that what is cut away does not bleed into what stays.
+    Texels are weighted by opacity, so that colours of transparent texels do not bleed into visible ones.
     """
     color, alpha = decode_srgb(image[..., :3] / 255.0), image[..., 3:] / 255.0
     levels = [image.reshape(-1, 4)]
@@ -69,11 +69,11 @@ def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
 
 
 def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
-    """Layers, and texels of each, that hold `count` images."""
+    """Return the number of layers that hold `count` images, and the texels per layer."""
     return size_class(count, 1), sum(mip_sizes(size))
 
 
 def texture_bytes(count: int, size: int = TEXTURE_SIZE) -> int:
-    """What the layers of `count` images take."""
+    """Return the bytes of the layers of `count` images."""
     layers, texels = texture_shape(count, size)
     return layers * texels * 4

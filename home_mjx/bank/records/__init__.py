@@ -1,4 +1,4 @@
-"""The arrays of a bank, grouped by the engine that reads them; each is declared once, at its field (`declaration`)."""
+"""Arrays of a bank, grouped by the engine that reads them; each is declared once, at its field (`declaration`)."""
 
 from home_mjx.bank.records.bank_arrays import BankArrays, BankSpec, array_of, by_record, schema, with_arrays
 from home_mjx.bank.records.bodies import Physics

@@ -1,4 +1,4 @@
-"""All arrays of a bank: the records, and what the bank holds itself."""
+"""All arrays of a bank: its records and its own fields."""
 
 import dataclasses
 import functools
@@ -19,11 +19,11 @@ from home_mjx.bank.records.surfaces import Finish, Materials
 from home_mjx.core.pytree import Pytree, array, declared, static
 from home_mjx.errors import ConfigError
 
-ID_LENGTH = 32  # as "id_bytes" of house_id
+ID_LENGTH = 32  # [bytes], axis "id_bytes" of house_id
 
 
 def ascii_id(at: HouseAt) -> UInt8[np.ndarray, " id_bytes"]:
-    """Bytes of the house's id."""
+    """Encode the house's id as ASCII bytes, padded with zeros."""
     data = at.house.id.encode()
     if not at.house.id.isascii() or not 0 < len(data) <= ID_LENGTH:
         raise ConfigError(f"house id `{at.house.id}` must be 1 to {ID_LENGTH} ASCII characters")
@@ -31,7 +31,7 @@ def ascii_id(at: HouseAt) -> UInt8[np.ndarray, " id_bytes"]:
 
 
 class BankSpec(Pytree):
-    """Static numbers of a bank. Capacities are rounded to size classes, so that similar banks share a compiled step."""
+    """Static sizes and options of a bank; sizes are size classes, so that similar banks share a compiled step."""
 
     num_instances: int = static()
     num_bodies: int = static()
@@ -43,11 +43,11 @@ class BankSpec(Pytree):
     cell: float = static()  # [m], navigation grid
     agent_radius: float = static()  # [m], of the agents that the houses were compiled for
     agent_height: float = static()  # [m]
-    num_slides: int = static(default=0)  # the last doors, which slide
+    num_slides: int = static(default=0)  # number of sliding doors, the last ones
 
 
 class BankArrays(Pytree):
-    """What a `HouseBank` holds."""
+    """Arrays of a `HouseBank`."""
 
     geometry: Geometry
     materials: Materials
@@ -57,7 +57,7 @@ class BankArrays(Pytree):
     navigation: Navigation
     finish: Finish
     lights: Lights
-    draw: Int[Array, " h"]  # what resets draw from: house indices, each as often as any other that may be drawn
+    draw: Int[Array, " h"]  # house indices that resets draw from, each active house equally often
     house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
     spec: BankSpec = static()
     # Baked records by name, see `home_mjx.houses.add_bakes`; empty: nothing is baked.
@@ -79,7 +79,7 @@ RECORDS: dict[str, type] = {
 
 
 def schema() -> tuple[Declaration, ...]:
-    """Every declared array of a bank.
+    """Return the declarations of all arrays of a bank.
 
     Example:
         >>> next(d for d in schema() if d.name == "physics.body_mass").axes
@@ -98,13 +98,13 @@ def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, .
 
 
 def array_of(bank: BankArrays, key: Key) -> Array:
-    """One array of a bank."""
+    """Return the array of a bank with this key."""
     record, field = key
     return getattr(getattr(bank, record) if record else bank, field)
 
 
 def by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
-    """Arrays by record, then by field."""
+    """Group arrays by record, then by field."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in RECORDS}
     for (record, field), values in arrays.items():
         tables[record][field] = values
@@ -112,7 +112,7 @@ def by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
 
 
 def with_arrays(bank: Bank, arrays: Mapping[Key, Array]) -> Bank:
-    """The bank with other arrays."""
+    """Return the bank with some arrays replaced."""
     tables = by_record(arrays)
     own = tables.pop("")
     records = {name: getattr(bank, name).replace(**fields) for name, fields in tables.items() if fields}

@@ -1,4 +1,4 @@
-"""Static boxes, movable bodies, doors and ramps, for the physics."""
+"""Static boxes, movable bodies, doors and ramps for physics."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,34 +11,34 @@ from home_mjx.core.pytree import Pytree, array
 from home_mjx.geometry.boxes import box_inertia
 from home_mjx.schema.contact_materials import USUAL, damping_ratio
 
-PARKED = np.array([0.0, 0.0, -100.0])  # [m], where padded boxes lie: far below any house
+PARKED = np.array([0.0, 0.0, -100.0])  # [m], position of padded boxes, far below any house
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 SMALL = np.full(3, 0.1, np.float32)  # [m], half extents of padded boxes
 
 
 def is_body(at: HouseAt) -> Bool[np.ndarray, " k"]:
-    """True for each body."""
+    """Return True for each body."""
     return np.ones(len(at.house.bodies.mass), bool)
 
 
 def inertia(at: HouseAt) -> Float[np.ndarray, "k 3"]:
-    """Of solid boxes, from mass and size as float32 holds them."""
+    """Compute principal inertias of solid boxes, from mass and size rounded to float32."""
     bodies = at.house.bodies
     return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
 
 
 def no_arrangement(at: HouseAt) -> Float[np.ndarray, "0 k 7"]:
-    """None: arrangements are made of banks, by `arrangements.settled_poses`."""
+    """Return no arrangements; `arrangements.settled_poses` computes them from banks."""
     return np.zeros((0, len(at.house.bodies.mass), 7))
 
 
 def damping_ratios(at: HouseAt) -> Float[np.ndarray, " k"]:
-    """Of the contacts of bodies, from their restitution."""
+    """Compute contact damping ratios of bodies from their restitution."""
     return np.array([damping_ratio(e) for e in at.house.bodies.restitution.tolist()])
 
 
 def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
-    """Each ramp's footprint and slope, see `Physics.ramp`."""
+    """Return each ramp's footprint and slope, see `Physics.ramp`."""
     ramps = at.house.ramps
     slope = ramps.slope[:, None]
     top = ramps.pos + ramps.size[:, 2:] * np.concatenate([-np.sin(slope) * ramps.up, np.cos(slope)], axis=1)
@@ -47,14 +47,14 @@ def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
 
 
 def is_door(at: HouseAt) -> Bool[np.ndarray, " doors"]:
-    """True for each leaf of a door."""
+    """Return True for the rows of door leaves."""
     valid = np.zeros(at.sizes["doors"], bool)
     valid[at.door_row] = True
     return valid
 
 
 def slide_axes(at: HouseAt) -> Float[np.ndarray, "doors 2"]:
-    """Where leaves slide to; of padding, too: which rows slide is the same for all houses."""
+    """Return slide directions of leaves; padding has one too, since all houses must slide in the same rows."""
     axes = np.zeros((at.sizes["doors"], 2))
     axes[at.sizes["doors"] - at.sizes["slides"] :] = [1.0, 0.0]
     axes[at.door_row] = at.house.doors.slide
@@ -62,7 +62,7 @@ def slide_axes(at: HouseAt) -> Float[np.ndarray, "doors 2"]:
 
 
 def of_door(field: str, fill: Any = 0) -> Callable[[HouseAt], np.ndarray]:
-    """A source: a field of the house's doors, in the rows that a bank has for them."""
+    """Create a source: a field of the house's doors in the rows that the bank reserves for them."""
 
     def rows(at: HouseAt) -> np.ndarray:
         values = getattr(at.house.doors, field)
@@ -76,7 +76,7 @@ def of_door(field: str, fill: Any = 0) -> Callable[[HouseAt], np.ndarray]:
 
 
 class Physics(Pytree):
-    """Static boxes, movable bodies, leaves of doors, and ramps over stairs, of every house."""
+    """Static boxes, movable bodies, door leaves and ramps over stairs of every house."""
 
     floor: Float[Array, " h"] = array("[m], top of the ground floor", source="ground_floor")
     lot: Float[Array, "h 2 2"] = array("[m], least and greatest x and y of what the fence encloses", source="lot")
@@ -98,38 +98,36 @@ class Physics(Pytree):
         "[kg m^2], principal", source=inertia, fill=box_inertia(np.ones(1, np.float32), SMALL[None])[0]
     )
     body_friction: Float[Array, "h bodies"] = array("sliding", source="bodies.friction", fill=USUAL.friction)
-    body_damping_ratio: Float[Array, "h bodies"] = array(
-        "of its contacts; 1: it does not bounce", source=damping_ratios, fill=1
-    )
+    body_damping_ratio: Float[Array, "h bodies"] = array("of its contacts; 1: no bounce", source=damping_ratios, fill=1)
     body_from_model: Float[Array, "h bodies 3 4"] = array(
         "body frame from model frame", source="bodies.from_model", fill=np.eye(3, 4)
     )
     arrangement: Float[Array, "h arrangements bodies 7"] = array(
-        "[m] and wxyz, other poses in which all bodies rest; a bank has none at first: see `arrangements`",
+        "[m] and wxyz, alternative poses with all bodies at rest; initially empty, see `arrangements`",
         source=no_arrangement,
         fill=np.concatenate([PARKED, UPRIGHT]),
     )
     door_valid: Bool[Array, "h doors"] = array("False padding", source=is_door, fill=False)
     door_instance: Int[Array, "h doors"] = array("-1 padding", source=of_door("instance", -1), fill=-1)
     door_pivot: Float[Array, "h doors 2"] = array(
-        "[m], where the hinge meets the plan; of what slides, the middle", source=of_door("pivot")
+        "[m], position of the hinge in plan; centre of a sliding leaf", source=of_door("pivot")
     )
     door_slide: Float[Array, "h doors 2"] = array(
-        "unit direction in which a leaf slides; 0 of those on hinges, which come first", source=slide_axes
+        "unit direction of sliding; 0 for hinged leaves, which come first", source=slide_axes
     )
     door_closed: Float[Array, "h doors"] = array(
-        "[rad] about +z from as placed, of what slides [m] from there; shut", source=of_door("closed")
+        "[rad] about +z, or [m] for sliding leaves; closed, relative to as authored", source=of_door("closed")
     )
-    door_wide: Float[Array, "h doors"] = array("[rad] or [m], wide open", source=of_door("wide"))
-    door_low: Float[Array, "h doors"] = array("[rad] or [m], least", source=of_door("low"))
-    door_high: Float[Array, "h doors"] = array("[rad] or [m], greatest", source=of_door("high"))
-    door_pos: Float[Array, "h doors 3"] = array("[m], middle of the leaf as placed", source=of_door("pos"))
+    door_wide: Float[Array, "h doors"] = array("[rad] or [m], fully open", source=of_door("wide"))
+    door_low: Float[Array, "h doors"] = array("[rad] or [m], minimum", source=of_door("low"))
+    door_high: Float[Array, "h doors"] = array("[rad] or [m], maximum", source=of_door("high"))
+    door_pos: Float[Array, "h doors 3"] = array("[m], centre of the leaf as authored", source=of_door("pos"))
     door_quat: Float[Array, "h doors 4"] = array("wxyz, about z only", source=of_door("quat", UPRIGHT), fill=UPRIGHT)
     door_size: Float[Array, "h doors 3"] = array("[m], half extents", source=of_door("size", SMALL), fill=SMALL)
     door_mass: Float[Array, "h doors"] = array("[kg]", source=of_door("mass", 1), fill=1)
     ramp: Float[Array, "h ramps 8"] = array(
-        "middle of its top in plan (2) [m], direction uphill (2), half length and width in plan [m], height of the "
-        "middle [m], rise per length; padding has a negative length",
+        "centre of its top in plan (2) [m], uphill direction (2), half length and width in plan [m], height of the "
+        "centre [m], slope (rise / run); padding has a negative length",
         source=ramp_rows,
         fill=np.array([0.0, 0.0, 1.0, 0.0, -1.0, -1.0, 0.0, 0.0]),
     )

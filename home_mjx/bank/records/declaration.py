@@ -1,11 +1,12 @@
-"""The declaration of one array of a bank, read from the field of the record that holds it.
+"""Declaration of one bank array, read from the field of the record that holds it.
 
-A field says it all: `name: Float[Array, "h bodies 3"] = array("meaning [unit]", source="bodies.pos", fill=0)`.
-The annotation gives the axes and the dtype. The first axis says where the rows come from:
+The field is the complete declaration, such as
+`name: Float[Array, "h bodies 3"] = array("meaning [unit]", source="bodies.pos", fill=0)`.
+The annotation specifies axes and dtype. The first axis determines the origin of the rows:
 
-* `h`: every house has one row. The other axes are those of `packing.capacity.AXES`, padded to the capacity of the bank.
-* one of `ROW_KINDS`: the rows of all models or houses follow each other.
-* anything else, or none: the houses of the bank share the array.
+* `h`: one row per house. The other axes are those of `packing.capacity.AXES`, padded to the capacity of the bank.
+* one of `ROW_KINDS`: concatenated rows of all models or houses.
+* any other axis, or no axis: an array shared by all houses.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,8 +22,8 @@ from home_mjx.errors import CapacityError
 HOUSE = "h"
 ROW_KINDS = ("model", "triangle", "node", "material", "semantic", "cell")
 SHARED = "shared"
-DTYPES: Mapping[Any, type] = {Float: np.float32, Int: np.int32, Bool: np.bool_}  # of annotations that leave it open
-CYCLE = "cycle"  # fill: a house's own rows once more, in turn, so that each is drawn about equally often
+DTYPES: Mapping[Any, type] = {Float: np.float32, Int: np.int32, Bool: np.bool_}  # of annotations without a width
+CYCLE = "cycle"  # fill: repeat a house's rows in turn, so that each is drawn about equally often
 
 Source = str | Callable[[Any], Any]
 Key = tuple[str, str]  # record, "" for the bank itself, and field
@@ -32,18 +33,18 @@ Sizes = Mapping[str, int]  # length by name of axis
 
 @dataclass(frozen=True)
 class Declaration:
-    """One array of a bank.
+    """Declaration of one array of a bank.
 
     Attributes:
-        record: Field of `HouseBank` that holds it; "" for the bank itself.
-        field: Of the record.
+        record: Field of `HouseBank` that holds the array; "" for the bank itself.
+        field: Field of the record.
         doc: Meaning, unit and sentinel.
         axes: Names of axes, or their lengths.
-        dtype: In the bank.
-        source: Where values come from: a path of attributes from the owner's record, or a function of the owner. The
-            owner is a `TreeAt` for nodes, a `ModelAt` for models and triangles, `Shared` for what houses share, and a
-            `HouseAt` for the rest.
-        fill: What padding holds, or `CYCLE`.
+        dtype: Dtype in the bank.
+        source: Origin of the values: a path of attributes from the owner's record, or a function of the owner. The
+            owner is a `TreeAt` for nodes, a `ModelAt` for models and triangles, `Shared` for shared arrays, and a
+            `HouseAt` otherwise.
+        fill: Value of padding, or `CYCLE`.
     """
 
     record: str
@@ -58,7 +59,7 @@ class Declaration:
     def of(
         cls, key: Key, annotation: Any, doc: str, source: Source, fill: Any = 0, dtype: type | None = None
     ) -> "Declaration":
-        """From an annotated field and its notes."""
+        """Create a declaration from an annotated field and its notes."""
         kind = np.dtype(dtype or DTYPES.get(annotation.dtype) or annotation.dtypes[0])
         return cls(*key, doc, tuple(annotation.dim_str.split()), kind, source, fill)
 
@@ -69,7 +70,7 @@ class Declaration:
 
     @property
     def name(self) -> str:
-        """As attributes of a bank, for messages and tables.
+        """Attribute path in a bank, for messages and tables.
 
         Example:
             >>> Declaration("physics", "floor", "", ("h",), np.dtype(np.float32), "floor").name
@@ -83,28 +84,28 @@ class Declaration:
         return self.axes[0] if self.axes and self.axes[0] in (HOUSE, *ROW_KINDS) else SHARED
 
     def shape(self, sizes: Sizes) -> tuple[int, ...]:
-        """Shape in a bank of these sizes."""
+        """Return the shape in a bank of these sizes."""
         return tuple(int(axis) if axis.isdigit() else sizes[axis] for axis in self.axes)
 
     def nbytes(self, sizes: Sizes) -> int:
-        """Bytes in a bank of these sizes."""
+        """Return the size in a bank of these sizes [bytes]."""
         return int(np.prod(self.shape(sizes), dtype=np.int64)) * self.dtype.itemsize
 
     def values(self, owner: Any) -> np.ndarray:
-        """The rows of one owner, unpadded; of a house, its one row."""
+        """Return the rows of one owner, unpadded; a house has one row."""
         path = isinstance(self.source, str)
         found = np.asarray(attrgetter(self.source)(owner.record) if path else self.source(owner))  # type: ignore
         return found[None] if self.kind == HOUSE else found
 
     def pack(self, parts: list[tuple[int, np.ndarray]], sizes: Sizes) -> np.ndarray:
-        """The whole array, padding included.
+        """Build the complete array with padding.
 
         Args:
-            parts: Values, and the row at which they begin.
-            sizes: Of the bank.
+            parts: Pairs of first row and values.
+            sizes: Axis lengths of the bank.
 
         Raises:
-            CapacityError: Values that do not fit the axes that the array is declared with.
+            CapacityError: Values do not fit the declared axes.
         """
         shape = self.shape(sizes)
         out = np.empty(shape, self.dtype)
@@ -126,5 +127,5 @@ class Declaration:
 
 
 def _cycled(rows: np.ndarray, size: int) -> np.ndarray:
-    """The rows of each house in turn, `size` of them."""
+    """Repeat the rows of each house in turn up to `size` rows."""
     return rows[:, np.arange(size) % rows.shape[1]]

@@ -1,4 +1,4 @@
-"""What rays need of houses."""
+"""Geometry records for ray casting."""
 
 from typing import Any
 
@@ -12,56 +12,56 @@ from home_mjx.core.pytree import Pytree, array
 from home_mjx.geometry.meshes import invert
 from home_mjx.schema.compiled import ARCHITECTURE
 
-LEAF_BITS = 4  # a leaf code holds `first << LEAF_BITS | count`
-NOWHERE = np.array([[np.inf] * 3 + [-np.inf] * 3])  # a box that no ray meets
+LEAF_BITS = 4  # a leaf code is `~(first << LEAF_BITS | count)`
+NOWHERE = np.array([[np.inf] * 3 + [-np.inf] * 3])  # an empty box that no ray hits
 IDENTITY = np.eye(3, 4)
 
 
 def absolute_child(at: TreeAt) -> Int[np.ndarray, "n 2"]:
-    """Tree codes with `node` added to inner nodes and `first` to the primitives of leaves; empty leaves stay."""
+    """Offset tree codes: add `node` to inner nodes and `first` to the primitives of leaves; keep empty leaves."""
     child = at.record.child
     leaf = np.where(child == -1, -1, ~(~child.astype(np.int64) + (at.first << LEAF_BITS)))
     return np.where(child >= 0, child + at.node, leaf).astype(np.int32)
 
 
 def first_node(at: ModelAt) -> Any:
-    """Root of a model's tree."""
+    """Return the root node of a model's tree."""
     return [at.node]
 
 
 def whole_box(at: ModelAt) -> Any:
-    """Bounds of a model."""
+    """Return the bounds of a model [m]."""
     return at.record.box[None]
 
 
 def top_root(at: HouseAt) -> int:
-    """Root of a house's top tree, which follows that of its architecture."""
+    """Return the root of a house's top tree, which follows the tree of its architecture."""
     own = at.house.models[at.house.instances.model[ARCHITECTURE]]
     return at.start["node"] + len(own.tree.child)
 
 
 def model_numbers(at: HouseAt) -> list[int]:
-    """Library models of the instances; the architecture's is the house's own."""
+    """Return the library models of the instances; the architecture's model is private to the house."""
     return [at.start["model"], *(at.model[key] for key in at.house.instances.model[ARCHITECTURE + 1 :])]
 
 
 def inverse_pose(at: HouseAt) -> Float[np.ndarray, "i 3 4"]:
-    """Inverses of the poses as float32 holds them."""
+    """Invert the poses after rounding them to float32."""
     return invert(at.house.instances.pose.astype(np.float32).astype(np.float64))
 
 
 def first_material(at: HouseAt) -> Int[np.ndarray, " i"]:
-    """First material row of each instance."""
+    """Return the first material row of each instance."""
     return at.house.instances.material + at.start["material"]
 
 
 def first_semantic(at: HouseAt) -> Int[np.ndarray, " i"]:
-    """First semantic row of each instance."""
+    """Return the first semantic row of each instance."""
     return at.house.instances.semantic + at.start["semantic"]
 
 
 def semantic_by_object(at: HouseAt) -> Int[np.ndarray, " o"]:
-    """Semantic row of each object id."""
+    """Return the semantic row of each object id; -1 for unused ids."""
     ids = at.house.instances.object_id[ARCHITECTURE + 1 :]
     rows = np.full(1 + ids.max(initial=-1), -1, np.int32)
     rows[ids] = first_semantic(at)[ARCHITECTURE + 1 :]
@@ -71,8 +71,8 @@ def semantic_by_object(at: HouseAt) -> Int[np.ndarray, " o"]:
 class Geometry(Pytree):
     """The shared model library and each house's instances.
 
-    Triangle and node indices are absolute in these arrays. Instance indices run over [0, I) per house, row 0 being
-    the architecture; agents follow as I + a. Tree codes are those of `compiled.Tree`, except that they are absolute.
+    Triangle and node indices are absolute. Instance indices run over [0, I) per house; row 0 is
+    the architecture, and agent a follows as I + a. Tree codes are those of `compiled.Tree`, but absolute.
     """
 
     node_box: Float[Array, "node 2 6"] = array("per child: min xyz, max xyz", source="box", fill=NOWHERE)
@@ -104,12 +104,12 @@ class Geometry(Pytree):
     object_semantic: Int[Array, "h instances"] = array(
         "semantic row of each object id, absolute; -1 none", source=semantic_by_object, fill=-1
     )
-    material_mask: Int[Array, " material"] = array("Ray bits that each material stops", source="materials.mask")
-    agent_model: Int[Array, ""] = array("library model of an agent (unit: its real size)", source="agent")
+    material_mask: Int[Array, " material"] = array("Ray bits that each material blocks", source="materials.mask")
+    agent_model: Int[Array, ""] = array("library model of an agent, in its real size", source="agent")
     agent_material: Int[Array, ""] = array("first material row of an agent", source="agent")
     agent_semantic: Int[Array, ""] = array("semantic row of agents", source="agent")
-    gpu: GpuGeometry | None = None  # the same once more for the `cuda` ray executor; None: it lays it out at each cast
+    gpu: GpuGeometry | None = None  # layout for the `cuda` ray executor; None: computed at each cast
 
     def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
-        """The nearest index of a house that there is; JAX's own indexing would take negative ones from the end."""
+        """Clip house indices to the bank; JAX's own indexing would count negative ones from the end."""
         return jnp.clip(house, 0, self.house_root.shape[0] - 1)

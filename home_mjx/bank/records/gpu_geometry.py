@@ -1,7 +1,8 @@
-"""A house bank's geometry once more, as the `cuda` ray executor likes to read it: in whole 16-byte words.
+"""Copy of a bank's geometry in the layout of the `cuda` ray executor: whole 16-byte words.
 
-A node and the codes of its children lie side by side, boxes are given by centre and half size, a triangle comes with
-its material slot, and what a ray needs to enter an instance is one record. Integers travel as the bits of floats.
+A node is stored next to the codes of its children. Boxes are stored as centre and half size, and triangles with
+their material slot. All data that a ray needs to enter an instance is one record. Integers are stored as the bits of
+floats.
 """
 
 from typing import Any
@@ -12,7 +13,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 
-ROUND_UP = 1 + 2.0**-22  # more than the rounding of a half size
+ROUND_UP = 1 + 2.0**-22  # exceeds the rounding error of a half size
 
 
 class GpuGeometry(Pytree):
@@ -20,12 +21,12 @@ class GpuGeometry(Pytree):
 
     node: Float[Array, "n 16"]  # per child: centre xyz, half size xyz; then bits of the two codes, 2 unused
     triangle: Float[Array, "t 12"]  # corner 0 and bits of the slot, corner 1, 0, corner 2, 0
-    instance: Float[Array, "h i 16"]  # as `records` makes them
+    instance: Float[Array, "h i 16"]  # see `records`
 
 
 @jax.jit
 def gpu_geometry(geometry: Any) -> GpuGeometry:
-    """Lays out a `bank.Geometry`.
+    """Convert a `bank.Geometry` to the layout of the `cuda` executor.
 
     Example:
         >>> bank = bank.replace(geometry=geometry.replace(gpu=gpu_geometry(geometry)))  # doctest: +SKIP
@@ -47,13 +48,13 @@ def records(
     object_id: Int[Array, "*i"],
     material: Int[Array, "*i"],
 ) -> Float[Array, "*i 16"]:
-    """One row per instance: model from world, then the bits of root node, instance number, object id, material row."""
+    """Build one row per instance: model from world, then bits of root node, instance, object id and material row."""
     notes = _bits(jnp.stack([root, number, object_id, material], axis=-1))
     return jnp.concatenate([inverse.astype(jnp.float32).reshape(*root.shape, 12), notes], axis=-1)
 
 
 def middles(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Float[Array, "*n 6"]:
-    """Boxes by centre and half size, never smaller; half size -inf of those inside out or not numbers."""
+    """Convert boxes to centre and half size, rounded up; the half size of inverted boxes and of NaN is -inf."""
     good = jnp.all(low <= high, axis=-1, keepdims=True)
     center = jnp.where(good, low / 2 + high / 2, 0)
     half = jnp.where(good, jnp.maximum(high - center, center - low) * ROUND_UP, -jnp.inf)

@@ -1,4 +1,4 @@
-"""Who owns rows of a bank's arrays: what the sources of declarations are given."""
+"""Owners of rows of a bank's arrays: the arguments of the sources of declarations."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ Counts = Mapping[str, int]  # rows by kind
 
 @dataclass(frozen=True)
 class TreeAt:
-    """A tree whose node 0 is row `node` of the bank; its leaves count primitives from `first` on."""
+    """A tree with node 0 at row `node` of the bank; its leaves count primitives from `first` on."""
 
     record: Tree
     node: int
@@ -24,7 +24,7 @@ class TreeAt:
 
 @dataclass(frozen=True)
 class ModelAt:
-    """A model whose tree begins at row `node` of the bank."""
+    """A model with its tree at row `node` of the bank."""
 
     record: Model
     node: int
@@ -32,7 +32,7 @@ class ModelAt:
 
 @dataclass(frozen=True)
 class AgentRows:
-    """What agents have of the tables that houses fill."""
+    """Rows of agents in the tables of materials and semantics."""
 
     materials: MaterialTable
     semantics: Int[np.ndarray, "q columns"]
@@ -41,14 +41,14 @@ class AgentRows:
 
 @dataclass(frozen=True)
 class HouseAt:
-    """A house in a bank.
+    """A house at its rows in a bank.
 
     Attributes:
-        record: The house; of the tables of materials and semantics also the agents' rows.
-        start: Row at which its rows of each kind begin.
-        model: Number of each library model, by key.
-        layer: Layer of each texture, by path; -1 of "".
-        sizes: Of the bank, by axis.
+        record: The house; or the agents' rows, for the tables of materials and semantics.
+        start: First row of each kind.
+        model: Index of each library model, by key.
+        layer: Layer of each texture, by path; -1 for "".
+        sizes: Lengths of the bank's axes, by name.
     """
 
     record: CompiledHouse | AgentRows
@@ -59,18 +59,18 @@ class HouseAt:
 
     @property
     def house(self) -> CompiledHouse:
-        """The record, where agents have none."""
+        """The record as a house; only valid for arrays without agents' rows."""
         return cast(CompiledHouse, self.record)
 
     @property
     def door_row(self) -> Int[np.ndarray, " n"]:
-        """Row of each leaf of the house among a bank's doors, of which the last slide."""
+        """Row of each leaf of the house among the bank's doors, whose last rows slide."""
         return self.house.doors.rows(self.sizes["doors"], self.sizes["slides"])
 
 
 @dataclass(frozen=True)
 class SharedRows:
-    """What all houses of a bank share."""
+    """Values shared by all houses of a bank."""
 
     textures: UInt32[np.ndarray, "layers texels"]
     agent: int = 0  # agents come first in the library, and in the tables of materials and semantics
@@ -78,6 +78,6 @@ class SharedRows:
 
 @dataclass(frozen=True)
 class Shared:
-    """The owner of what all houses share."""
+    """The owner of shared arrays."""
 
     record: SharedRows

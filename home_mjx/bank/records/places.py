@@ -1,4 +1,4 @@
-"""Where agents can be."""
+"""Navigation records of a bank."""
 
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt16
@@ -14,22 +14,22 @@ SURFACES = ("floor", "wall")  # columns of `Navigation.room_surface`
 
 
 def first_cell(at: HouseAt) -> int:
-    """Number of a house's first cell."""
+    """Return the index of a house's first cell."""
     return at.start["cell"]
 
 
 def num_cells(at: HouseAt) -> int:
-    """Cells of a house's home region."""
+    """Count the cells of a house's home region."""
     return len(at.house.navigation.field)
 
 
 def num_free(at: HouseAt) -> int:
-    """Cells of a house that are free as things stand."""
+    """Count the cells of a house that are free as authored."""
     return num_cells(at) + at.house.navigation.fringe.narrow
 
 
 def cell_numbers(at: HouseAt) -> Int[np.ndarray, "levels grid_rows grid_columns"]:
-    """Numbers of the cells that agents can come to; elsewhere and in the padding ~ that of the nearest one."""
+    """Return indices of reachable cells; elsewhere and in padding, ~ the index of the nearest one."""
     navigation = at.house.navigation
     nearest, own = navigation.fringe.nearest, navigation.free
     own[tuple(navigation.fringe.place.T)] = True
@@ -40,26 +40,26 @@ def cell_numbers(at: HouseAt) -> Int[np.ndarray, "levels grid_rows grid_columns"
 
 
 def cell_places(at: HouseAt) -> Int[np.ndarray, "c 3"]:
-    """Places of a house's cells."""
+    """Return level, row and column of a house's cells."""
     navigation = at.house.navigation
     return np.concatenate([navigation.place, navigation.fringe.place])
 
 
 def cell_heights(at: HouseAt) -> Float[np.ndarray, " c"]:
-    """Heights of the floor or ramp under a house's cells [m]."""
+    """Return the heights of the floor or ramp under a house's cells [m]."""
     navigation = at.house.navigation
     return np.concatenate([navigation.height, navigation.fringe.height])
 
 
 def goal_fields(at: HouseAt) -> UInt16[np.ndarray, "c g"]:
-    """Distances to the goals, which are taken in turn as often as a bank has goals."""
+    """Return distances to the goals, repeated in turn to the bank's number of goals."""
     navigation = at.house.navigation
     field = np.concatenate([navigation.field, navigation.fringe.field])
     return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]
 
 
 def room_surfaces(at: HouseAt) -> Int[np.ndarray, "r 2"]:
-    """Semantic rows of each room's floor and of its first wall."""
+    """Return the semantic rows of each room's floor and of its first wall; -1 none."""
     rows = at.house.semantics
     rooms = np.arange(len(at.house.rooms.type))
     parts = rows[:, Semantic.OBJECT] < 0
@@ -70,43 +70,47 @@ def room_surfaces(at: HouseAt) -> Int[np.ndarray, "r 2"]:
 def _first(
     among: Bool[np.ndarray, " q"], rows: Int[np.ndarray, "q columns"], rooms: Int[np.ndarray, " r"]
 ) -> Int[np.ndarray, " r"]:
-    """The first of some semantic rows that is of each room; -1 none."""
+    """Return the first semantic row of `among` in each room; -1 none."""
     fits = among & (rows[:, Semantic.ROOM] == rooms[:, None])
     return np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
 
 
 def portal_leaves(at: HouseAt) -> Int[np.ndarray, "p 2"]:
-    """Rows of the leaves that can close each portal; -1 none."""
+    """Return the rows of the leaves that close each portal; -1 none."""
     row = np.append(at.door_row, -1)
     return row[at.house.navigation.portals.leaf]
 
 
 class Navigation(Pytree):
-    """Grids of every house and level, starts, goals, portals; see `compiled.Navigation`.
+    """Grids of every house and level, starts, goals and portals; see `compiled.Navigation`.
 
-    The cells that agents can come to are numbered through all houses: of each house first those of the home region,
-    then those that are free as things stand but close to something, then those where things stand that can be moved.
+    Reachable cells are numbered through all houses. Within a house the order is: cells of the home region, cells that
+    are free as authored but close to obstacles, cells occupied by movable objects.
     """
 
     origin: Float[Array, "h 2"] = array("[m], corner of cell (0, 0) of a house's grids", source="navigation.origin")
     floor: Float[Array, "h levels"] = array(
-        "[m], of each level that has rooms, from below; inf padding", source="navigation.floor", fill=np.inf
+        "[m], floor of each level that has rooms, from below; inf padding", source="navigation.floor", fill=np.inf
     )
-    first_cell: Int[Array, " h"] = array("row of `place` and `field` of a house's first cell", source=first_cell)
-    num_cells: Int[Array, " h"] = array("cells of the home region, the first of a house's", source=num_cells)
-    num_free: Int[Array, " h"] = array("those, and the next that are free as things stand", source=num_free)
+    first_cell: Int[Array, " h"] = array("row of a house's first cell in `place` and `field`", source=first_cell)
+    num_cells: Int[Array, " h"] = array(
+        "number of cells of the home region, the first cells of a house", source=num_cells
+    )
+    num_free: Int[Array, " h"] = array(
+        "number of those and of the following cells that are free as authored", source=num_free
+    )
     cell: Int[Array, "h levels grid_rows grid_columns"] = array(
-        "row of `place` and `field`; where agents cannot come to, ~ the row of the nearest cell", source=cell_numbers
+        "row of `place` and `field`; if unreachable, ~ the row of the nearest reachable cell", source=cell_numbers
     )
     place: Int[Array, "cell 3"] = array("level, row and column", source=cell_places, dtype=np.int16)
-    height: Float[Array, " cell"] = array("[m], of the floor or ramp", source=cell_heights)
+    height: Float[Array, " cell"] = array("[m], height of the floor or ramp", source=cell_heights)
     field: UInt16[Array, "cell goals"] = array(
         "[FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_FAR no path",
         source=goal_fields,
         fill=FIELD_FAR,
     )
     region: Int[Array, "h levels grid_rows grid_columns"] = array(
-        "0 the home region, then by area; -1 where nobody can stand",
+        "0 home region, others by area; -1 not walkable",
         source="navigation.region",
         fill=-1,
         dtype=np.int16,
@@ -125,14 +129,15 @@ class Navigation(Pytree):
     )
     portal_pos: Float[Array, "h portals 3"] = array("[m]", source="navigation.portals.pos")
     portal_width: Float[Array, "h portals"] = array(
-        "[m], that agents can cross; 0: closed to them, and padding", source="navigation.portals.width"
+        "[m], clear width for agents; 0: impassable, and padding", source="navigation.portals.width"
     )
     portal_kind: Int[Array, "h portals"] = array(
         "compiled.PortalKind; -1 padding", source="navigation.portals.kind", fill=-1
     )
-    portal_leaf: Int[Array, "h portals 2"] = array(
-        "leaves of doors that close it; -1 none", source=portal_leaves, fill=-1
-    )
+    portal_leaf: Int[Array, "h portals 2"] = array("door leaves that close it; -1 none", source=portal_leaves, fill=-1)
     room_hops: Int[Array, "h rooms rooms"] = array(
-        "portals on the way from room to room; -1 no way", source="navigation.room_hops", fill=-1, dtype=np.int16
+        "minimum number of portals between two rooms; -1 unreachable",
+        source="navigation.room_hops",
+        fill=-1,
+        dtype=np.int16,
     )

@@ -1,4 +1,4 @@
-"""Mirror planes and edges, for sound; and what has been baked of it."""
+"""Acoustic records of a bank: reflecting planes, diffracting edges and baked late reverberation."""
 
 import jax
 import numpy as np
@@ -13,17 +13,17 @@ from home_mjx.schema.edges import EDGES
 
 
 def is_plane(at: HouseAt) -> Bool[np.ndarray, " p"]:
-    """True for each plane."""
+    """Return True for each plane."""
     return np.ones(len(at.house.planes.material), bool)
 
 
 def plane_material(at: HouseAt) -> Int[np.ndarray, " p"]:
-    """Material row of each plane."""
+    """Return the material row of each plane."""
     return at.house.planes.material + at.start["material"]
 
 
 def edge_bits(at: HouseAt) -> Int[np.ndarray, " c"]:
-    """Edges of static boxes with air around them, one bit each in the order of `schema.edges`."""
+    """Return the exposed edges of static boxes, one bit per edge in the order of `schema.edges`."""
     boxes, rooms = at.house.colliders, at.house.rooms
     turn = Rotation.from_quat(boxes.quat, scalar_first=True).as_matrix()
     heights = np.stack([rooms.floor, rooms.ceiling], axis=1)
@@ -31,7 +31,7 @@ def edge_bits(at: HouseAt) -> Int[np.ndarray, " c"]:
 
 
 class Acoustics(Pytree):
-    """Mirror planes of every house, and edges around which sound bends."""
+    """Reflecting planes and diffracting edges of every house."""
 
     plane_valid: Bool[Array, "h planes"] = array("False padding", source=is_plane, fill=False)
     plane_center: Float[Array, "h planes 3"] = array("[m]", source="planes.center", fill=PARKED)
@@ -44,7 +44,7 @@ class Acoustics(Pytree):
     )
     plane_material: Int[Array, "h planes"] = array("absolute row", source=plane_material)
     collider_edges: Int[Array, "h colliders"] = array(
-        "bits: which edges of static boxes have air around them, see `schema.edges`", source=edge_bits
+        "bits of the exposed edges of static boxes, see `schema.edges`", source=edge_bits
     )
 
 
@@ -52,32 +52,31 @@ LATE_REVERB = "late_reverb"  # name of the bake whose record is a `LateSound`
 
 
 class LateSound(Pytree):
-    """What is kept of the late sound of every house h, with all doors wide open.
+    """Baked late reverberation of every house h, with all doors fully open.
 
-    Rooms are divided into cells. Between two of them sound is first heard in the time bin `arrival`; its energy is
-    kept per octave for some spans of time from that bin on. Within a span time runs as it does between the cells'
-    rooms, `shape`. Logarithms are natural ones. The rest is an energy balance of the rooms, for what doors and walls
-    change.
+    Rooms are divided into cells. Sound between two cells first arrives in the time bin `arrival`; its energy from that
+    bin on is stored per octave and time span. The decay within a span follows that between the cells' rooms, `shape`.
+    Logarithms are natural. The other arrays are an energy balance of the rooms, which accounts for doors and walls.
     """
 
-    arrival: UInt8[Array, "h n n"]  # in which sound comes first from cell to cell, around what stands in between
-    level: Float[Array, "h n n spans bands"]  # logarithm of the energy re the free field at 1 m
-    comes_from: Int8[Array, "h n n spans 3"]  # mean direction in which the second cell hears the first, in 1 / 127
-    room: Int[Array, "h n"]  # of each cell
-    shape: Float[Array, "h r r bands knots"]  # logarithm of the energy per time bin, of which each span holds 1
-    near: UInt8[Array, "h levels rows columns e"]  # cells around each place
-    weight: Float[Array, "h levels rows columns e"]  # of these; they add up to 1
-    floor: Float[Array, "h levels"]  # [m]; inf padding
-    origin: Float[Array, "h 2"]  # [m], corner of place (0, 0)
-    step: Float[Array, " h"]  # [m], between places
-    volume: Float[Array, "h r"]  # [m³], of each room
-    loss: Float[Array, "h r bands"]  # [1/m], share of a room's energy that its surfaces and air take
-    opening: Float[Array, "h r r bands"]  # [m²], exchange of rooms through openings: volume times share per metre
-    wall: Float[Array, "h r r bands"]  # [m²], the same through walls
-    portal_room: Int[Array, "h p 2"]  # the rooms that each portal joins
-    portal_share: Float[Array, "h p"]  # of the exchange of its rooms; 0 padding
-    portal_leaf: Int[Array, "h p 2"]  # rows of the leaves that can close it; -1 none
-    portal_leak: Float[Array, "h p bands"]  # energy that these let through, as a fraction
+    arrival: UInt8[Array, "h n n"]  # time bin of the first sound from cell to cell, around obstacles
+    level: Float[Array, "h n n spans bands"]  # log energy re the free field at 1 m
+    comes_from: Int8[Array, "h n n spans 3"]  # mean direction of arrival at the second cell, in 1 / 127
+    room: Int[Array, "h n"]  # room of each cell
+    shape: Float[Array, "h r r bands knots"]  # log energy per time bin, normalized to 1 per span
+    near: UInt8[Array, "h levels rows columns e"]  # cells around each grid point
+    weight: Float[Array, "h levels rows columns e"]  # weights of these cells; they sum to 1
+    floor: Float[Array, "h levels"]  # [m], height; inf padding
+    origin: Float[Array, "h 2"]  # [m], corner of grid point (0, 0)
+    step: Float[Array, " h"]  # [m], grid spacing
+    volume: Float[Array, "h r"]  # [m³], volume of each room
+    loss: Float[Array, "h r bands"]  # [1/m], fraction of a room's energy absorbed by surfaces and air
+    opening: Float[Array, "h r r bands"]  # [m²], exchange of rooms through openings: volume times fraction per metre
+    wall: Float[Array, "h r r bands"]  # [m²], exchange through walls
+    portal_room: Int[Array, "h p 2"]  # rooms that each portal connects
+    portal_share: Float[Array, "h p"]  # fraction of its rooms' exchange; 0 padding
+    portal_leaf: Int[Array, "h p 2"]  # rows of the leaves that close it; -1 none
+    portal_leak: Float[Array, "h p bands"]  # energy fraction transmitted by closed leaves
 
     @property
     def nbytes(self) -> int:

@@ -1,4 +1,4 @@
-"""How surfaces take light and sound."""
+"""Surface records of a bank: optical and acoustic material properties."""
 
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
@@ -12,33 +12,33 @@ KIND_INDEX = {"": -1} | {name: i for i, name in enumerate(MATERIAL_KINDS)}
 
 
 def linear_albedo(at: HouseAt) -> Float[np.ndarray, "r 4"]:
-    """Linear light from sRGB; opacity stays."""
+    """Convert albedo from sRGB to linear light; keep opacity."""
     albedo = at.record.materials.albedo
     return np.concatenate([decode_srgb(albedo[:, :3]), albedo[:, 3:]], axis=1)
 
 
 def texture_layer(at: HouseAt) -> list[int]:
-    """Layer of each material's texture."""
+    """Return the texture layer of each material."""
     return [at.layer[path] for path in at.record.materials.texture]
 
 
 def material_kind(at: HouseAt) -> list[int]:
-    """Number of each material's kind."""
+    """Return the index of each material's kind; -1 unknown."""
     return [KIND_INDEX[name] for name in at.record.materials.kind]
 
 
 def specular(at: HouseAt) -> Float[np.ndarray, "r 3"]:
-    """Gloss of every material; those that the table of gloss lacks are matt."""
+    """Return the specular colour of every material; rows missing in the gloss table are matt."""
     return np.pad(at.record.gloss.specular, ((0, _missing(at)), (0, 0)))
 
 
 def shininess(at: HouseAt) -> Float[np.ndarray, " r"]:
-    """Exponent of every material."""
+    """Return the Blinn-Phong exponent of every material; 1 for rows missing in the gloss table."""
     return np.pad(at.record.gloss.shininess, (0, _missing(at)), constant_values=1)
 
 
 def mirror(at: HouseAt) -> Bool[np.ndarray, " r"]:
-    """Which materials are mirrors."""
+    """Return the mask of flat mirrors."""
     return np.pad(at.record.gloss.mirror, (0, _missing(at)))
 
 
@@ -47,7 +47,7 @@ def _missing(at: HouseAt) -> int:
 
 
 class Materials(Pytree):
-    """The bank's one material table."""
+    """The bank's material table, shared by all houses."""
 
     albedo: Float[Array, "material 4"] = array("linear-light diffuse 0..1, and opacity", source=linear_albedo, fill=1)
     texture: Int[Array, " material"] = array("layer in `textures`; -1 none", source=texture_layer, fill=-1)
@@ -58,16 +58,16 @@ class Materials(Pytree):
     scattering: Float[Array, "material bands"] = array("energy fractions", source="materials.scattering")
     transmission: Float[Array, "material bands"] = array("energy fractions", source="materials.transmission")
     textures: UInt32[Array, "layers texels"] = array(
-        "sRGB, alpha highest; mip levels after one another, row 0 is the top (v = 1)", source="textures"
+        "sRGB, alpha in the highest byte; concatenated mip levels, row 0 is the top (v = 1)", source="textures"
     )
 
 
 class Finish(Pytree):
-    """How surfaces take light besides their diffuse colour."""
+    """Optical properties of surfaces besides their diffuse colour."""
 
     normal: Float[Array, "triangle 3 3"] = array(
-        "unit, of the corners of `Geometry.triangle`, model frame", source="normal"
+        "unit, per corner of `Geometry.triangle`, model frame", source="normal"
     )
     specular: Float[Array, "material 3"] = array("linear light", source=specular)
     shininess: Float[Array, " material"] = array("Blinn-Phong exponent", source=shininess, fill=1)
-    mirror: Bool[Array, " material"] = array("flat mirrors", source=mirror, fill=False)
+    mirror: Bool[Array, " material"] = array("True for flat mirrors", source=mirror, fill=False)

@@ -1,1 +1,1 @@
-"""What own kernels need on a CPU and on an NVIDIA GPU: pointers for Numba, XLA's interface, NVRTC."""
+"""Support for custom kernels on CPUs and NVIDIA GPUs: Numba intrinsics, XLA's FFI, NVRTC."""

@@ -1,11 +1,11 @@
-"""XLA's foreign function interface, as compiled code calls it: operands, results, attributes, and work in chunks.
+"""XLA's foreign function interface for Numba code: operands, results, attributes and chunked parallel work.
 
-XLA hands over the address of an `XLA_FFI_CallFrame`. The word offsets below follow `xla/ffi/api/c_api.h`, which jaxlib
-ships (`jax.ffi.include_dir()`); they are the same from its version 0.3 (jax 0.9 and 0.10) to 0.5 (jax 0.12).
+XLA passes the address of an `XLA_FFI_CallFrame`. The word offsets below follow `xla/ffi/api/c_api.h`, which jaxlib
+ships (`jax.ffi.include_dir()`). They are valid for interface versions 0.3 (jax 0.9 and 0.10) to 0.5 (jax 0.12).
 
-Work is done in chunks. The calling thread takes chunks until none is left; tasks on XLA's own thread pool do the same.
-It waits only for chunks that are being computed, never for a task to start, so a busy, tiny or dead pool costs speed
-but cannot hang. A task that starts late finds no chunk left and touches nothing except the job.
+Work is divided into chunks. The calling thread and tasks on XLA's thread pool take chunks until no chunk is left.
+The caller waits only for chunks in progress, never for a task to start. A busy, tiny or dead pool therefore costs
+speed but cannot cause a deadlock. A task that starts late finds no chunk and touches only the job.
 """
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
@@ -17,11 +17,11 @@ from numba import njit, types
 
 from home_mjx.core.native.memory import address_of, call, fetch_add, pointer_to, stack_of
 
-API_VERSION = 0 | 3 << 32  # major and minor as they lie in memory
+API_VERSION = 0 | 3 << 32  # major and minor version as one word in memory
 FRAME_EXTENSION, FRAME_API, FRAME_CONTEXT, FRAME_STAGE = 1, 2, 3, 4
-OPERANDS, RESULTS, ATTRIBUTES = 9, 14, 20  # of a frame: their arrays of pointers
+OPERANDS, RESULTS, ATTRIBUTES = 9, 14, 20  # words of a frame: arrays of pointers
 EXTENSION_TYPE, EXTENSION_METADATA, METADATA_VERSION = 1, 3, 3
-METADATA, EXECUTE = 1, 3  # type of extension, stage
+METADATA, EXECUTE = 1, 3  # extension type, stage
 BUFFER_DATA, BUFFER_RANK, BUFFER_DIMS, SCALAR_VALUE = 3, 4, 5, 1
 API_DESTROY_ERROR, API_SCHEDULE, API_NUM_THREADS = 8, 17, 18
 JOB_NEXT, JOB_DONE, JOB_USERS, JOB_CHUNKS, JOB_FRAME = range(5)
@@ -37,7 +37,7 @@ compiled = njit(error_model="numpy")
 
 
 def digest(*paths: str) -> int:
-    """Of the files that a handler is compiled from: Numba's cache watches only the one that holds the handler."""
+    """Hash the source files of a handler, since Numba's cache watches only the file that defines the handler."""
     text = b"".join(Path(path).read_bytes() for path in paths)
     return int.from_bytes(hashlib.sha256(text).digest()[:7], "little")
 
@@ -45,7 +45,7 @@ def digest(*paths: str) -> int:
 @compiled
 @no_type_check
 def wants_work(frame):
-    """Whether XLA asks for execution. A question about the interface's version is answered here."""
+    """Return whether XLA requests execution; answer queries of the interface version here."""
     extension = words(frame)[FRAME_EXTENSION]
     if extension != 0 and halves(extension + WORD * EXTENSION_TYPE)[0] == METADATA:
         words(words(extension)[EXTENSION_METADATA])[METADATA_VERSION] = API_VERSION
@@ -56,10 +56,10 @@ def wants_work(frame):
 @compiled
 @no_type_check
 def open_job(frame, chunks, task):
-    """Shares work out: `task`, the address of a C function, is called with the job on XLA's threads.
+    """Open a job of `chunks` chunks: XLA's threads call `task`, the address of a C function, with the job.
 
-    Every user of a job calls `next_chunk` until it gives -1, and `chunk_done` after each; then `leave`. The caller
-    calls `close_job` instead.
+    Every user of a job calls `next_chunk` until it returns -1, and `chunk_done` after each chunk; then `leave`. The
+    caller calls `close_job` instead of `leave`.
     """
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(JOB_WORDS * WORD)
@@ -68,14 +68,14 @@ def open_job(frame, chunks, task):
     state[JOB_CHUNKS], state[JOB_FRAME] = chunks, frame
     for _ in range(helpers):
         if not _schedule(frame, task, job):
-            leave(job)  # in the task's place
+            leave(job)  # on behalf of the task that did not start
     return job
 
 
 @compiled
 @no_type_check
 def next_chunk(job):
-    """A chunk that nobody has taken yet; -1: none is left."""
+    """Take the next chunk; -1 if no chunk is left."""
     chunk = fetch_add(job + WORD * JOB_NEXT, 1)
     return chunk if chunk < words(job)[JOB_CHUNKS] else -1
 
@@ -83,21 +83,21 @@ def next_chunk(job):
 @compiled
 @no_type_check
 def chunk_done(job):
-    """Tells the caller that a chunk is done."""
+    """Mark a chunk as done."""
     fetch_add(job + WORD * JOB_DONE, 1)
 
 
 @compiled
 @no_type_check
 def frame_of(job):
-    """The frame that a job belongs to; valid until its last chunk is done."""
+    """Return the call frame of a job; valid until its last chunk is done."""
     return words(job)[JOB_FRAME]
 
 
 @compiled
 @no_type_check
 def close_job(job):
-    """Waits until all chunks are done."""
+    """Wait until all chunks are done, then leave the job."""
     while fetch_add(job + WORD * JOB_DONE, 0) < words(job)[JOB_CHUNKS]:
         give_way()
     leave(job)
@@ -106,7 +106,7 @@ def close_job(job):
 @compiled
 @no_type_check
 def leave(job):
-    """The last user frees the job."""
+    """Drop a reference to a job; the last user frees it."""
     if fetch_add(job + WORD * JOB_USERS, -1) == 1:
         release(job)
 
@@ -114,35 +114,35 @@ def leave(job):
 @compiled
 @no_type_check
 def attribute(frame, index):
-    """An int32 attribute; they are in the order of their names."""
+    """Return an int32 attribute; attributes are sorted by name."""
     return halves(words(words(words(frame)[ATTRIBUTES])[index])[SCALAR_VALUE])[0]
 
 
 @compiled
 @no_type_check
 def data(frame, kind, index):
-    """Address of an operand's or a result's values; `kind` is `OPERANDS` or `RESULTS`."""
+    """Return the address of an operand's or a result's data; `kind` is `OPERANDS` or `RESULTS`."""
     return words(_buffer(frame, kind, index))[BUFFER_DATA]
 
 
 @compiled
 @no_type_check
 def dim(frame, kind, index, axis):
-    """Length of an axis of an operand or a result."""
+    """Return the length of an axis of an operand or a result."""
     return words(words(_buffer(frame, kind, index))[BUFFER_DIMS])[axis]
 
 
 @compiled
 @no_type_check
 def num_dims(frame, kind, index):
-    """Number of axes of an operand or a result."""
+    """Return the number of axes of an operand or a result."""
     return words(_buffer(frame, kind, index))[BUFFER_RANK]
 
 
 @compiled
 @no_type_check
 def row(frame, kind, index, number):
-    """Address of a row of an operand or a result that has numbers of four bytes."""
+    """Return the address of a row of an operand or a result with four-byte items."""
     size = NUMBER
     for axis in range(1, num_dims(frame, kind, index)):
         size *= dim(frame, kind, index, axis)
@@ -158,7 +158,7 @@ def _buffer(frame, kind, index):
 @compiled
 @no_type_check
 def _num_threads(frame):
-    """Threads in XLA's pool; 1 if it has none."""
+    """Return the number of threads in XLA's pool; 1 if it has none."""
     answer = argument_words()  # struct_size, extension, context, address of the count, the count
     answer[4] = 1
     address = address_of(answer)
@@ -170,7 +170,7 @@ def _num_threads(frame):
 @compiled
 @no_type_check
 def _schedule(frame, task, job):
-    """Puts a task on XLA's pool; returns whether that worked."""
+    """Schedule a task on XLA's pool and return whether that succeeded."""
     ask = argument_words()  # struct_size, extension, context, task, its argument
     ask[0], ask[1], ask[2], ask[3], ask[4] = 5 * WORD, 0, words(frame)[FRAME_CONTEXT], task, job
     return _call_api(frame, API_SCHEDULE, address_of(ask))
@@ -179,7 +179,7 @@ def _schedule(frame, task, job):
 @compiled
 @no_type_check
 def _call_api(frame, function, arguments):
-    """Calls a function of XLA's interface; an error is discarded and gives False."""
+    """Call a function of XLA's interface and return whether it succeeded; its error is destroyed."""
     api = words(frame)[FRAME_API]
     error = call(words(api)[function], arguments)
     if error == 0:

@@ -1,4 +1,4 @@
-"""Compiled code shares its work with XLA's threads. A forked child lacks them, and would wait for ever."""
+"""Fork guard: compiled code uses XLA's threads, which a forked child lacks, so calls would deadlock."""
 
 import functools
 import os
@@ -11,20 +11,20 @@ T = TypeVar("T")
 
 HINT = "Start workers by multiprocessing's `spawn` or `forkserver` method."
 
-_started_in: list[int] = []  # the process that compiled code was first loaded in
+_started_in: list[int] = []  # id of the process that first loaded compiled code
 
 
 def note_start() -> None:
-    """To be called where compiled code is loaded."""
+    """Record this process as the one that loaded compiled code; call it on every load."""
     if not _started_in:
         _started_in.append(os.getpid())
 
 
 def refuse_forked(action: str) -> None:
-    """Raises `ExecutorError` in a child that was forked after compiled code was loaded.
+    """Raise `ExecutorError` in a child that was forked after compiled code was loaded.
 
     Args:
-        action: What cannot be done, for the message: "cast rays".
+        action: The refused action for the message, such as "cast rays".
     """
     if _started_in and _started_in[0] != os.getpid():
         raise ExecutorError(
@@ -34,14 +34,14 @@ def refuse_forked(action: str) -> None:
 
 
 def in_this_process(function: Callable[..., T], action: str) -> Callable[..., T]:
-    """A function that raises `ExecutorError` in children that are forked from now on.
+    """Wrap a function so that it raises `ExecutorError` in children that are forked from now on.
 
-    For compiled programs: JAX calls one that is there without asking us, and where it is large, waits for ever for
-    threads that the child has not.
+    Use it for compiled programs. JAX runs a cached program without calling Python code of this package; a large one
+    then waits forever for threads that the child lacks.
 
     Args:
-        function: Any.
-        action: What cannot be done, for the message: "step".
+        function: Function to wrap.
+        action: The refused action for the message, such as "step".
     """
     made_in = os.getpid()
 

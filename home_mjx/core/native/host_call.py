@@ -1,7 +1,8 @@
 """Python functions that XLA calls on the CPU, with NumPy views of its buffers.
 
-For work that needs the interpreter anyway. `jax.pure_callback` copies arguments by JAX itself, on the thread pool that
-waits for it: larger ones block for ever (decision 6). Here nothing of JAX runs until the function is done.
+They serve work that needs the interpreter anyway. `jax.pure_callback` copies its arguments with JAX on the same
+thread pool that waits for the callback, so large arguments deadlock (decision 6). Here no JAX code runs until the
+function returns.
 """
 
 import ctypes
@@ -22,22 +23,22 @@ DTYPES = {
     4: (ctypes.c_int32, np.int32),
     11: (ctypes.c_float, np.float32),
     12: (ctypes.c_double, np.float64),
-}  # XLA's number of a type
-BUFFER_DTYPE, COUNT_BEFORE = 2, 2  # words of a buffer; a frame's count of buffers lies two words before their array
+}  # by XLA's type number
+BUFFER_DTYPE, COUNT_BEFORE = 2, 2  # word offsets: dtype in a buffer; buffer count before a frame's array of buffers
 API_CREATE_ERROR, INTERNAL = 6, 13
 
 log = logging.getLogger(__name__)
-_kept: list[object] = []  # functions that XLA may call until the process ends
+_kept: list[object] = []  # keeps functions alive that XLA may call until the process ends
 
 
 def register_host_call(target: str, function: HostFunction) -> None:
-    """Makes a Python function a target of `jax.ffi.ffi_call` on CPUs.
+    """Register a Python function as a CPU target of `jax.ffi.ffi_call`.
 
     Args:
-        target: A name that nothing else has.
-        function: Gets the operands, which it must not write to, and the results, which it fills in: arrays of bool,
-            int32, float32 or float64, valid until it returns. It may run on several threads at once, must not call
-            JAX, and what it raises ends the program as JAX's own run-time error.
+        target: Unique name of the target.
+        function: Function of the operands, which it must not modify, and the results, which it fills. All are arrays
+            of bool, int32, float32 or float64, valid until it returns. It may run on several threads at once and must
+            not call JAX. An exception ends the program as JAX's own run-time error.
 
     Example:
         >>> register_host_call("my_double", lambda given, results: np.copyto(results[0], 2 * given[0]))
@@ -51,7 +52,7 @@ def register_host_call(target: str, function: HostFunction) -> None:
             return None
         try:
             function(_buffers(frame, ffi.OPERANDS), _buffers(frame, ffi.RESULTS))
-        except Exception as error:  # nothing may be raised into XLA
+        except Exception as error:  # no exception may propagate into XLA
             log.debug("a host function failed", exc_info=True)
             return _error(frame, f"{type(error).__name__}: {error}")
         return None
@@ -70,7 +71,7 @@ def _halves(address: int) -> Any:
 
 
 def _wants_work(frame: int) -> bool:
-    """As `ffi.wants_work`."""
+    """Return whether XLA requests execution, like `ffi.wants_work`."""
     extension = _words(frame)[ffi.FRAME_EXTENSION]
     if extension and _halves(extension + ffi.WORD * ffi.EXTENSION_TYPE)[0] == ffi.METADATA:
         _words(_words(extension)[ffi.EXTENSION_METADATA])[ffi.METADATA_VERSION] = ffi.API_VERSION
@@ -79,7 +80,7 @@ def _wants_work(frame: int) -> bool:
 
 
 def _buffers(frame: int, kind: int) -> list[np.ndarray]:
-    """Views of all operands or all results."""
+    """Return NumPy views of all operands or all results."""
     words = _words(frame)
     return [_view(_words(words[kind])[i]) for i in range(words[kind - COUNT_BEFORE])]
 
@@ -89,12 +90,12 @@ def _view(buffer: int) -> np.ndarray:
     item, dtype = DTYPES[_halves(buffer + ffi.WORD * BUFFER_DTYPE)[0]]
     shape = tuple(_words(words[ffi.BUFFER_DIMS])[: words[ffi.BUFFER_RANK]])
     if 0 in shape:
-        return np.zeros(shape, dtype)  # XLA gives no address
+        return np.zeros(shape, dtype)  # XLA passes a null address
     return np.ctypeslib.as_array(ctypes.cast(words[ffi.BUFFER_DATA], ctypes.POINTER(item)), shape)
 
 
 def _error(frame: int, message: str) -> int:
-    """XLA's error with a message, which it copies."""
+    """Create an XLA error with a message, which XLA copies."""
     text = ctypes.create_string_buffer(message.encode())
     ask = (ctypes.c_int64 * 4)(4 * ffi.WORD, 0, ctypes.addressof(text), INTERNAL)
     create = _words(_words(frame)[ffi.FRAME_API])[API_CREATE_ERROR]

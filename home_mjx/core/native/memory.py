@@ -1,4 +1,4 @@
-"""What Numba lacks: pointers from addresses, small arrays on the stack, atomics, calls of C functions."""
+"""Numba intrinsics for pointers from addresses, small stack arrays, atomics and calls of C functions."""
 # ruff: noqa: ANN001, ANN202  (Numba's extension interface)
 
 from typing import Any, no_type_check
@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 
 @no_type_check
 def pointer_to(item: types.Type) -> Any:
-    """A function for compiled code that turns an address into a pointer."""
+    """Create an intrinsic that casts an address to a pointer to `item`."""
 
     @intrinsic
     @no_type_check
@@ -28,7 +28,7 @@ def _lower_pointer(context, builder, signature, args):
 
 @no_type_check
 def stack_of(item: types.Type, count: int) -> Any:
-    """A function for compiled code that gives it a small array which lasts until the caller returns."""
+    """Create an intrinsic that allocates `count` items on the caller's stack."""
 
     @intrinsic
     @no_type_check
@@ -45,7 +45,7 @@ def stack_of(item: types.Type, count: int) -> Any:
 @intrinsic
 @no_type_check
 def address_of(typing_context, pointer) -> Any:
-    """The address of a pointer."""
+    """Return the address of a pointer."""
 
     @no_type_check
     def lower(context, builder, signature, args):
@@ -57,7 +57,7 @@ def address_of(typing_context, pointer) -> Any:
 @intrinsic
 @no_type_check
 def fetch_add(typing_context, address, amount) -> Any:
-    """Adds to the word at an address, atomically; returns what it was."""
+    """Add atomically to the word at an address and return its previous value."""
 
     @no_type_check
     def lower(context, builder, signature, args):
@@ -69,7 +69,7 @@ def fetch_add(typing_context, address, amount) -> Any:
 @intrinsic
 @no_type_check
 def call(typing_context, function, argument) -> Any:
-    """Calls the C function at an address with one word; returns its word."""
+    """Call the C function at an address with one word and return its word."""
 
     @no_type_check
     def lower(context, builder, signature, args):
@@ -81,7 +81,7 @@ def call(typing_context, function, argument) -> Any:
 
 @no_type_check
 def symbol_address(name: str) -> Any:
-    """A function for compiled code that gives the address of a symbol known to LLVM."""
+    """Create an intrinsic that returns the address of a symbol known to LLVM."""
 
     @intrinsic
     @no_type_check
@@ -100,7 +100,7 @@ def symbol_address(name: str) -> Any:
 @intrinsic
 @no_type_check
 def shifted(typing_context, pointer, count) -> Any:
-    """The pointer `count` items further on."""
+    """Return the pointer advanced by `count` items."""
 
     @no_type_check
     def lower(context, builder, signature, args):

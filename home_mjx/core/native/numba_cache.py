@@ -1,6 +1,7 @@
-"""Numba's cache on disk, with checksums: it has none, and machine code with a wrong byte ends the process.
+"""Verification of Numba's on-disk cache with SHA-256.
 
-Of several processes that find nothing there, one compiles; the others wait for it, and load what it has made.
+Numba does not check integrity, and corrupted machine code crashes the process. If several processes miss the cache,
+one compiles; the others wait for it and load its result.
 """
 
 import functools
@@ -20,22 +21,23 @@ from home_mjx.errors import DatasetError
 
 T = TypeVar("T")
 
-MAX_BYTES = 1 << 28  # of a compiled function
+MAX_BYTES = 1 << 28  # maximum size of a compiled function
 SUMS = "sha256.json"
 LOCK = "lock"
-WAIT_SECONDS = 300.0  # that one waits for another process; nothing takes so long to compile
-POLL_SECONDS = 0.05
+WAIT_SECONDS = 300.0  # [s], maximum wait for another process; no compilation takes that long
+POLL_SECONDS = 0.05  # [s]
 
 log = logging.getLogger(__name__)
 
 
 def with_checked_cache(build: Callable[..., T]) -> Callable[..., T]:
-    """Lets a function that compiles others of its own file, or loads them from Numba's cache, meet sound files only.
+    """Wrap a function that compiles the functions of its own file, so that it loads only verified cache files.
 
-    What is not as it was noted, or was never noted, such as by a killed process, is removed before and so made anew.
+    Cache files whose digest differs or was never recorded, such as those of a killed process, are deleted first and
+    thus recompiled.
 
     Args:
-        build: Compiles functions with `cache=True`, all that its file has.
+        build: Compiles all functions of its file with `cache=True`.
 
     Example:
         >>> @with_checked_cache  # doctest: +SKIP
@@ -58,7 +60,7 @@ def with_checked_cache(build: Callable[..., T]) -> Callable[..., T]:
 
 
 def with_cache_checked_once(function: Callable[..., T]) -> Callable[..., T]:
-    """As `with_checked_cache`, at the first call only: for what is called often, always with the same types."""
+    """Apply `with_checked_cache` at the first call only, for functions called often with the same types."""
     checked, done = with_checked_cache(function), []
 
     @functools.wraps(function)
@@ -73,29 +75,29 @@ def with_cache_checked_once(function: Callable[..., T]) -> Callable[..., T]:
 
 
 def drop_unsound(folder: Path, stem: str, sums: Path) -> None:
-    """Removes files of Numba's cache that are not as they were noted.
+    """Delete files of Numba's cache whose digest differs from the recorded one.
 
     Args:
-        folder: Of the cache.
-        stem: How the names of its files begin.
-        sums: Where their digests are noted.
+        folder: Folder of the cache.
+        stem: Prefix of its file names.
+        sums: JSON file of the recorded digests.
     """
     known = _noted(sums)
     for path in _files(folder, stem):
         if known.get(path.name) != _digest(path):
-            log.log(logging.WARNING if path.name in known else logging.DEBUG, "cached code %s is made again", path)
-            with suppress(OSError):  # another process was quicker
+            log.log(logging.WARNING if path.name in known else logging.DEBUG, "cached code %s is recompiled", path)
+            with suppress(OSError):  # already deleted by another process
                 path.unlink()
 
 
 @contextmanager
 def alone(lock: Path) -> Iterator[None]:
-    """Runs the block while no other process does, or after `WAIT_SECONDS`; a killed one holds nobody up.
+    """Hold an exclusive lock during the block; after `WAIT_SECONDS` the block runs without it.
 
-    Where files cannot be locked, as on Windows and some networks, it runs at once.
+    The operating system releases the lock of a killed process. If files cannot be locked, as on Windows and some
+    networks, the block runs at once.
 
-    Args:
-        lock: A file that is made for this, and stays.
+            lock: Lock file; created if missing, and never deleted.
     """
     with ExitStack() as stack:
         with suppress(OSError, ImportError):
@@ -109,7 +111,7 @@ def alone(lock: Path) -> Iterator[None]:
 
 
 def _locked(fcntl: Any, file: IO[bytes]) -> bool:
-    """Whether the file is ours now; given back when it is closed."""
+    """Try to lock a file and return whether that succeeded; closing the file releases the lock."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -118,11 +120,11 @@ def _locked(fcntl: Any, file: IO[bytes]) -> bool:
 
 
 def _place(build: Callable[[], Any]) -> tuple[Path | None, str]:
-    """Folder of Numba's cache for a function's file, None if there is none; and how names in it begin."""
+    """Return the folder of Numba's cache for a function's file, None if there is no cache, and the file-name prefix."""
     stem = Path(build.__code__.co_filename).stem
     try:
         return Path(FunctionCache(build).cache_path), stem
-    except RuntimeError:  # nowhere to write
+    except RuntimeError:  # no writable cache folder
         return None, stem
 
 

@@ -1,4 +1,4 @@
-"""CUDA C to PTX at run time, by the NVRTC library that `jax[cuda]` installs; results are kept on disk."""
+"""Run-time compilation of CUDA C to PTX with the NVRTC library of `jax[cuda]`; results are cached on disk."""
 
 import ctypes
 import functools
@@ -14,23 +14,23 @@ from home_mjx.errors import DatasetError, ExecutorError, install_hint
 
 OPTIONS = ("--std=c++17",)
 NO_DEFINES: Mapping[str, int] = {}
-NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")  # for the loader's own search
+NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")  # names for the system loader's search
 MARK = "// sha256 of the rest: "
 
 log = logging.getLogger(__name__)
 
 
 def compile_ptx(source: Path | Sequence[Path], capability: int, defines: Mapping[str, int] = NO_DEFINES) -> str:
-    """PTX of a CUDA C file, from the cache if source, target and compiler have not changed.
+    """Compile CUDA C to PTX, or load it from the cache if source, options, target and compiler are unchanged.
 
     Args:
-        source: The file, or files, which are put one after the other; names of `extern "C"` functions stay as they are.
-        capability: Compute capability of the device, 90 for 9.0. An NVRTC that does not know it yet compiles for the
-            newest one that it does know, which runs there too.
-        defines: Numbers by the names that the source has for them.
+        source: One or more files, which are concatenated; names of `extern "C"` functions are preserved.
+        capability: Compute capability of the device, 90 for 9.0. An NVRTC that is too old for it compiles for the
+            newest architecture that it supports, whose PTX the device also runs.
+        defines: Integer macros by name.
 
     Raises:
-        ExecutorError: There is no NVRTC here, or it refuses the source.
+        ExecutorError: NVRTC was not found, or it rejects the source.
 
     Example:
         >>> ptx = compile_ptx(Path("kernel.cu"), 90)  # doctest: +SKIP
@@ -52,10 +52,10 @@ def compile_ptx(source: Path | Sequence[Path], capability: int, defines: Mapping
 
 @functools.cache
 def find_library() -> ctypes.CDLL:
-    """NVRTC, from NVIDIA's Python packages or wherever the system's loader finds it.
+    """Find and load NVRTC, from NVIDIA's Python packages or through the system's loader.
 
     Raises:
-        ExecutorError: It was not found.
+        ExecutorError: NVRTC was not found.
     """
     for name in (*_installed(), *NAMES):
         try:
@@ -67,21 +67,21 @@ def find_library() -> ctypes.CDLL:
 
 def _load(name: Path | str) -> ctypes.CDLL:
     if isinstance(name, Path):
-        # NVRTC asks the loader for this one by name, and the loader does not look in Python packages.
+        # NVRTC loads this library by name, and the loader does not search Python packages.
         for part in name.parent.glob("libnvrtc-builtins.so.*"):
             ctypes.CDLL(str(part), ctypes.RTLD_GLOBAL)
     return ctypes.CDLL(str(name))
 
 
 def version(library: ctypes.CDLL) -> tuple[int, int]:
-    """Major and minor version of NVRTC."""
+    """Return the major and minor version of NVRTC."""
     major, minor = ctypes.c_int(), ctypes.c_int()
     _check(library, library.nvrtcVersion(ctypes.byref(major), ctypes.byref(minor)))
     return major.value, minor.value
 
 
 def _installed() -> Iterator[Path]:
-    """In NVIDIA's packages: nvidia/cu13/lib, nvidia/cuda_nvrtc/lib; newest first."""
+    """Return candidate libraries in NVIDIA's packages (nvidia/cu13/lib, nvidia/cuda_nvrtc/lib), newest first."""
     package = importlib.util.find_spec("nvidia")
     folders = [Path(p) for p in package.submodule_search_locations or ()] if package else []
     found = [path for folder in folders for path in folder.glob("*/lib/libnvrtc.so.*")]
@@ -89,7 +89,7 @@ def _installed() -> Iterator[Path]:
 
 
 def _known(library: ctypes.CDLL, capability: int) -> int:
-    """The newest architecture that NVRTC knows and the device can run."""
+    """Return the newest architecture that NVRTC supports and the device can run."""
     count = ctypes.c_int()
     _check(library, library.nvrtcGetNumSupportedArchs(ctypes.byref(count)))
     known = (ctypes.c_int * count.value)()
@@ -105,7 +105,7 @@ def _compile(library: ctypes.CDLL, code: bytes, name: str, target: str, options:
         given = [o.encode() for o in (f"--gpu-architecture={target}", *options)]
         status = library.nvrtcCompileProgram(program, len(given), (ctypes.c_char_p * len(given))(*given))
         if status:
-            raise ExecutorError(f"NVRTC refuses {name}: {_text(library, program, 'ProgramLog')}")
+            raise ExecutorError(f"NVRTC rejects {name}: {_text(library, program, 'ProgramLog')}")
         return _text(library, program, "PTX")
     finally:
         library.nvrtcDestroyProgram(ctypes.byref(program))
@@ -122,20 +122,20 @@ def _text(library: ctypes.CDLL, program: ctypes.c_void_p, what: str) -> str:
 def _check(library: ctypes.CDLL, status: int) -> None:
     if status:
         library.nvrtcGetErrorString.restype = ctypes.c_char_p
-        raise ExecutorError(f"NVRTC fails: {library.nvrtcGetErrorString(status).decode()}")
+        raise ExecutorError(f"NVRTC failed: {library.nvrtcGetErrorString(status).decode()}")
 
 
 def _read(entry: Path) -> str | None:
-    """The cached PTX; None if there is none, or a broken entry."""
+    """Return the cached PTX; None if the entry is missing or broken."""
     try:
         head, _, ptx = read_text(entry).partition("\n")
     except FileNotFoundError:
         return None
     except DatasetError as error:
-        log.warning("broken cache entry %s is made again: %s", entry, error)
+        log.warning("broken cache entry %s is rebuilt: %s", entry, error)
         return None
     if head != MARK + _digest(ptx):
-        log.warning("broken cache entry %s is made again", entry)
+        log.warning("broken cache entry %s is rebuilt", entry)
         return None
     return ptx
 

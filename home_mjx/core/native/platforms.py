@@ -1,4 +1,4 @@
-"""On which platforms of this process own kernels work, and the GPU's kernels themselves."""
+"""Platforms (CPU, CUDA) on which custom kernels work in this process, and launches of GPU kernels."""
 
 import functools
 import threading
@@ -16,16 +16,16 @@ from jaxtyping import Array
 from home_mjx.core.native.nvrtc import NO_DEFINES, compile_ptx
 from home_mjx.core.native.sharding import varying_as
 
-PTX_TARGET = "__gpu$xla.gpu.ptx"  # XLA's own call of a kernel given as PTX
+PTX_TARGET = "__gpu$xla.gpu.ptx"  # XLA's custom-call target that launches PTX
 TITLES = {"cpu": "CPU backend", "cuda": "NVIDIA GPU"}
-PLATFORMS = {"gpu": "cuda"}  # JAX's name of a backend -> that of the platform programs are lowered for
-# Bytes of memory that a block may share, by compute capability; of others it is a safe guess.
+PLATFORMS = {"gpu": "cuda"}  # JAX's backend name -> name of the lowering platform
+# [bytes], maximum shared memory of a block by compute capability; others use the safe minimum below.
 SHARED_BYTES = {70: 98_304, 75: 65_536, 80: 166_912, 86: 101_376, 87: 166_912, 89: 101_376, 90: 232_448, 100: 232_448}
-LEAST_SHARED_BYTES = 49_152
+LEAST_SHARED_BYTES = 49_152  # [bytes], available on every device
 
 
 def devices_of(platform: str) -> list[Any]:
-    """The devices of a platform ("cpu" or "cuda") that JAX has in this process."""
+    """Return JAX's local devices of a platform ("cpu" or "cuda"); empty if JAX does not have the platform."""
     try:
         return jax.local_devices(backend=platform)
     except RuntimeError:
@@ -33,15 +33,15 @@ def devices_of(platform: str) -> list[Any]:
 
 
 def problem_of(platform: str, start: Callable[[], str | None]) -> str | None:
-    """Why kernels cannot be used on a platform; None if they work.
+    """Run `start` and return the reason why kernels cannot be used on a platform; None if they work.
 
     Args:
         platform: "cpu" or "cuda".
-        start: Compiles, registers and tests them; gives the fault or None. What it raises is a fault, too: it must not
-            end a program that can do without.
+        start: Compiles, registers and tests the kernels; returns the fault or None. An exception is also a fault, so
+            that it does not end a program that works without the kernels.
     """
     if not devices_of(platform):
-        return f"JAX has no {TITLES[platform]} here"
+        return f"JAX has no {TITLES[platform]} in this process"
     answer: list[str | None] = []
 
     def run() -> None:
@@ -50,7 +50,7 @@ def problem_of(platform: str, start: Callable[[], str | None]) -> str | None:
         except Exception as error:
             answer.append(f"{type(error).__name__}: {error}")
 
-    # In its own thread: the caller may be in the middle of a trace, or under a mesh.
+    # In its own thread, since the caller may be inside a trace or a mesh context.
     thread = threading.Thread(target=run)
     thread.start()
     thread.join()
@@ -58,27 +58,27 @@ def problem_of(platform: str, start: Callable[[], str | None]) -> str | None:
 
 
 def works(platform: str, problem: str | None, instead: str) -> bool:
-    """Whether there is no problem; warns if there is one although the platform is here: `instead` says what is used."""
+    """Return whether `problem` is None; else warn with the substitute `instead` if the platform exists."""
     if problem and devices_of(platform):
         warnings.warn(f"{instead}: {problem}", RuntimeWarning, stacklevel=3)
     return problem is None
 
 
 def choose(slow: Callable[..., Any], fast: Mapping[str, Callable[..., Any]], *given: Any) -> Any:
-    """What `fast` gives on the platform for which a program is lowered, or `slow` where it has none."""
-    # JAX traces every branch, whichever is lowered: one that cannot be chosen in this process is left out.
+    """Select at lowering the function of `fast` for the target platform; `slow` if there is none."""
+    # JAX traces every branch, so a branch that cannot be selected in this process is left out.
     covered = {PLATFORMS.get(name, name) for name in backends()} <= set(fast)
     return jax.lax.platform_dependent(*given, default=None if covered else slow, **fast)
 
 
 def ptx_for_all(source: Path | Sequence[Path], defines: Mapping[str, int] = NO_DEFINES) -> str:
-    """PTX of CUDA C that all GPUs of this process can run; see `nvrtc.compile_ptx`."""
+    """Compile CUDA C to PTX that all GPUs of this process can run; see `nvrtc.compile_ptx`."""
     capabilities = [int(device.compute_capability.replace(".", "")) for device in devices_of("cuda")]
     return compile_ptx(source, min(capabilities), defines)
 
 
 def by_platform(slow: Callable[..., Array], fast: Mapping[str, Callable[..., Array]]) -> Callable[..., Array]:
-    """A function as `choose` has it, with the derivatives of `slow`."""
+    """Wrap `choose` as a function with the derivatives of `slow`."""
 
     @jax.custom_jvp
     def run(*given: Any) -> Array:
@@ -93,7 +93,7 @@ def by_platform(slow: Callable[..., Array], fast: Mapping[str, Callable[..., Arr
 
 @functools.cache
 def shared_bytes() -> int:
-    """What a block may share on all GPUs of this process."""
+    """Return the shared memory that a block may use on all GPUs of this process [bytes]."""
     found = (int(device.compute_capability.replace(".", "")) for device in devices_of("cuda"))
     return min((SHARED_BYTES.get(x, LEAST_SHARED_BYTES) for x in found), default=LEAST_SHARED_BYTES)
 
@@ -107,16 +107,16 @@ def call_kernel(
     operands: Sequence[Array],
     result: jax.ShapeDtypeStruct,
 ) -> tuple[Array, ...]:
-    """The result of a kernel, which XLA launches.
+    """Launch a PTX kernel through XLA and return its result.
 
     Args:
-        name: Of the kernel.
-        ptx: That holds it.
-        grid: Blocks along two axes.
-        threads: Of a block.
-        shared: Bytes that its threads share.
-        operands: As the kernel takes them, but for their types.
-        result: What it writes.
+        name: Name of the kernel.
+        ptx: PTX that defines the kernel.
+        grid: Number of blocks along two axes.
+        threads: Threads per block.
+        shared: Shared memory per block [bytes].
+        operands: Arguments in the kernel's order; converted to int32 or float32.
+        result: Shape and dtype of the result.
     """
     names = "grid_x", "grid_y", "grid_z", "block_x", "block_y", "block_z", "shared_mem_bytes"
     sizes = (*grid, 1, threads, 1, 1, shared)

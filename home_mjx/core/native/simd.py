@@ -1,8 +1,8 @@
-"""Vectors of a fixed number of lanes for Numba, so that compiled code reads like code for one ray and casts sixteen.
+"""SIMD vector types with a fixed number of lanes for Numba: code for one ray casts sixteen.
 
-Numba relies on LLVM to find vectors in loops, which fails for a traversal. Here vectors are types:
-`+ - * /`, comparisons and `& | ~` work lane by lane, and numbers are broadcast to all lanes. LLVM maps them to whatever
-the processor has: one AVX-512 register, two of AVX, four of SSE or NEON.
+Numba relies on LLVM's loop vectorization, which fails for a tree traversal. Here vectors are types: `+ - * /`,
+comparisons and `& | ~` apply per lane, and scalars are broadcast to all lanes. LLVM maps a vector to the
+processor's registers: one AVX-512 register, two of AVX, four of SSE or NEON.
 """
 # ruff: noqa: ANN001, ANN202  (Numba's extension interface)
 
@@ -39,7 +39,7 @@ FLOATS, INTS, FLAGS = Lanes(types.float32), Lanes(types.int32), Lanes(types.bool
 
 @no_type_check
 def _spread(builder, value):
-    """A scalar in all lanes; vectors as they are."""
+    """Broadcast a scalar to all lanes; return vectors unchanged."""
     if isinstance(value.type, ir.VectorType):
         return value
     empty = ir.Constant(ir.VectorType(value.type, LANES), ir.Undefined)
@@ -49,7 +49,7 @@ def _spread(builder, value):
 
 @no_type_check
 def _define(operation, emit, kind, result) -> None:
-    """Gives an operator a meaning for lanes with lanes, and with scalars on either side."""
+    """Define an operator for two vectors, and for a vector and a scalar in either order."""
     cases = [(kind, kind), (kind, kind.item), (kind.item, kind)]
     for case in cases:
 
@@ -107,7 +107,7 @@ infer_global(operator.invert)(_Invert)  # pyright: ignore[reportOptionalCall]
 @intrinsic
 @no_type_check
 def where(typing_context, mask, a, b) -> Any:
-    """Lanes of `a` where the mask is set, else of `b`; one of them may be a scalar."""
+    """Select lanes of `a` where the mask is set, else of `b`; one of them may be a scalar."""
     kind = a if isinstance(a, Lanes) else b
 
     @no_type_check
@@ -132,14 +132,14 @@ def _extreme(sign: str) -> Any:
     return extreme
 
 
-# As in Python: the first of the two if they cannot be compared (NaN).
+# As in Python: return the first operand if the two cannot be compared (NaN).
 least, greatest = _extreme("<"), _extreme(">")
 
 
 @intrinsic
 @no_type_check
 def magnitude(typing_context, x) -> Any:
-    """Absolute values."""
+    """Return absolute values."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -152,7 +152,7 @@ def magnitude(typing_context, x) -> Any:
 @intrinsic
 @no_type_check
 def multiply_add(typing_context, a, b, c) -> Any:
-    """A * b + c, rounded once where the processor can; `a` and `b` may be scalars."""
+    """Compute a * b + c, rounded once where the processor can; `a` and `b` may be scalars."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -168,7 +168,7 @@ def multiply_add(typing_context, a, b, c) -> Any:
 @intrinsic
 @no_type_check
 def total(typing_context, x) -> Any:
-    """The sum of all lanes, halves upon halves."""
+    """Sum all lanes by repeatedly adding the upper half to the lower half."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -188,14 +188,14 @@ def total(typing_context, x) -> Any:
 @intrinsic
 @no_type_check
 def spread(typing_context, x) -> Any:
-    """A scalar in all lanes."""
+    """Broadcast a scalar to all lanes."""
     return Lanes(x)(x), lambda context, builder, sig, args: _spread(builder, args[0])
 
 
 @intrinsic
 @no_type_check
 def count(typing_context, mask) -> Any:
-    """How many lanes are set."""
+    """Count the lanes that are set."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -208,7 +208,7 @@ def count(typing_context, mask) -> Any:
 @intrinsic
 @no_type_check
 def any_lane(typing_context, mask) -> Any:
-    """Whether any lane is set."""
+    """Return whether any lane is set."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -221,7 +221,7 @@ def any_lane(typing_context, mask) -> Any:
 @intrinsic
 @no_type_check
 def load(typing_context, pointer, index) -> Any:
-    """The `LANES` items at `index`."""
+    """Load the `LANES` items at `index`."""
     kind = Lanes(pointer.dtype)
 
     @no_type_check
@@ -234,7 +234,7 @@ def load(typing_context, pointer, index) -> Any:
 @intrinsic
 @no_type_check
 def store(typing_context, pointer, index, value) -> Any:
-    """Writes the `LANES` items at `index`."""
+    """Store the `LANES` items at `index`."""
 
     @no_type_check
     def lower(context, builder, sig, args):

@@ -1,4 +1,4 @@
-"""A step of environments (e ...) under `vmap` and over several devices."""
+"""Batching and partitioning rules for compiled step functions whose leading axis `e` is environments."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
@@ -17,12 +17,13 @@ Step = Callable[..., tuple[Array, ...]]
 
 
 def batched(run: Step, shared: int, results: int) -> Step:
-    """`run` for any nesting of `vmap`, on inputs that may be split over devices by environments.
+    """Wrap `run` for any nesting of `vmap`, with inputs that may be sharded over devices by environments.
 
     Args:
-        run: Its first operands are shared by all environments; the others and the results have a leading axis of them.
-        shared: How many operands are shared.
-        results: How many results there are.
+        run: Step function. All environments share its first operands; the other operands and the results have a
+                leading environment axis.
+        shared: Number of shared operands.
+        results: Number of results.
     """
     spread = _partitioned(run, shared)
 
@@ -46,7 +47,7 @@ def batched(run: Step, shared: int, results: int) -> Step:
 
 
 def without_gradient(step: Step, name: str) -> Step:
-    """A step that refuses to be differentiated: zeros would be wrong gradients that nobody notices."""
+    """Make a step raise `ConfigError` under differentiation, since zero gradients would be silently wrong."""
     guarded = jax.custom_jvp(step)
 
     @guarded.defjvp
@@ -62,12 +63,12 @@ def without_gradient(step: Step, name: str) -> Step:
 
 
 def numbers(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
-    """An array made inside the program: a partitioned function may not capture arrays."""
+    """Build a constant array from traced operations; a partitioned function must not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
 
 
 def _partitioned(run: Step, shared: int) -> Step:
-    """Without a rule, a program on split inputs would gather them all on every device before each step."""
+    """Attach a partitioning rule; without one, sharded inputs are gathered on every device before each step."""
 
     def partition(mesh: Any, arguments: Any, results: Any) -> Any:
         by_env = (*arguments[-1].sharding.spec, None)[0]
@@ -84,6 +85,6 @@ def _partitioned(run: Step, shared: int) -> Step:
 
 
 def _axes(tensor: ir.Type, name: str, by_env: bool) -> str:
-    """A tensor's part of an einsum-like rule: `e` is environments, all other axes are the tensor's own."""
+    """Return a tensor's part of the einsum-like sharding rule; axis `e` is environments, all others are private."""
     count = len(ir.RankedTensorType(tensor).shape)
     return " ".join((["e"] if by_env else []) + [f"{name}{axis}" for axis in range(by_env, count)])

@@ -1,4 +1,4 @@
-"""SUNCG's on-disk format: the reader and the writer."""
+"""Reader and writer of SUNCG's on-disk format."""
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.dataset import SuncgDataset

@@ -1,4 +1,4 @@
-"""A SUNCG dataset on disk, v1 or v2: its houses and its metadata tables."""
+"""A SUNCG dataset on disk, v1 or v2: its houses and metadata tables."""
 
 import logging
 import os
@@ -27,7 +27,7 @@ from home_mjx.schema.house import House, Mesh, Metadata, StandIn
 
 log = logging.getLogger(__name__)
 
-LAYOUT = "A dataset root holds house/, room/, object/, texture/ and metadata/."
+LAYOUT = "A dataset root contains house/, room/, object/, texture/ and metadata/."
 
 
 class SuncgDataset(Dataset):
@@ -50,7 +50,7 @@ class SuncgDataset(Dataset):
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
-        """Names of the folders that hold a house.json: generated houses by their seeds, then all others, sorted."""
+        """Names of the folders with a house.json: generated houses by seed, then all others, sorted."""
         return in_order(path.parent.name for path in (self.root / "house").glob("*/house.json"))
 
     @cached_property
@@ -64,9 +64,9 @@ class SuncgDataset(Dataset):
 
     @cached_property
     def joints(self) -> Joints:
-        """Movable parts of library models by model id, see `Joint`; empty if the dataset says nothing of them.
+        """Movable parts of library models by model id, see `Joint`; empty if the dataset has no joint table.
 
-        They are read on first use, and nothing else needs them: for the compiler furniture is rigid.
+        They are read on first use. Nothing else uses them: the compiler treats furniture as rigid.
 
         Raises:
             DatasetError: The table is broken.
@@ -78,15 +78,15 @@ class SuncgDataset(Dataset):
         return read_joints(self.root / "metadata")
 
     def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
-        """Reads one house and the models that it uses.
+        """Read one house and the models that it uses.
 
         Args:
             house_id: One of `house_ids`.
-            options: Whether people, plants and backdrops are read, and whether what is lacking is refused. If not,
-                `stand_ins` of the house lists what was taken in its place, and a warning counts it.
+            options: Selection of people, plants and backdrops, and whether missing parts are rejected. If not,
+                `stand_ins` of the house lists the fallbacks, and a warning counts them.
 
         Raises:
-            DatasetError: There is no such house, or a file that it needs is missing or broken.
+            DatasetError: The house is unknown, or a file that it needs is missing or broken.
         """
         self.check_known(house_id)
         options = self.resolved(options)
@@ -97,29 +97,29 @@ class SuncgDataset(Dataset):
         return house
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
-        """The options, `strict` decided: generated datasets are whole, so what one lacks is a fault."""
+        """Return the options with `strict` resolved: generated datasets are complete, so missing parts are errors."""
         if options.strict is not None:
             return options
         return replace(options, strict=is_file(self.root / MARKER))
 
     def metadata_for(self, options: ReadOptions) -> Metadata:
-        """The tables that go with a house that was read with these options.
+        """Return the metadata tables for houses read with these options.
 
         Args:
-            options: If they are not strict, tables may be missing, and SUNCG's doors and windows are known without.
+            options: If not strict, tables may be missing; categories of SUNCG's doors and windows are then built in.
 
         Raises:
-            DatasetError: As of `metadata`.
+            DatasetError: A table is missing or broken, see `metadata`.
         """
         return self.metadata if self.resolved(options).strict else with_known_models(self._tables)
 
     @cached_property
     def _tables(self) -> Metadata:
-        """The tables, as far as they are there."""
+        """The tables that exist; missing ones are empty."""
         return read_metadata(self.root / "metadata", tolerant=True)
 
     def load_model(self, key: str) -> Mesh:
-        """Reads one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
+        """Read one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
 
         Raises:
             DatasetError: Its OBJ file is missing or broken.
@@ -145,7 +145,7 @@ class SuncgDataset(Dataset):
         return open_suncg, (self.root,)
 
     def check_known(self, house_id: str) -> None:
-        """Raises `UnknownIdError`, a `DatasetError`, if there is no such house."""
+        """Raise `UnknownIdError`, a `DatasetError`, if the dataset has no house with this id."""
         if house_id not in self._known:
             where = self.root / "house"
             hint = did_you_mean(house_id, self.house_ids)
@@ -159,7 +159,7 @@ class SuncgDataset(Dataset):
 @lru_cache(maxsize=100_000)
 def _warn(root: Path, house_id: str, lacking: str) -> None:
     listing = f"home-mjx inspect {house_id} --dataset {root}"
-    log.warning("house %s lacks %s: stand-ins are taken, `%s` lists them", house_id, lacking, listing)
+    log.warning("house %s lacks %s: fallbacks are used, `%s` lists them", house_id, lacking, listing)
 
 
 def open_suncg(root: str | Path) -> SuncgDataset:
@@ -174,7 +174,7 @@ def open_suncg(root: str | Path) -> SuncgDataset:
     path = Path(os.path.abspath(Path(root).expanduser()))
     dataset = SuncgDataset(path)
     if not dataset.house_ids:
-        raise MissingFileError("folder holds no house/<id>/house.json", file=path, hint=_root_hint(path))
+        raise MissingFileError("folder contains no house/<id>/house.json", file=path, hint=_root_hint(path))
     return dataset
 
 

@@ -1,12 +1,12 @@
-"""Digests of files, kept on disk, so that a later process need not read what has not changed.
+"""On-disk index of file digests, so that later processes do not read unchanged files again.
 
-A file counts as unchanged while its size, times of change (mtime and ctime) and inode are as they were. What was
-changed less than two seconds before it was read is not kept: a second change might fall into the same tick of the
-clock, as in Git's index. What this cannot see is a file whose content changed while all of these were kept, as by a
-copy of a whole file system with other content; then set `HOME_MJX_RECHECK=1` or call `digests.forget_digests`.
+A file counts as unchanged while its size, modification and change time (mtime, ctime) and inode are the same. A file
+that changed less than two seconds before it was read is not indexed: a second change might fall into the same clock
+tick, as in Git's index. Changed content with all of these equal is not detected, such as after copying a whole file
+system. Then set `HOME_MJX_RECHECK=1` or call `digests.forget_digests`.
 
-Indices lie in the cache folder, one per dataset root and part of it. They are written whole or not at all. Processes
-that write the same one at the same time may lose each other's lines, which are then only found again.
+Indices are in the cache folder, one per dataset root and part of it. They are written atomically. Processes that
+write the same index at the same time may lose each other's entries, which are then only recomputed.
 """
 
 import hashlib
@@ -24,9 +24,9 @@ from home_mjx.core.files import read_bytes, write_whole
 from home_mjx.core.paths import cache_folder
 
 FORMAT = 1
-MAX_BYTES = 1 << 28  # of an index: a million files
+MAX_BYTES = 1 << 28  # maximum size of an index: a million files
 RECHECK_VARIABLE = "HOME_MJX_RECHECK"
-YOUNG_SECONDS = 2.0  # the coarsest clock of a file system in use (FAT) ticks every two seconds
+YOUNG_SECONDS = 2.0  # [s], minimum age of an indexed file; the clock of FAT ticks every two seconds
 
 log = logging.getLogger(__name__)
 
@@ -35,11 +35,11 @@ Stamp = tuple[int, int, int, int]  # size, mtime and ctime [ns], inode
 
 @dataclass(frozen=True)
 class Facts:
-    """What is in a file.
+    """Digest of a file and names of other files in it.
 
     Attributes:
         digest: SHA-256 of its content.
-        names: What else it names: material libraries in other folders, or ids of models.
+        names: Names in the file: material libraries in other folders, or ids of models.
     """
 
     digest: bytes
@@ -47,18 +47,18 @@ class Facts:
 
 
 def stamp_of(status: os.stat_result) -> Stamp:
-    """By what a change of a file is seen without reading it."""
+    """Return the stamp that detects a changed file without reading it."""
     return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
 
 
 class DigestIndex:
-    """Facts of files by name and stamp.
+    """Index of the facts of files, by name and stamp.
 
     Args:
-        path: Where they are kept; a broken or missing file is an empty index.
+        path: File of the index; a broken or missing file is an empty index.
 
     Attributes:
-        unsaved: Facts that are not on disk yet.
+        unsaved: Number of facts that are not on disk yet.
     """
 
     def __init__(self, path: Path) -> None:
@@ -67,11 +67,11 @@ class DigestIndex:
         self._known = {} if os.environ.get(RECHECK_VARIABLE) else _read(path)
 
     def facts(self, name: str, stamp: Stamp, look: Callable[[], Facts]) -> Facts:
-        """The facts of a file; `look` reads them if the file is not known as it is now.
+        """Return the facts of a file; `look` reads them if the index has no entry with this stamp.
 
         Args:
-            name: Of the file, any that is always the same.
-            stamp: Taken before.
+            name: Name of the file, in a constant form.
+            stamp: Stamp of the file, taken before this call.
             look: Reads the file.
         """
         found = self._known.get(name)
@@ -79,13 +79,13 @@ class DigestIndex:
             return found[1]
         before = time.time()
         facts = look()
-        if before - max(stamp[1], stamp[2]) * 1e-9 > YOUNG_SECONDS:  # nor is a time in the future believed
+        if before - max(stamp[1], stamp[2]) * 1e-9 > YOUNG_SECONDS:  # times in the future are not trusted
             self._known[name] = stamp, facts
             self.unsaved += 1
         return facts
 
     def save(self) -> None:
-        """Adds what is new to the file; one that cannot be written only costs time."""
+        """Add new facts to the index on disk; a failed write only costs time later."""
         if not self.unsaved:
             return
         self.unsaved = 0
@@ -93,7 +93,7 @@ class DigestIndex:
             with write_whole(self.path) as file:
                 file.write(_encode(_read(self.path) | self._known))
         except OSError as error:
-            log.debug("digests are not kept: %s", error)
+            log.debug("digests are not saved: %s", error)
 
 
 def _encode(known: dict[str, tuple[Stamp, Facts]]) -> bytes:
@@ -117,6 +117,6 @@ def _read(path: Path) -> dict[str, tuple[Stamp, Facts]]:
 
 
 def index_folder(root: Path) -> Path:
-    """Where the indices of a dataset root lie."""
+    """Return the folder of the indices of a dataset root."""
     name = hashlib.sha256(os.fspath(root).encode(errors="surrogateescape")).hexdigest()[:16]
     return cache_folder() / "digests" / name

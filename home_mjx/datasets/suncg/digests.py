@@ -1,4 +1,4 @@
-"""Which files a house is compiled from, and what is in them."""
+"""Digests of the files that houses are compiled from."""
 
 import functools
 import hashlib
@@ -16,16 +16,16 @@ from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.errors import DatasetError
 
 MODEL_ID = re.compile(r'"modelId"\s*:\s*("(?:[^"\\]|\\.)*")')
-UNUSED = ("joints.csv", "joints.sha256.json")  # tables that nothing is compiled from
+UNUSED = ("joints.csv", "joints.sha256.json")  # tables that the compiler does not read
 LIBRARY = re.compile(rb"^[ \t]*mtllib[ \t]+(\S.*?)[ \t\r]*$", re.MULTILINE)
-SAVE_SECONDS = 1.0  # least time between two writings of the index of what houses share
+SAVE_SECONDS = 1.0  # [s], minimum time between two writes of the shared index
 
 
 class Inputs:
-    """Digests of what the houses of a dataset are compiled from; what houses share is looked at once.
+    """Digests of the input files of a dataset's houses; files shared by houses are read once.
 
-    A file is read only if it is not known from its size and times, see `digest_index`. Textures are apart: only who
-    has read a house knows which it shows.
+    A file is read only if its size and times are not in the index, see `digest_index`. Textures are separate,
+    since only a house that was read determines its textures.
 
     Args:
         root: Absolute dataset root.
@@ -42,7 +42,7 @@ class Inputs:
         self._saved = 0.0
 
     def house(self, house_id: str) -> bytes:
-        """Digest of a house's own files, of the models that it names and of the tables; missing files count as such."""
+        """Compute the digest of a house's files, of its models and of the tables; missing files are part of it."""
         own = DigestIndex(self._folder / "houses" / f"{house_id}.json")
         digest = hashlib.sha256()
         document = self.root / "house" / house_id
@@ -56,7 +56,7 @@ class Inputs:
         return digest.digest()
 
     def texture(self, path: str) -> str:
-        """Digest of an image, "" if there is none."""
+        """Return the digest of an image; "" if it does not exist."""
         if path not in self._textures:
             found = os.path.isfile(path)
             self._textures[path] = (
@@ -65,12 +65,12 @@ class Inputs:
         return self._textures[path]
 
     def has_texture(self, name: str) -> bool:
-        """Whether there is an image of a texture that a house lacked."""
+        """Return whether the image of a texture that a house lacked now exists."""
         textures = self._assets.textures
         return below(self.root, textures.folder, name) is not None and textures.find(name) is not None
 
     def save(self, interval: float = 0.0) -> None:
-        """Keeps on disk what was read, unless that was done less than `interval` seconds ago."""
+        """Save new facts to disk, unless that was done less than `interval` seconds ago."""
         if self._shared.unsaved and time.monotonic() - self._saved >= interval:
             self._shared.save()
             self._saved = time.monotonic()
@@ -80,7 +80,7 @@ class Inputs:
         return self._digest(self.root / "metadata", self._shared)
 
     def _model(self, name: str) -> bytes:
-        """Digest of the folder in which a model lies."""
+        """Return the digest of a model's folder."""
         if name not in self._models:
             self._models[name] = self._digest(self._assets.model_path(name, name).parent, self._shared)
         return self._models[name]
@@ -97,14 +97,14 @@ class Inputs:
         return digest.digest()
 
     def _elsewhere(self, folder: Path, relative: str) -> bytes:
-        """Digest of a material library that lies in another folder."""
+        """Return the digest of a material library in another folder."""
         found = below(self.root, folder, relative)
         return (
             self._facts(str(found), stamp_of(found.stat()), self._shared).digest if found and found.is_file() else b""
         )
 
     def _model_ids(self, document: Path, index: DigestIndex) -> tuple[str, ...]:
-        """Names of models in a house.json; those that are no plain names are left out."""
+        """Return the models named in a house.json; invalid file names are left out."""
         if not document.is_file():
             return ()
         return self._facts(str(document), stamp_of(document.stat()), index).names
@@ -117,12 +117,12 @@ class Inputs:
 
 @functools.lru_cache(maxsize=8)
 def _shared_index(path: Path) -> DigestIndex:
-    """What the houses of a dataset share; one for all `Inputs` of a process."""
+    """Return the index of files shared by the houses of a dataset, one for all `Inputs` of a process."""
     return DigestIndex(path)
 
 
 def _look(path: str, size: int) -> Facts:
-    """What is in a file; of one that is larger than what is ever read only the size counts."""
+    """Read the facts of a file; of files beyond the reader's size limit only the size counts."""
     data = Path(path).read_bytes() if size <= MAX_BYTES else str(size).encode()
     names: tuple[str, ...] = ()
     if path.endswith(".obj"):
@@ -133,17 +133,17 @@ def _look(path: str, size: int) -> Facts:
 
 
 def _libraries_elsewhere(data: bytes) -> tuple[str, ...]:
-    """Material libraries in other folders that an OBJ file names."""
+    """Find the material libraries in other folders that an OBJ file names."""
     texts = dict.fromkeys(name.decode(errors="replace").replace("\\", "/") for name in LIBRARY.findall(data))
     return tuple(text for text in texts if "/" in text)
 
 
 def _model_names(document: Path) -> tuple[str, ...]:
-    """Names of models in a house.json, whatever characters they have; those that are no plain names are left out."""
+    """Find the models named in a house.json, with any characters; invalid file names are left out."""
     try:
         text = read_text(document)
     except DatasetError:
-        return ()  # loading the house will say what is wrong
+        return ()  # loading the house reports the error
     names = {_decoded(literal) for literal in MODEL_ID.findall(text)}
     plain = (n for n in names if n not in ("", ".", "..") and len(n) < 256 and not any(c in n for c in "/\\\0"))
     return tuple(sorted(plain))
@@ -157,7 +157,7 @@ def _decoded(literal: str) -> str:
 
 
 def _files(folder: Path) -> list[tuple[str, str, Stamp]]:
-    """Name, path and stamp of the regular files in a folder, in order."""
+    """Return name, path and stamp of the regular files in a folder, sorted by name."""
     try:
         with os.scandir(folder) as entries:
             return sorted((e.name, e.path, stamp_of(e.stat())) for e in entries if e.is_file())
@@ -166,12 +166,12 @@ def _files(folder: Path) -> list[tuple[str, str, Stamp]]:
 
 
 def forget_files() -> None:
-    """Has this process look at every file again, as a new one would; for measurements."""
+    """Drop the shared indices of this process, as in a new process; for measurements."""
     _shared_index.cache_clear()
 
 
 def forget_digests(root: Path) -> None:
-    """Has all files of a dataset read again, by this process and by those that start from now on.
+    """Delete the indices of a dataset, so that this process and later ones read all its files again.
 
     Args:
         root: Absolute dataset root.

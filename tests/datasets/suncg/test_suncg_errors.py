@@ -36,7 +36,7 @@ def house_json(root):
 def test_root_not_given(monkeypatch):
     monkeypatch.delenv("SUNCG_DATA_DIR", raising=False)
     error = refused(open_dataset)
-    assert error.message == "no dataset root was given"
+    assert error.message == "no dataset root was specified"
     assert "set SUNCG_DATA_DIR" in (error.hint or "")
     assert "house/, room/, object/, texture/ and metadata/" in (error.hint or "")
 
@@ -60,7 +60,7 @@ def test_root_in_the_home_folder(monkeypatch, root):
 
 def test_root_without_houses(tmp_path):
     error = refused(open_dataset, tmp_path)
-    assert (error.message, error.file) == ("folder holds no house/<id>/house.json", str(tmp_path))
+    assert (error.message, error.file) == ("folder contains no house/<id>/house.json", str(tmp_path))
 
 
 @pytest.mark.parametrize("inside", ["house", f"house/{HOUSE_ID}", "object"])
@@ -152,7 +152,7 @@ def test_house_json_that_is_a_folder(root):
         (lambda doc: doc.pop("levels"), "levels", "expected a list, got `nothing`"),
         (lambda doc: doc.update(levels=None), "levels", "expected a list, got `null`"),
         (lambda doc: doc.update(levels={}), "levels", "expected a list, got `{}`"),
-        (lambda doc: doc.update(levels=[]), "levels", "house shows nothing"),
+        (lambda doc: doc.update(levels=[]), "levels", "house has no visible node"),
         (lambda doc: doc.update(levels=[7]), "levels[0]", "expected an object, got `7`"),
         (lambda doc: doc.update(scaleToMeters="1"), "scaleToMeters", "expected a number"),
         (lambda doc: doc.update(scaleToMeters=0), "scaleToMeters", "expected metres per unit above 0"),
@@ -201,7 +201,7 @@ BIG = 10**400
         (2, "bbox", [0, 1], "bbox", "expected an object, got `[0, 1]`"),
         (2, "bbox", {"min": [0, 0, 0]}, "bbox.max", "expected a list, got `nothing`"),
         (2, "state", "open", "state", "expected an integer"),
-        (2, "state", -1, "state", "expected a state of 0 or more, got -1"),
+        (2, "state", -1, "state", "expected a state of at least 0, got -1"),
         (2, "isMirrored", 3, "isMirrored", "expected 0 or 1"),
         (2, "materials", {}, "materials", "expected a list"),
         (2, "materials", [5], "materials[0]", "expected an object, got `5`"),

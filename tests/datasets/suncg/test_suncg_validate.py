@@ -362,7 +362,7 @@ def test_command_line(root, capsys):
     assert main(["inspect", "--dataset", str(root), "--validate"]) == 1
     first, *_, last = capsys.readouterr().out.splitlines()
     assert first.startswith("error: ")
-    assert first.endswith(f"{NODES}[3].isMirrored: isMirrored contradicts the transform, which is taken [mirror-flag]")
+    assert first.endswith(f"{NODES}[3].isMirrored: isMirrored contradicts the transform, which is used [mirror-flag]")
     assert last.startswith(f"{HOUSE_ID}: 1 errors, ")
 
 

@@ -101,7 +101,7 @@ def test_files_keep_episodes_for_any_bank_of_the_houses(bank, tmp_path):
         ({"start": [0.0, 1.0]}, "three finite"),
         ({"goal": [float("nan"), 0.0, 0.0]}, "three finite"),
         ({"yaw": "north"}, "north"),
-        ({"length": None}, "no episode"),
+        ({"length": None}, "invalid episode"),
     ],
 )
 def test_broken_lines_are_named(bank, tmp_path, change, words):

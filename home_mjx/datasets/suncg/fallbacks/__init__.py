@@ -1,1 +1,1 @@
-"""Stand-ins for what a partial copy of a dataset lacks: models, meshes of rooms, rows of tables."""
+"""Fallbacks for missing parts of a partial dataset: models, room meshes, metadata rows."""

@@ -1,23 +1,23 @@
-"""How large a model is whose mesh is lacking: by the tables, else by the box that the file gives around an object."""
+"""Size of a model with a missing mesh, from the metadata tables or an object's bounding box in the file."""
 
 import numpy as np
 from jaxtyping import Float
 
 from home_mjx.schema.house import ModelInfo
 
-EVEN = 1e-3  # weight of "as long as wide": decides where an object at 45 degrees leaves both open
-LEAST = 0.005  # [m], of an edge
+EVEN = 1e-3  # weight of "length = width", which decides for objects at 45 degrees, where both are undetermined
+LEAST = 0.005  # [m], minimum length of an edge
 
 Bounds = Float[np.ndarray, "2 3"]
 
 
 def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds | None) -> Bounds | None:
-    """The box of a model in its own frame [m, Y up]; None if nothing tells it.
+    """Return the box of a model in its own frame [m, Y up]; None if it is unknown.
 
     Args:
-        info: Its row in the tables.
-        transform: Scene from model, of one object that shows it.
-        bbox: Around that object in the scene [m].
+        info: Row of the model in the metadata tables.
+        transform: Scene from model, of an object with this model.
+        bbox: Bounding box of that object in the scene [m].
     """
     if info.low is not None and info.dims is not None:
         low = np.array(info.low)
@@ -26,10 +26,10 @@ def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds
 
 
 def _turned_back(transform: Float[np.ndarray, "4 4"], bbox: Bounds) -> Bounds:
-    """The box whose image under the transform has the given box around it.
+    """Return the box whose image under the transform has the bounding box `bbox`.
 
-    Half edges h of the model give half edges |A| h around the object; where that hardly tells two of them apart, they
-    are taken as equal.
+    Half edges h of the model yield half edges |A| h of the object. If that hardly distinguishes two edges, they are
+    taken as equal.
     """
     linear = transform[:3, :3]
     size = np.linalg.norm(linear, axis=0)

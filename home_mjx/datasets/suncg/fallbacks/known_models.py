@@ -1,10 +1,10 @@
-"""Categories of those models of SUNCG that make a difference to where one can walk, for copies without their rows."""
+"""Built-in categories of the SUNCG models that affect walkability, for partial copies without their rows."""
 
 from dataclasses import replace
 
 from home_mjx.schema.house import Metadata, ModelInfo
 
-# Facts about SUNCG's ids, as its papers and readers list them; (fine, coarse, NYU40) and the ids.
+# Categories (fine, coarse, NYU40) of SUNCG's ids, as listed by its papers and readers.
 _KNOWN = (
     (
         ("door", "door", "door"),
@@ -51,17 +51,17 @@ UNKNOWN = ModelInfo("").coarse
 
 
 def with_known_models(tables: Metadata) -> Metadata:
-    """The tables, and the categories of those of SUNCG's doors, windows and the like that they lack.
+    """Add the built-in categories of SUNCG's doors, windows and similar models that the tables lack.
 
     Args:
-        tables: As the dataset has them.
+        tables: Tables of the dataset.
 
     Example:
         >>> with_known_models(Metadata({})).info("122_0").coarse
         'door'
     """
     merged = Metadata({**KNOWN_MODELS, **tables.models}, tables.lights)
-    unnamed = {name: info for name, info in tables.models.items() if info.coarse == UNKNOWN}  # only their size is known
+    unnamed = {name: info for name, info in tables.models.items() if info.coarse == UNKNOWN}  # rows with sizes only
     known = {name: KNOWN_MODELS[base] for name in unnamed if (base := _base(merged, name)) in KNOWN_MODELS}
     named = {
         name: replace(unnamed[name], fine=info.fine, coarse=info.coarse, nyu40=info.nyu40)
@@ -71,16 +71,16 @@ def with_known_models(tables: Metadata) -> Metadata:
 
 
 def has_row(tables: Metadata, model_id: str) -> bool:
-    """Whether the tables have the category of a model, or of the base of a variant.
+    """Return whether the tables have the category of a model, or of the base of a variant.
 
     Args:
-        tables: As the dataset has them.
-        model_id: Of the model.
+        tables: Tables of the dataset.
+        model_id: Id of the model.
     """
     return tables.info(model_id).coarse != UNKNOWN
 
 
 def _base(tables: Metadata, model_id: str) -> str:
-    """The model of which another is a variant, or the model itself."""
+    """Return the base model of a variant, or the model itself."""
     stem, _, variant = model_id.rpartition("_")
     return stem if stem in tables.models and variant.isdigit() and len(variant) == 1 else model_id

@@ -1,4 +1,4 @@
-"""What of the materials of a house is lacking, and what stands in for all that is lacking, in a few words."""
+"""Listing of a house's missing materials, and a short summary of all its fallbacks."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -10,10 +10,10 @@ COLOUR, GREY = "the material's colour", "grey materials"
 
 
 def lacking_materials_of(house: House) -> list[StandIn]:
-    """Textures and material libraries that the house names and the dataset lacks, each once, with who needs it first.
+    """List textures and material libraries that the dataset lacks, each once, with its first user.
 
     Args:
-        house: As it was read.
+        house: House as read.
     """
     found: dict[tuple[str, str], StandIn] = {}
     for owner, material in _materials(house):
@@ -26,7 +26,7 @@ def lacking_materials_of(house: House) -> list[StandIn]:
 
 
 def _materials(house: House) -> Iterator[tuple[str, Material]]:
-    """Every material with its owner: an element path of an override, else the path of a mesh."""
+    """Yield every material with its owner: the element path of an override, else the path of a mesh."""
     for level in house.levels:
         for node in (*level.objects, *level.boxes):
             yield from ((node.path, material) for material in node.materials)
@@ -41,10 +41,10 @@ def _parts(level: Level) -> Iterator:
 
 
 def counts_of(stand_ins: Sequence[StandIn]) -> dict[str, int]:
-    """How many things of each kind stand in for others.
+    """Count the fallbacks by kind.
 
     Args:
-        stand_ins: Of a house.
+        stand_ins: Fallbacks of a house.
 
     Example:
         >>> counts_of([StandIn("texture", "wood_8", "122.obj", "the material's colour")])["texture"]
@@ -55,10 +55,10 @@ def counts_of(stand_ins: Sequence[StandIn]) -> dict[str, int]:
 
 
 def in_words(stand_ins: Sequence[StandIn]) -> str:
-    """The counts of what is lacking, for a message.
+    """Describe the counts of missing parts, for a message.
 
     Args:
-        stand_ins: Of a house.
+        stand_ins: Fallbacks of a house.
 
     Example:
         >>> in_words([StandIn("texture", "wood_8", "122.obj", ""), StandIn("texture", "wood_9", "122.obj", "")])

@@ -1,4 +1,4 @@
-"""Floors, ceilings and walls of rooms whose meshes are lacking, from what else tells their outline."""
+"""Fallback floors, ceilings and walls for missing room meshes, from other sources of the room's outline."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,18 +14,18 @@ from home_mjx.geometry.wall_groups import direction_across, wall_faces
 from home_mjx.geometry.wall_prisms import DEPTH, RISE, Hole, Wall
 from home_mjx.schema.house import Material, Mesh, Room
 
-# All in metres; measures of SUNCG's own meshes.
+# All in [m]; dimensions of SUNCG's own meshes.
 THICKNESS = 0.05  # of floors and ceilings
-OUTSET = DEPTH / 5  # of floors and ceilings beyond the middle lines of walls
-OUTER = DEPTH / 2 - DEPTH / 19  # of walls beyond their middle lines
-CEILING_LOW = 0.01  # of a ceiling's underside below the nominal height
-SHRINK = 0.02  # of a hole against the box of what is in it
-HEIGHT = 2.7
-HEIGHTS = (1.5, 12.0)  # of walls: others are mistakes of a box
-SWUNG = 0.75  # that the open leaf of a door may enlarge the box of its room
-OFF = 0.15  # of an opening from the middle line of its wall
-LEAST = 0.05  # of an opening's width along a wall
-SOUND = 0.1  # least sine of the angle between two walls that meet
+OUTSET = DEPTH / 5  # of floors and ceilings beyond the centre lines of walls
+OUTER = DEPTH / 2 - DEPTH / 19  # extent of walls beyond their centre lines
+CEILING_LOW = 0.01  # offset of a ceiling's underside below the nominal height
+SHRINK = 0.02  # inset of a hole relative to the box of its door or window
+HEIGHT = 2.7  # default height of walls
+HEIGHTS = (1.5, 12.0)  # plausible heights of walls; others come from wrong boxes
+SWUNG = 0.75  # maximum enlargement of a room's box by an open door leaf
+OFF = 0.15  # maximum distance of an opening from the centre line of its wall
+LEAST = 0.05  # minimum width of an opening along a wall
+SOUND = 0.1  # minimum sine of the angle between two adjacent walls
 
 FLOOR, PLASTER = (0.62, 0.52, 0.42), (0.88, 0.87, 0.84)  # sRGB
 Polygon = Float[np.ndarray, "n 2"]  # (x, z), counter-clockwise with x right and z up
@@ -33,11 +33,11 @@ Polygon = Float[np.ndarray, "n 2"]  # (x, z), counter-clockwise with x right and
 
 @dataclass(frozen=True)
 class Gap:
-    """A door, window or arch: it makes a hole in every wall that runs along it.
+    """Span of a door, window or arch, which makes a hole in every wall along it.
 
     Attributes:
         start: (x, z) of one end [m].
-        end: Of the other [m].
+        end: (x, z) of the other end [m].
         low: Height of its lower edge [m].
         high: Height of its upper edge [m].
     """
@@ -50,13 +50,13 @@ class Gap:
 
 @dataclass(frozen=True)
 class Shape:
-    """A room as its walls see it.
+    """Outline and height of a room.
 
     Attributes:
-        corners: Of the middle lines of its walls [m].
-        low: Height of their base [m].
-        height: Their nominal height [m].
-        source: What told it.
+        corners: Corners of the centre lines of its walls [m].
+        low: Height of the walls' base [m].
+        height: Nominal height of the walls [m].
+        source: Source of the outline, in words.
     """
 
     corners: Polygon
@@ -66,12 +66,12 @@ class Shape:
 
 
 def room_shape(room: Room, gaps: Sequence[Gap]) -> Shape | None:
-    """The outline of a room by its floor, else its ceiling, else its walls, else its box; None without all of these.
+    """Determine the outline of a room from its floor, ceiling, walls or box, in this order; None if all are missing.
 
     Args:
-        room: With the meshes that there are.
-        gaps: Openings of its level: a room's box is as large as its open doors reach, so a side near a door is
-            taken to be where the door stands.
+        room: Room with its existing meshes.
+        gaps: Openings of its level. The open doors of a room enlarge its box, so a side near a door is moved to
+            the door's position.
     """
     low, height = _heights(room)
     for mesh, source in ((room.floor, "its floor"), (room.ceiling, "its ceiling")):
@@ -88,15 +88,15 @@ def room_shape(room: Room, gaps: Sequence[Gap]) -> Shape | None:
 def stand_in_part(
     kind: str, shape: Shape, room: Room, path: Path, gaps: Sequence[Gap], materials: Sequence[Material]
 ) -> Mesh:
-    """A floor, a ceiling or the walls of a room.
+    """Build the fallback floor, ceiling or walls of a room.
 
     Args:
         kind: `Floor`, `Ceiling` or `Wall`.
-        shape: Of the room.
+        shape: Outline and height of the room.
         room: The room.
-        path: Where the lacking OBJ should be.
+        path: Path of the missing OBJ.
         gaps: Openings of its level.
-        materials: Of the lacking mesh, if its MTL is there.
+        materials: Materials of the missing mesh, if its MTL exists.
     """
     if kind == "Wall":
         return _walls(shape, room.id, path, gaps, materials)
@@ -114,15 +114,15 @@ def slab_mesh(
     plain: Material,
     outset: float = OUTSET,
 ) -> Mesh:
-    """A slab over a polygon and a little more.
+    """Build a slab over a polygon with the outset of SUNCG's floors.
 
     Args:
-        group: Name of the piece.
-        corners: (x, z) [m].
-        heights: Of its lower and its upper side [m].
-        path: Of the mesh.
-        materials: The first is taken, if there is one.
-        plain: Else this.
+        group: Group name of the mesh.
+        corners: Corners (x, z) [m].
+        heights: Heights of its lower and its upper side [m].
+        path: Path of the mesh.
+        materials: The first one is used, if any.
+        plain: Material used otherwise.
         outset: Distance by which the slab reaches beyond the polygon [m].
     """
     vertices, faces, uv = slab([corners], *heights, outset)
@@ -139,13 +139,13 @@ def _walls(shape: Shape, room_id: str, path: Path, gaps: Sequence[Gap], material
         wall = Wall(first, last, shape.height, holes)
         pieces += [replace(p, slot=p.slot + 3 * number) for p in wall_pieces(wall, f"{room_id}_{number}")]
     solid = [piece for piece in pieces if len(piece.faces)]
-    if not solid:  # all of them are holes
+    if not solid:  # holes cover all walls
         return _walls(shape, room_id, path, (), materials)
     return join_pieces(path, solid, [inside, CUT, outside] * len(shape.corners))
 
 
 def _hole(gap: Gap, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], shape: Shape) -> Hole | None:
-    """What an opening cuts out of a wall; None if the wall does not run along it."""
+    """Compute the hole of an opening in a wall; None if the wall does not run along it."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.stack([gap.start, gap.end]) - start
@@ -157,7 +157,7 @@ def _hole(gap: Gap, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], 
 
 
 def _heights(room: Room) -> tuple[float, float]:
-    """Base and nominal height of the walls, by the meshes that there are, else by the box."""
+    """Return base and nominal height of the walls [m], from existing meshes, else from the box."""
     lows = [m.vertices[:, 1].min() for m in (room.walls, room.floor) if m is not None]
     tops = [] if room.walls is None else [room.walls.vertices[:, 1].max() - RISE]
     tops += [] if room.ceiling is None else [room.ceiling.vertices[:, 1].min() + CEILING_LOW]
@@ -171,14 +171,14 @@ def _heights(room: Room) -> tuple[float, float]:
 
 
 def _slab_outline(mesh: Mesh) -> Polygon:
-    """The outline of a floor or ceiling, counter-clockwise."""
+    """Return the outline of a floor or ceiling, counter-clockwise."""
     x, y, z = mesh.vertices[mesh.faces].transpose(2, 0, 1)
     upright = outline(np.stack([x, -z, y], axis=-1))
     return (upright * (1, -1))[::-1]
 
 
 def _sound(corners: Polygon | None) -> Polygon | None:
-    """The polygon, if a floor can be made of it."""
+    """Return the simplified polygon if a floor can be made of it; else None."""
     if corners is None:
         return None
     try:
@@ -190,7 +190,7 @@ def _sound(corners: Polygon | None) -> Polygon | None:
 
 
 def _wall_lines(walls: Mesh) -> Polygon:
-    """Where the middle lines of walls that follow each other meet; if they do not, the rectangle around all."""
+    """Return the intersections of successive walls' centre lines; if incomplete, the rectangle around all walls."""
     lines = [_middle_line(walls.vertices[walls.faces[faces]]) for faces in wall_faces(walls)]
     corners = [_meeting(a, b) for a, b in zip([lines[-1], *lines[:-1]], lines, strict=True)]
     found = np.array([corner for corner in corners if corner is not None])
@@ -201,7 +201,7 @@ def _wall_lines(walls: Mesh) -> Polygon:
 
 
 def _middle_line(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Float[np.ndarray, "2"], float]:
-    """The direction across a wall, and how far its middle plane is from the origin along it."""
+    """Return the direction across a wall, and the offset of its middle plane from the origin along it [m]."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     across = direction_across(normal[:, [0, 2]], np.linalg.norm(normal, axis=1))
     off = triangles[..., [0, 2]] @ across

@@ -1,1 +1,1 @@
-"""Single files and fields of SUNCG: OBJ, MTL, materials, polygons."""
+"""Parsers of single files and fields of SUNCG: OBJ, MTL, materials, polygons."""

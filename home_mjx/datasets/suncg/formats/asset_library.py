@@ -1,4 +1,4 @@
-"""The meshes of a dataset: library models, parsed once each, and the meshes of rooms."""
+"""Meshes of a dataset: library models, parsed once each, and room meshes."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ class AssetLibrary:
 
     Args:
         root: Absolute dataset root.
-        tolerant: Whether textures and material libraries may be missing, see `Material.lacking`.
+        tolerant: Accept missing textures and material libraries, see `Material.lacking`.
     """
 
     def __init__(self, root: Path, tolerant: bool = False) -> None:
@@ -25,37 +25,37 @@ class AssetLibrary:
         self._models: dict[str, Mesh] = {}
 
     def model_path(self, model_id: str, key: str) -> Path:
-        """Path of the OBJ of a model; variants share the folder of their base."""
+        """Return the path of a model's OBJ; variants are in the folder of their base."""
         objects = self.root / "object"
         folder = base_model(model_id, lambda name: name not in ("", ".", "..") and is_folder(objects / name))
         return objects / folder / f"{key}.obj"
 
     def model(self, model_id: str, key: str, place: Place) -> Mesh:
-        """A library model.
+        """Return a library model, parsed on first use or if a missing file has appeared.
 
         Args:
-            model_id: Its id, already checked to be a plain name.
+            model_id: Id of the model, already validated as a file name.
             key: Stem of its OBJ: the id, or a variant of it.
-            place: Who asks, for the error.
+            place: Location of the reference, for errors.
 
         Raises:
             MissingFileError: The OBJ is missing.
-            DatasetError: It is broken.
+            DatasetError: The OBJ is broken.
         """
         if key not in self._models or self._has_arrived(self._models[key]):
             self._models[key] = self.mesh(self.find_model(model_id, key, place))
         return self._models[key]
 
     def _has_arrived(self, mesh: Mesh) -> bool:
-        """Whether a file that a mesh lacked when it was read is there now."""
+        """Return whether a file that a mesh lacked when it was read now exists."""
         names = {material.lacking for material in mesh.materials if material.lacking}
         return any(self.textures.find(n) or (n.endswith(".mtl") and is_file(mesh.path.with_name(n))) for n in names)
 
     def find_model(self, model_id: str, key: str, place: Place) -> Path:
-        """Path of the OBJ of a model; arguments as in `model`.
+        """Return the path of an existing model's OBJ; arguments as in `model`.
 
         Raises:
-            MissingFileError: There is none.
+            MissingFileError: The OBJ does not exist.
         """
         path = self.model_path(model_id, key)
         if not is_file(path):
@@ -64,9 +64,9 @@ class AssetLibrary:
         return path
 
     def mesh(self, path: Path) -> Mesh:
-        """A mesh that is not cached; raises `DatasetError` like `model`."""
+        """Read a mesh without caching; raise `DatasetError` like `model`."""
         return read_obj(path, self.textures)
 
     def room_path(self, house_id: str, stem: str) -> Path:
-        """Path of the mesh of a room or a ground."""
+        """Return the path of the mesh of a room or a ground."""
         return self.root / "room" / house_id / f"{stem}.obj"

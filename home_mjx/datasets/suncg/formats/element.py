@@ -1,4 +1,4 @@
-"""Places in a dataset, and JSON values that know their place."""
+"""Locations in a dataset, and JSON values with their location, for error messages."""
 
 import json
 import math
@@ -13,22 +13,22 @@ from jaxtyping import Float
 from home_mjx.core.files import read_text
 from home_mjx.errors import DatasetError
 
-LIMIT = 1e6  # [m]: coordinates beyond it are mistakes, and their products soon leave float32
-MAX_SHOWN = 500  # characters of a message
-MAX_JSON_BYTES = 1 << 24  # a value of two characters may take a hundred bytes of memory
-MAX_ENTRIES = 100_000  # of a list
-MAX_NAME = 200  # bytes of a file name, with room for an extension
+LIMIT = 1e6  # [m], maximum coordinate; larger ones are mistakes, and their products overflow float32
+MAX_SHOWN = 500  # maximum length of a message [characters]
+MAX_JSON_BYTES = 1 << 24  # maximum file size; a value of two characters may take a hundred bytes of memory
+MAX_ENTRIES = 100_000  # maximum length of a list
+MAX_NAME = 200  # [bytes], maximum length of a file name, with room for an extension
 
 
 def printable(text: str) -> str:
-    """`text` with unprintable characters escaped, cut to a few lines."""
+    """Escape unprintable characters in `text` and shorten it to a few lines."""
     text = text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 @dataclass(frozen=True)
 class Place:
-    """A file, and a line or an element path in it.
+    """Location in a dataset: a file, and a line or an element path in it.
 
     Example:
         >>> print(Place(Path("a.obj"), "line 7").error("expected 3 numbers, got `1 2`"))
@@ -39,7 +39,7 @@ class Place:
     element: str = ""
 
     def error(self, message: str, hint: str | None = None, kind: type[DatasetError] = DatasetError) -> DatasetError:
-        """An error at this place; the default hint suits any line or value."""
+        """Create an error at this location; the default hint suits any line or value."""
         return kind(
             printable(message),
             file=self.file,
@@ -53,7 +53,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Value(Place):
-    """A JSON value with its place; absent and `null` are the same, as in the JavaScript that wrote SUNCG.
+    """A JSON value with its location; absent and `null` are equivalent, as in the JavaScript that wrote SUNCG.
 
     Example:
         >>> node = Value(Path("house.json"), "levels[0].nodes[2]", {"state": "open"})
@@ -62,21 +62,21 @@ class Value(Place):
     """
 
     data: Any = None
-    given: bool = True  # whether the file has the key, even with `null`
+    given: bool = True  # True if the file has the key, even with `null`
 
     @property
     def present(self) -> bool:
-        """Whether the file has the value."""
+        """True if the file has a value other than `null`."""
         return self.data is not None
 
     def member(self, key: str) -> "Value":
-        """The value under `key`; raises `DatasetError` if this is not an object."""
+        """Return the value of `key`; raise `DatasetError` if this is not an object."""
         if not isinstance(self.data, dict):
             raise self._expected("an object")
         return Value(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key), key in self.data)
 
     def entries(self) -> list["Value"]:
-        """The values of a list."""
+        """Return the values of a list."""
         if not isinstance(self.data, list):
             raise self._expected("a list")
         if len(self.data) > MAX_ENTRIES:
@@ -84,29 +84,29 @@ class Value(Place):
         return [Value(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
 
     def text(self) -> str:
-        """A string."""
+        """Return a string."""
         if not isinstance(self.data, str):
             raise self._expected("a string")
         return self.data
 
     def name(self) -> str:
-        """A string that can be used as one file name: no separator, not `.` or `..`."""
+        """Return a string that is a valid file name: no separator, not `.` or `..`."""
         text = self.text()
         if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
-            hint = "It must not be empty, hold `/` or lead out of its folder."
+            hint = "It must not be empty, contain `/` or lead out of its folder."
             raise self.error(f"`{text[:60]}` is not a plain name", hint)
         if len(text.encode("utf-8", "replace")) > MAX_NAME:
             raise self.error(f"`{text[:60]}…` is too long for a name", f"Names have at most {MAX_NAME} bytes.")
         return text
 
     def integer(self) -> int:
-        """An integer; a float with an integral value counts."""
+        """Return an integer; a float with an integral value is accepted."""
         if isinstance(self.data, bool) or not isinstance(self.data, int | float) or self.data != self._floor():
             raise self._expected("an integer")
         return int(self.data)
 
     def number(self) -> float:
-        """A finite number."""
+        """Return a finite number."""
         if isinstance(self.data, bool) or not isinstance(self.data, int | float):
             raise self._expected("a number")
         if self._floor() is None:
@@ -114,14 +114,14 @@ class Value(Place):
         return float(self.data)
 
     def coordinate(self) -> float:
-        """A number within a million metres of 0."""
+        """Return a coordinate: a number within a million metres of 0."""
         number = self.number()
         if abs(number) > LIMIT:
             raise self.error(f"expected a number between -{LIMIT:g} and {LIMIT:g}, got {number:g}")
         return number
 
     def flag(self, default: bool = False) -> bool:
-        """A switch written as 0, 1, "0", "1", true or false; `default` if absent."""
+        """Return a flag written as 0, 1, "0", "1", true or false; `default` if absent."""
         if not self.present:
             return default
         if self.data in (0, "0"):
@@ -131,13 +131,13 @@ class Value(Place):
         raise self._expected("0 or 1")
 
     def vector(self, length: int) -> Float[np.ndarray, " n"]:
-        """A list of `length` numbers that can be coordinates."""
+        """Return a list of `length` coordinates."""
         if isinstance(self.data, list) and len(self.data) != length:
             raise self.error(f"expected {length} numbers, got {len(self.data)}")
         return np.array([item.coordinate() for item in self.entries()])
 
     def color(self) -> tuple[float, float, float]:
-        """A colour `#rrggbb` as sRGB in 0..1."""
+        """Return a colour `#rrggbb` as sRGB in 0..1."""
         if not re.fullmatch("#[0-9a-fA-F]{6}", self.text()):
             raise self._expected("a colour such as `#a3b0ff`")
         red, green, blue = bytes.fromhex(self.text()[1:])
@@ -149,7 +149,7 @@ class Value(Place):
         return "Correct the value in the file."
 
     def _floor(self) -> int | None:
-        # None for NaN, infinities and integers that no float can hold
+        # None for NaN, infinities and integers that exceed floats.
         try:
             return math.floor(float(self.data))
         except (ValueError, OverflowError):
@@ -161,15 +161,15 @@ class Value(Place):
     def _shown(self) -> str:
         try:
             return json.dumps(self.data, default=str) if self.given else "nothing"
-        except RecursionError:  # nested so deeply that it could only just be read
+        except RecursionError:  # nesting close to the limit of the JSON reader
             return type(self.data).__name__
 
 
 def read_json(path: Path, hint: str | None = None) -> Value:
-    """The JSON document in a file.
+    """Read the JSON document in a file.
 
     Raises:
-        DatasetError: The file is missing, is not UTF-8 or is not JSON (with line and column).
+        DatasetError: The file is missing, not UTF-8, or not JSON (with line and column).
     """
     text = read_text(path, hint, MAX_JSON_BYTES)
     place = Place(path)

@@ -1,4 +1,4 @@
-"""The known fields of house.json: of the house, its levels, and its nodes by type."""
+"""Known fields of house.json: of the house, its levels, and its nodes by type."""
 
 from typing import Any
 
@@ -13,14 +13,14 @@ NODES = {
     "room": _NODE | {"modelId", "nodeIndices", "roomTypes", "hideCeiling", "hideFloor", "hideWalls", "stats"},
     "ground": _NODE | {"modelId", "hideFloor"},
 }
-KEPT = {"camera", "stats"}  # known, but nothing here needs them
+KEPT = {"camera", "stats"}  # known, but unused; preserved for writing
 
 
 def kept_fields(value: Value, known: set[str]) -> dict[str, Any]:
-    """Fields of a JSON object that only writing it again needs: unknown ones and those of `KEPT`, unchanged."""
+    """Return the fields of a JSON object that are only needed for writing: unknown ones and `KEPT`, unchanged."""
     return unknown_fields(value, known - KEPT)
 
 
 def unknown_fields(value: Value, known: set[str]) -> dict[str, Any]:
-    """Unknown fields of a JSON object, unchanged."""
+    """Return the unknown fields of a JSON object, unchanged."""
     return {key: data for key, data in value.data.items() if key not in known} if isinstance(value.data, dict) else {}

@@ -1,22 +1,22 @@
-"""Reads the material overrides of house.json and of arch.json."""
+"""Reader of material overrides in house.json and arch.json."""
 
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
 from home_mjx.schema.house import Material
 
-MAX_SLOTS = 1_000  # of one model; SUNCG has up to 18
+MAX_SLOTS = 1_000  # maximum slots of one model; SUNCG has at most 18
 
 
 def read_materials(node: Value, shared: Value | None, textures: Textures) -> tuple[Material, ...]:
-    """The overrides of a node, by slot position.
+    """Read the material overrides of a node, by slot position.
 
     Args:
-        node: It has `materials`, or `materialIndices` into the house's own list, or neither.
-        shared: The house's own list.
-        textures: Where textures are looked up.
+        node: Node with `materials`, with `materialIndices` into the house's list, or with neither.
+        shared: Material list of the house.
+        textures: Texture lookup of the dataset.
 
     Raises:
-        DatasetError: A texture is missing, or a value is not of its type.
+        DatasetError: A texture is missing, or a value has the wrong type.
     """
     values = node.member("materials")
     if values.present:
@@ -29,7 +29,7 @@ def read_materials(node: Value, shared: Value | None, textures: Textures) -> tup
 
 
 def read_material(value: Value, textures: Textures) -> Material:
-    """One override; raises `DatasetError` like `read_materials`."""
+    """Read one override; raise `DatasetError` like `read_materials`."""
     if not value.present:
         return Material("")
     name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))

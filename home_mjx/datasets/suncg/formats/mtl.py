@@ -1,4 +1,4 @@
-"""Reads Wavefront MTL files: names, diffuse colours, opacities and colour maps."""
+"""Reader of Wavefront MTL files: names, diffuse colours, opacities and colour maps."""
 
 import math
 from pathlib import Path
@@ -8,21 +8,21 @@ from home_mjx.datasets.suncg.formats.element import Place
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
 from home_mjx.schema.house import Material
 
-MAX_SHININESS = 1000.0  # the limit of the MTL format
+MAX_SHININESS = 1000.0  # maximum of the MTL format
 
 
 def read_mtl(path: Path, textures: Textures, hint: str | None = None) -> tuple[Material, ...]:
-    """The materials of an MTL in file order, which is the order of SUNCG's material slots.
+    """Read the materials of an MTL in file order, which is the order of SUNCG's material slots.
 
-    By default a material is white and opaque.
+    The default material is white and opaque.
 
     Args:
         path: The MTL file.
-        textures: Where colour maps are looked up.
-        hint: What to do if the file is missing.
+        textures: Lookup of colour maps.
+        hint: Remedy if the file is missing.
 
     Raises:
-        DatasetError: The file is missing or a line of it is broken.
+        DatasetError: The file is missing, or one of its lines is broken.
     """
     blocks: dict[str, dict] = {}
     block: dict | None = None

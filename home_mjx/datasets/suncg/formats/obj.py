@@ -1,6 +1,6 @@
-"""Reads Wavefront OBJ files into `Mesh`: positions, texture coordinates, materials and groups of triangles.
+"""Reader of Wavefront OBJ files: positions, texture coordinates, materials and groups of triangles as a `Mesh`.
 
-Lines are first grouped by keyword; the material and group of a face then follow from line numbers.
+Lines are first grouped by keyword; material and group of a face then follow from line numbers.
 """
 
 import re
@@ -20,20 +20,20 @@ from home_mjx.datasets.suncg.formats.texture_paths import Textures, escape
 from home_mjx.errors import DatasetError, did_you_mean
 from home_mjx.schema.house import Material, Mesh
 
-GREY = (0.7, 0.7, 0.7)  # of faces whose material library is lacking
-PLAIN = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # of faces above the first usemtl
+GREY = (0.7, 0.7, 0.7)  # sRGB of faces with a missing material library
+PLAIN = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # material of faces above the first usemtl
 
 
 def read_obj(path: Path, textures: Textures) -> Mesh:
-    """A mesh with its materials; polygons become fans of triangles, degenerate ones included.
+    """Read a mesh with its materials; polygons become triangle fans, including degenerate triangles.
 
     Args:
         path: The OBJ file.
-        textures: Where colour maps are looked up; its root bounds every path.
+        textures: Lookup of colour maps; all paths must be below its root.
 
     Raises:
         DatasetError: The file or its MTL is missing, or a line is broken: not a number, not finite, an index
-            out of range, an unknown material, a path that leads out of the dataset, no face at all.
+            out of range, an unknown material, a path out of the dataset, or no face at all.
     """
     rows = _scan(read_text(path))
     if not rows["f"]:
@@ -73,7 +73,7 @@ def _table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
     except ValueError:
         number, rest = next(row for row in rows if not _numeric(row[1], width))
         raise Place(path, f"line {number}").error(f"expected {width} numbers, got `{rest.strip()[:60]}`") from None
-    usable = (abs(table) <= LIMIT).all(axis=1)  # false for NaN
+    usable = (abs(table) <= LIMIT).all(axis=1)  # False for NaN
     if not usable.all():
         number, rest = rows[int(usable.argmin())]
         hint = f"Coordinates must be finite and below {LIMIT:g}: export the model again."
@@ -89,14 +89,14 @@ def _numeric(text: str, width: int) -> bool:
 
 
 def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
-    """Index of the last of `rows` above each face; -1 for none."""
+    """Return the index of the last of `rows` above each face; -1 for none."""
     return np.searchsorted(line_numbers(rows), line_numbers(faces)) - 1
 
 
 def _materials(
     rows: dict[str, Rows], path: Path, textures: Textures
 ) -> tuple[tuple[Material, ...], Int[np.ndarray, " f"]]:
-    libraries: dict[Path, Place] = {}  # each is read once, however often it is named
+    libraries: dict[Path, Place] = {}  # each library is read once, even if named repeatedly
     for row in rows["mtllib"]:
         libraries.setdefault(*_library(row, path, textures))
     materials = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
@@ -107,12 +107,12 @@ def _materials(
     current = _current(rows["usemtl"], rows["f"])
     if (current < 0).any():
         materials += (PLAIN,)
-    # index -1, of faces above every usemtl, picks the plain material at the end of both
+    # Index -1, for faces above every usemtl, selects the plain material at the end of both.
     return materials, np.array([*used, len(materials) - 1], np.int32)[current]
 
 
 def _read_library(library: Path, place: Place, textures: Textures) -> tuple[Material, ...]:
-    """The materials of a library; none of a missing or broken one where that is tolerated."""
+    """Read the materials of a library; empty if it is missing or broken and the lookup is tolerant."""
     try:
         return read_mtl(library, textures, _remedy(place))
     except DatasetError:
@@ -122,17 +122,17 @@ def _read_library(library: Path, place: Place, textures: Textures) -> tuple[Mate
 
 
 def lacking_materials(used: Rows, known: Sequence[Material], library: str) -> tuple[Material, ...]:
-    """Grey materials for those that an OBJ uses and no library has, in the order of SUNCG's `material_0`, `material_1`.
+    """Create grey materials for names without a definition, in SUNCG's order `material_0`, `material_1`, ...
 
     Args:
-        used: The `usemtl` lines.
+        used: Lines of `usemtl`.
         known: Materials of the libraries.
-        library: Name of the library that should have them, with `.mtl`.
+        library: Name of the library that should define them, with `.mtl`.
     """
     names = dict.fromkeys(name for _, rest in used if (name := rest.strip()))
     missing = names.keys() - {material.name for material in known}
     numbers = [int(name[9:]) for name in missing if re.fullmatch("material_[0-9]{1,3}", name)]
-    slots = [f"material_{i}" for i in range(len(known), max(numbers, default=-1) + 1)]  # positions are what counts
+    slots = [f"material_{i}" for i in range(len(known), max(numbers, default=-1) + 1)]  # slots are positions
     named = [name for name in slots if name not in names or name in missing]
     others = [name for name in names if name in missing and name not in named]
     return tuple(Material(name, GREY, None, 1.0, lacking=library) for name in (*named, *others))

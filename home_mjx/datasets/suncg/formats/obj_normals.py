@@ -1,24 +1,24 @@
-"""The `vn` lines of an OBJ."""
+"""Reader of the `vn` lines of an OBJ."""
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.datasets.suncg.formats.polygons import Rows
 
-FLAT = 1e-3  # normals that differ less from those of their faces add nothing
+FLAT = 1e-3  # minimum deviation from face normals of useful vertex normals
 
 
 def smooth_normals(
     rows: Rows, index: Int[np.ndarray, "f 3"], triangles: Float[np.ndarray, "f 3 3"]
 ) -> Float[np.ndarray, "f 3 3"] | None:
-    """Unit normals of the corners; None if one is missing or not finite, or if all equal the normals of their faces.
+    """Return unit normals per corner; None if one is missing or not finite, or if all equal their face normals.
 
-    Broken normals are no reason to refuse a model: exporters write them for faces without area.
+    Broken normals do not invalidate a model: exporters write them for faces without area.
 
     Args:
-        rows: The `vn` lines.
-        index: One-based normal of each corner, 0 for none.
-        triangles: Corners [m].
+        rows: Lines of `vn`.
+        index: One-based normal index of each corner; 0 none.
+        triangles: Corners of the faces [m].
     """
     table = _numbers(rows)
     if table is None or (index == 0).any():

@@ -1,4 +1,4 @@
-"""The `f` lines of an OBJ: corners, their indices, and fans of triangles."""
+"""Reader of the `f` lines of an OBJ: corners, their indices, and triangle fans."""
 
 from pathlib import Path
 
@@ -8,17 +8,17 @@ from jaxtyping import Int
 from home_mjx.datasets.suncg.formats.element import Place
 
 Rows = list[tuple[int, str]]  # line number and the text after the keyword
-MAX_CORNERS = 1 << 22
+MAX_CORNERS = 1 << 22  # maximum corners of one mesh
 _KINDS = ("v", "vt", "vn")
 
 
 def line_numbers(rows: Rows) -> Int[np.ndarray, " n"]:
-    """Line numbers of the rows, ascending."""
+    """Return the line numbers of the rows, ascending."""
     return np.array([number for number, _ in rows], np.int64)
 
 
 def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, " f"]]:
-    """One-based v, vt and vn of every corner (0: none), and how many corners each face has."""
+    """Return one-based v, vt and vn indices of every corner (0 none), and the number of corners of each face."""
     count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
     if count > MAX_CORNERS:
         message = f"faces have about {count} corners, at most {MAX_CORNERS} are read"
@@ -60,7 +60,7 @@ def _malformed(words: list[str]) -> bool:
 def _absolute(
     raw: Int[np.ndarray, "c 3"], line: Int[np.ndarray, " c"], rows: dict[str, Rows], path: Path
 ) -> Int[np.ndarray, "c 3"]:
-    """Counts negative indices back from the line of their face and checks the range of all."""
+    """Convert negative indices relative to their face's line to absolute ones, and validate all."""
     index = raw.copy()
     for column, kind in enumerate(_KINDS):
         above = np.searchsorted(line_numbers(rows[kind]), line)
@@ -77,7 +77,7 @@ def _absolute(
 
 
 def fan(sides: Int[np.ndarray, " f"]) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
-    """Triangles (0, k, k + 1) of every polygon as corner indices, and the polygon of each."""
+    """Split polygons into triangles (0, k, k + 1); return corner indices and the polygon of each triangle."""
     count = sides - 2
     face = np.repeat(np.arange(len(sides)), count)
     start = (np.cumsum(sides) - sides)[face]

@@ -1,4 +1,4 @@
-"""Finds the image files that materials name."""
+"""Lookup of the image files of materials."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -13,11 +13,11 @@ EXTENSIONS = (".png", ".jpg")
 
 
 class Textures:
-    """The `texture/` folder of a dataset.
+    """Lookup in the `texture/` folder of a dataset.
 
     Args:
         root: Absolute dataset root.
-        tolerant: Whether materials may name images that are not there.
+        tolerant: Accept materials whose images are missing.
     """
 
     def __init__(self, root: Path, tolerant: bool = False) -> None:
@@ -27,14 +27,14 @@ class Textures:
         self._known: dict[str, Path | None] = {}
 
     def named(self, name: str, place: Place) -> Path:
-        """The image of a texture named without extension, as in house.json.
+        """Return the image of a texture named without extension, as in house.json.
 
         Args:
-            name: Such as `wood_8`; pictures of users have digits only and are in `texture/s/`.
-            place: Who asks, for the error.
+            name: Name such as `wood_8`; users' pictures have only digits and are in `texture/s/`.
+            place: Location of the reference, for errors.
 
         Raises:
-            MissingFileError: There is no such image.
+            MissingFileError: The image does not exist.
             DatasetError: The name leads out of the dataset.
         """
         if below(self.root, self.folder, name) is None:
@@ -46,20 +46,20 @@ class Textures:
         return path
 
     def find(self, name: str) -> Path | None:
-        """The image of a texture, None if there is none; a tolerant one looks again each time."""
+        """Return the image of a texture; None if missing. A tolerant lookup searches again each time."""
         if self._known.get(name) is None and (self.tolerant or name not in self._known):
             self._known[name] = self._find(name)
         return self._known[name]
 
     def of_material(self, name: str, find: Callable[[], Path]) -> dict[str, Any]:
-        """The field `texture` of a material; where that is tolerated, `lacking` instead if the image is missing.
+        """Return a material's field `texture`; or `lacking`, if the image is missing and the lookup is tolerant.
 
         Args:
-            name: Of the texture, without extension.
-            find: Finds its image.
+            name: Name of the texture, without extension.
+            find: Returns its image.
 
         Raises:
-            MissingFileError, DatasetError: As in `named`; a tolerant one does not raise `MissingFileError`.
+            MissingFileError, DatasetError: As in `named`; a tolerant lookup does not raise `MissingFileError`.
         """
         try:
             return {"texture": find()}
@@ -69,12 +69,12 @@ class Textures:
             return {"lacking": name}
 
     def mapped(self, relative: str, folder: Path, place: Place) -> Path:
-        """The image of a `map_Kd`, or one of the same stem in `texture/`.
+        """Return the image of a `map_Kd`, or else the image with the same stem in `texture/`.
 
         Args:
             relative: Path as in the MTL, such as `../../texture//wood_8.jpg`.
             folder: Folder of the MTL.
-            place: The line of the MTL, for the error.
+            place: Line of the MTL, for errors.
 
         Raises:
             MissingFileError, DatasetError: As in `named`.
@@ -95,11 +95,11 @@ class Textures:
 
     @cached_property
     def _any_case(self) -> dict[str, Path]:
-        # SUNCG was written on a file system that ignores case.
+        # SUNCG was written on a case-insensitive file system.
         files = [*self.folder.glob("*"), *self.folder.glob("s/*")]
         return {path.relative_to(self.folder).as_posix().lower(): path for path in sorted(files)}
 
 
 def escape(relative: str, place: Place) -> Exception:
-    """The error of a path that leads out of the dataset root."""
+    """Create the error for a path that leads out of the dataset root."""
     return place.error(f"path `{relative[:80]}` leads out of the dataset", "Paths must stay below the dataset root.")

@@ -1,1 +1,1 @@
-"""A house from its files."""
+"""Reader of a house's files."""

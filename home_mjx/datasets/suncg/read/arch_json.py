@@ -1,4 +1,4 @@
-"""Reads `wall/<id>/<id>.arch.json` of SUNCG v2, which comes without meshes of rooms, and builds those meshes."""
+"""Reader of SUNCG v2's `wall/<id>/<id>.arch.json`, which replaces room meshes, and construction of these meshes."""
 
 from collections import defaultdict
 from collections.abc import Callable
@@ -17,27 +17,27 @@ from home_mjx.geometry.wall_prisms import DEPTH, RISE, Hole, Wall
 from home_mjx.schema.house import Material, Mesh
 
 WHITE = (1.0, 1.0, 1.0)
-THICKNESS = {"Floor": 0.05, "Ceiling": 0.05, "Ground": 0.08}  # [m], where the file has no `defaults`
+THICKNESS = {"Floor": 0.05, "Ceiling": 0.05, "Ground": 0.08}  # [m], default without `defaults` in the file
 MAX_ELEMENTS = 10_000  # the largest house of SUNCG has 155 rooms
-MAX_HOLES = 50  # in one wall
-MAX_CORNERS = 1_000  # of one polygon
+MAX_HOLES = 50  # maximum holes in one wall
+MAX_CORNERS = 1_000  # maximum corners of one polygon
 
 Note = Callable[[Place, str, str], None]
 
 
 @dataclass(frozen=True)
 class Architecture:
-    """The elements of one house; a mesh is built when it is asked for."""
+    """Architectural elements of one house; meshes are built on request."""
 
     file: Path
     scale: float  # [m] per unit of the file
     defaults: Value
-    elements: dict[tuple[str, str], list[Value]]  # by type, and by the id of their room or, of grounds, their own
+    elements: dict[tuple[str, str], list[Value]]  # by type and room id; grounds by their own id
     textures: Textures
     note: Note
 
     def mesh(self, kind: str, node_id: str) -> Mesh | None:
-        """The walls, floor, ceiling or ground of a node; None if the file has none.
+        """Build the walls, floor, ceiling or ground of a node; None if the file has none.
 
         Args:
             kind: `Wall`, `Floor`, `Ceiling` or `Ground`.
@@ -81,7 +81,7 @@ class Architecture:
     def _slab(self, value: Value, kind: str, node_id: str) -> tuple[list[Piece], list[Material]]:
         x, high, z = value.member("offset").vector(3)
         if value.member("points").data == []:
-            raise value.member("points").error("expected a polygon or more, got none")
+            raise value.member("points").error("expected at least one polygon, got none")
         polygons = [_polygon(points) + np.array([x, z]) for points in value.member("points").entries()]
         low = high - self._measure(value, kind, "depth", THICKNESS[kind])
         outset = self._length(self._default("Wall", "depth"), DEPTH, 1e-3) / 5
@@ -92,7 +92,7 @@ class Architecture:
         return [Piece(f"{kind}#{node_id}", vertices, faces, uv, np.zeros(len(faces), int))], self._materials(value, 1)
 
     def _measure(self, value: Value, kind: str, key: str, default: float, least: float = 1e-3) -> float:
-        """A length of an element, else from `defaults`, else SUNCG's own; in units of the file."""
+        """Read a length from an element, else from `defaults`, else use SUNCG's default; in units of the file."""
         own = value.member(key)
         return self._length(own if own.present else self._default(kind, key), default, least)
 
@@ -103,7 +103,7 @@ class Architecture:
     def _length(self, value: Value, default: float, least: float) -> float:
         length = value.coordinate() if value.present else default / self.scale
         if length < least:
-            raise value.error(f"expected a length of {least:g} or more, got {length:g}")
+            raise value.error(f"expected a length of at least {least:g}, got {length:g}")
         return length
 
     def _materials(self, value: Value, count: int) -> list[Material]:
@@ -114,15 +114,15 @@ class Architecture:
 
 
 def read_architecture(path: Path, textures: Textures, note: Note) -> Architecture:
-    """The architecture of one house.
+    """Read the architecture of one house.
 
     Args:
-        path: The file.
-        textures: Where textures are looked up.
-        note: Called with tolerated oddities: place, rule, message.
+        path: Path of the arch.json file.
+        textures: Texture lookup of the dataset.
+        note: Called with place, rule and message of each tolerated irregularity.
 
     Raises:
-        DatasetError: The file is missing, is not JSON, or does not list elements.
+        DatasetError: The file is missing, not JSON, or does not list elements.
     """
     document = read_json(path)
     version, scale = document.member("version"), document.member("scaleToMeters")
@@ -172,6 +172,6 @@ def _hole(box: Value) -> Hole:
 def _polygon(points: Value) -> Float[np.ndarray, "n 2"]:
     entries = points.entries()
     if not 3 <= len(entries) <= MAX_CORNERS:
-        raise points.error(f"expected 3 corners or more, at most {MAX_CORNERS}, got {len(entries)}")
+        raise points.error(f"expected 3 to {MAX_CORNERS} corners, got {len(entries)}")
     corners = [point.vector(3)[[0, 2]] for point in entries]
     return np.array(corners)

@@ -1,4 +1,4 @@
-"""Boxes of a hundred metres that show a landscape behind the windows."""
+"""Cutting of backdrops: boxes of about a hundred metres that show a landscape behind the windows."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,17 +10,17 @@ from home_mjx.datasets.suncg.formats.element import Place
 from home_mjx.datasets.suncg.read.reading import Reading
 from home_mjx.schema.house import Box, Ground, Node, Object, Room
 
-LONG = 20.0  # [m]: boxes with a longer edge may be backdrops; rooms, partitions and steps are smaller
-AXIS = 1e-3  # largest sine of the angle between the axes and a box that is cut
+LONG = 20.0  # [m], maximum edge of ordinary boxes; longer ones may be backdrops
+AXIS = 1e-3  # maximum sine of the angle between the axes and a box that is cut
 
 
 def cut_backdrops(nodes: Sequence[Node], place: Place, reading: Reading) -> list[Node]:
-    """The nodes of a level, with long boxes cut to the extent of everything else; boxes outside of it are left out.
+    """Cut long boxes of a level to the extent of all other nodes; drop long boxes outside of it.
 
     Args:
-        nodes: The nodes of a level.
-        place: Of the level, for levels that hold nothing but backdrops.
-        reading: Its options say whether backdrops are kept whole.
+        nodes: Nodes of a level.
+        place: Location of the level.
+        reading: State of the reader; its options determine if backdrops stay uncut.
     """
     extent = None if reading.options.backdrops else level_extent(nodes)
     if extent is None:
@@ -29,9 +29,9 @@ def cut_backdrops(nodes: Sequence[Node], place: Place, reading: Reading) -> list
 
 
 def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
-    """The box around rooms, grounds and objects [m]; None if there are none.
+    """Return the bounding box of rooms, grounds and objects [m]; None if there are none.
 
-    The boxes in the file cannot be used for rooms: they enclose the members, including backdrops.
+    The file's boxes of rooms are not usable, since they enclose the members, including backdrops.
     """
     rooms = [part for node in nodes if isinstance(node, Room) for part in (node.floor, node.ceiling, node.walls)]
     meshes = [*rooms, *(node.mesh for node in nodes if isinstance(node, Ground))]
@@ -44,7 +44,7 @@ def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
 
 
 def box_bounds(box: Box) -> Float[np.ndarray, "2 3"]:
-    """The box around a box in the scene [m]."""
+    """Return the axis-aligned bounds of a box in the scene [m]."""
     half = abs(box.transform[:3, :3]) @ box.dimensions / 2
     return np.stack([box.transform[:3, 3] - half, box.transform[:3, 3] + half])
 
@@ -69,7 +69,7 @@ def _along_axes(box: Box) -> bool:
 
 
 def _resize(box: Box, bounds: Float[np.ndarray, "2 3"]) -> Box:
-    """The box of the same orientation that fills an upright one."""
+    """Resize a box to fill axis-aligned bounds, in the same orientation."""
     transform = box.transform.copy()
     transform[:3, 3] = bounds.mean(axis=0)
     axes = abs(box.transform[:3, :3]).argmax(axis=0)

@@ -1,4 +1,4 @@
-"""Reads house.json: the house, its levels, and which nodes of a level count."""
+"""Reader of house.json: the house, its levels, and the valid nodes of each level."""
 
 import json
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -16,7 +16,7 @@ from home_mjx.datasets.suncg.read.reading import Reading
 from home_mjx.datasets.suncg.read.stand_ins import all_stand_ins, stand_in_for_parts
 from home_mjx.schema.house import Box, Ground, House, Level, Metadata, Node, Object, Room, Unknown
 
-MAX_NODES = 10_000  # in one level; the largest houses of SUNCG have about two thousand
+MAX_NODES = 10_000  # maximum nodes of one level; SUNCG's largest houses have about two thousand
 MAX_LEVELS = 100
 AXES = (("up", [0, 1, 0]), ("front", [0, 0, 1]))
 N = TypeVar("N", bound=Node)
@@ -25,14 +25,14 @@ N = TypeVar("N", bound=Node)
 def read_house(
     house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool], tables: Metadata
 ) -> House:
-    """One house with every mesh that it shows.
+    """Read one house with all meshes of its visible nodes.
 
     Args:
-        house_id: Name of its folder.
-        assets: Meshes and textures of the dataset; tolerant ones take stand-ins for what is lacking.
-        options: What is read.
-        left_out: Whether the options leave out a model.
-        tables: Of the dataset, for stand-ins.
+        house_id: Name of the house's folder.
+        assets: Meshes and textures of the dataset; if tolerant, missing parts get fallbacks.
+        options: Reader options.
+        left_out: Returns whether the options leave out a model.
+        tables: Metadata tables of the dataset, for fallbacks.
 
     Raises:
         DatasetError: house.json or a file that it needs is missing or broken.
@@ -40,17 +40,17 @@ def read_house(
     document = read_json(house_path(house_id, assets))
     house = build_house(document, Reading(house_id, assets, left_out, options, tables=tables))
     if not any(level.rooms or level.objects or level.boxes or level.grounds for level in house.levels):
-        raise document.member("levels").error("house shows nothing", "Remove its folder from the dataset.")
+        raise document.member("levels").error("house has no visible node", "Remove its folder from the dataset.")
     return house
 
 
 def house_path(house_id: str, assets: AssetLibrary) -> Path:
-    """Path of the house.json of a house."""
+    """Return the path of a house's house.json."""
     return assets.root / "house" / house_id / "house.json"
 
 
 def build_house(document: Value, reading: Reading) -> House:
-    """The house that a document describes; errors and problems go where `reading` wants them."""
+    """Build the house that a document describes; `reading` collects errors and problems."""
     reading.materials = document.member("materials")
     reading.scale = reading.attempt(_scale, document.member("scaleToMeters")) or 1.0
     reading.attempt(_check_header, document, reading)
@@ -89,7 +89,7 @@ def _check_header(document: Value, reading: Reading) -> None:
     if not version.present or not version.text().startswith("suncg"):
         reading.note(version, "format-version", f"version is {json.dumps(version.data)}: read as suncg@1.0.0")
     if not house_id.present or house_id.text() != reading.house_id:
-        reading.note(house_id, "house-id", f"id is {json.dumps(house_id.data)}: the folder's name is taken")
+        reading.note(house_id, "house-id", f"id is {json.dumps(house_id.data)}: the folder's name is used")
     for key, axis in AXES:
         value = document.member(key)
         if value.present and value.vector(3).tolist() != axis:
@@ -97,7 +97,7 @@ def _check_header(document: Value, reading: Reading) -> None:
 
 
 def read_level(level: Value, index: int, reading: Reading) -> Level | None:
-    """One storey; None if it is switched off."""
+    """Read one storey; None if it is disabled."""
     if not level.member("valid").flag(default=True):
         return None
     nodes = level.member("nodes")
@@ -126,7 +126,7 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
 
 
 def _hidden(values: Sequence[Value], level: int, shown: Collection[int]) -> tuple[Unknown, ...]:
-    """Nodes that are empty or switched off, which take a place in the list."""
+    """Return empty and disabled nodes, which occupy positions in the list of nodes."""
     found = [(i, value) for i, value in enumerate(values) if i not in shown and isinstance(value.data, dict)]
     off = [(i, value) for i, value in found if not value.data or value.data.get("valid", 1) in (0, "0", False)]
     return tuple(Unknown(f"{level}_{i}", i, value.element, None, data=value.data) for i, value in off)
@@ -153,16 +153,16 @@ def _read_node(value: Value, default_id: str, index: int, reading: Reading) -> N
 
 
 def _id(value: Value, default: str, reading: Reading) -> str:
-    """The id as a string; some files write numbers, some nothing."""
+    """Return the id as a string; some files have a number or no id."""
     found = value.member("id")
     if not found.present:
-        reading.note(found, "missing-id", f"no id: `{default}` taken")
+        reading.note(found, "missing-id", f"no id: `{default}` is used")
         return default
     return found.data if isinstance(found.data, str) else str(found.integer())
 
 
 def _duplicates(nodes: Sequence[Node], values: Sequence[Value], reading: Reading) -> dict[int, int]:
-    """Nodes that repeat an earlier one in every respect, by index; one that only shares its id is kept."""
+    """Return exact repetitions of earlier nodes, by index; a node that only shares its id is kept."""
     first: dict[str, Node] = {}
     same: dict[int, int] = {}
     for node in nodes:
@@ -181,7 +181,7 @@ def _duplicates(nodes: Sequence[Node], values: Sequence[Value], reading: Reading
 def _with_members(
     room: Room, values: Sequence[Value], kinds: Mapping[int, bool], same: Mapping[int, int], reading: Reading
 ) -> Room:
-    """The room with those members that are shown, each once; `kinds` says by index which nodes are furniture."""
+    """Return the room with its valid members, each once; `kinds` maps a node's index to True for furniture."""
     place = values[room.index].member("nodeIndices")
     beyond = [index for index in room.members if not 0 <= index < len(values)]
     if beyond:

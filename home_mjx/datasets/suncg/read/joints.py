@@ -1,4 +1,4 @@
-"""Reads `joints.csv`, which SUNCG has not: the movable parts of generated models."""
+"""Reader of `joints.csv`, the movable parts of generated models; SUNCG has no such table."""
 
 import math
 import re
@@ -14,19 +14,19 @@ from home_mjx.datasets.suncg.read.metadata import read_rows, triple
 
 JOINTS = "joints.csv"
 COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")
-UNIT = 1e-4  # by how much the length of an axis may differ from 1
-MAX_FACES = MAX_CORNERS  # of a mesh
+UNIT = 1e-4  # maximum deviation of an axis's length from 1
+MAX_FACES = MAX_CORNERS  # maximum faces of a mesh
 _RUN = re.compile(r"([0-9]{1,7})-([0-9]{1,7})")
 
 
 def read_joints(folder: Path) -> Joints:
-    """The joints of all models, by model id; none if there is no such table.
+    """Read the joints of all models, by model id; empty if the table does not exist.
 
     Args:
         folder: `<root>/metadata`.
 
     Raises:
-        DatasetError: A row is broken: says which, and how.
+        DatasetError: A row is broken; the error names the row and the fault.
     """
     found: dict[str, dict[str, Joint]] = defaultdict(dict)
     for place, cells in read_rows(folder / JOINTS, COLUMNS, None) if is_file(folder / JOINTS) else ():
@@ -62,18 +62,18 @@ def _point(text: str, place: Place) -> Vector:
 
 
 def _limits(text: str, place: Place) -> tuple[float, float]:
-    """The range; 0, where the part is drawn, lies in it."""
+    """Parse the range, which must contain 0, the pose in the OBJ."""
     try:
         low, high = (float(word) for word in text.split(","))
     except ValueError:
         low = high = math.nan
     if not -LIMIT <= low <= 0.0 <= high <= LIMIT or low == high:
-        raise place.error(f"expected a range such as `0.0, 1.57` that holds 0, got `{text}`")
+        raise place.error(f"expected a range such as `0.0, 1.57` that contains 0, got `{text}`")
     return low, high
 
 
 def _runs(text: str, place: Place) -> tuple[tuple[int, int], ...]:
-    """Runs of faces such as `0-11 24-35`, in ascending order."""
+    """Parse runs of faces such as `0-11 24-35`, in ascending order."""
     matches = [_RUN.fullmatch(word) for word in text.split()]
     runs = [(int(match[1]), int(match[2])) for match in matches if match is not None]
     ends = [end for run in runs for end in run]

@@ -1,4 +1,4 @@
-"""Reads the metadata tables: categories, sizes and lights of the models."""
+"""Reader of the metadata tables: categories, sizes and lights of the models."""
 
 import csv
 import math
@@ -18,11 +18,11 @@ LIGHT_KINDS = ("PointLight", "SpotLight", "LineLight")
 
 
 def read_metadata(folder: Path, tolerant: bool = False) -> Metadata:
-    """The tables of `<root>/metadata`.
+    """Read the tables of `<root>/metadata`.
 
     Args:
-        folder: Holds `ModelCategoryMapping.csv` and, optionally, `models.csv` and `suncgModelLights.json`.
-        tolerant: Whether the first may be missing as well.
+        folder: Folder with `ModelCategoryMapping.csv` and, optionally, `models.csv` and `suncgModelLights.json`.
+        tolerant: Accept a missing category table as well.
 
     Raises:
         DatasetError: The category table is missing, or a row of any table is broken.
@@ -45,15 +45,15 @@ def _read_categories(path: Path) -> dict[str, ModelInfo]:
 
 
 def _read_sizes(path: Path, named: Metadata) -> dict[str, ModelInfo]:
-    """Adds sizes and fronts; variants, which the category table lacks, take the categories of their base."""
+    """Read sizes and fronts; variants, missing in the category table, inherit the categories of their base."""
     models: dict[str, ModelInfo] = {}
     for place, (model_id, front, low, high) in read_rows(path, ("id", "front", "minPoint", "maxPoint"), None):
         _check_new(model_id, models, place)
         (x0, y0, z0), (x1, y1, z1) = triple(low, place), triple(high, place)
-        # not `aligned.dims`: those are of the model turned to its front
+        # `aligned.dims` is not used: it belongs to the model rotated to its front.
         dims = (x1 - x0, y1 - y0, z1 - z0)
         info = named.info(model_id)
-        facing = triple(front, place) if info.front == FRONT else info.front  # v2's category table is the better one
+        facing = triple(front, place) if info.front == FRONT else info.front  # v2's category table is more accurate
         models[model_id] = replace(info, model_id=model_id, dims=dims, front=facing, low=(x0, y0, z0))
     return models
 
@@ -64,7 +64,7 @@ def _check_new(model_id: str, models: dict[str, ModelInfo], place: Place) -> Non
 
 
 def triple(text: str, place: Place) -> tuple[float, float, float]:
-    """Three finite numbers with commas between them; raises `DatasetError` of the place for anything else."""
+    """Parse three finite numbers separated by commas; raise `DatasetError` at `place` otherwise."""
     try:
         x, y, z = (float(word) for word in text.split(","))
     except ValueError:
@@ -77,7 +77,7 @@ def triple(text: str, place: Place) -> tuple[float, float, float]:
 def read_rows(
     path: Path, columns: tuple[str, ...], hint: str | None, optional: tuple[str, ...] = ()
 ) -> Iterator[tuple[Place, list[str]]]:
-    """The named columns of every row of a CSV file; optional ones that the file lacks are empty."""
+    """Yield the named columns of every row of a CSV file; optional columns are empty if missing."""
     table = csv.reader(read_text(path, hint).splitlines(), strict=True)
     try:
         header = next(table, [])

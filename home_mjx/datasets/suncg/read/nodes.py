@@ -1,6 +1,6 @@
-"""Reads the nodes of house.json: objects, boxes, rooms and grounds.
+"""Reader of the nodes of house.json: objects, boxes, rooms and grounds.
 
-Known gaps of real houses are tolerated and noted as a `Problem`; a node without meaning is an error.
+Known defects of real houses are tolerated and recorded as a `Problem`; a meaningless node is an error.
 """
 
 import re
@@ -25,7 +25,7 @@ TEXT_INDEX = re.compile("[0-9]{1,9}")
 
 
 def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object | None:
-    """An object, with its model put into `reading.models`; None if it has no volume or is left out by the options."""
+    """Read an object and store its model in `reading.models`; None if it has no volume or the options exclude it."""
     model_id = node.member("modelId").name()
     if reading.left_out(model_id):
         return None
@@ -49,7 +49,7 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
 
 
 def read_or_stand_in(item: Object, node: Value, reading: Reading) -> Object:
-    """The object, with its model or a stand-in put into `reading.models`."""
+    """Store the object's model or its fallback in `reading.models` and return the object."""
     if item.model_key not in reading.stood_in:
         try:
             _keep(item, reading.model(item.model_id, item.model_key, node.member("modelId")), node, reading)
@@ -62,12 +62,12 @@ def _keep(item: Object, mesh: Mesh, node: Value, reading: Reading) -> None:
     reading.models[item.model_key] = mesh
     _read_other(item, node, reading)
     if len(item.materials) > len(mesh.materials):
-        extra = f"{len(item.materials)} materials for {len(mesh.materials)} slots: the rest is ignored"
+        extra = f"{len(item.materials)} materials for {len(mesh.materials)} slots: the others are ignored"
         reading.note(node.member("materials"), "extra-materials", extra)
 
 
 def _read_other(item: Object, node: Value, reading: Reading) -> None:
-    """The object's other state, if there is one; it is not shown, so a broken one is only noted."""
+    """Read the object's other state, if it exists; it is not visible, so a broken one is only noted."""
     key = item.other_key
     if key not in reading.others and is_file(reading.assets.model_path(item.model_id, key)):
         try:
@@ -77,7 +77,7 @@ def _read_other(item: Object, node: Value, reading: Reading) -> None:
 
 
 def read_box(node: Value, common: dict[str, Any], reading: Reading) -> Box | None:
-    """A box; None if it has no volume."""
+    """Read a box; None if it has no volume."""
     transform = _transform(node, reading)
     dimensions = node.member("dimensions").vector(3)
     if transform is not None and dimensions.min() <= 0:
@@ -89,7 +89,7 @@ def read_box(node: Value, common: dict[str, Any], reading: Reading) -> Box | Non
 
 
 def read_room(node: Value, common: dict[str, Any], reading: Reading) -> Room:
-    """A room with its meshes; `members` are as in the file, to be checked against the level."""
+    """Read a room with its meshes; `members` are unchecked indices from the file."""
     members = node.member("nodeIndices")
     return Room(
         **common,
@@ -103,7 +103,7 @@ def read_room(node: Value, common: dict[str, Any], reading: Reading) -> Room:
 
 
 def _members(values: Value, reading: Reading) -> tuple[int, ...]:
-    """Indices of nodes; exports of deep-synth and PlanIT write them as strings."""
+    """Read indices of nodes; exports of deep-synth and PlanIT write them as strings."""
     entries = values.entries()
     if any(isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data) for entry in entries):
         reading.note(values, "text-member", "indices are written as strings: read as numbers")
@@ -117,7 +117,7 @@ def _members(values: Value, reading: Reading) -> tuple[int, ...]:
 
 
 def read_ground(node: Value, common: dict[str, Any], reading: Reading) -> Ground:
-    """A slab of outdoor ground."""
+    """Read a slab of outdoor ground."""
     mesh = reading.attempt(read_part, node, "Ground", common["id"], reading)
     return Ground(**common, model_id=node.member("modelId").name(), mesh=mesh)
 
@@ -131,7 +131,7 @@ READERS: dict[str, Callable[[Value, dict[str, Any], Reading], Node | None]] = {
 
 
 def read_bbox(node: Value, reading: Reading) -> Float[np.ndarray, "2 3"] | None:
-    """The box in the file, in metres; None, and a problem, if it is missing or its minimum exceeds its maximum."""
+    """Read the bounding box [m]; None, with a problem, if it is missing or its minimum exceeds its maximum."""
     bbox = node.member("bbox")
     if not bbox.present:
         reading.note(bbox, "missing-bbox", "no bounding box")
@@ -144,10 +144,10 @@ def read_bbox(node: Value, reading: Reading) -> Float[np.ndarray, "2 3"] | None:
 
 
 def _transform(node: Value, reading: Reading) -> Float[np.ndarray, "4 4"] | None:
-    """Scene from model, in metres; None, and a problem, if it flattens everything."""
+    """Read the transform scene from model [m]; None, with a problem, if it is singular."""
     value = node.member("transform")
     if not value.present:
-        reading.note(value, "missing-transform", "no transform: identity taken")
+        reading.note(value, "missing-transform", "no transform: identity is used")
     matrix = value.vector(16).reshape(4, 4).T if value.present else np.eye(4)
     if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
         hint = "Transforms are column-major: the translation is in numbers 12 to 14."
@@ -159,7 +159,7 @@ def _transform(node: Value, reading: Reading) -> Float[np.ndarray, "4 4"] | None
         return None
     mirrored = node.member("isMirrored")
     if mirrored.present and mirrored.flag() != (determinant < 0):
-        reading.note(mirrored, "mirror-flag", "isMirrored contradicts the transform, which is taken")
+        reading.note(mirrored, "mirror-flag", "isMirrored contradicts the transform, which is used")
     return np.diag([reading.scale] * 3 + [1.0]) @ matrix
 
 
@@ -168,10 +168,10 @@ def _state(value: Value, model_id: str, reading: Reading) -> int | None:
         return None
     state = value.integer()
     if state < 0:
-        raise value.error(f"expected a state of 0 or more, got {state}")
+        raise value.error(f"expected a state of at least 0, got {state}")
     path = reading.assets.model_path(model_id, f"{model_id}_{state - 1}")
     if state and not is_file(path) and not (reading.tolerant and not is_file(path.with_name(f"{model_id}.obj"))):
-        message = f"model has no variant `{model_id}_{state - 1}`: its base is shown"
+        message = f"model has no variant `{model_id}_{state - 1}`: its base is used"
         reading.note(value, "missing-variant", message)
         return 0
     return state

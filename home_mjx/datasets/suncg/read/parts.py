@@ -1,4 +1,4 @@
-"""The meshes of rooms and grounds: from `room/` as in SUNCG v1, else from the architecture file of v2."""
+"""Meshes of rooms and grounds: from `room/` in SUNCG v1, else from the architecture file of v2."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,15 +14,15 @@ HIDDEN_BY = {"Floor": "hideFloor", "Ceiling": "hideCeiling", "Wall": "hideWalls"
 
 
 def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | None:
-    """A mesh of a room or ground, in metres; None where it is hidden or, with a problem, missing.
+    """Read a mesh of a room or ground [m]; None if it is hidden or, with a problem, missing.
 
-    Where stand-ins are taken, what is missing or broken is put into `reading.lacking_parts`.
+    With fallbacks enabled, missing or broken meshes are recorded in `reading.lacking_parts`.
 
     Args:
-        node: The node.
+        node: Node of the room or ground.
         kind: `Floor`, `Ceiling`, `Wall` or `Ground`.
-        node_id: Its id in the architecture file.
-        reading: The state of reading the house.
+        node_id: Id of the node in the architecture file.
+        reading: State of the reader.
 
     Raises:
         DatasetError: The house has neither a folder of meshes nor an architecture file, or one of them is broken.
@@ -39,7 +39,7 @@ def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | 
 
 
 def _found_or_lacking(node: Value, kind: str, node_id: str, stem: str, reading: Reading) -> Mesh | None:
-    """The mesh of the file, else of the architecture file; None, and a line in `lacking_parts`, if neither has it."""
+    """Read the mesh's file, else the architecture file; if both fail, record it in `lacking_parts` and return None."""
     path, reason = reading.assets.room_path(reading.house_id, stem), ""
     try:
         if is_file(path):
@@ -53,7 +53,7 @@ def _found_or_lacking(node: Value, kind: str, node_id: str, stem: str, reading: 
         mesh, reason = None, reason or error.message
     if mesh is None:
         reading.lacking_parts[node.element, kind] = reason
-    elif is_folder(path.parent):  # in v2 there is none, and the architecture file is where walls are
+    elif is_folder(path.parent):  # only v1 has this folder; in v2 the architecture file is the regular source
         reading.stand_ins.append(StandIn("room mesh", stem, node.element, "the architecture file's", reason))
     return mesh
 

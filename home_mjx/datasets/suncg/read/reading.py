@@ -1,4 +1,4 @@
-"""The state of reading one house."""
+"""State of the reader for one house."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -18,35 +18,35 @@ T = TypeVar("T")
 
 @dataclass
 class Reading:
-    """The state of reading one house."""
+    """State of the reader for one house."""
 
     house_id: str
     assets: AssetLibrary
-    left_out: Callable[[str], bool] = lambda model_id: False  # models that the options leave out
+    left_out: Callable[[str], bool] = lambda model_id: False  # returns whether the options leave out a model
     options: ReadOptions = field(default_factory=ReadOptions)
-    materials: Value | None = None  # the house's own list, for nodes that have `materialIndices`
+    materials: Value | None = None  # material list of the house, for nodes with `materialIndices`
     scale: float = 1.0  # [m] per unit of the file
     models: dict[str, Mesh] = field(default_factory=dict)
     others: dict[str, Mesh] = field(default_factory=dict)
     notes: list[tuple[Place, Problem]] = field(default_factory=list)
-    errors: list[DatasetError] | None = None  # if a list, a broken node is put there and left out
-    kept: dict[str, Any] = field(default_factory=dict)  # see `once`
-    tables: Metadata = field(default_factory=lambda: Metadata({}))  # as the dataset has them, for stand-ins
-    stand_ins: list[StandIn] = field(default_factory=list)  # for what is lacking, if the assets are tolerant
-    stood_in: set[str] = field(default_factory=set)  # keys of `models` that are stand-ins
-    lacking_parts: dict[tuple[str, str], str] = field(default_factory=dict)  # why, by path of a room and kind of mesh
+    errors: list[DatasetError] | None = None  # if a list, errors are collected here and broken nodes dropped
+    kept: dict[str, Any] = field(default_factory=dict)  # results and errors of `once`
+    tables: Metadata = field(default_factory=lambda: Metadata({}))  # tables of the dataset, for fallbacks
+    stand_ins: list[StandIn] = field(default_factory=list)  # fallbacks for missing parts, if the assets are tolerant
+    stood_in: set[str] = field(default_factory=set)  # keys of `models` that are fallbacks
+    lacking_parts: dict[tuple[str, str], str] = field(default_factory=dict)  # reason, by room path and kind of mesh
 
     @property
     def tolerant(self) -> bool:
-        """Whether stand-ins are taken for what is lacking."""
+        """True if missing parts get fallbacks."""
         return self.assets.tolerant
 
     def note(self, place: Place, rule: str, message: str) -> None:
-        """Records a tolerated oddity under the name of the rule that it breaks."""
+        """Record a tolerated irregularity with the validator rule that it violates."""
         self.notes.append((place, Problem(printable(place.element), printable(message), rule)))
 
     def attempt(self, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
-        """The result of `read`; None if it raises a `DatasetError` and errors are collected."""
+        """Return the result of `read`; None if it raises a `DatasetError` and errors are collected."""
         try:
             return read(*args, **kwargs)
         except DatasetError as error:
@@ -56,7 +56,7 @@ class Reading:
             return None
 
     def once(self, key: str, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """The result or error of the first call with this key: thousands of nodes may need one file."""
+        """Return the cached result or error of the first call with this key; thousands of nodes may use one file."""
         if key not in self.kept:
             try:
                 self.kept[key] = read(*args, **kwargs)
@@ -67,16 +67,16 @@ class Reading:
         return self.kept[key]
 
     def model(self, model_id: str, key: str, place: Place) -> Mesh:
-        """A library model; arguments and errors as of `AssetLibrary.model`."""
+        """Return a library model; arguments and errors as in `AssetLibrary.model`."""
         self.assets.find_model(model_id, key, place)
         return self.once(f"object/{key}", self.assets.model, model_id, key, place)
 
     @property
     def architecture(self) -> Architecture | None:
-        """SUNCG v2's description of walls, floors and ceilings; None if the dataset has none of this house.
+        """SUNCG v2's description of walls, floors and ceilings; None if the house has no such file.
 
         Raises:
-            DatasetError: It is broken.
+            DatasetError: The file is broken.
         """
         return self.once("architecture", self._read_architecture)
 

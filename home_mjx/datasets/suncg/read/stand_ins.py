@@ -1,4 +1,4 @@
-"""Takes stand-ins for what a house lacks, and keeps a list of them."""
+"""Selection of fallbacks for missing parts of a house, with a list of them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,12 +25,12 @@ LAWN = Material("", (0.45, 0.55, 0.35), None, 1.0)
 
 
 def stand_in_for_model(item: Object, error: DatasetError, reading: Reading) -> None:
-    """Puts a stand-in for the model of an object into `reading.models`, of a door with its other state.
+    """Store a fallback for an object's model in `reading.models`; for a door, also for its other state.
 
     Args:
-        item: The object.
-        error: Why its model cannot be read.
-        reading: The state of reading the house.
+        item: Object with the missing model.
+        error: Error of reading its model.
+        reading: State of the reader.
     """
     info = _info(reading.tables, item.model_id)
     box, closed = model_box(info, item.transform, item.bbox), item.model_key != item.model_id
@@ -52,11 +52,11 @@ def _info(tables: Metadata, model_id: str) -> ModelInfo:
 
 
 def stand_in_for_parts(nodes: Sequence[Node], reading: Reading) -> list[Node]:
-    """The nodes of a level, rooms and grounds with stand-ins for the meshes that they lack.
+    """Return a level's nodes, with fallbacks for missing meshes of rooms and grounds.
 
     Args:
-        nodes: Of a level.
-        reading: The state of reading the house.
+        nodes: Nodes of a level.
+        reading: State of the reader.
     """
     if not reading.lacking_parts:
         return list(nodes)
@@ -66,7 +66,7 @@ def stand_in_for_parts(nodes: Sequence[Node], reading: Reading) -> list[Node]:
 
 
 def _gap(item: Object, reading: Reading) -> Gap | None:
-    """The hole that a door, window or arch makes in walls; None for other objects."""
+    """Return the wall span of a door, window or arch; None for other objects."""
     info = _info(reading.tables, item.model_id)
     if info.coarse not in OPENINGS:
         return None
@@ -110,18 +110,18 @@ def _with_ground(node: Ground, reading: Reading) -> Ground:
 
 
 def _lacking(node: Room | Ground, kind: str, reading: Reading) -> tuple[Path, str]:
-    """Where the mesh should be, and why it cannot be read if it is there."""
+    """Return the path of a missing mesh, and the reason if the file exists but cannot be read."""
     path = reading.assets.room_path(reading.house_id, node.model_id + LETTERS[kind])
     return path, reading.lacking_parts[node.path, kind]
 
 
 def _give_up(node: Room | Ground, path: Path, reading: Reading) -> None:
     place = Place(reading.assets.root, f"{node.path}.modelId")
-    reading.note(place, "missing-part", f"mesh {path.name} is missing, and nothing tells its outline: not shown")
+    reading.note(place, "missing-part", f"mesh {path.name} is missing, and its outline is unknown: not shown")
 
 
 def _materials(path: Path, reading: Reading) -> Sequence[Material]:
-    """The materials of a lacking mesh, if they are there."""
+    """Read the materials of a missing mesh, if its MTL exists."""
     library = path.with_suffix(".mtl")
     try:
         return read_mtl(library, reading.assets.textures) if is_file(library) else ()
@@ -130,11 +130,11 @@ def _materials(path: Path, reading: Reading) -> Sequence[Material]:
 
 
 def all_stand_ins(house: House, reading: Reading) -> tuple[StandIn, ...]:
-    """Everything that the house lacks, in the order of `STAND_INS`, each once.
+    """Return all fallbacks of a house in the order of `STAND_INS`, each once.
 
     Args:
-        house: As it was read.
-        reading: The state of reading it.
+        house: House as read.
+        reading: State of the reader.
     """
     nodes = [node for level in house.levels for node in level.objects]
     without = {node.model_id: node for node in nodes if not has_row(reading.tables, node.model_id)}

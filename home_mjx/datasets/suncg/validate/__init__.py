@@ -1,1 +1,1 @@
-"""The rules that the validator adds to those of the reader. Each module has one function that takes a `Subject`."""
+"""Validator rules beyond those of the reader; each module has one function of a `Subject`."""

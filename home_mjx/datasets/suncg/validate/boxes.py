@@ -1,4 +1,4 @@
-"""Rules about bounding boxes: those of the file against those of the geometry."""
+"""Rules on bounding boxes: the file's boxes against the geometry."""
 
 import numpy as np
 from jaxtyping import Float
@@ -9,13 +9,13 @@ from home_mjx.datasets.suncg.read.nodes import read_bbox
 from home_mjx.datasets.suncg.validate.subject import Subject, level_nodes
 from home_mjx.schema.house import Box, Node, Object
 
-TOLERANCE = 1e-3  # [m]; SUNCG's numbers have been through float32
+TOLERANCE = 1e-3  # [m]; SUNCG's numbers were rounded to float32
 
 Bounds = Float[np.ndarray, "2 3"]
 
 
 def check_boxes(subject: Subject) -> None:
-    """Boxes of nodes against vertices, of levels against nodes, of the house against levels; and backdrops."""
+    """Check boxes of nodes against vertices, of levels against nodes, of the house against levels; report backdrops."""
     for node in subject.nodes:
         _check_node(subject, node)
     read = {level.index: level_nodes(level) for level in subject.house.levels}
@@ -34,13 +34,13 @@ def _check_node(subject: Subject, node: Node) -> None:
         subject.report("backdrop", node.path, f"box of {np.ptp(bounds, axis=0).max():.0f} m")
     if node.bbox is not None and isinstance(node, Object | Box):
         _report(subject, "bbox-mismatch", node.path, abs(bounds - node.bbox), "from the vertices of the base model")
-    elif node.bbox is not None:  # rooms enclose their members as well
+    elif node.bbox is not None:  # boxes of rooms also enclose their members
         outside = np.maximum((bounds - node.bbox) * [[-1], [1]], 0)
-        _report(subject, "room-bbox", node.path, outside, "inside of the mesh")
+        _report(subject, "room-bbox", node.path, outside, "inside the mesh")
 
 
 def _check_union(subject: Subject, owner: Value, parts: list[Bounds | None]) -> Bounds | None:
-    """Compares a level or house with the box around its parts, and returns the latter."""
+    """Compare the box of a level or house with that around its parts, and return the latter."""
     boxes = [box for box in parts if box is not None]
     if not boxes:
         return None

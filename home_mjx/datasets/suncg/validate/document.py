@@ -1,4 +1,4 @@
-"""Rules about house.json as it is written: fields, ids, lists of members."""
+"""Rules on the raw house.json: fields, ids, lists of members."""
 
 from collections import defaultdict
 
@@ -9,7 +9,7 @@ from home_mjx.datasets.suncg.validate.subject import Subject
 
 
 def check_document(subject: Subject) -> None:
-    """Unknown fields, ids that are no positions, members that are shared or hidden, missing mirror flags."""
+    """Check for unknown fields, ids that are not positions, shared or hidden members, and missing mirror flags."""
     _check_fields(subject, subject.document, HOUSE)
     for index, level, nodes in subject.entries():
         _check_fields(subject, level, LEVEL)
@@ -48,7 +48,7 @@ def _check_members(subject: Subject, nodes: list[Value]) -> None:
 
 
 def _members(node: Value, count: int) -> list[int]:
-    """Members that are in range; the reader reports the others, and values that are not lists of numbers."""
+    """Return members in range; the reader reports other indices, and values that are not lists of numbers."""
     listed = node.data.get("nodeIndices") if _shown(node) else None
     if not isinstance(listed, list):
         return []

@@ -1,4 +1,4 @@
-"""Areas that meshes cover, seen from above, on a grid."""
+"""Areas covered by meshes in plan, on a grid."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,15 +8,15 @@ from jaxtyping import Bool, Float
 
 from home_mjx.schema.house import Mesh
 
-STEP = 0.1  # [m]
-MAX_CELLS = 512  # along one axis: levels of more than 51 m get a coarser grid
-MAX_TRIANGLES = 2_000  # of one mesh; real floors and walls have a few dozen
+STEP = 0.1  # [m], minimum edge of a cell
+MAX_CELLS = 512  # maximum cells along one axis; levels of more than 51 m get a coarser grid
+MAX_TRIANGLES = 2_000  # maximum triangles of one mesh; real floors and walls have a few dozen
 
 Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
 def upward(mesh: Mesh) -> Triangles:
-    """The faces of a mesh that look up, seen from above."""
+    """Return the upward faces of a mesh in plan."""
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return corners[normal[:, 1] > 0.7 * np.linalg.norm(normal, axis=1)][:MAX_TRIANGLES, :, [0, 2]]
@@ -32,7 +32,7 @@ class Raster:
 
     @classmethod
     def around(cls, areas: Sequence[Triangles]) -> "Raster":
-        """The grid around some areas, with a margin of two cells."""
+        """Create a grid around areas, with a margin of two cells."""
         corners = np.concatenate([area.reshape(-1, 2) for area in areas])
         low, high = corners.min(axis=0), corners.max(axis=0)
         step = max(STEP, float((high - low).max()) / MAX_CELLS)
@@ -40,7 +40,7 @@ class Raster:
         return cls(low - 2 * step, step, (columns, rows))
 
     def mask(self, area: Triangles) -> Bool[np.ndarray, "c r"]:
-        """Cells whose middle lies in a triangle."""
+        """Return the mask of cells whose centre is in a triangle."""
         found = np.zeros(self.shape, bool)
         for triangle in (area - self.low) / self.step - 0.5:  # in cells, from the middle of the first
             (i, j), (k, m) = np.ceil(triangle.min(0)).astype(int), np.floor(triangle.max(0)).astype(int) + 1
@@ -53,6 +53,6 @@ class Raster:
         return found
 
     def at(self, mask: Bool[np.ndarray, "c r"], point: Float[np.ndarray, "2"]) -> bool:
-        """The value of a mask at a point; false outside of the grid."""
+        """Return the value of a mask at a point; False outside the grid."""
         cell = np.floor((point - self.low) / self.step).astype(int)
         return bool((cell >= 0).all() and (cell < self.shape).all() and mask[tuple(cell)])

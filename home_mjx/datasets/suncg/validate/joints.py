@@ -1,4 +1,4 @@
-"""Rules about the joints of models: that the models and the faces exist, and that no face has two joints."""
+"""Rules on the joints of models: models and faces exist, and no face has two joints."""
 
 from itertools import pairwise
 
@@ -9,7 +9,7 @@ from home_mjx.schema.house import Mesh
 
 
 def check_joints(subject: Subject) -> None:
-    """Joints of unknown models; faces beyond a model's, or of two of its parts, for models that the house shows."""
+    """Check for joints of unknown models; in models of the house, for missing faces and faces of two parts."""
     for model_id, joints in subject.joints.items():
         if subject.metadata is not None and model_id not in subject.metadata.models:
             _report(subject, "joint-model", model_id, "the model has no row in the category table")

@@ -1,4 +1,4 @@
-"""Rules about material slots and textures."""
+"""Rules on material slots and textures."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,11 +12,11 @@ from home_mjx.datasets.suncg.validate.subject import Subject
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Material, Mesh
 
-KINDS = {b"\x89PNG": (".png",), b"\xff\xd8\xff": (".jpg", ".jpeg")}  # extensions by how a file starts
+KINDS = {b"\x89PNG": (".png",), b"\xff\xd8\xff": (".jpg", ".jpeg")}  # extensions by the first bytes of a file
 
 
 def check_materials(subject: Subject) -> None:
-    """Slots without faces, faces without slots, textures that do not decode or are of another kind."""
+    """Check for slots without faces, faces without slots, and textures that do not decode or have a wrong extension."""
     meshes = {mesh.path: mesh for mesh in subject.reading.kept.values() if isinstance(mesh, Mesh)}
     for mesh in (mesh for path, mesh in meshes.items() if path.suffix == ".obj"):
         _check_slots(subject, mesh)
@@ -55,4 +55,4 @@ def _check_texture(subject: Subject, path: Path) -> None:
     start = read_bytes(path)[:4]
     fitting = next(extensions for magic, extensions in KINDS.items() if start.startswith(magic))
     if path.suffix.lower() not in fitting:
-        subject.report("texture-type", "", f"expected the extension {fitting[0]} for what the file holds", path)
+        subject.report("texture-type", "", f"expected the extension {fitting[0]} for the file's content", path)

@@ -1,4 +1,4 @@
-"""Rules about the meshes of rooms: walls that are one wall each, floors that face up."""
+"""Rules on room meshes: walls are single walls, floors face up."""
 
 import numpy as np
 from jaxtyping import Float
@@ -7,20 +7,20 @@ from home_mjx.datasets.suncg.validate.subject import Subject
 from home_mjx.geometry.wall_groups import direction_across, wall_faces
 from home_mjx.schema.house import Mesh
 
-THICKEST = 1.0  # [m]; walls of SUNCG have 0.1 m
-FLAT = 0.7  # cosine: faces of a slope below 45 degrees
-SAME = 1e-3  # [m]: faces that differ less in height are one surface
+THICKEST = 1.0  # [m], maximum thickness of a wall; SUNCG's have 0.1 m
+FLAT = 0.7  # minimum cosine to the vertical: slopes below 45 degrees
+SAME = 1e-3  # [m], maximum difference in height within one surface
 
 Corners = Float[np.ndarray, "_ 3 3"]  # [m], Y up
 
 
 def check_meshes(subject: Subject) -> None:
-    """Walls that are too thick to be one wall, floors that face down."""
+    """Check for walls that are too thick to be one wall, and floors that face down."""
     for room in (room for level in subject.house.levels for room in level.rooms):
         if room.walls is not None:
             _check_walls(subject, room.walls)
         if room.floor is not None and not _faces_up(room.floor):
-            message = "its upper side looks down: corners must run counter-clockwise, seen from above"
+            message = "its upper side faces down: corners must run counter-clockwise, seen from above"
             subject.report("floor-down", ", ".join(room.floor.groups), message, room.floor.path)
 
 
@@ -34,14 +34,14 @@ def _check_walls(subject: Subject, walls: Mesh) -> None:
 
 
 def _thickness(walls: Mesh, faces: np.ndarray) -> float:
-    """Extent of a wall in the direction that most of its area faces [m], as the compiler takes it."""
+    """Compute the extent of a wall in the direction that most of its area faces [m], as in the compiler."""
     corners = walls.vertices[walls.faces[faces]].astype(np.float64)
     normal, area = _normals(corners)
     return float(np.ptp(corners[..., [0, 2]] @ direction_across(normal[:, [0, 2]], area)))
 
 
 def _faces_up(floor: Mesh) -> bool:
-    """Whether a face of the floor's upper side looks up; that of an inverted slab looks down."""
+    """Return whether a face of the floor's upper side faces up; that of an inverted slab faces down."""
     corners = floor.vertices[floor.faces].astype(np.float64)
     normal, area = _normals(corners)
     height = np.where(abs(normal[:, 1]) > FLAT * area, corners[..., 1].mean(axis=1), -np.inf)
@@ -49,6 +49,6 @@ def _faces_up(floor: Mesh) -> bool:
 
 
 def _normals(corners: Corners) -> tuple[Float[np.ndarray, "_ 3"], Float[np.ndarray, " _"]]:
-    """Normals as long as their triangles are large, and these areas [m^2]."""
+    """Compute normals scaled by their triangles' areas, and these areas [m^2]."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     return normal, np.linalg.norm(normal, axis=1)

@@ -1,4 +1,4 @@
-"""Rules about positions: rooms that overlap, objects outside of rooms, doors outside of walls."""
+"""Rules on positions: overlapping rooms, objects outside of rooms, doors off walls."""
 
 from collections.abc import Sequence
 
@@ -10,15 +10,15 @@ from home_mjx.datasets.suncg.validate.footprint import Raster, upward
 from home_mjx.datasets.suncg.validate.subject import Subject
 from home_mjx.schema.house import Ground, Level, Mesh, Object, Room
 
-NEAR = 0.15  # [m]: a wall and a half
-MAX_EDGES = 20_000  # of the walls of a level; real ones have a few hundred
+NEAR = 0.15  # [m], maximum distance: one and a half wall thicknesses
+MAX_EDGES = 20_000  # maximum edges of a level's walls; real levels have a few hundred
 OPENINGS = ("door", "window", "arch", "garage_door")
 
 Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
 def check_rooms(subject: Subject) -> None:
-    """Overlaps, objects outside of rooms, doors off walls, models without categories."""
+    """Check for overlapping rooms, objects outside of rooms, doors off walls and models without categories."""
     for level in subject.house.levels:
         rooms = [(room, area) for room in level.rooms if (area := footprint(room)) is not None]
         if rooms:
@@ -33,7 +33,7 @@ def check_rooms(subject: Subject) -> None:
 
 
 def footprint(node: Room | Ground) -> Triangles | None:
-    """Upward faces of the floor (or ceiling, or else the box around the walls) seen from above; None without meshes."""
+    """Return upward faces of the floor, else the ceiling, else the walls' box, in plan; None without meshes."""
     slabs = (node.floor, node.ceiling) if isinstance(node, Room) else (node.mesh,)
     for mesh in slabs:
         if mesh is not None and len(area := upward(mesh)):
@@ -50,7 +50,7 @@ def _check_overlap(subject: Subject, rooms: Sequence[tuple[Room, Triangles]], ra
         mask = raster.mask(area)
         for other in np.unique(owner[mask & (owner >= 0)]):
             both = mask & (owner == other)
-            if ndimage.binary_erosion(both).any():  # strips are the outsets of two floors
+            if ndimage.binary_erosion(both).any():  # thin strips are the outsets of two floors
                 message = f"{both.sum() * raster.step**2:.1f} m² are also in {rooms[other][0].path}"
                 subject.report("room-overlap", room.path, message)
         owner[mask & (owner < 0)] = number
@@ -62,11 +62,11 @@ def _check_outside(subject: Subject, level: Level, areas: Sequence[Triangles], r
     near = ndimage.binary_dilation(covered, iterations=cells)
     for node in (*level.objects, *level.boxes):
         if not raster.at(near, node.transform[[0, 2], 3]):
-            subject.report("outside-rooms", node.path, "its origin is in no room and on no ground")
+            subject.report("outside-rooms", node.path, "its origin is outside all rooms and grounds")
 
 
 def _wall_edges(walls: Sequence[Mesh]) -> Float[np.ndarray, "e 2 2"]:
-    """Edges of the upper faces of walls: their outlines, and those of sills."""
+    """Return the edges of the walls' upward faces: outlines of walls and of sills."""
     tops = np.concatenate([np.zeros((0, 3, 2)), *(upward(mesh) for mesh in walls)])
     return np.stack([tops, np.roll(tops, -1, axis=1)], axis=2).reshape(-1, 2, 2)[:MAX_EDGES]
 
@@ -84,7 +84,7 @@ def _check_category(subject: Subject, item: Object, edges: Float[np.ndarray, "e 
 
 
 def _distance(edges: Float[np.ndarray, "e 2 2"], point: Float[np.ndarray, "2"]) -> float:
-    """From a point to the nearest of some segments [m]."""
+    """Compute the distance from a point to the nearest segment [m]."""
     start, way = edges[:, 0], edges[:, 1] - edges[:, 0]
     along = ((point - start) * way).sum(-1) / np.maximum((way**2).sum(-1), 1e-12)
     return float(np.linalg.norm(start + np.clip(along, 0, 1)[:, None] * way - point, axis=-1).min())

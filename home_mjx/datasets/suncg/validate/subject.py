@@ -1,4 +1,4 @@
-"""The input of the rules, and the list of their findings."""
+"""Input and findings of the validator's rules."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ Bounds = Float[np.ndarray, "2 3"]
 
 
 def level_nodes(level: Level) -> tuple[Node, ...]:
-    """Every node of a level that could be read."""
+    """Return all nodes of a level that could be read."""
     return (*level.rooms, *level.grounds, *level.objects, *level.boxes)
 
 
@@ -32,23 +32,23 @@ class Subject:
     reading: Reading
     house: House  # the parts that could be read
     metadata: Metadata | None  # None if it cannot be read
-    joints: Joints = field(default_factory=dict)  # of the library's models; empty if they cannot be read
+    joints: Joints = field(default_factory=dict)  # joints of library models; empty if they cannot be read
     findings: list[Finding] = field(default_factory=list)
     _bounds: dict[str, Bounds | None] = field(default_factory=dict)
 
     def report(self, rule: str, element: str, message: str, file: Path | None = None) -> None:
-        """Keeps a finding; the file is house.json by default."""
+        """Record a finding; the file is house.json by default."""
         where = str(self.document.file if file is None else file)
         self.findings.append(Finding(where, printable(element), rule, printable(message)))
 
     @property
     def nodes(self) -> Iterator[Node]:
-        """Every node that could be read, level by level."""
+        """Yield all nodes that could be read, level by level."""
         for level in self.house.levels:
             yield from level_nodes(level)
 
     def entries(self) -> Iterator[tuple[int, Value, list[Value]]]:
-        """Index, level and nodes of every level, as far as their types are right."""
+        """Yield index, level and nodes of every level; values of wrong types are skipped."""
         levels = self.document.data.get("levels")
         for index, level in enumerate(levels if isinstance(levels, list) else []):
             if isinstance(level, dict):
@@ -57,7 +57,7 @@ class Subject:
                 yield index, value, value.member("nodes").entries() if usable else []
 
     def bounds(self, node: Node) -> Bounds | None:
-        """The box around a node, for an object around its base model, whatever its state [m]."""
+        """Return the bounds of a node [m]; those of an object are of its base model, in every state."""
         if node.path not in self._bounds:
             self._bounds[node.path] = box_bounds(node) if isinstance(node, Box) else self._mesh_bounds(node)
         return self._bounds[node.path]

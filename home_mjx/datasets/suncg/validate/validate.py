@@ -1,4 +1,4 @@
-"""Reports all faults of a house, like a linter, not only those that prevent reading it."""
+"""Validator that reports all faults of a house, like a linter, not only those that prevent reading it."""
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.dataset import SuncgDataset
@@ -20,7 +20,7 @@ __all__ = ["RULES", "Finding", "validate_house"]
 
 
 def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[Finding, ...]:
-    """All faults of a house and the files that it uses, errors first; empty if there are none.
+    """Validate a house and the files that it uses: return all faults, errors first.
 
     Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
 
@@ -29,7 +29,7 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[Finding, ...]:
         house_id: One of `dataset.house_ids`.
 
     Raises:
-        DatasetError: There is no such house.
+        DatasetError: The house is unknown.
 
     Example:
         >>> for finding in validate_house(open_dataset("/data/suncg"), house_id):  # doctest: +SKIP
@@ -47,7 +47,7 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[Finding, ...]:
     subject = Subject(document, reading, build_house(document, reading), _metadata(dataset, reading))
     subject.joints = reading.attempt(lambda: dataset.joints) or {}
     if not any(subject.nodes):
-        subject.report("nothing-shown", "levels", "house shows nothing")
+        subject.report("nothing-shown", "levels", "house has no visible node")
     elif not any(mesh for level in subject.house.levels for room in level.rooms for mesh in _meshes(room)):
         subject.report("no-room", "levels", "no room has a floor, ceiling or wall mesh")
     for check in (check_document, check_boxes, check_rooms, check_meshes, check_materials, check_joints):
@@ -64,7 +64,7 @@ def _metadata(dataset: SuncgDataset, reading: Reading) -> Metadata | None:
 
 
 def _sorted(subject: Subject, path: str) -> tuple[Finding, ...]:
-    """Errors first, otherwise in the order of checks; what several nodes share is reported once."""
+    """Sort findings: errors first, otherwise in the order of checks; faults of shared files are reported once."""
     notes = [Finding(str(place.file), p.element, p.rule, p.message) for place, p in subject.reading.notes]
     errors = [_unreadable(error, path) for error in subject.reading.errors or []]
     found = dict.fromkeys((*errors, *notes, *subject.findings))

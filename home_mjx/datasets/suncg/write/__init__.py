@@ -1,1 +1,1 @@
-"""Houses and models to SUNCG's files."""
+"""Writers of houses and models in SUNCG's format."""

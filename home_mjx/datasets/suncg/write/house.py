@@ -1,6 +1,6 @@
-"""Writes houses and libraries of models in SUNCG v1's on-disk format, each folder whole or not at all.
+"""Writer of houses and model libraries in SUNCG v1's on-disk format, each folder atomically.
 
-The writer takes the records that the reader returns, so any `House` can be written.
+It accepts the records of the reader, so any `House` can be written.
 """
 
 import hashlib
@@ -25,9 +25,9 @@ from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Box, Ground, House, Level, Material, Mesh, Node, Object, Room
 
-DIGESTS = "sha256.json"  # in a house's folder: of its files
-JOINTS_DIGEST = "joints.sha256.json"  # apart from that of the tables, which was there before there were joints
-PARTIAL = ".partial-"  # how names of folders begin that are not yet whole
+DIGESTS = "sha256.json"  # digests of the files of a house's folder
+JOINTS_DIGEST = "joints.sha256.json"  # separate, so that datasets written before joints existed stay valid
+PARTIAL = ".partial-"  # prefix of incomplete folders
 
 log = logging.getLogger(__name__)
 
@@ -36,15 +36,15 @@ _BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for
 
 
 def write_house(root: Path, house: House) -> None:
-    """Writes `house/<id>/` and `room/<id>/` below a dataset root; an existing house is kept.
+    """Write `house/<id>/` and `room/<id>/` below a dataset root; an existing house is kept.
 
-    Bounding boxes are computed from the geometry, by SUNCG's rules: an object's from its base model, whatever its
-    state; a room's from its architecture and its members.
+    Bounding boxes are computed from the geometry by SUNCG's rules: an object's from its base model in any state, a
+    room's from its architecture and its members.
 
     Args:
-        root: Dataset root; its library must hold the models and textures that the house names.
-        house: What to write. For an object in another state, `models` should hold the base model too; without it
-            the box that the object came with is kept.
+        root: Dataset root; its library must contain the models and textures of the house.
+        house: House to write. For an object in another state, `models` should also contain the base model; otherwise
+            the object keeps its original bounding box.
 
     Raises:
         DatasetError: The folders cannot be written.
@@ -57,19 +57,19 @@ def write_house(root: Path, house: House) -> None:
     }
     document = json.dumps(house_document(house), separators=(",", ":"))
     digests = {f"room/{name}": _digest(text) for name, text in files.items()} | {"house.json": _digest(document)}
-    # house.json last: readers list houses by it, so no house is ever seen without its rooms
+    # house.json last: readers list houses by it, so a house never appears without its rooms.
     _write_folder(root, Path("room") / house.id, files)
     _write_folder(root, Path("house") / house.id, {"house.json": document, DIGESTS: json.dumps(digests)})
 
 
 def is_whole_house(root: Path, house_id: str) -> bool:
-    """Whether a house is there as `write_house` wrote it, by the digests of its files.
+    """Return whether a house is complete, by the digests of its files.
 
-    Without digests, as former versions wrote houses, whether its `house.json` is JSON.
+    Without digests, as in former versions, return whether its `house.json` is JSON and its rooms exist.
 
     Args:
         root: Dataset root.
-        house_id: Which house.
+        house_id: Id of the house.
     """
     folder, rooms = root / "house" / house_id, root / "room" / house_id
     try:
@@ -90,12 +90,12 @@ def _digest(text: str) -> str:
 def write_library(
     root: Path, models: Sequence[LibraryModel], textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]
 ) -> None:
-    """Writes `object/`, `texture/` and, as the last, `metadata/` below a dataset root; what differs is written again.
+    """Write `object/`, `texture/` and, last, `metadata/` below a dataset root; files that differ are rewritten.
 
     Args:
         root: Dataset root.
         models: The models, in the order of their rows in the tables.
-        textures: Images by name without extension, row 0 at the top, sRGB.
+        textures: sRGB images by name without extension, row 0 at the top.
 
     Raises:
         DatasetError: The folders cannot be written.
@@ -109,12 +109,12 @@ def write_library(
 
 
 def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
-    """Writes the folder of one model below a dataset root; what differs is written again.
+    """Write the folder of one model below a dataset root; files that differ are rewritten.
 
     Args:
         root: Dataset root.
         model: The model.
-        digests: Also write the digests of its files.
+        digests: Also write digests of its files.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -127,26 +127,26 @@ def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
 
 
 def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]) -> None:
-    """Writes textures below a dataset root; others are kept, and what differs is written again.
+    """Write textures below a dataset root; other files are kept, and files that differ are rewritten.
 
     Args:
         root: Dataset root.
-        textures: Images by name without extension, row 0 at the top, sRGB.
+        textures: sRGB images by name without extension, row 0 at the top.
 
     Raises:
         DatasetError: The folder cannot be written.
     """
-    _write_folder(root, Path("texture"), {})  # processes may write different ones at the same time
+    _write_folder(root, Path("texture"), {})  # processes may write different textures at the same time
     _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()}, mend=True)
 
 
 def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = False) -> None:
-    """Writes the metadata tables below a dataset root.
+    """Write the metadata tables below a dataset root.
 
     Args:
         root: Dataset root.
         models: The models, in the order of their rows.
-        digests: Also write the digests of the tables, by which it is seen later that they are whole.
+        digests: Also write digests of the tables, for `is_whole_folder`.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -160,7 +160,7 @@ def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = Fal
 
 
 def write_joints(root: Path, models: Sequence[LibraryModel]) -> None:
-    """Writes `metadata/joints.csv`, the movable parts of the models, below a dataset root, with its digest.
+    """Write `metadata/joints.csv`, the movable parts of the models, below a dataset root, with its digest.
 
     Args:
         root: Dataset root.
@@ -179,11 +179,11 @@ def _digests(files: Mapping[str, str]) -> dict[str, str]:
 
 
 def is_whole_folder(folder: Path, digests_name: str = DIGESTS) -> bool:
-    """Whether a folder that was written with digests holds the files that were written.
+    """Return whether a folder written with digests still contains the same files.
 
     Args:
-        folder: Of a model, or of the tables.
-        digests_name: Of the file of digests.
+        folder: Folder of a model or of the tables.
+        digests_name: Name of the file of digests.
     """
     try:
         digests: dict[str, str] = json.loads(read_text(folder / digests_name))
@@ -195,9 +195,9 @@ def is_whole_folder(folder: Path, digests_name: str = DIGESTS) -> bool:
 def _write_folder(
     root: Path, folder: Path, files: Mapping[str, str | UInt8[np.ndarray, "h w 3"]], mend: bool = False
 ) -> None:
-    """Fills a temporary folder and renames it, so that `folder` appears complete.
+    """Fill a temporary folder and rename it, so that `folder` appears complete.
 
-    An existing one is kept; with `mend` its files that differ are written again, one by one.
+    An existing folder is kept; with `mend`, its files that differ are rewritten one by one.
     """
     target = root / folder
     try:
@@ -210,7 +210,7 @@ def _write_folder(
         try:
             for name, content in files.items():
                 _write_file(temporary / name, content)
-            temporary.chmod(0o755)  # mkdtemp's is private
+            temporary.chmod(0o755)  # mkdtemp creates private folders
             _rename(temporary, target)
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
@@ -220,10 +220,10 @@ def _write_folder(
 
 
 def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
-    """Writes a file again that is not what it should be; whole or not at all, since others may be reading it."""
+    """Rewrite a file atomically if its content differs, since other processes may be reading it."""
     if not _holds(path, content):
         if path.exists():
-            log.warning("broken file %s is made again", path)
+            log.warning("broken file %s is rewritten", path)
         with write_whole(path) as file:
             if isinstance(content, str):
                 file.write(content.encode())
@@ -238,7 +238,7 @@ def _holds(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> bool:
             return data == content.encode()
         with Image.open(io.BytesIO(data)) as image:
             return np.array_equal(np.asarray(image), content)
-    except (DatasetError, OSError, ValueError, SyntaxError):  # of Pillow, for what is no image
+    except (DatasetError, OSError, ValueError, SyntaxError):  # Pillow's errors for other files than images
         return False
 
 
@@ -263,7 +263,7 @@ def _architecture(level: Level) -> Iterable[Mesh]:
 
 
 def house_document(house: House) -> dict[str, Any]:
-    """The content of house.json, in SUNCG's order of keys, with absent flags left out."""
+    """Build the content of house.json, in SUNCG's order of keys, without absent flags."""
     levels = [_level(level, house) for level in house.levels]
     return {
         "version": house.version,
@@ -293,7 +293,7 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
 
 
 def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
-    """A node as JSON; `place` is where each node will stand in its list, by index."""
+    """Convert a node to JSON; `place` maps a node's index to its position in the written list."""
     entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__, "valid": 1}
     match node:
         case Room():
@@ -324,7 +324,7 @@ def _bounds(node: Object | Box | Ground, house: House) -> Bounds:
             points = _BOX_CORNERS * node.dimensions
         case Ground():
             return _mesh_bounds(node.mesh) if node.mesh is not None else np.zeros((2, 3))
-    # By columns: along three numbers at a time NumPy takes several times as long.
+    # By columns: reductions over axes of length three are several times as slow in NumPy.
     moved = np.ascontiguousarray((points @ node.transform[:3, :3].T).T) + node.transform[:3, 3:]
     return np.stack([moved.min(1), moved.max(1)])
 
@@ -342,7 +342,7 @@ def _bbox(bounds: Bounds) -> dict[str, Any]:
 
 
 def _numbers(values: np.ndarray) -> list[int | float]:
-    """Rounded to a nanometre; whole numbers without a fraction, as JavaScript writes them."""
+    """Round numbers to a nanometre; integral values become integers, as JavaScript writes them."""
     rounded = (np.round(values.reshape(-1).astype(float), 9) + 0.0).tolist()
     return [int(x) if x.is_integer() else x for x in rounded]
 

@@ -1,4 +1,4 @@
-"""The metadata tables as text: categories, sizes and lights of library models."""
+"""Text of the metadata tables: categories, sizes and lights of library models."""
 
 import csv
 import io
@@ -33,14 +33,14 @@ _CATEGORY_COLUMNS = (
 )
 _SIZE_COLUMNS = ("id", "front", "nmaterials", "minPoint", "maxPoint", "aligned.dims", "index", "variantIds")
 _JOINT_COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")
-_STRUCTURE = ("partition", "stairs", "column")  # fine classes that count as structure, not as objects
+_STRUCTURE = ("partition", "stairs", "column")  # fine classes of structure, not of objects
 
 
 @dataclass(frozen=True)
 class LibraryModel:
-    """A model of the library with its rows in the tables."""
+    """A library model with its rows in the tables."""
 
-    info: ModelInfo  # id, classes and front; the size is taken from the mesh
+    info: ModelInfo  # id, classes and front; the size follows from the mesh
     mesh: Mesh
     synset: tuple[str, str]  # WordNet offset and key
     variants: Mapping[str, Mesh] = field(default_factory=dict)  # by stem, such as `122_0`; they share slots
@@ -49,7 +49,7 @@ class LibraryModel:
 
 
 def categories_csv(models: Sequence[LibraryModel]) -> str:
-    """`ModelCategoryMapping.csv`; the index of a row is the label of its pixels."""
+    """Format `ModelCategoryMapping.csv`; the index of a row is the label of its pixels."""
     rows = [*PSEUDO, *(_category_row(model) for model in models)]
     return _csv(_CATEGORY_COLUMNS, ((i, *row) for i, row in enumerate(rows)))
 
@@ -61,7 +61,7 @@ def _category_row(model: LibraryModel) -> tuple[str, ...]:
 
 
 def sizes_csv(models: Sequence[LibraryModel]) -> str:
-    """`models.csv`: variants have rows of their own, with the index of their base."""
+    """Format `models.csv`; variants have rows of their own, with the index of their base."""
     return _csv(_SIZE_COLUMNS, (row for i, model in enumerate(models, len(PSEUDO)) for row in _size_rows(model, i)))
 
 
@@ -76,7 +76,7 @@ def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
 
 
 def joints_csv(models: Sequence[LibraryModel]) -> str:
-    """`joints.csv`: a row for each movable part, in the order of the models."""
+    """Format `joints.csv`; one row per movable part, in the order of the models."""
     return _csv(_JOINT_COLUMNS, (_joint_row(joint) for model in models for joint in model.joints))
 
 
@@ -97,7 +97,7 @@ def _csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def lights_json(models: Sequence[LibraryModel]) -> str:
-    """`suncgModelLights.json`: lights by model id, in the model's frame."""
+    """Format `suncgModelLights.json`: lights by model id, in the model's frame."""
     lit = {m.info.model_id: [_light(light, m.info.model_id) for light in m.lights] for m in models if m.lights}
     return json.dumps(lit, separators=(",", ":"))
 

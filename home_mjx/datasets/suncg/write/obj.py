@@ -7,14 +7,14 @@ from jaxtyping import Bool, Float, Int, Real
 
 from home_mjx.schema.house import Material, Mesh
 
-DECIMALS = 6  # of metres
+DECIMALS = 6  # decimals of coordinates [m]
 
 
 def obj_text(mesh: Mesh, library: str) -> str:
-    """The mesh as OBJ text, with its own normals, or else flat ones.
+    """Format a mesh as OBJ text, with its normals, or flat ones if it has none.
 
     Args:
-        mesh: What to write; faces of one group and material become one block.
+        mesh: Mesh to write; faces of one group and material become one block.
         library: Name of the MTL file.
     """
     group = mesh.group[:, None].repeat(3, axis=1).reshape(-1)  # of every corner
@@ -22,7 +22,7 @@ def obj_text(mesh: Mesh, library: str) -> str:
     uvs, uv = _unique(group, _rounded(mesh.uv.reshape(-1, 2)))
     normal = np.repeat(_flat(mesh), 3, axis=0) if mesh.normal is None else mesh.normal.reshape(-1, 3)
     normals, toward = _unique(group, _rounded(normal))
-    index = np.stack([vertex, uv, toward], axis=-1).reshape(-1, 9) + 1  # OBJ counts from 1, on over all groups
+    index = np.stack([vertex, uv, toward], axis=-1).reshape(-1, 9) + 1  # OBJ indices start at 1, over all groups
     lines = [f"mtllib {library}\n"]
     for number in np.unique(mesh.group).tolist():
         lines += [f"o {mesh.groups[number]}\n"] if number >= 0 and mesh.groups[number] else []
@@ -33,24 +33,24 @@ def obj_text(mesh: Mesh, library: str) -> str:
 
 
 def face_order(mesh: Mesh) -> Int[np.ndarray, " f"]:
-    """Which face of the mesh each `f` line of its OBJ text is: by group, then by material, else as they are."""
+    """Return the face index of each `f` line of the OBJ text: by group, then by material, else in mesh order."""
     return np.lexsort((mesh.slot, mesh.group))
 
 
 def _faces(mesh: Mesh, own: Bool[np.ndarray, " f"], index: Int[np.ndarray, "f 9"]) -> Iterator[str]:
-    """The lines of faces of one group, by material."""
+    """Yield the `f` lines of one group, by material."""
     for slot in np.unique(mesh.slot[own]).tolist():
         yield f"usemtl {mesh.materials[slot].name}\n"
         yield _rows("f %d/%d/%d %d/%d/%d %d/%d/%d\n", index[own & (mesh.slot == slot)])
 
 
 def _rows(line: str, rows: Real[np.ndarray, "n d"]) -> str:
-    """Each row in a line of its own, formatted all at once."""
+    """Format each row as a line, all at once."""
     return (line * len(rows)) % tuple(rows.reshape(-1).tolist())
 
 
 def _flat(mesh: Mesh) -> Float[np.ndarray, "f 3"]:
-    """The normal of each face."""
+    """Compute the normal of each face."""
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -64,9 +64,9 @@ def _rounded(rows: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
 def _unique(
     group: Int[np.ndarray, " n"], rows: Real[np.ndarray, "n d"]
 ) -> tuple[tuple[Int[np.ndarray, " m"], Real[np.ndarray, "m d"]], Int[np.ndarray, " n"]]:
-    """The different rows of each group in order, with their groups, and which of them each row is.
+    """Return the distinct rows of each group in order, with their groups, and the index of each row among them.
 
-    As `np.unique` by rows, whose sorting of whole rows takes five times as long.
+    The result is that of `np.unique` by rows, which sorts whole rows and takes five times as long.
     """
     order = np.lexsort((*rows.T[::-1], group))
     ordered, groups = rows[order], group[order]
@@ -78,13 +78,13 @@ def _unique(
 
 
 def _of(number: int, found: tuple[Int[np.ndarray, " m"], Real[np.ndarray, "m d"]]) -> Real[np.ndarray, "k d"]:
-    """The rows of one group."""
+    """Return the rows of one group."""
     groups, rows = found
     return rows[slice(*np.searchsorted(groups, [number, number + 1]).tolist())]
 
 
 def mtl_text(materials: tuple[Material, ...]) -> str:
-    """The material slots as MTL text; textures are in `../../texture/`."""
+    """Format material slots as MTL text; textures are in `../../texture/`."""
     return "\n".join(_newmtl(material) for material in materials)
 
 

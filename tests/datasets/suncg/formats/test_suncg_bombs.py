@@ -93,7 +93,7 @@ BOMBS = {  # what is written, and what the error says
     "a hundred megabytes": (lambda root: table(root, "#" * 100 * MB), "bytes, at most"),
     "lists in lists": (lambda root: house(root, repeated("[],", 15 * MB) + "[]"), "at most"),
     "objects": (lambda root: house(root, repeated("{},", 15 * MB) + "{}"), "at most"),
-    "nodes without fields": (lambda root: house(root, "{}," * 9_999 + "{}"), "house shows nothing"),
+    "nodes without fields": (lambda root: house(root, "{}," * 9_999 + "{}"), "house has no visible node"),
     "ten thousand copies of a room": (
         lambda root: house(root, listed(COPY, 10_000)),
         "read",

@@ -226,7 +226,7 @@ def test_unknown_node_types(edited, kind):
 
 def test_missing_id(edited):
     house = edited(lambda nodes: nodes[2].pop("id"))
-    assert noted(house, node(2, "id"), "no id: `0_2` taken")
+    assert noted(house, node(2, "id"), "no id: `0_2` is used")
     assert house.levels[0].objects[0].id == "0_2"
 
 

@@ -1,0 +1,1 @@
+"""Solids built from outlines: slabs and wall prisms."""
