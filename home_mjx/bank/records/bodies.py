@@ -79,7 +79,7 @@ class Physics(Pytree):
     """Static boxes, movable bodies, door leaves and ramps over stairs of every house."""
 
     floor: Float[Array, " h"] = array("[m], top of the ground floor", source="ground_floor")
-    lot: Float[Array, "h 2 2"] = array("[m], least and greatest x and y of what the fence encloses", source="lot")
+    lot: Float[Array, "h 2 2"] = array("[m], minimum and maximum x and y inside the fence", source="lot")
     collider_pos: Float[Array, "h colliders 3"] = array(
         "[m]; padding is parked far below", source="colliders.pos", fill=PARKED
     )

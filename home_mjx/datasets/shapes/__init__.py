@@ -1,1 +1,0 @@
-"""Solids built from outlines: slabs and wall prisms."""
