@@ -62,8 +62,8 @@ def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: p
         (["train", "PointNaw"], "Did you mean `PointNav-v0`?"),
         (["train", "PointNav", "--ppo", "num_env=3"], "Did you mean `num_envs`?"),
         (["train", "PointNav", "--ppo", "discount=2"], "`discount` must be"),
-        (["train", "PointNav", "--steps", "1000000000000000"], "gradient steps, at most 2147483647"),
-        (["train", "PointNav", "--clone-steps", "1000000000000000"], "gradient steps, at most 2147483647"),
+        (["train", "PointNav", "--steps", "1000000000000000"], "gradient steps, the maximum is 2147483647"),
+        (["train", "PointNav", "--clone-steps", "1000000000000000"], "gradient steps, the maximum is 2147483647"),
         (["train", "PointNav", "--steps", "1" + "0" * 400], "expected a whole number above 0 and at most 10"),
         (["train", "PointNav", "--ppo", "num_timesteps=1" + "0" * 400], "`num_timesteps` must be a whole number"),
         (["train", "PointNav", "--ppo", "discount=1" + "0" * 400], "`discount` must be"),
@@ -76,7 +76,7 @@ def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: p
         (["evaluate", "demo", "--episodes", "10000000000000"], "at most 2147483647"),
         (["evaluate", "demo", "--episodes", "2000000"], "`num_episodes` must be"),
         (["play", "PointNav", "--no-film", "--episodes", "2000000"], "`num_episodes` must be"),
-        (["evaluate", str(tmp_path)], "Name the folder of a run"),
+        (["evaluate", str(tmp_path)], "Pass the folder of a `home-mjx train` run"),
         (["evaluate", str(tmp_path)], "there is no checkpoint"),
     ):
         assert main([*args, *(["--out", str(tmp_path / "out")] if args[0] == "train" else [])]) == 2
