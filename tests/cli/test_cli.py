@@ -167,6 +167,6 @@ def test_too_little_memory_is_one_message(error, monkeypatch: pytest.MonkeyPatch
         raise raised
 
     monkeypatch.setattr("home_mjx.cli.commands.generate.run", run)
-    assert_refused(capsys, ["generate", "x", "--seeds", "0"], "not enough memory", "Take fewer environments")
+    assert_refused(capsys, ["generate", "x", "--seeds", "0"], "not enough memory", "Use fewer environments")
     with pytest.raises(type(raised)):
         main(["generate", "x", "--seeds", "0", "--debug"])

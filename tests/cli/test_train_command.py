@@ -67,7 +67,7 @@ def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: p
         (["train", "PointNav", "--steps", "1" + "0" * 400], "expected a whole number above 0 and at most 10"),
         (["train", "PointNav", "--ppo", "num_timesteps=1" + "0" * 400], "`num_timesteps` must be a whole number"),
         (["train", "PointNav", "--ppo", "discount=1" + "0" * 400], "`discount` must be"),
-        (["train", "PointNav", "--env", "width=" + "[" * 100_000], "`width` has too many brackets"),
+        (["train", "PointNav", "--env", "width=" + "[" * 100_000], "`width` has too deeply nested brackets"),
         (["train", "PointNav", "--env", "width"], "expected NAME=VALUE, got `width`"),
         (["train", "PointNav", "--seconds", "0"], "`max_seconds` must be a finite number of at least 0.001"),
         (["train", "PointNav", "--seconds", "nan"], "`max_seconds` must be"),
