@@ -1,4 +1,4 @@
-"""Environment ids and how to make them."""
+"""Registry of environment ids, and the construction of environments."""
 
 import dataclasses
 import importlib
@@ -28,29 +28,29 @@ if TYPE_CHECKING:
 
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
 NUM_HOUSES = 8
-NUM_ARRANGEMENTS = 8  # of each house, where they are asked for
+NUM_ARRANGEMENTS = 8  # arrangements per house if `arrangement` is "random"
 OF_MAKE = ("houses", "num_houses", "split", "where", "progress", "variation", "episodes")
-OF_EPISODES = ("variation", "episodes")  # options that are parameters of the environment, not parts of its program
+OF_EPISODES = ("variation", "episodes")  # options that change parameters of the environment, not its program
 
 
 @dataclasses.dataclass(frozen=True)
 class EnvSpec:
-    """What an environment is made of; to and from JSON, so that a run can be made again.
+    """Specification of an environment; convertible to and from JSON, so that a run can be repeated.
 
     Attributes:
         id: `Name-vN`; N is raised whenever learning results could change.
         entry_point: `module:name` of a `Task` subclass, or of a function `(get_bank, **options)` that returns an
             environment, where `get_bank(compile_options)` makes the houses.
-        options: As for `make`, by name; with `variation`, ranges of domain randomisation by name; with `episodes`, a
-            file of episodes, which then says which houses of `houses` are taken.
+        options: Options by name, as for `make`. `variation` has ranges of domain randomisation by name. `episodes` is a
+            file of episodes, which selects the houses from `houses`.
         houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
-        num_houses: How many.
+        num_houses: Number of houses.
         split: `train`, `val` or `test`; None: any.
         where: A filter of houses; None: any.
-        in_memory: It was made with a bank or dataset in memory, which no file can name.
+        in_memory: True if made with a bank or dataset in memory, which JSON cannot represent.
 
     Raises:
-        ConfigError: A value is of another type.
+        ConfigError: A value has the wrong type.
 
     Example:
         >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
@@ -82,22 +82,22 @@ class EnvSpec:
             check_type("where", self.where, HouseFilter)
 
     def to_json(self) -> str:
-        """The spec as text.
+        """Return the spec as JSON.
 
         Raises:
             ConfigError: An option, or the houses, exist in memory only.
         """
         if self.in_memory:
-            hint = "Give `make` the folder of a dataset."
-            raise ConfigError(f"{self.id} was made of houses in memory, which JSON cannot name", hint=hint)
+            hint = "Pass the folder of a dataset to `make`."
+            raise ConfigError(f"{self.id} was made with houses in memory, which JSON cannot represent", hint=hint)
         return to_json(self)
 
     @classmethod
     def from_json(cls, text: str) -> "EnvSpec":
-        """The spec that `to_json` wrote.
+        """Parse the JSON of `to_json`.
 
         Raises:
-            ConfigError: The text is no such spec, or its environment is not registered here.
+            ConfigError: The text is not such a spec, or its environment is not registered here.
         """
         spec = from_json(text)
         if not isinstance(spec, cls):
@@ -105,10 +105,10 @@ class EnvSpec:
         return spec
 
     def check_trusted(self) -> None:
-        """What a spec from a file runs must be what is registered under its id: `from_json` asks.
+        """Check that the entry point is the one registered under the id, so that a file cannot run other code.
 
         Raises:
-            ConfigError: It is not.
+            ConfigError: It is not registered, or another one is.
         """
         known = _REGISTRY.get(self.id)
         if known is None or known.entry_point != self.entry_point:
@@ -116,7 +116,7 @@ class EnvSpec:
             raise ConfigError(f"no environment `{self.id}` of `{self.entry_point}` is registered", hint=hint)
 
     def memory_estimate(self, num_envs: int, progress: bool | None = None) -> "MemoryEstimate":
-        """What `num_envs` of this environment take of a device; its houses are packed on the host to tell."""
+        """Estimate the device memory of `num_envs` environments; houses are packed on the host for it."""
         import jax
 
         from home_mjx.tasks.environment.memory import estimate_memory
@@ -125,17 +125,17 @@ class EnvSpec:
             return estimate_memory(self.make(progress), num_envs)
 
     def core(self) -> "HouseholdEnv | None":
-        """The environment's functions, which need no houses; None where the entry point is a function.
+        """Return the environment's functions, which need no houses; None if the entry point is a function.
 
         Raises:
-            ConfigError: An option is unknown or cannot be used.
+            ConfigError: An option is unknown or invalid.
         """
         entry_point = _load(self.entry_point)
         options = {name: value for name, value in self.options.items() if name not in OF_EPISODES}
         return _core_of(entry_point, options)[0] if _is_task(entry_point) else None
 
     def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
-        """The environment."""
+        """Make the environment."""
         return _made(self, self.houses, progress)
 
 
@@ -143,9 +143,9 @@ _REGISTRY: dict[str, EnvSpec] = {}
 
 
 def register(env_id: str, entry_point: str | Callable[..., Any], options: Mapping[str, Any] | None = None) -> None:
-    """Adds an environment to `make` and, as `home_mjx/<id>`, to Gymnasium.
+    """Add an environment to `make` and, as `home_mjx/<id>`, to Gymnasium.
 
-    The same may be registered again, as when a cell of a notebook runs twice.
+    The same registration may be repeated, for example when a notebook cell runs twice.
 
     Args:
         env_id: `Name-vN`; raise N whenever learning results could change.
@@ -153,7 +153,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         options: Defaults of this environment's options, by name.
 
     Raises:
-        ConfigError: If the id has another form or is taken, or a `Task` subclass is not a frozen dataclass.
+        ConfigError: The id has another form or is taken, or a `Task` subclass is not a frozen dataclass.
 
     Example:
         >>> register("NearGoal-v0", "home_mjx.tasks:PointNav", {"success_radius": 1.0})  # doctest: +SKIP
@@ -179,11 +179,11 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         )
 
 
-_LOCAL: dict[str, Callable[..., Any]] = {}  # entry points that no import finds, such as those of a notebook
+_LOCAL: dict[str, Callable[..., Any]] = {}  # entry points that cannot be imported, such as those of a notebook
 
 
 def list_envs() -> tuple[str, ...]:
-    """All environment ids.
+    """Return all environment ids.
 
     Example:
         >>> "PointNav-v0" in list_envs()
@@ -193,10 +193,10 @@ def list_envs() -> tuple[str, ...]:
 
 
 def find_spec(env_id: str) -> EnvSpec:
-    """What is registered under an id.
+    """Return the spec that is registered under an id.
 
     Raises:
-        ConfigError: There is no such id, with the closest known one.
+        ConfigError: The id is unknown; the error names the closest known one.
     """
     if env_id not in _REGISTRY:
         raise UnknownNameError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
@@ -215,32 +215,32 @@ def make(
     episodes: str | Path | None = None,
     **options: Any,
 ) -> "BoundEnv[HouseholdEnv]":
-    """An environment by id.
+    """Make an environment by id.
 
     Args:
-        env_id: Such as `PointNav-v0`, see `list_envs`.
-        houses: A `HouseBank`, a `HouseSet`, a dataset or its root folder, or None: then the dataset that the
-            environment variable `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept
-            in the cache folder. `procedural:16?seed=0&version=2` names generated houses.
-        num_houses: How many houses of a dataset or generator to use; 8, or as many as a name says, by default. Not more
-            than that.
+        env_id: Id such as `PointNav-v0`, see `list_envs`.
+        houses: A `HouseBank`, a `HouseSet`, a dataset or its root folder, or None. None uses the dataset in the
+            environment variable `SUNCG_DATA_DIR`, or else generated houses, which are made once and cached.
+            `procedural:16?seed=0&version=2` selects generated houses.
+        num_houses: Maximum number of houses of a dataset or generator; default: 8, or the number in a `procedural:`
+            name.
         split: Only houses of `train`, `val` or `test`.
-        where: A `HouseFilter`: only houses of a dataset that have all this.
+        where: A `HouseFilter`: only houses of a dataset that fulfil all its conditions.
         progress: Show a progress bar while houses are made and compiled; None: in a terminal.
-        variation: What differs from episode to episode: a `tasks.Variation`, or its ranges by name such as
-            `{"lamps": 0.5, "colors": (0, 0.3)}`; None: nothing.
-        episodes: A file that `save_episodes` or `save_tasks` has written: resets take their rows from it, the first
-            first, and the houses are those that it names, unless `houses` is a bank; None: episodes are drawn.
-        **options: Fields of `EnvConfig` and of the records in it, of the task (`task.*`) and of `CompileOptions`
-            (`compile.*`): flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted
-            (`**{"physics.friction": 0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
+        variation: Domain randomisation per episode: a `tasks.Variation`, or its ranges by name such as
+            `{"lamps": 0.5, "colors": (0, 0.3)}`; None: nothing varies.
+        episodes: A file of `save_episodes` or `save_tasks`. Resets use its rows in order, in the houses that they name,
+            unless `houses` is a bank. None: episodes are sampled.
+        **options: Fields of `EnvConfig` and of its nested records, of the task (`task.*`) and of `CompileOptions`
+            (`compile.*`): flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted (`**{"physics.friction":
+            0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
 
     Returns:
         An environment with `reset(key)` and `step(state, action)`; `.core` has the functions that take `.params`.
 
     Raises:
-        ConfigError: For an unknown id or option, with the closest known one.
-        DatasetError: If the dataset cannot be read.
+        ConfigError: An id or option is unknown; the error names the closest known one.
+        DatasetError: The dataset cannot be read.
 
     Example:
         >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
@@ -250,12 +250,12 @@ def make(
     if in_memory and _is_chosen(houses):
         for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
             if value is not None:
-                raise ConfigError(f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
+                raise ConfigError(f"`{name}` selects houses of a dataset, not of {type(houses).__name__}")
     if episodes is not None:
         for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
             if value is not None:
-                hint = f"Leave `{name}` out: the houses are those that the file names."
-                raise ConfigError(f"`{name}` is given beside a file of episodes", hint=hint)
+                hint = f"Omit `{name}`: the file of episodes selects the houses."
+                raise ConfigError(f"`{name}` cannot be combined with a file of episodes", hint=hint)
         options["episodes"] = str(as_path(episodes, "episodes"))
     spec = dataclasses.replace(
         known,
@@ -270,7 +270,7 @@ def make(
 
 
 def _num_houses(houses: Any, given: int | None) -> int:
-    """How many houses to use: what was asked for, which a name may not have, or as many as it says."""
+    """Return the number of houses: the argument, at most that of a `procedural:` name, or the default."""
     from home_mjx.datasets.generators.names import ProceduralHouses
 
     named = ProceduralHouses.named(houses)
@@ -279,7 +279,7 @@ def _num_houses(houses: Any, given: int | None) -> int:
     check_number("num_houses", given, 1, whole=True)
     if named and given > named.count:
         message = f"`num_houses` is {given}, but `{houses}` names {named.count} houses"
-        raise ConfigError(message, hint=f"Leave it out, or write `procedural:{given}`.")
+        raise ConfigError(message, hint=f"Omit it, or use `procedural:{given}`.")
     return given
 
 
@@ -312,7 +312,7 @@ def _episode_file(path: Any) -> Path | None:
 
 
 def _houses_of(file: Path, houses: Any, progress: bool) -> "HouseBank | HouseSet":
-    """The houses that a file of episodes names, of those there are."""
+    """Return the houses that a file of episodes names."""
     from home_mjx.core.paths import dataset_root
     from home_mjx.datasets.procedural.default_houses import houses_by_id
     from home_mjx.scene_compile.cache.house_set import HouseSet
@@ -337,16 +337,16 @@ def _rows(file: Path, bank: "HouseBank", task: Any) -> Any:
 
 
 def _check_names(file: Path, found: tuple[str, ...], own: list[str]) -> None:
-    """Refuses a file of other tasks alone; names of one's own, and mixes that have this one, are taken."""
+    """Reject a file that has only other registered tasks; unregistered names are allowed."""
     known = {spec.entry_point.rpartition(":")[2].rpartition(".")[2] for spec in _REGISTRY.values()}
     others = [name for name in found if name in known]
     if others and not set(found) & set(own):
-        message = f"file holds tasks of {', '.join(others)}, none of {', '.join(own)}"
+        message = f"file contains tasks of {', '.join(others)}, but not of {', '.join(own)}"
         raise DatasetError(message, file=file, element="task", hint=f"Make the environment of {others[0]}.")
 
 
 def _ranges(variation: Any) -> dict[str, Any]:
-    """The option as plain numbers by name, checked before any house is made; nothing if nothing varies."""
+    """Return the option as numbers by name, validated before any house is compiled; empty if nothing varies."""
     if variation is None:
         return {}
     from home_mjx.tasks.variation.ranges import named
@@ -355,7 +355,7 @@ def _ranges(variation: Any) -> dict[str, Any]:
 
 
 def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
-    """Whether it is a `Task` subclass, then one that can be used."""
+    """Return whether the entry point is a `Task` subclass; an invalid one raises."""
     from home_mjx.tasks.base.task import Task, check_task_class
 
     if not (isinstance(entry_point, type) and issubclass(entry_point, Task)):
@@ -369,14 +369,14 @@ def _with_task(
 ) -> "BoundEnv[HouseholdEnv]":
     from home_mjx.tasks.base.state import EnvParams
 
-    core, compiling = _core_of(task, options)  # refuses a wrong option before any house is compiled
+    core, compiling = _core_of(task, options)  # rejects invalid options before any house is compiled
     num_arrangements = NUM_ARRANGEMENTS if core.own_config.arrangement == "random" else 0
     bank = get_bank(compiling, num_arrangements, core.config.audio.late == "baked")
     return core.bind(bank if file is None else EnvParams(bank, _rows(file, bank, core.task)))
 
 
 def _core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
-    """Functions of an environment, and how its houses are to be compiled."""
+    """Return the functions of an environment, and the compile options of its houses."""
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.tasks.base.config import EnvConfig
     from home_mjx.tasks.base.options import override
@@ -406,7 +406,7 @@ def _load(entry_point: str) -> Callable[..., Any]:
         found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
-    except ConfigError:  # of the imported module itself; it is a ValueError as well
+    except ConfigError:  # raised by the imported module itself; it is a ValueError as well
         raise
     except (ImportError, AttributeError, ValueError) as error:
         raise ConfigError(f"entry point `{entry_point}` cannot be imported: {error}") from error
@@ -429,10 +429,10 @@ def as_bank(
     compile_options: "CompileOptions | None" = None,
     late_sound: bool = False,
 ) -> "HouseBank":
-    """A `HouseBank` from what `make` takes as `houses`; `late_sound` is baked unless it is a bank already.
+    """Convert the `houses` argument of `make` to a bank; `late_sound` bakes late reverberation if houses are loaded.
 
     Raises:
-        ConfigError: `houses` is something else, or a filter was given for generated houses.
+        ConfigError: `houses` has another type, or a filter was passed for generated houses.
     """
     from home_mjx.bank.bank import HouseBank
     from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
@@ -458,20 +458,20 @@ def _with_sound(houses: "list[CompiledHouse]") -> "HouseBank":
     from home_mjx.audio_jax import with_late_sound
     from home_mjx.bank.bank import HouseBank
 
-    # Minutes, the first time: also who wants no bars should see that something happens.
+    # Baking takes minutes the first time, so its progress bar is always shown.
     return with_late_sound(HouseBank.from_compiled(houses), houses, progress=True)
 
 
 register("PointNav-v0", "home_mjx.tasks:PointNav")
 for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})
-# As many steps as Chaplot et al. explore for with the same moves (arXiv:2004.05155).
+# Number of exploration steps of Chaplot et al. with the same actions (arXiv:2004.05155).
 register("Exploration-v0", "home_mjx.tasks:Exploration", {"actions": "discrete", "episode_length": 1000})
 register("PiedPiper-v0", "home_mjx.tasks:PiedPiper", {"actions": "discrete", "num_agents": 3})
 register("HouseQA-v0", "home_mjx.tasks:HouseQA", {"actions": "discrete"})
 register("VQA-v0", "home_mjx.tasks:VQA", {"actions": "discrete"})
 register("Dialogue-v0", "home_mjx.tasks:Dialogue", {"actions": "discrete", "stop": True})
 register("Communication-v0", "home_mjx.tasks:Communication", {"actions": "discrete", "stop": True, "num_agents": 2})
-_HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}  # looks of 15 degrees, down to 60 as in AI2-THOR
+_HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}  # pitch steps of 15 degrees, down to 60 as in AI2-THOR
 for _name in ("Fetch", "Rearrange"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True, **_HANDS})

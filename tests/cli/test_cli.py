@@ -76,7 +76,7 @@ NO_PATHS = [
         (["generate"], ["OUT", "home-mjx generate --help"]),
         (["generate", "x", "--seeds", "3:3"], ["expected 0 <= A < B", "`3:3`"]),
         (["bench", "rayz"], ["unknown benchmark case `rayz`", "Did you mean `rays`?"]),
-        (["bench", "rays/primary"], ["unknown benchmark figure", "Did you mean `primary-depth`?"]),
+        (["bench", "rays/primary"], ["unknown benchmark measurement", "Did you mean `primary-depth`?"]),
         (["bench", "rays", "--envs", "0"], ["whole number above 0"]),
         (["generate", "x", "--seeds", "99999999999999999999"], ["2**63"]),
         (["demo", "--seed", "99999999999999999999"], ["whole number from 0 to 4294967295"]),
