@@ -3,8 +3,8 @@
     python benchmarks/physics_rates.py [--houses ROOT] [--num-houses 64] [--num-envs 4096] [--with-mjx] [--curves]
 
 Actions are random at each step; 20 steps are one program; medians of five calls. Prints one JSON object per line.
-`--curves` adds measurements by number of bodies: with everything asleep and an idle agent, and with falling bodies. They
-are dropped from 1 m at the start of each call.
+`--curves` adds measurements by number of bodies: with everything asleep and an idle agent, and with falling bodies,
+dropped from 1 m at the start of each call.
 """
 
 import argparse

@@ -76,7 +76,7 @@ def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
 
     Raises:
         ConfigError: The checkpoint has another configuration; the error names the differences.
-        MissingFileError: There is no such file.
+        MissingFileError: The file does not exist.
         DatasetError: The file is not a checkpoint, or its arrays have other shapes.
     """
     check_same(read_config(path), config, path)
@@ -124,7 +124,7 @@ def read_config(path: str | Path) -> RunConfig:
     """Read the configuration of the run that wrote a checkpoint.
 
     Raises:
-        MissingFileError: There is no such file.
+        MissingFileError: The file does not exist.
         DatasetError: The file is not a checkpoint.
         ConfigError: Its configuration cannot be read by this version, or its environment is not registered here.
     """

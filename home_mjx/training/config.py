@@ -89,7 +89,9 @@ class PPOConfig:
                 check_number(option.name, value, 0)
         steps = self.num_updates * self.num_epochs * self.num_minibatches
         if steps > MOST_STEPS:
-            message = f"`num_timesteps` of {self.num_timesteps} needs {steps} gradient steps, the maximum is {MOST_STEPS}"
+            message = (
+                f"`num_timesteps` of {self.num_timesteps} needs {steps} gradient steps, the maximum is {MOST_STEPS}"
+            )
             raise ConfigError(message, hint="Reduce it, or use larger batches: `num_envs`, `unroll_length`.")
 
     @property

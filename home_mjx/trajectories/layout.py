@@ -49,7 +49,7 @@ def read_metadata(folder: Path) -> dict[str, Any]:
     """Read the metadata of a dataset or an episode.
 
     Raises:
-        MissingFileError: There is no metadata file.
+        MissingFileError: The metadata file does not exist.
         DatasetError: The file is broken.
     """
     path = folder / METADATA

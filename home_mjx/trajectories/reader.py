@@ -44,7 +44,7 @@ class Trajectories:
         metadata: Metadata of the dataset.
 
     Raises:
-        MissingFileError: There is no dataset.
+        MissingFileError: The folder contains no dataset.
         DatasetError: Its metadata are broken.
 
     Example:
