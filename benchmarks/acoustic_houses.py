@@ -1,9 +1,9 @@
-"""Sound in generated houses: against many more and longer rays, and on walks in steps of 5 cm.
+"""Compare sound in generated houses with a reference of many more and longer rays, and on walks in steps of 5 cm.
 
-Decays and levels of an omnidirectional microphone in the same room as the source and in others, against the preset
-`reference` or, with `--truth`, an independent Monte Carlo; all doors open, and nothing through walls, which rays do not
-cross; then walks through all rooms: how much any octave changes in a step, what is silent, and how far two bakes with
-other seeds differ. Prints one JSON object a line, and with `--out` writes them.
+Decays and levels of an omnidirectional microphone, in the source's room and in others, are compared with the preset
+`reference` or, with `--truth`, with an independent Monte Carlo. All doors are open, and walls transmit nothing, because
+rays do not cross them. Walks through all rooms report the largest change of an octave per step, silent places, and the
+difference between two bakes with other seeds. Prints one JSON object per line; `--out` also writes them.
 """
 
 import argparse
@@ -24,17 +24,17 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet
 
-STEP = 0.05  # [m]
-EDGES = 8  # around which direct sound bends
-LONGEST = 3.0  # [m], of each walk
-MOST = 1.5  # [dB], by which a step may change an octave
-SILENT = -90.0  # [dB] re the source at 1 m
+STEP = 0.05  # [m] step of a walk
+EDGES = 8  # maximum number of edges for diffraction
+LONGEST = 3.0  # [m] maximum length of a walk
+MOST = 1.5  # [dB] maximum change of an octave in a step
+SILENT = -90.0  # [dB] re the source at 1 m; lower levels count as silent
 EARS = np.array([0.0, 0.0, 1.5])
 WAYS = np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
 
 
 class Plan:
-    """Where one can stand in a house, and how many doors lie between rooms."""
+    """Free positions of a house, and numbers of doors between rooms."""
 
     def __init__(self, house) -> None:
         self.navigation = house.navigation
@@ -49,7 +49,7 @@ class Plan:
         self.hops, self.all_hops = hops[self.source_room], hops
 
     def room(self, point) -> int:
-        """Room of a point, -1 if nobody can stand there."""
+        """Return the room of a point; -1 if it is not free to stand."""
         column, row = np.floor((point[:2] - self.navigation.origin) / self.navigation.cell).astype(int)
         rows, columns = self.navigation.room[0].shape
         if not (0 <= row < rows and 0 <= column < columns) or self.navigation.region[0, row, column] < 0:
@@ -57,13 +57,13 @@ class Plan:
         return int(self.navigation.room[0, row, column])
 
     def listeners(self, each=2):
-        """Places of ears in every room, and doors between them and the source."""
+        """Return ear positions in every room, and the doors between them and the source."""
         kept = [np.flatnonzero(self.rooms == room)[-each:] for room in sorted(set(self.rooms.tolist()) - {-1})]
         rows = np.concatenate(kept)
         return self.starts[rows] + EARS, np.maximum(self.hops[self.rooms[rows]], 0)
 
     def walks(self):
-        """Places of ears every 5 cm along the axes from all starts, until something stands in the way."""
+        """Yield ear positions every 5 cm along the axes from all starts, up to the first obstacle."""
         for start in self.starts:
             for way in WAYS:
                 places = start + np.arange(0, LONGEST, STEP)[:, None] * way
@@ -74,12 +74,12 @@ class Plan:
 
 
 def is_baked(preset):
-    """Whether it needs a bank that is baked."""
+    """Return whether a preset needs a baked bank."""
     return config_of(preset, 1.0).late == "baked"
 
 
 def tight(bank):
-    """A bank whose walls and leaves let nothing through, as for rays, direct sound neither."""
+    """Return a bank whose walls and door leaves transmit no sound, as for rays."""
     solid = bank.materials.replace(transmission=jnp.zeros_like(bank.materials.transmission))
     bank = bank.replace(materials=solid)
     if bank.late is None:
@@ -89,19 +89,19 @@ def tight(bank):
 
 
 def straight(scene, source, listener, config):
-    """Energy of direct sound and what bends around edges, per octave."""
+    """Compute the energy of direct and diffracted sound per octave."""
     config = replace(config, num_edges=EDGES)
     paths = early_paths(scene, Source(source), Listener(listener, UPRIGHT), config)
     return jnp.sum(paths.gain[: 1 + config.num_edges] ** 2, axis=0)
 
 
 def emptied(bank):
-    """A bank whose movable things are far away."""
+    """Return a bank whose movable bodies are far away."""
     return bank.replace(physics=bank.physics.replace(body_pos=bank.physics.body_pos - jnp.float32([0, 0, 100])))
 
 
 def heard(bank, plan, config, keys):
-    """Energies (places, bands, bins) at the listeners of a plan, means over keys."""
+    """Compute energies (places, bands, bins) at the listeners of a plan, averaged over keys."""
     source, house = jnp.asarray(plan.source, jnp.float32), jnp.int32(0)
     run = jax.jit(partial(engine, config=config))
     out = [
@@ -112,10 +112,10 @@ def heard(bank, plan, config, keys):
 
 
 def errors(truth, ours, hops, dt, groups=None):
-    """One record per number of doors between; with `groups`, also of what all places of each hear together.
+    """Yield one record per number of doors between; `groups` adds errors of energies that are summed per group.
 
-    A decay counts from where it is first within 20 dB of its largest bin. What few particles tell of a far room begins
-    late and has peaks: EDT of single places is too short then. Sums over many places of a room say what is true.
+    A decay starts where it is first within 20 dB of its largest bin. With few particles, the energy of a far room
+    starts late and has peaks, so the EDT of single places is too short. Sums over many places of a room are reliable.
     """
     for doors in sorted(set(hops.tolist())):
         mine = hops == doors
@@ -129,7 +129,7 @@ def errors(truth, ours, hops, dt, groups=None):
 
 
 def _differences(truth, ours, dt):
-    """Means and root mean squares over places and octaves, of level [dB], T30 and EDT [%]."""
+    """Compute mean and RMS differences over places and octaves, of level [dB], T30 and EDT [%]."""
     found = {"level": 10 * np.log10(ours.sum(axis=2) / truth.sum(axis=2))}
     for name, read in (("t30", t30), ("edt", edt)):
         both = [np.asarray(read(jnp.asarray(x / x.max(), jnp.float32), dt)) for x in (ours, truth)]
@@ -144,7 +144,7 @@ def _differences(truth, ours, dt):
 
 
 def decays(bank, plan, presets, refs, seconds, moved):
-    """Records of levels, T30 and EDT; with `moved`, what changes if everything movable is taken away."""
+    """Yield records of levels, T30 and EDT; `moved` adds the effect of removing all movable bodies."""
     hops, best = plan.listeners()[1], config_of("reference", seconds)
     keys = jax.random.split(jax.random.key(7), refs + max(refs, 4))
     start = time.perf_counter()
@@ -161,7 +161,7 @@ def decays(bank, plan, presets, refs, seconds, moved):
 
 
 def walked(banks, plan, preset, seconds, most):
-    """Records of walks: how large steps are, in the source's room and in others; and how two bakes differ."""
+    """Yield records of walks: step sizes in the source's room and in others, and the difference of two bakes."""
     config = config_of(preset, seconds)
     source, house = jnp.asarray(plan.source, jnp.float32), jnp.int32(0)
 
@@ -208,19 +208,21 @@ def walked(banks, plan, preset, seconds, most):
 
 
 def main():
-    """Runs what the command line asks for."""
+    """Run the selected comparisons."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--houses", default="procedural:1?seed=91000", help="the first of these is taken")
+    parser.add_argument(
+        "--houses", default="procedural:1?seed=91000", help="dataset or generator; its first house is used"
+    )
     parser.add_argument("--presets", nargs="*", default=["fast-traced", "baked"])
     parser.add_argument("--parts", nargs="*", choices=("decays", "moved", "walks"), default=("decays", "walks"))
-    parser.add_argument("--truth", type=int, default=0, help="particles of each half of the oracle, per octave")
-    parser.add_argument("--sources", type=int, default=4, help="rooms with a source, where the oracle is the truth")
-    parser.add_argument("--each", type=int, default=2, help="places of ears in a room, where the oracle is the truth")
-    parser.add_argument("--rays", type=int, help="baked per cell and octave")
+    parser.add_argument("--truth", type=int, default=0, help="particles per octave of each half of the oracle")
+    parser.add_argument("--sources", type=int, default=4, help="number of rooms with a source, with --truth")
+    parser.add_argument("--each", type=int, default=2, help="number of listeners per room, with --truth")
+    parser.add_argument("--rays", type=int, help="baked rays per cell and octave")
     parser.add_argument("--refs", type=int, default=2, help="runs of the reference per place")
-    parser.add_argument("--walks", type=int, default=10**6, help="at most")
+    parser.add_argument("--walks", type=int, default=10**6, help="maximum number of walks")
     parser.add_argument("--seconds", type=float, default=1.2, help="length of the responses")
-    parser.add_argument("--out", type=Path, help="file for the records, to which they are added")
+    parser.add_argument("--out", type=Path, help="file that records are appended to")
     args = parser.parse_args()
     house = HouseSet(args.houses).load()[0]
     plan, bank = Plan(house), HouseBank.from_compiled([house])

@@ -1,9 +1,9 @@
-"""Moving listeners in one room: frames a second here, and responses a second of pyroomacoustics, in the same run.
+"""Compare moving listeners in one room: frames per second here and responses per second of pyroomacoustics, in one run.
 
-Its hybrid method (image sources of order 3, 10,000 rays, air) gives one response of two microphones; here it is a
-response and the 0.1 s of stereo sound that lead over to it, of the preset `balanced`. Both use all cores. HoME's EVERT
-made 117 listener updates a second of order 2, without late sound, of a source that may not move. Needs `pip install
-pyroomacoustics`; run it with nothing else on the cores.
+Its hybrid method (image sources of order 3, 10,000 rays, air) computes one response of two microphones. Here the unit
+is a response and the 0.1 s of crossfaded stereo sound, with the preset `balanced`. Both use all cores. HoME's EVERT
+made 117 listener updates per second of order 2, without late reverberation, of a fixed source. Needs `pip install
+pyroomacoustics`; run it on otherwise idle cores.
 """
 
 import argparse
@@ -32,14 +32,14 @@ from home_mjx.houses import add_bakes
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
 
-SIZE = (6.0, 5.0, 3.0)  # [m]
-FLOOR, ELSEWHERE, SCATTERING = 0.6, 0.03, 0.1  # of the room "uneven"
-STEP, EARS = 0.1, 0.0875  # [m], by which a listener moves in a frame, and from the middle of its head to an ear
+SIZE = (6.0, 5.0, 3.0)  # [m] size of the room
+FLOOR, ELSEWHERE, SCATTERING = 0.6, 0.03, 0.1  # absorption and scattering of the room "uneven"
+STEP, EARS = 0.1, 0.0875  # [m] movement of a listener in a frame, and distance of an ear from the head's centre
 RAYS, ORDER, EVERT = 10_000, 3, 117
 
 
 def here(envs, seconds, preset):
-    """Frames a second of so many environments."""
+    """Measure frames per second with `envs` environments."""
     case, config = rooms.uneven(), audio_preset(preset)
     bank = add_bakes(HouseBank.from_compiled([case.house]), [case.house], "late_reverb")
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
@@ -61,13 +61,13 @@ def here(envs, seconds, preset):
 
 
 def listeners(count):
-    """Anywhere in the room, half a metre from what bounds it, as the engine counts from its middle (count, 3) [m]."""
+    """Return positions (count, 3) [m] from the room's centre, half a metre from its surfaces."""
     low, high = np.array([-SIZE[0] / 2, -SIZE[1] / 2, 0.0]) + 0.5, np.array([SIZE[0] / 2, SIZE[1] / 2, SIZE[2]]) - 0.5
     return np.random.default_rng(0).uniform(low, high, (count, 3))
 
 
 def responses(places):
-    """Makes a response at each of some places with pyroomacoustics; returns how long the last one is [samples]."""
+    """Compute a response per place with pyroomacoustics; return the length of the last one [samples]."""
     import pyroomacoustics as pra
 
     rate, middle = audio_preset("balanced").sample_rate, np.array([SIZE[0] / 2, SIZE[1] / 2, 0])
@@ -90,7 +90,7 @@ def responses(places):
 
 
 def theirs(count):
-    """Its responses a second, on all cores, so many on each."""
+    """Measure its responses per second on all cores, with `count` responses each."""
     cores = usable_cores()
     parts = np.split(listeners(cores * count), cores)
     with ProcessPoolExecutor(cores) as pool:
@@ -101,12 +101,12 @@ def theirs(count):
 
 
 def main():
-    """Runs both."""
+    """Run both measurements."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--seconds", type=float, default=5.0)
-    parser.add_argument("--peer-updates", type=int, default=8, help="of each core")
-    parser.add_argument("--out", type=Path, help="file for the records, to which they are added")
+    parser.add_argument("--peer-updates", type=int, default=8, help="number of responses per core")
+    parser.add_argument("--out", type=Path, help="file that records are appended to")
     args = parser.parse_args()
     peer, length = theirs(args.peer_updates)
     records = [{"case": "pyroomacoustics hybrid", "updates": round(peer, 2), "rays": RAYS, "samples": length}]

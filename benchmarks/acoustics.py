@@ -1,7 +1,7 @@
-"""Sound against an independent Monte Carlo: decay times and levels per octave, in rooms that are hard to get right.
+"""Compare sound with an independent Monte Carlo: decay times and levels per octave, in acoustically difficult rooms.
 
-Each preset, and the first two with rays in every step, in the same rooms against the same truth. Prints a Markdown
-table, and with `--out` writes one JSON object a line. The rooms and the oracle are those of the tests
+Each preset, and the first two with rays in every step, runs in the same rooms against the same reference. Prints a
+Markdown table; `--out` writes one JSON object per line. The rooms and the oracle are those of the tests
 (`tests/helpers/acoustic_rooms.py`, `tests/helpers/decay_oracle.py`).
 """
 
@@ -39,15 +39,15 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
 
 PRESETS = ("fast", "balanced", "reference", "fast-traced", "balanced-traced", "baked")
-SEEDS = {"fast-traced": 8, "balanced-traced": 4, "reference": 2}  # runs per listener; baked sound needs one
+SEEDS = {"fast-traced": 8, "balanced-traced": 4, "reference": 2}  # runs per listener; baked reverberation needs one
 UPRIGHT = jnp.float32([0.5, 0.5, -0.5, -0.5])
-LATE = (-25.0, -45.0)  # [dB], where coupled rooms decay as both together
+LATE = (-25.0, -45.0)  # [dB] range in which coupled rooms decay together
 ERRORS = ("T30 [s]", "here", "error", "EDT [s]", "here", "error", "Level error [dB]", "Late slope [s]", "here")
 COLUMNS = ("Preset", "Room", "Octave [Hz]", *ERRORS)
 
 
 def engine(scene_bank, house, source, listener, key, config):
-    """Histogram (bins, bands) of one omnidirectional microphone: paths and late part."""
+    """Compute the histogram (bins, bands) of one omnidirectional microphone: paths and late part."""
     scene = opened(scene_bank, house)
     who, ears = Source(source), Listener(listener, UPRIGHT)
     paths = early_paths(scene, who, ears, config)
@@ -57,14 +57,14 @@ def engine(scene_bank, house, source, listener, key, config):
 
 
 def opened(bank, house):
-    """A house without agents, all doors wide open."""
+    """Build the scene of a house without agents, with all doors fully open."""
     physics = bank.physics
     bodies, nobody = (physics.body_pos[house], physics.body_quat[house]), (jnp.zeros((0, 3)), jnp.zeros((0, 4)))
     return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])
 
 
 def config_of(preset, seconds):
-    """Options of a microphone that hears in all directions for so many seconds."""
+    """Return options of an omnidirectional microphone with a response of `seconds`."""
     options = {"receiver": "omni", "response_seconds": seconds}
     if preset == "baked":
         return AudioConfig(late="baked", **options)
@@ -73,7 +73,7 @@ def config_of(preset, seconds):
 
 
 def heard(case, bank, config, seeds):
-    """Histograms of the engine (seeds, listeners, bands, bins) in the only house of a bank."""
+    """Compute histograms (seeds, listeners, bands, bins) in the only house of a bank."""
     run = jax.jit(jax.vmap(partial(engine, config=config), in_axes=(None, None, None, 0, 0)))
     source, house = jnp.asarray(case.source, jnp.float32), jnp.int32(0)
     keys = jax.random.split(jax.random.key(0), seeds * len(case.listeners)).reshape(seeds, -1)
@@ -83,14 +83,14 @@ def heard(case, bank, config, seeds):
 
 
 def places(case):
-    """Groups of listeners: everywhere, or each of two rooms by itself."""
+    """Return groups of listeners: all, or those of each of two rooms."""
     if not case.name.endswith("coupled"):
         return {case.name: slice(None)}
     return {f"{case.name}, source's room": slice(0, 3), f"{case.name}, other room": slice(3, None)}
 
 
 def compare(name, truth, ours, dt):
-    """One record per octave; truth (listeners, bands, bins), ours (seeds, listeners, bands, bins)."""
+    """Yield one record per octave; truth (listeners, bands, bins), ours (seeds, listeners, bands, bins)."""
     late = {"late": partial(decay_time, start=LATE[0], stop=LATE[1])} if "source's" in name else {}
     times = {"t30": t30, "edt": edt, **late}
     both = [jnp.asarray(x / x.max(), jnp.float32) for x in (truth, ours)]
@@ -104,7 +104,7 @@ def compare(name, truth, ours, dt):
 
 
 def cells(record):
-    """The Markdown cells of one record."""
+    """Format one record as Markdown cells."""
     parts = [record["preset"], record["room"], f"{record['octave']:g}"]
     for key in ("t30", "edt"):
         right, here = record[f"{key}_truth"], record[key]
@@ -114,16 +114,16 @@ def cells(record):
 
 
 def main():
-    """Runs what the command line asks for."""
+    """Run the selected comparisons."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--particles", type=int, default=100_000, help="of the oracle, per octave")
+    parser.add_argument("--particles", type=int, default=100_000, help="particles of the oracle per octave")
     parser.add_argument("--presets", nargs="*", choices=PRESETS, default=PRESETS[:-1])
-    parser.add_argument("--bake-seed", type=int, default=0, help="of baked late sound, which has no other")
-    parser.add_argument("--bake-rays", type=int, default=BakeOptions.rays, help="per cell and octave")
-    parser.add_argument("--bake-size", type=float, default=BakeOptions.size, help="wanted edge of its cells [m]")
-    parser.add_argument("--rooms", nargs="*", help="only these, such as uneven (default: all)")
+    parser.add_argument("--bake-seed", type=int, default=0, help="seed of baked late reverberation")
+    parser.add_argument("--bake-rays", type=int, default=BakeOptions.rays, help="rays per cell and octave")
+    parser.add_argument("--bake-size", type=float, default=BakeOptions.size, help="target edge length of its cells [m]")
+    parser.add_argument("--rooms", nargs="*", help="rooms to measure, such as uneven (default: all)")
     parser.add_argument("--seconds", type=float, default=3.0, help="length of the decays")
-    parser.add_argument("--out", type=Path, help="file for the records, to which they are added")
+    parser.add_argument("--out", type=Path, help="file that records are appended to")
     args = parser.parse_args()
     cases = [
         rooms.even(),
@@ -145,7 +145,7 @@ def main():
 
 
 def measure(case, args):
-    """Records of one room, of all presets against one truth."""
+    """Yield the records of one room, of all presets against one reference."""
     bank = HouseBank.from_compiled([case.house])
     dt = AudioConfig().bin_seconds
     truth = fly(case.blocks, case.source, case.listeners, args.seconds, dt, args.particles).energy

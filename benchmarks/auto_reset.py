@@ -1,9 +1,9 @@
-"""What automatic resets cost: milliseconds per step of a batch in which nobody, a few or all environments end.
+"""Measure the cost of automatic resets: milliseconds per step of a batch in which no, few or all environments end.
 
     python benchmarks/auto_reset.py [--num-envs 4096] [--houses ROOT]
 
-One JSON object a line. A program is called with the same states again and again, so that only the number of those that
-end differs; cases take turns; medians.
+Prints one JSON object per line. A program is called with the same states repeatedly, so that only the number of ended
+episodes differs. Cases alternate, and medians are reported.
 """
 
 import argparse
@@ -18,19 +18,19 @@ import home_mjx
 from home_mjx.core.profiling import device_name
 from home_mjx.tasks import BoundEnv, PointNav
 
-LENGTH = 500  # steps of an episode
-FEW = 8  # environments that end
+LENGTH = 500  # length of an episode [steps]
+FEW = 8  # environments whose episode ends
 
 
 def main() -> None:
-    """Measures and prints."""
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--houses")
     parser.add_argument("--calls", type=int, default=10)
     parser.add_argument("--rounds", type=int, default=7)
     args = parser.parse_args()
-    # Nobody arrives by chance: the goal's radius is zero.
+    # The goal's radius is zero, so that no episode ends by chance.
     env = home_mjx.make("PointNav-v0", args.houses, episode_length=LENGTH, task=PointNav(success_radius=0.0))
     cases = prepare(env, args.num_envs)
     times: dict[str, list[float]] = {name: [] for name in cases}
@@ -46,7 +46,7 @@ def main() -> None:
 
 
 def prepare(env: BoundEnv, num_envs: int) -> dict:
-    """Compiled steps with the states that each case begins from."""
+    """Return compiled steps with the initial states of each case."""
     keys = jax.random.split(jax.random.key(0), num_envs)
     actions = jax.random.uniform(jax.random.key(1), (num_envs, 4), jnp.float32, -1, 1)
     cheap, full = home_mjx.AutoReset(env.core), home_mjx.AutoReset(env.core, "all")
@@ -66,7 +66,7 @@ def prepare(env: BoundEnv, num_envs: int) -> dict:
 
 
 def milliseconds(call: object, count: int) -> float:
-    """Of one call."""
+    """Measure the time of one call [ms]."""
     start = time.perf_counter()
     for _ in range(count):
         result = call()  # type: ignore[operator]

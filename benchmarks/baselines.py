@@ -1,19 +1,19 @@
-"""How hard each task is: agents that act at random, that do not look, and that know all, in houses nobody tuned on.
+"""Measure the difficulty of each task with random agents, blind agents and experts, in houses that nobody tuned on.
 
     python benchmarks/baselines.py [--id ID ...] [--episodes 64] [--num-houses 8] [--out FILE]
     python benchmarks/baselines.py --only-docs [--out FILE]
 
-Every id of `home_mjx.list_envs()` as it is registered, and PointNav as Habitat has it. All three agents play the same
-rows, in generated houses of the `val` part from seed 30,000 on. One JSON object for each agent and id. `--only-docs`
-makes the lines of a file, the last one of each agent and id, the tables of docs/baselines.md and docs/tasks/.
+Runs every id of `home_mjx.list_envs()` as registered, and PointNav with Habitat's options. All three agents play the
+same rows, in generated houses of the `val` split with seeds from 30,000. Prints one JSON object for each agent and id.
+`--only-docs` writes the last line of each agent and id in a file to the tables of docs/baselines.md and docs/tasks/.
 
-Who does not look knows of touch, of the goal's direction where the task tells it, and reads questions:
+Blind agents use contact, the goal's direction if the task observes it, and questions:
 
-- `straight`: towards the goal, and stops there;
-- `wander`: ahead, turns by some angle after a touch, and says `stop` once in 100 steps, where there is one; with hands
-  it also tries to pick;
+- `straight`: moves towards the goal, and stops there;
+- `wander`: moves ahead, turns by a random angle after a contact, and says `stop` once in 100 steps if possible; with
+  hands it also tries to pick;
 - `stay`: turns on the spot;
-- `prior`: the answer that was right most often for the same question, in 32 houses of the `train` part.
+- `prior`: gives the most frequent correct answer to the same question, in 32 houses of the `train` split.
 """
 
 import argparse
@@ -50,25 +50,25 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "baselines.md"
 MADE = re.compile(r"(<!-- made by benchmarks/baselines\.py(?:: (?P<id>[\w-]+))? -->\n).*?(<!-- end -->)", re.DOTALL)
 FIRST_SEED = 30_000
-CONTACT = 9  # number of `state`
-STOPS = 100  # `wander` stops once in so many steps
-TURNS = (3, 15)  # of 10 degrees, after a touch
-PICKS = 0.25  # part of the steps in which `wander` tries to pick
+CONTACT = 9  # index of the contact flag in `state`
+STOPS = 100  # `wander` stops once in this number of steps
+TURNS = (3, 15)  # minimum and maximum number of 10 degree turns after a contact
+PICKS = 0.25  # share of the steps in which `wander` tries to pick
 HABITAT = {"actions": "discrete", "stop": True, "success_radius": 0.2}
 AGENTS = ("random", "blind", "expert")
 UNITS = {"distance": " m"}
 
-Act = Callable[[Any, dict[str, Any], Any, Any], Any]  # (turns that are left, observations, begins, keys) to actions
+Act = Callable[[Any, dict[str, Any], Any, Any], Any]  # (remaining turns, observations, begins, keys) to actions
 
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """One row of the table: an id, what does not look, and which figures are the task's own."""
+    """Row of the table: an id, its blind agent, and the metrics of its task."""
 
     id: str
     blind: str
     own: tuple[str, ...] = ("distance",)
-    paths: bool = True  # whether SPL means anything
+    paths: bool = True  # whether SPL is meaningful
     options: dict[str, Any] = dataclasses.field(default_factory=dict)
     name: str = ""
 
@@ -92,10 +92,10 @@ CASES = (
 
 
 def main() -> None:
-    """Plays and prints, or writes the table."""
+    """Play and print, or write the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--id", action="append", help="default: every id")
-    parser.add_argument("--episodes", type=int, default=64, help="of each agent, at most 128")
+    parser.add_argument("--episodes", type=int, default=64, help="episodes of each agent, at most 128")
     parser.add_argument("--num-houses", type=int, default=8)
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks" / "results" / "baselines.jsonl")
     parser.add_argument("--only-docs", action="store_true")
@@ -114,13 +114,13 @@ def main() -> None:
 
 
 def unseen(root: Path, split: str, num: int) -> HouseBank:
-    """Generated houses of a part, of seeds that nobody tuned on."""
+    """Return a bank of generated houses of a split, with seeds that nobody tuned on."""
     seeds = islice((seed for seed in count(FIRST_SEED) if split_of(house_id(seed)) == split), num)
     return load_bank(root, ids=generate_dataset(root, list(seeds)))
 
 
 def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[str, Any]]:
-    """What each agent comes to; all play the same rows."""
+    """Return the results of each agent; all play the same rows."""
     begun, num = time.perf_counter(), args.episodes
     env = made(case, bank, -(-num // bank.num_houses))
     tasks = with_episodes(env, num).params.tasks
@@ -129,7 +129,7 @@ def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[s
         env, num = env.with_tasks(tasks.pick(jnp.asarray(rows, jnp.int32))), len(rows)
     policy = side_by_side(env, blind_of(case.blind, env), num)
     both = evaluate(env, lambda net: policy, None, 2 * num)
-    expert = evaluate(with_expert(env), expert_policy, None, num)  # by itself: the others need not wait for it
+    expert = evaluate(with_expert(env), expert_policy, None, num)  # separate, so that others do not wait for it
     parts = [{name: x[part] for name, x in both.items()} for part in (slice(num), slice(num, None))]
     common = {
         "case": "baselines", "id": case.id, "name": case.name or case.id, "houses": bank.num_houses, "episodes": num,
@@ -144,7 +144,7 @@ def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[s
 
 
 def made(case: Case, bank: HouseBank, num_tasks: int) -> Any:
-    """The environment of a case."""
+    """Make the environment of a case."""
     task = getattr(home_mjx.tasks, home_mjx.registry.find_spec(case.id).entry_point.partition(":")[2])
     rows = {"num_tasks": num_tasks} if hasattr(task, "num_tasks") else {}
     senses = {"straight": ("state", "goal"), "prior": ("state", "instruction")}.get(case.blind, ("state",))
@@ -152,7 +152,7 @@ def made(case: Case, bank: HouseBank, num_tasks: int) -> Any:
 
 
 def side_by_side(env: Any, blind: Act, num: int) -> Policy:
-    """Two agents in one batch: the first `num` environments are played at random, the others by who does not look."""
+    """Combine two agents in one batch: the first `num` environments are random, the others blind."""
     agents, chance = env.num_agents, random_policy(env.core)(None)
 
     def act(memory: dict[str, Any], obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any, dict]:
@@ -169,12 +169,12 @@ def side_by_side(env: Any, blind: Act, num: int) -> Policy:
 
 
 def blind_of(name: str, env: Any) -> Act:
-    """An agent that does not look."""
+    """Return a blind agent by name."""
     return {"straight": straight, "wander": wander, "stay": stay, "prior": prior}[name](env)
 
 
 def straight(env: Any) -> Act:
-    """Turns towards the goal and goes; stops where it is told that it has arrived."""
+    """Return an agent that turns and moves towards the goal, and stops when it is reached."""
     names, turning = env.core.action_names, np.deg2rad(10) / 2 + 1e-3
 
     def act(turns: Any, obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any]:
@@ -191,7 +191,7 @@ def straight(env: Any) -> Act:
 
 
 def wander(env: Any) -> Act:
-    """Ahead until it touches something, then to the left by 30 to 140 degrees."""
+    """Return an agent that moves ahead until a contact, then turns left by 30 to 140 degrees."""
     names = env.core.action_names
 
     def act(turns: Any, obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any]:
@@ -210,13 +210,13 @@ def wander(env: Any) -> Act:
 
 
 def stay(env: Any) -> Act:
-    """Turns on the spot."""
+    """Return an agent that turns on the spot."""
     turn = env.core.action_names.index("turn_left")
     return lambda turns, obs, begins, keys: (turns, jnp.full(begins.shape, turn))
 
 
 def prior(env: Any) -> Act:
-    """The answer that is the most frequent one for the same question where it has learned, or for all of them."""
+    """Return an agent that gives the most frequent answer to the same question in training houses, or to any."""
     with tempfile.TemporaryDirectory() as root:
         known = dataclasses.replace(env.task, num_tasks=64).task_bank(unseen(Path(root), "train", 32))
     counts: dict[bytes, Counter[int]] = defaultdict(Counter)
@@ -237,7 +237,7 @@ def prior(env: Any) -> Act:
 
 
 def tell(out: Path, lines: list[dict[str, Any]]) -> None:
-    """Prints the lines and adds them to a file."""
+    """Print the lines and append them to a file."""
     with out.open("a", encoding="utf-8") as file:
         for line in lines:
             text = json.dumps(line)
@@ -246,14 +246,14 @@ def tell(out: Path, lines: list[dict[str, Any]]) -> None:
 
 
 def filled(found: re.Match[str], lines: list[dict[str, Any]]) -> str:
-    """A marked part of a page: the table of all ids, or of the one that it names."""
+    """Return a marked part of a page: the table of all ids, or of the named one."""
     kept = [line for line in lines if found["id"] in (None, line["id"])]
     made = table(kept) if kept else f"Not measured yet: `python benchmarks/baselines.py --id {found['id']}`."
     return f"{found[1]}{made}\n{measured(kept)}{found[3]}"
 
 
 def measured(lines: list[dict[str, Any]]) -> str:
-    """When each task was measured last."""
+    """Return the date of the last measurement of each task."""
     last = {line["name"]: line.get("date", "") for line in lines}
     days = {day: [name for name in last if last[name] == day] for day in sorted(set(last.values()), reverse=True)}
     if not any(days):
@@ -265,7 +265,7 @@ def measured(lines: list[dict[str, Any]]) -> str:
 
 
 def table(lines: list[dict[str, Any]]) -> str:
-    """The lines as Markdown."""
+    """Format the lines as Markdown."""
     found: dict[str, dict[str, Any]] = defaultdict(dict)
     for line in lines:
         found[line["name"]][line["agent"]] = line
@@ -276,14 +276,14 @@ def table(lines: list[dict[str, Any]]) -> str:
             own = ", ".join(f"{name} {shown(line[name])}{UNITS.get(name, '')}" for name in line["own"])
             name = f"blind: {line['blind']}" if agent == "blind" else agent
             spl = shown(line["spl"]) if line["paths"] and "spl" in line else ""
-            steps = line.get("episode_steps") or line["length"]  # as the lines of 2026 name it
+            steps = line.get("episode_steps") or line["length"]  # older lines of 2026 use the key `length`
             cells = [name, shown(line["success"]), spl, f"{steps['mean']:.0f}", own, str(line["episodes"])]
             rows.append([case.replace(line["id"], f"`{line['id']}`") if agent == AGENTS[0] else "", *cells])
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
 def shown(figure: dict[str, float]) -> str:
-    """Mean and standard error."""
+    """Format mean and standard error."""
     return f"{figure['mean']:.2f} ± {figure['stderr']:.2f}"
 
 

@@ -1,10 +1,10 @@
-"""What rays cost on a CPU, of the form of `home-mjx bench --json`: cameras and timing are those of `gpu_rays.py`.
+"""Measure the cost of rays on a CPU, in the form of `home-mjx bench --json`; cameras and timing are of `gpu_rays.py`.
 
     python benchmarks/make_bank.py sample.pkl --dataset /path/to/suncg
     python benchmarks/warp_renderer.py sample.pkl --num-envs 64 --out depth.npz > peer.jsonl
     python benchmarks/cpu_rays.py sample.pkl --houses "the sample house" --peer peer.jsonl --peer-depth depth.npz
 
-The peer renders on one core, so ratios are also told per core. Embree is measured here where `embreex` is installed.
+The peer renders on one core, so ratios are also reported per core. Embree is measured if `embreex` is installed.
 """
 
 import argparse
@@ -18,11 +18,11 @@ from gpu_rays import Bench, against_peer, images, primary, read_peers
 from views import every_object_movable, load_bank
 from warp_renderer import matrices, triangles_of
 
-SIZE = 64  # pixels, each way
+SIZE = 64  # [px] width and height
 
 
 def embree_rate(bank, pos, quat):
-    """Rays per second of one thread over the first house's triangles where they stand, seen by the same cameras."""
+    """Measure rays per second of one Embree thread over the first house's triangles, with the same cameras."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
@@ -41,13 +41,13 @@ def embree_rate(bank, pos, quat):
 
 
 def main():
-    """Reads the command line."""
+    """Parse the command line and measure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bank", type=Path)
-    parser.add_argument("--houses", required=True, help="the bank in words")
+    parser.add_argument("--houses", required=True, help="description of the bank")
     parser.add_argument("--num-envs", type=int, default=64)
-    parser.add_argument("--peer", type=Path, help="what warp_renderer.py printed for this bank")
-    parser.add_argument("--peer-depth", type=Path, help="what it wrote")
+    parser.add_argument("--peer", type=Path, help="output of warp_renderer.py for this bank")
+    parser.add_argument("--peer-depth", type=Path, help="depth images of warp_renderer.py for this bank")
     args = parser.parse_args()
     peers = read_peers(args.peer, args.num_envs)
     bank = load_bank(args.bank)

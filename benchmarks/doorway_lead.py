@@ -1,10 +1,10 @@
-"""By how much one ear leads in sound out of a doorway, worked out without the engine.
+"""Compute the interaural lead of sound through a doorway, without the engine.
 
-Particles fly from a source in one of two coupled rooms; those that pass a listener in the other one within 25 ms of the
-first possible arrival are its reflections, of which as many are drawn as a room of that volume has in that time, each
-with a random sign. With what bends around the jamb (Maekawa) they are heard by two ears on an exact sphere. The lead is
-where the cross-correlation of both ears is largest, from 100 to 1500 Hz. Says how far single draws are from the lead of
-sound from the doorway alone, and so what can be asked of an engine whose late sound is random.
+Particles are traced from a source in one of two coupled rooms. Those that pass a listener in the other room within
+25 ms of the first possible arrival are its reflections. As many of them are drawn as a room of that volume has in that
+time, each with a random sign. Together with the sound diffracted at the jamb (Maekawa), they reach two ears on an exact
+sphere. The lead is the lag of the largest cross-correlation of both ears, from 100 to 1500 Hz. Prints the difference of
+single draws from the lead of sound from the doorway alone, the accuracy limit of random late sound.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from decay_oracle import SPEED, _meet, _turn
 
 from home_mjx.audio_jax.receivers.hrtf import sphere_spectrum
 
-RADIUS, WINDOW, BALL = 0.0875, 0.025, 0.25  # [m], [s], [m]
+RADIUS, WINDOW, BALL = 0.0875, 0.025, 0.25  # [m] of the head, [s] of the reflections, [m] of the receiver sphere
 RATE, SIZE, FINER = 64000, 8192, 16
 FREQUENCY = np.fft.rfftfreq(SIZE, 1 / RATE)
 USED = (FREQUENCY > 100) & (FREQUENCY < 1500)
@@ -30,13 +30,13 @@ HEADS = sphere_spectrum(FREQUENCY[USED], np.linspace(0, np.pi, 181), RADIUS, SPE
 DOOR, HALF = np.array([6.0, 0.0, 1.45]), 0.45
 SOURCES = ((4.8, 1.4, 1.4), (2.0, -0.6, 1.4))
 LISTENERS = ((7.5, 1.3, 1.5), (8.2, 1.0, 1.5), (7.0, 1.6, 1.5))
-OCTAVE = 3  # 1 kHz
+OCTAVE = 3  # index of 1 kHz
 DRAWS = 200
 
 
 @nb.njit(cache=True)
 def arrivals(low, high, absorption, scattering, source, listener, count, seconds, rng):
-    """Rows of time [s], energy times length in the ball [m], and the direction from which it comes."""
+    """Trace particles; return rows of time [s], energy times chord in the receiver [m], and incident direction."""
     out, rows, point, way = np.zeros((2_000_000, 5)), 0, np.zeros(3), np.zeros(3)
     for i in range(count):
         z, angle = 2 * (i + rng.random()) / count - 1, 2 * math.pi * rng.random()
@@ -65,7 +65,7 @@ def arrivals(low, high, absorption, scattering, source, listener, count, seconds
 
 
 def lead(cross):
-    """[µs] by which the first ear leads, of a cross spectrum."""
+    """Compute the lead of the first ear [µs] from a cross spectrum."""
     whole = np.zeros(FREQUENCY.size, complex)
     whole[USED] = cross
     correlation, lag = np.fft.irfft(whole, FINER * SIZE), np.arange(FINER * SIZE)
@@ -75,12 +75,12 @@ def lead(cross):
 
 
 def at_ear(direction, axis):
-    """Spectra (n, f) of one ear for sound from unit vectors (n, 3)."""
+    """Return the spectra (n, f) of one ear for sound from unit vectors (n, 3)."""
     return HEADS[np.round(np.degrees(np.arccos(np.clip(direction @ axis, -1, 1)))).astype(int)]
 
 
 def measure(room, source, listener, off, rng, count):
-    """Leads of single draws, of all together, and of sound from the doorway alone [µs]."""
+    """Return leads [µs] of single draws, of all together, and of the doorway alone, and the relative energy [dB]."""
     blocks = room.blocks
     parts = [np.asarray(x, float) for x in (blocks.low, blocks.high)]
     walls = [np.ascontiguousarray(x[:, OCTAVE]) for x in (blocks.absorption, blocks.scattering)]
@@ -90,7 +90,7 @@ def measure(room, source, listener, off, rng, count):
     first = way / SPEED
     found = found[(found[:, 0] > first - 1e-3) & (found[:, 0] < first + WINDOW)]
     energy = 3 / BALL**3 / count * found[:, 1]  # re the free field at 1 m
-    bent = 1 / straight**2 / (3 + 20 * 2 * (way - straight) * 500 / SPEED)  # Maekawa's, at 500 Hz
+    bent = 1 / straight**2 / (3 + 20 * 2 * (way - straight) * 500 / SPEED)  # Maekawa's formula at 500 Hz
     toward, edge = ((x - listener) / np.linalg.norm(x - listener) for x in (DOOR, jamb))
     yaw = np.arctan2(toward[1], toward[0]) + np.radians(off)
     axes = [side * np.array([-np.sin(yaw), np.cos(yaw), 0.0]) for side in (1, -1)]
@@ -110,7 +110,7 @@ def measure(room, source, listener, off, rng, count):
 
 
 def main():
-    """Prints a table."""
+    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--particles", type=int, default=1_500_000)
     args = parser.parse_args()

@@ -1,10 +1,10 @@
-"""How often experts succeed in houses that nobody tuned on, and which rows they lose.
+"""Measure the success of experts in houses that nobody tuned on, and list the rows that they fail.
 
     python benchmarks/experts.py Fetch-v0 Rearrange-v0 --first 130000 --houses 100 --rows 10 --out experts.jsonl
 
-Each id as it is registered. One JSON object an id: its share with the standard error, SPL, and of every row that was
-lost the seed of its house, its number, what was asked, and the steps until the end. Many houses want a GPU, whose
-environments play all episodes at once.
+Each id is used as registered. Prints one JSON object per id: success rate with standard error, SPL, and the failed
+rows. Each of these has the seed of its house, its number, the instruction, and the steps until the end. Use a GPU for
+many houses, because all episodes are played in one batch.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from home_procgen import generate_dataset
 
 
 def main() -> None:
-    """Makes the houses, and judges the experts of all ids in them."""
+    """Generate the houses, and evaluate the experts of all ids in them."""
     args = parse()
     use_compile_cache()
     seeds = range(args.first, args.first + args.houses)
@@ -43,19 +43,19 @@ def main() -> None:
 
 
 def parse() -> argparse.Namespace:
-    """The command line."""
+    """Parse the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("ids", nargs="+", help="such as Fetch-v0; tasks whose rows are drawn beforehand")
+    parser.add_argument("ids", nargs="+", help="ids such as Fetch-v0, of tasks with sampled rows")
     parser.add_argument("--first", type=int, required=True, help="seed of the first house")
     parser.add_argument("--houses", type=int, default=100)
-    parser.add_argument("--rows", type=int, default=10, help="episodes in each house")
-    parser.add_argument("--batch", type=int, default=1000, help="episodes played at once")
-    parser.add_argument("--out", type=Path, help="file that lines are added to")
+    parser.add_argument("--rows", type=int, default=10, help="episodes per house")
+    parser.add_argument("--batch", type=int, default=1000, help="maximum number of parallel episodes")
+    parser.add_argument("--out", type=Path, help="file that lines are appended to")
     return parser.parse_args()
 
 
 def judge(bank: HouseBank, name: str, seeds: range, args: argparse.Namespace) -> dict[str, Any]:
-    """Plays all rows of one id."""
+    """Play all rows of one id."""
     begin = time.perf_counter()
     env = with_expert(home_mjx.make(name, bank, sensors=("state",), num_tasks=args.rows))
     rows = env.params.tasks.rows
@@ -77,7 +77,7 @@ def judge(bank: HouseBank, name: str, seeds: range, args: argparse.Namespace) ->
 
 
 def lost_row(rows: Episodes, figures: dict[str, np.ndarray], seeds: range, row: int) -> dict[str, Any]:
-    """What is known of a row that was lost."""
+    """Describe a failed row."""
     return {
         "seed": seeds[int(rows.house[row])],
         "row": int(row),

@@ -1,11 +1,11 @@
-"""What rays cost on a GPU: one JSON object a line, of the form of `home-mjx bench --json`.
+"""Measure the cost of rays on a GPU: one JSON object per line, in the form of `home-mjx bench --json`.
 
     python benchmarks/make_bank.py sample.pkl --dataset /path/to/suncg
     python benchmarks/warp_renderer.py sample.pkl --size 64 84 128 --out depth.npz > peer.jsonl
     python benchmarks/gpu_rays.py sample.pkl --houses "the sample house" --peer peer.jsonl --peer-depth depth.npz
 
-Cameras stand anywhere in all rooms at 1.5 m, turned at random, pitched by up to 15 degrees. What is timed is the whole
-program from poses of objects and camera to images. Median of several rounds, after a warm-up.
+Cameras are at random positions of all rooms at 1.5 m, with random yaw and up to 15 degrees of pitch. The timed program
+goes from poses of objects and camera to images. Reports the median of several rounds, after a warm-up.
 """
 
 import argparse
@@ -44,7 +44,7 @@ ID_IMAGES = ("instance", "fine", "coarse", "room", "material")
 
 
 class Bench:
-    """A bank, a camera in each environment, and what is said about them."""
+    """A bank, a camera in each environment, and their description."""
 
     def __init__(self, bank, words, num_envs, peers):
         house, self.pos, self.quat = cameras(bank, num_envs)
@@ -52,7 +52,7 @@ class Bench:
         self.args = jnp.asarray(house), jnp.asarray(self.pos), jnp.asarray(self.quat)
 
     def program(self, look):
-        """`look(bank, scene, camera)` of all environments, compiled; and how long that took."""
+        """Compile `look(bank, scene, camera)` for all environments; return it with its compile time."""
 
         def one(bank, house, pos, quat):
             camera = Camera(pos, quat, jnp.float32(np.pi / 2))
@@ -63,12 +63,12 @@ class Bench:
         return functools.partial(program, self.bank), time.perf_counter() - start
 
     def seconds(self, look):
-        """Of one batch, and of compiling."""
+        """Measure the time of one batch and of compilation [s]."""
         program, compile_seconds = self.program(look)
         return timed(program, *self.args), compile_seconds
 
     def emit(self, case, value, unit, note, compile_seconds=None, peer=None):
-        """Prints a record."""
+        """Print a record."""
         found = self.peers.get(peer)
         record = make_record(
             f"{jax.default_backend()}/{case}",
@@ -82,7 +82,7 @@ class Bench:
         print(json.dumps(dataclasses.asdict(record)), flush=True)
 
     def frames(self, case, look, size, note, peer=None, rays=1):
-        """Times a look and prints frames/s; returns the seconds of a batch."""
+        """Measure a look and print frames/s; return the time of a batch [s]."""
         seconds, compile_seconds = self.seconds(look)
         grays = self.num_envs * size**2 * rays / seconds / 1e9
         note = f"{size}x{size}, {note}; {grays:.2f} Grays/s, {seconds * 1e3:.3f} ms"
@@ -91,16 +91,16 @@ class Bench:
 
 
 def read_peers(path, num_envs):
-    """What warp_renderer.py printed, by kind and size. Other numbers of cameras are other cameras."""
+    """Read the output of warp_renderer.py by kind and size; it must have the same number of cameras."""
     lines = path.read_text().splitlines() if path else []
     records = [json.loads(line) for line in lines if line.startswith("{")]
     if any(record["num_envs"] != num_envs for record in records):
-        raise SystemExit(f"{path} is about {records[0]['num_envs']} other cameras: run both with the same --num-envs")
+        raise SystemExit(f"{path} has {records[0]['num_envs']} other cameras: run both with the same --num-envs")
     return {(record["kind"], record["size"]): record for record in records}
 
 
 def timed(program, *args):
-    """Median seconds of a call, several calls in flight."""
+    """Measure the median time of a call [s], with several calls in flight."""
     jax.block_until_ready(program(*args))
     start = time.perf_counter()
     jax.block_until_ready(program(*args))
@@ -116,19 +116,19 @@ def timed(program, *args):
 
 
 def scene_of(bank, house, pos):
-    """Bodies where the dataset puts them, the agent behind the camera."""
+    """Build a scene with bodies at their initial poses and the agent behind the camera."""
     upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
     body = bank.physics.body_pos[house], bank.physics.body_quat[house]
     return make_scene(bank, house, *body, pos[None] - jnp.array([[0.0, 0.0, 0.7]], jnp.float32), upright)
 
 
 def own_body(bank):
-    """Object id of the agent, which does not see itself."""
+    """Return the object id of the agent, which its own rays ignore."""
     return bank.spec.num_instances
 
 
 def primary(size, executor=None):
-    """Depth, instance and triangle."""
+    """Return a look that computes depth, instance and triangle."""
 
     def look(bank, scene, camera):
         _, direction = camera_rays(camera, Lens(size, size))
@@ -139,7 +139,7 @@ def primary(size, executor=None):
 
 
 def images(size, *kinds, preset="fast"):
-    """What `render` gives."""
+    """Return a look that calls `render`."""
 
     def look(bank, scene, camera):
         return render(scene, camera, Lens(size, size), kinds=kinds, preset=preset, exclude=own_body(bank))
@@ -148,7 +148,7 @@ def images(size, *kinds, preset="fast"):
 
 
 def shadowed(size):
-    """A stand-in for a lit image: head light and, from each hit, one shadow ray to a lamp above the camera."""
+    """Return a look that approximates a lit image: head light, and one shadow ray per hit to a lamp overhead."""
 
     def look(bank, scene, camera):
         origin, direction = camera_rays(camera, Lens(size, size))
@@ -165,7 +165,7 @@ def shadowed(size):
 
 
 def scattered(bench, size, any_hit):
-    """Rays from anywhere in the rooms in any direction, of which no two have anything in common."""
+    """Measure incoherent rays with random origins in the rooms and random directions."""
     key = jax.random.key(0)
     shape = bench.num_envs, size * size, 3
     direction = jax.random.normal(key, shape)
@@ -190,7 +190,7 @@ def scattered(bench, size, any_hit):
 
 
 def kernel_compilation():
-    """Seconds of compiling the kernels anew, and of reading them from the cache."""
+    """Measure the time to compile the kernels, and to load them from the cache [s]."""
     device = devices_of("cuda")[0]
     capability = int(device.compute_capability.replace(".", ""))
     kept = os.environ.get("HOME_MJX_CACHE")
@@ -214,14 +214,14 @@ def kernel_compilation():
 
 
 def agreement(bench, size, num_envs=256):
-    """Shares of rays for which other executors say the same instance and triangle, and how far depths are apart."""
+    """Measure the share of rays with equal instance and triangle in other executors, and the depth difference."""
     few = jax.tree.map(lambda x: x[:num_envs], bench.args)
 
     def prepare(bank, house, pos, quat):
         rays = camera_rays(Camera(pos, quat, jnp.float32(np.pi / 2)), Lens(size, size))
         return house, scene_of(bank, house, pos).moving, *rays
 
-    # The same numbers for all: where two surfaces lie in one plane, rounding decides which of them is told.
+    # The same rays for all, because rounding decides between coplanar surfaces.
     args = jax.jit(jax.vmap(prepare, (None, 0, 0, 0)))(bench.bank, *few)
     found = {}
     for name in ("cuda", "xla", "cpu"):
@@ -245,7 +245,7 @@ def agreement(bench, size, num_envs=256):
 
 
 def against_peer(bench, size, path):
-    """How many pixels of the peer show the same depth: it looks at the same thing."""
+    """Count the pixels of the peer with the same depth, which shows that both see the same scene."""
     theirs = np.load(path)["depth"]
     program, _ = bench.program(images(size, "depth"))
     ours = np.asarray(program(*bench.args)["depth"][: len(theirs), ..., 0])
@@ -260,7 +260,7 @@ def against_peer(bench, size, path):
 
 
 def memory(bench):
-    """Bytes of a bank's geometry per house, and of what moves per environment."""
+    """Print the bytes of a bank's geometry per house, and of moving slots per environment."""
     geometry = bench.bank.geometry
     plain, gpu = (sum(x.nbytes for x in jax.tree.leaves(g)) for g in (geometry.replace(gpu=None), geometry.gpu))
     houses = bench.bank.num_houses
@@ -273,7 +273,7 @@ def memory(bench):
 
 
 def rooms(bench, sizes):
-    """Everything about one bank."""
+    """Run all measurements of one bank."""
     for size in sizes:
         bench.frames("primary", primary(size), size, "depth, instance and triangle", "depth")
         base = bench.frames("depth", images(size, "depth"), size, "depth image", "depth")
@@ -290,7 +290,7 @@ def rooms(bench, sizes):
 
 
 def colors(bench, size):
-    """Colour images, by preset."""
+    """Measure colour images by preset."""
     bench.frames("fast-rgb", images(size, "rgb", "depth"), size, "`fast` RGB and depth", "rgb+depth")
     note = "stand-in: primary ray, one shadow ray, texture and head light"
     bench.frames("shadowed-rgb", shadowed(size), size, note, "rgb+depth+shadows", rays=2)
@@ -302,7 +302,7 @@ def colors(bench, size):
 
 
 def many_houses(bench, size, samples=16):
-    """One batch over all houses of the bank, against batches each in one of them."""
+    """Compare one batch over all houses of the bank with batches in one house each."""
     seconds = bench.frames("resident", primary(size), size, "depth, instance and triangle, all houses at once")
     program, _ = bench.program(primary(size))
     house, pos, quat = bench.args
@@ -317,16 +317,16 @@ def many_houses(bench, size, samples=16):
 
 
 def main():
-    """Reads the command line."""
+    """Parse the command line and measure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bank", type=Path)
-    parser.add_argument("--houses", required=True, help="the bank in words")
+    parser.add_argument("--houses", required=True, help="description of the bank")
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--size", type=int, nargs="+", default=[64, 84, 128])
-    parser.add_argument("--peer", type=Path, help="what warp_renderer.py printed for this bank")
-    parser.add_argument("--peer-depth", type=Path, help="what it wrote")
-    parser.add_argument("--still", action="store_true", help="only the objects move that the bank says do")
-    parser.add_argument("--many", action="store_true", help="only measure what it costs that there are many houses")
+    parser.add_argument("--peer", type=Path, help="output of warp_renderer.py for this bank")
+    parser.add_argument("--peer-depth", type=Path, help="depth images of warp_renderer.py for this bank")
+    parser.add_argument("--still", action="store_true", help="only the bank's movable objects move")
+    parser.add_argument("--many", action="store_true", help="only measure the cost of many houses")
     parser.add_argument("--colors", action="store_true", help="only measure colour images")
     parser.add_argument("--check", action="store_true", help="also compare the executors")
     args = parser.parse_args()

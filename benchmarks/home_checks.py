@@ -1,7 +1,7 @@
-"""What homes of the second generator have to be, looked at one home at a time; `benchmarks/homes.py` runs it.
+"""Checks of homes of the second generator, one home at a time; `benchmarks/homes.py` runs them.
 
-Meshes are read back from the files, and walked, hung and pushed by means that share nothing with the generator: those
-of tests/helpers, and C MuJoCo.
+Meshes are read back from the files. They are walked, hung and pushed by methods that share nothing with the generator:
+those of tests/helpers, and C MuJoCo.
 """
 
 import base64
@@ -29,20 +29,20 @@ from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.mjcf.stability import rest_drift
 from home_mjx.schema.categories import ROOM_TYPES
 
-RADII = (0.10, 0.25)  # [m], of walkers
-LEAST = 0.2  # [m^2] of each room that they must reach
-TORQUE, PUSHED = 4.0, 4.0  # [N m] at doors, and for how long each way [s]
+RADII = (0.10, 0.25)  # [m] radii of walkers
+LEAST = 0.2  # [m^2] minimum area of each room that they must reach
+TORQUE, PUSHED = 4.0, 4.0  # [N m] torque at doors, and its duration in each direction [s]
 
 Record = dict[str, Any]
 
 
 def check_home(dataset: Dataset, seed: int, thorough: bool) -> Record:
-    """Reads a home from its files, and looks at it.
+    """Read a home from its files and check it.
 
     Args:
-        dataset: Holds the home.
-        seed: Of the home.
-        thorough: Also walk it with two radii, compile it, push its doors and let it stand for ten seconds.
+        dataset: Dataset with the home.
+        seed: Seed of the home.
+        thorough: Also walk it with two radii, compile it, push its doors, and simulate it for ten seconds at rest.
     """
     times, start = {}, time.perf_counter()
 
@@ -76,7 +76,7 @@ def check_home(dataset: Dataset, seed: int, thorough: bool) -> Record:
 
 
 def digest(root: Path, name: str) -> str:
-    """Of the files of a home."""
+    """Return the digest of a home's files."""
     total = hashlib.sha256()
     for path in (*sorted((root / "room" / name).iterdir()), root / "house" / name / "house.json"):
         total.update(path.name.encode() + path.read_bytes())
@@ -84,7 +84,7 @@ def digest(root: Path, name: str) -> str:
 
 
 def doors(home: Home) -> Record:
-    """Private rooms with more or less than one neighbour, entrances, and rooms that common ones do not lead to."""
+    """Find private rooms without exactly one neighbour, entrances, and rooms not reachable through common ones."""
     joined, entrances = home.graph(), home.entrances()
     private = [home.kind(*room) for room in home.rooms() if home.kind(*room) not in LINKS and len(joined[room]) != 1]
     got = reachable(joined, entrances[0], lambda room: home.kind(*room) in LINKS) if entrances else set()
@@ -92,7 +92,7 @@ def doors(home: Home) -> Record:
 
 
 def standing(home: Home) -> Record:
-    """Things that float, and pairs that are deeper than 5 mm in one another."""
+    """Find floating objects, and pairs that interpenetrate by more than 5 mm."""
     floats, pairs = [], []
     for level in range(len(home.house.levels)):
         found = things(home, level)
@@ -102,7 +102,7 @@ def standing(home: Home) -> Record:
 
 
 def statistics(home: Home) -> Record:
-    """Types and areas of rooms, objects by fine class and room type, and the room map of the ground floor."""
+    """Count types and areas of rooms, and objects by fine class and room type; pack the ground floor's room map."""
     rooms = extract_rooms(home.house, np.zeros(3))
     held: dict[str, list[str]] = {}
     for level in home.house.levels:
@@ -123,13 +123,13 @@ def statistics(home: Home) -> Record:
 
 
 def unpacked(entry: list[Any]) -> np.ndarray:
-    """The room map of a record."""
+    """Unpack the room map of a record."""
     high, wide, text = entry
     return np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8).reshape(high, wide).astype(int)
 
 
 def stuck(xml: str, files: dict[str, bytes]) -> list[str]:
-    """Doors that do not go through nine tenths of their range when pushed one way and the other, or have none."""
+    """Find doors with less than nine tenths of their range when pushed both ways, and doors without a range."""
     model = mujoco.MjModel.from_xml_string(xml, dict(files))
     data = mujoco.MjData(model)
     hinges = [j for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE and model.jnt_limited[j]]

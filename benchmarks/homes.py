@@ -1,11 +1,11 @@
-"""Homes of the second generator: whether they are as they have to be, and what they are like beside SUNCG's.
+"""Check homes of the second generator, and compare their statistics with SUNCG's.
 
     python benchmarks/homes.py [--homes 1000] [--first 0] [--every 20] [--seconds 500] [--workers N] [--root FOLDER]
 
-Writes homes by N processes, looks at each (`home_checks.py`) and keeps a line for it in `FOLDER.jsonl`. It may be
-stopped at any time, and goes on where it was. Prints what was found, and a table for docs/dataset.md.
-`--compare N` instead writes the same homes by N processes into `FOLDER-N` and compares digests. Needs no more than the
-package and, from the clone, `tests/helpers`.
+Writes homes with N processes, checks each (`home_checks.py`) and appends a line for it to `FOLDER.jsonl`. It can be
+stopped at any time and continued. Prints the results, and a table for docs/dataset.md. `--compare N` instead writes the
+same homes with N processes into `FOLDER-N` and compares digests. Needs only the package and, from the clone,
+`tests/helpers`.
 """
 
 import argparse
@@ -33,7 +33,7 @@ from home_procgen import generate_dataset
 from home_procgen.dataset import write_home
 from home_procgen.v1 import dataset as machinery
 
-# Of SUNCG's 329,195 rooms with a label other than `Room`, in per cent.
+# Shares of SUNCG's 329,195 rooms with a label other than `Room` [%].
 SUNCG = {
     "Bedroom": 20.8,
     "Bathroom": 15.5,
@@ -57,7 +57,7 @@ SUNCG = {
     "Loggia": 0.5,
     "Boiler_room": 0.3,
 }
-# Instances in the rooms of the houses of EmbodiedQA (Das et al., 2018), by fine or coarse class: the commonest.
+# Most frequent instances in the rooms of EmbodiedQA's houses (Das et al., 2018), by fine or coarse class.
 ASKED = {
     "Bedroom": """wardrobe_cabinet 1832 bed 1773 chair 1151 table_lamp 1074 rug 930 curtain 912 television 907
         picture_frame 724 dresser 614 desk 596 dressing_table 551 plant 468 air_conditioner 458 laptop 450
@@ -79,11 +79,11 @@ ASKED = {
     "Balcony": "fence 123 chair 90 outdoor_lamp 64 wall_lamp 44",
 }
 LEVELS, ROOMS_A_FLOOR, OBJECTS_A_ROOM = 1.28, 8.1, 14.1
-ALIKE = 0.85  # the part of their room maps that homes have in common which are called alike
+ALIKE = 0.85  # minimum common share of the room maps of homes that count as alike
 
 
 def likeness(one: np.ndarray, other: np.ndarray) -> float:
-    """Greatest part of both maps together that has the same type, over the eight ways to turn one, corners aligned."""
+    """Compute the largest common share of two room maps over eight orientations, corners aligned."""
     best = 0.0
     for turns, flip in itertools.product(range(4), (1, -1)):
         turned = np.rot90(other, turns)[::flip]
@@ -96,7 +96,7 @@ def likeness(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def alike(maps: list[np.ndarray]) -> tuple[int, int, float]:
-    """Pairs of twins, whose maps are the same; pairs that are more alike than `ALIKE`; the most alike of all."""
+    """Return the number of pairs with equal maps, of pairs more alike than `ALIKE`, and the largest likeness."""
     most_types = max(int(m.max()) for m in maps)
     counts = np.array([np.bincount(m.ravel(), minlength=most_types + 1)[1:] for m in maps])
     found, most = [0, 0], 0.0
@@ -112,7 +112,7 @@ def alike(maps: list[np.ndarray]) -> tuple[int, int, float]:
 
 
 def covered(held: dict[str, set[str]]) -> tuple[float, list[str]]:
-    """Part of what is asked about that rooms of the same type have, and what is lacking."""
+    """Return the share of classes in questions that rooms of the same type contain, and the missing ones."""
     there, total, lacking = 0, 0, []
     for kind, words in ASKED.items():
         pairs = words.split()
@@ -124,11 +124,11 @@ def covered(held: dict[str, set[str]]) -> tuple[float, list[str]]:
 
 
 def look(records: Path, root: Path, seeds: Sequence[int], every: int, seconds: float, workers: int) -> list[Record]:
-    """The records of the homes, those from before included, as far as `workers` processes get in the time."""
+    """Return the records of the homes, including earlier ones; `workers` processes run until the time limit."""
     deadline = time.time() + seconds
     root.parent.mkdir(parents=True, exist_ok=True)
     known = {r["seed"]: r for r in map(json.loads, records.read_text().splitlines())} if records.exists() else {}
-    generate_dataset(root, seeds[:1], version=2)  # the tables
+    generate_dataset(root, seeds[:1], version=2)  # writes the tables
     lacking = [s for s in seeds if s not in known or (s % every == 0 and "drift" not in known[s])]
     one = partial(look_at, root.absolute(), every, deadline)
     with records.open("a") as file, mapper(min(workers, len(lacking))) as run:
@@ -145,7 +145,7 @@ Job = Callable[[int], Record | None]
 
 @contextmanager
 def mapper(workers: int) -> Iterator[Callable[[Job, list[int]], Iterator[Record | None]]]:
-    """A `map` by so many processes, which gives each result as soon as it is there."""
+    """Start `workers` processes and yield their unordered `map`."""
     if workers < 2:
         yield map
         return
@@ -154,7 +154,7 @@ def mapper(workers: int) -> Iterator[Callable[[Job, list[int]], Iterator[Record 
 
 
 def look_at(root: Path, every: int, deadline: float, seed: int) -> Record | None:
-    """Writes a home and looks at it; None if the time is over."""
+    """Write and check a home; return None after the time limit."""
     if time.time() > deadline:
         return None
     start = time.process_time()
@@ -165,19 +165,19 @@ def look_at(root: Path, every: int, deadline: float, seed: int) -> Record | None
 
 @lru_cache(maxsize=1)
 def library(root: Path) -> AssetLibrary:
-    """The models that this process has read."""
+    """Return the models that this process has read."""
     return AssetLibrary(root)
 
 
 def opened(root: Path) -> Dataset:
-    """The dataset as it is now; it lists its homes only once."""
+    """Open the dataset in its current state, because it lists its homes only once."""
     dataset = open_dataset(root)
     dataset.assets = library(root)
     return dataset
 
 
 def report(found: list[Record]) -> None:
-    """What is not as it has to be."""
+    """Print the violations."""
     out, deep = sys.stdout.write, [r for r in found if "drift" in r]
     out(f"{len(found)} homes, {found[0]['seed']} to {found[-1]['seed']}; {len(deep)} walked, compiled and simulated\n")
     for key in ("findings", "links", "shut", "floating", "overlaps"):
@@ -200,7 +200,7 @@ def report(found: list[Record]) -> None:
 
 
 def table(found: list[Record]) -> None:
-    """Statistics, beside SUNCG's."""
+    """Print statistics, next to SUNCG's."""
     types, areas, fine = Counter(), defaultdict(list), Counter()
     held, shapes = defaultdict(set), defaultdict(set)
     for record in found:
@@ -236,8 +236,8 @@ def table(found: list[Record]) -> None:
 
 
 def compare(root: Path, found: list[Record], workers: int) -> None:
-    """Writes the homes again by worker processes, and counts those whose files differ."""
-    machinery.usable_cores = lambda: workers  # as on a machine of so many cores
+    """Write the homes again with worker processes, and count those whose files differ."""
+    machinery.usable_cores = lambda: workers  # as on a machine with this number of cores
     start = time.monotonic()
     generate_dataset(root, [r["seed"] for r in found], progress=True, version=2)
     spent = time.monotonic() - start
@@ -246,17 +246,21 @@ def compare(root: Path, found: list[Record], workers: int) -> None:
 
 
 def main() -> None:
-    """Looks at homes, and prints what was found."""
+    """Check homes, and print the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--homes", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--root", type=Path, default=Path("homes"))
     parser.add_argument(
-        "--every", type=int, default=20, help="walk, compile and simulate the homes of seeds that this divides"
+        "--every", type=int, default=20, help="walk, compile and simulate homes whose seed is a multiple of this"
     )
-    parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so long, before the tables")
-    parser.add_argument("--workers", type=int, default=usable_cores(), help="processes; as many as cores")
-    parser.add_argument("--compare", type=int, default=0, help="write again by as many processes instead, and compare")
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="time limit of checking [s]")
+    parser.add_argument(
+        "--workers", type=int, default=usable_cores(), help="number of processes (default: number of cores)"
+    )
+    parser.add_argument(
+        "--compare", type=int, default=0, help="number of processes that write the homes again, for a comparison"
+    )
     args = parser.parse_args()
     records, seeds = args.root.with_suffix(".jsonl"), range(args.first, args.first + args.homes)
     if args.compare:

@@ -1,7 +1,7 @@
-"""Sound in houses against an independent Monte Carlo among their triangles (`tests/helpers/triangle_oracle.py`).
+"""Compare sound in houses with an independent Monte Carlo on their triangles (`tests/helpers/triangle_oracle.py`).
 
-Sources stand in several rooms, for one place alone says more of that place than of the house. What the oracle does not
-know itself is told by two independent halves of its particles.
+Sources are in several rooms, because a single position is not representative of a house. The error of the oracle itself
+is estimated from two independent halves of its particles.
 """
 
 import sys
@@ -24,11 +24,11 @@ from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.propagation.paths import air_energy
 
 Errors = Callable[..., Iterator[dict[str, Any]]]
-NEAREST = 1.0  # [m], between source and ears: nearer ones hear little else than direct sound
+NEAREST = 1.0  # [m] minimum distance of source and ears; at shorter ones direct sound dominates
 
 
 def sources_of(plan, count: int, height: np.ndarray) -> list[tuple[np.ndarray, int]]:
-    """Places and rooms of sources: the plan's own, then places of the other rooms in turn."""
+    """Return positions and rooms of sources: the plan's own, then one position per other room in turn."""
     rooms = [r for r in sorted(set(plan.rooms.tolist()) - {-1}) if r != plan.source_room]
     places = [(plan.starts[plan.rooms == room][0] + height, room) for room in rooms]
     middle = max(len(places) // max(count - 1, 1), 1)
@@ -36,7 +36,7 @@ def sources_of(plan, count: int, height: np.ndarray) -> list[tuple[np.ndarray, i
 
 
 def pairs_of(plan, surfaces, count: int, each: int, height: np.ndarray):
-    """Per source: its place, the listeners, their rooms, doors between, and the radii of balls that nothing cuts."""
+    """Yield per source: its position, the listeners, their rooms, doors between, and radii of uncut receivers."""
     ears, _ = plan.listeners(each)
     room = np.array([plan.room(place) for place in ears])
     free = oracle.free_radii(surfaces, ears)
@@ -46,7 +46,7 @@ def pairs_of(plan, surfaces, count: int, each: int, height: np.ndarray):
 
 
 def _engine(preset: str, seconds: float):
-    """Energies (places, bins, bands) at several ears, one after the other: the rays of all at once take gigabytes."""
+    """Return a function that computes energies (places, bins, bands) ear by ear, because all rays take gigabytes."""
     one = partial(engine, config=config_of(preset, seconds))
 
     @jax.jit
@@ -57,7 +57,7 @@ def _engine(preset: str, seconds: float):
 
 
 def judged(house, bank, plan, presets, seconds, particles, sources, each, height, errors: Errors):
-    """Records of levels, T30 and EDT against the oracle, and of its halves against each other."""
+    """Yield records of levels, T30 and EDT against the oracle, and of its halves against each other."""
     surfaces = oracle.surfaces_of(house, air_energy(AudioConfig()).astype(float))
     halves, ours, start = ([], []), {preset: [] for preset in presets}, time.perf_counter()
     doors, groups = [], []

@@ -1,11 +1,11 @@
-"""How well agents learn: trains in some houses, plays whole episodes in others, beside random agents.
+"""Measure learning: train in some houses, and evaluate whole episodes in others, together with random agents.
 
     python benchmarks/learning.py CASE [--houses ROOT] [--frames 30e6] [--clone 0] [--seconds 60] [--out FOLDER]
 
-PointNav is as Habitat has it: moves of 0.25 m and 10 degrees, success within 0.2 m and with `stop`. The other tasks are
-as their ids have them. `--clone` steps of an expert's advice come first, then `--frames` of PPO, whose learning rate
-falls until then; all ends at `--seconds` if that comes first, without the time of compiling. One JSON object a line:
-the run, then each evaluation. The folder is one of `home-mjx train`: its checkpoint can be played and evaluated.
+PointNav has Habitat's options: moves of 0.25 m and 10 degrees, success within 0.2 m and with `stop`. The other tasks
+are used as registered. `--clone` steps of cloning an expert come first, then `--frames` of PPO, over which its learning
+rate falls. `--seconds` limits the training time without compilation. Prints one JSON object per line: the run, then
+each evaluation. The folder has the layout of `home-mjx train`: its checkpoint can be played and evaluated.
 """
 
 import argparse
@@ -32,18 +32,18 @@ from home_mjx.training.checkpoint import CHECKPOINT, CLONED
 from home_mjx.training.records import read_lines
 
 EYES = ("depth", "coarse", "prev_action")
-WORDS = (*EYES, "color", "size", "room_type")  # what sentences and questions speak of
+WORDS = (*EYES, "color", "size", "room_type")  # sensors of the properties in sentences and questions
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is learned, and how it is judged.
+    """Training case and its evaluations.
 
     Attributes:
         env: Id of the environment.
-        options: Of the training.
-        judged: Options of further evaluations by name, such as sounds never heard.
-        taken: An observation that the same agent goes without in one more evaluation: its least value instead.
+        options: Options of the training.
+        judged: Options of further evaluations by name, such as held-out sounds.
+        taken: Observation that is replaced by its minimum in one more evaluation of the same agent.
     """
 
     env: str
@@ -53,7 +53,7 @@ class Case:
 
 
 def point(*sensors: str) -> Case:
-    """PointNav."""
+    """Return a case of PointNav."""
     options = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_radius": 0.2, "sensors": sensors}
     return Case("PointNav-v0", options)
 
@@ -61,7 +61,7 @@ def point(*sensors: str) -> Case:
 def task(
     name: str, *sensors: str, judged: dict[str, dict[str, Any]] | None = None, taken: str | None = None, **options: Any
 ) -> Case:
-    """A task of rows."""
+    """Return a case of a row task."""
     return Case(f"{name}-v0", {"impl": "kinematic", "sensors": sensors, **options}, judged or {}, taken)
 
 
@@ -88,25 +88,25 @@ CASES = {
 
 
 def main() -> None:
-    """Trains, evaluates and prints."""
+    """Train, evaluate and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", choices=CASES)
     parser.add_argument("--houses")
-    parser.add_argument("--num-houses", type=int, default=256, help="to train in")
-    parser.add_argument("--held-out", type=int, default=100, help="houses to be evaluated in")
+    parser.add_argument("--num-houses", type=int, default=256, help="number of training houses")
+    parser.add_argument("--held-out", type=int, default=100, help="number of evaluation houses")
     parser.add_argument("--episodes", type=int, default=1000)
     parser.add_argument("--frames", type=float, default=30e6)
-    parser.add_argument("--algorithm", default="ppo", help="as of home-mjx train")
-    parser.add_argument("--clone", type=float, default=0, help="steps of an expert's advice before PPO's")
-    parser.add_argument("--start", help="checkpoint or agent.npz whose network is where training begins")
+    parser.add_argument("--algorithm", default="ppo", help="as in home-mjx train")
+    parser.add_argument("--clone", type=float, default=0, help="environment steps of cloning an expert before PPO")
+    parser.add_argument("--start", help="checkpoint or agent.npz of the initial network")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, help="folder of the run")
     parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment")
     parser.add_argument("--ppo", action="append", default=[], metavar="NAME=VALUE", help="an option of PPOConfig")
-    parser.add_argument("--turn", type=Path, help="a file: of all runs that name it, one trains at a time")
-    parser.add_argument("--random", type=int, default=1, help="0: without agents that act at random")
-    parser.add_argument("--greedy", action="store_true", help="evaluate the likeliest actions, too")
+    parser.add_argument("--turn", type=Path, help="lock file; runs that share it train one at a time")
+    parser.add_argument("--random", type=int, default=1, help="0: without random agents")
+    parser.add_argument("--greedy", action="store_true", help="also evaluate the most likely actions")
     args = parser.parse_args()
     run, out = run_of(args), args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
     out.mkdir(parents=True, exist_ok=True)
@@ -138,7 +138,7 @@ def main() -> None:
 
 @contextlib.contextmanager
 def in_turn(path: Path | None) -> Iterator[None]:
-    """While one run trains, others can compile or be evaluated: the time of training is its own."""
+    """Hold a lock while training, so that runs that compile or evaluate do not affect the training time."""
     if path is None:
         yield
         return
@@ -148,7 +148,7 @@ def in_turn(path: Path | None) -> Iterator[None]:
 
 
 def run_of(args: argparse.Namespace) -> RunConfig:
-    """What `home-mjx train` would be asked for."""
+    """Return the run configuration of the corresponding `home-mjx train` command."""
     case = CASES[args.case]
     known = find_spec(case.env)
     env = dataclasses.replace(
@@ -163,13 +163,13 @@ def run_of(args: argparse.Namespace) -> RunConfig:
 
 
 def held_out(run: RunConfig, args: argparse.Namespace, options: dict[str, Any]) -> Any:
-    """The environment in houses never trained in."""
+    """Make the environment in held-out houses."""
     env = judged(run.env, "val", args.held_out)
     return dataclasses.replace(env, options={**env.options, **options}).make()
 
 
 def without(trained: Callable[[Any], Policy], name: str, low: float) -> Callable[[Any], Policy]:
-    """The same agent, which gets the least value of one observation instead."""
+    """Return the same agent with one observation replaced by its minimum."""
 
     def policy_of(net: Any) -> Policy:
         policy = trained(net)
@@ -181,12 +181,12 @@ def without(trained: Callable[[Any], Policy], name: str, low: float) -> Callable
 
 
 def last_line(out: Path) -> dict[str, Any]:
-    """How the training ended."""
+    """Return the last metrics of the training."""
     return read_lines(out / "metrics.jsonl")[-1]
 
 
 def plain(run: RunConfig) -> dict[str, Any]:
-    """The run as JSON has it."""
+    """Return the run in JSON form."""
     options = {name: value for name, value in run.env.options.items() if isinstance(value, str | int | float | tuple)}
     ppo = dataclasses.asdict(run.ppo)
     return {

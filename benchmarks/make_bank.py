@@ -1,4 +1,4 @@
-"""Compiles houses by all cores and saves them as one bank: `python benchmarks/make_bank.py OUT --generate 64`."""
+"""Compile houses on all cores and save them as one bank: `python benchmarks/make_bank.py OUT --generate 64`."""
 
 import argparse
 import os
@@ -18,23 +18,23 @@ from home_procgen.v1.dataset import generate_dataset
 
 
 def compile_some(root, ids):
-    """Fills the cache of compiled houses."""
+    """Fill the cache of compiled houses."""
     cache = HouseCache(open_dataset(root))
     for house_id in ids:
         cache.load(house_id)
 
 
 def main():
-    """Reads the command line."""
+    """Parse the command line and save the bank."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--generate", type=int, help="so many generated houses")
-    parser.add_argument("--dataset", type=Path, help="the houses of this dataset")
+    parser.add_argument("--generate", type=int, help="number of generated houses")
+    parser.add_argument("--dataset", type=Path, help="dataset of the houses")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
     root = args.dataset or Path(tempfile.mkdtemp())
     ids = open_dataset(root).house_ids if args.dataset else generate_dataset(root, range(args.generate))
-    compile_some(root, ids[:1])  # compiles the compiler once
+    compile_some(root, ids[:1])  # warms up the compiler once
     with ProcessPoolExecutor(args.jobs) as pool:
         list(pool.map(partial(compile_some, root), [ids[i :: args.jobs] for i in range(args.jobs)]))
     save_bank(load_bank(root, ids=ids), args.out)

@@ -1,16 +1,16 @@
-"""How far the implementations of the physics part within one step, on many states.
+"""Measure the differences between the implementations of physics within one step, on many states.
 
     JAX_PLATFORMS=cuda,cpu python benchmarks/physics_parity.py [--houses ROOT] [--num-states 100000] [--num-c 4096]
     JAX_PLATFORMS=cpu python benchmarks/physics_parity.py --num-states 4000 --num-mjx 500
 
-States are those of rollouts on the CPU in which agents push, throw and turn doors as in `physics_soak.py`. From each,
-one control step and one physics step are done by the fused step on the default device and on the CPU, by MJX on the
-default device and by C MuJoCo. MJX and C do not know sleep, so one physics step is done without it by all.
+States are from rollouts on the CPU in which agents push, throw and turn doors as in `physics_soak.py`. From each, one
+control step and one physics step are computed. The fused step runs on the default device and on the CPU, MJX on the
+default device, C MuJoCo on the CPU. MJX and C MuJoCo have no body sleeping, so physics steps run without it everywhere.
 
-One JSON object a line, for each pair of implementations: quantiles over states of the largest difference of any agent,
-body or door of a state; the share of states in which all poses differ by less than a bound; the share with equal
-numbers of contact points of the agents; how many states one of them left contacts out in, which count in nothing
-else. With `--worst` the states that differ most, too: `--save` keeps states and `--load` reads them on another machine.
+Prints one JSON object per line for each pair of implementations. It has quantiles over states of the largest difference
+of any agent, body or door, and the share of states whose poses all differ by less than a bound. It also has the share
+with equal numbers of agent contacts, and the number of states with dropped contacts, which are excluded from the rest.
+`--worst` adds the states with the largest differences. `--save` stores states and `--load` reads them elsewhere.
 """
 
 import argparse
@@ -37,7 +37,7 @@ from home_mjx.physics.base.layout import Layout
 from home_mjx.schema.timing import Timing
 
 QUANTILES = (50, 90, 99, 99.9, 100)
-BOUNDS = (0.001, 0.01, 0.1, 1.0, 10.0)  # [mm] and [mrad]
+BOUNDS = (0.001, 0.01, 0.1, 1.0, 10.0)  # bounds [mm] and [mrad]
 POSES = ("agent_mm", "agent_mrad", "body_mm", "body_mrad", "door_mrad")
 STEPS = {
     "control step": PhysicsConfig(),
@@ -46,29 +46,29 @@ STEPS = {
 
 
 class States(NamedTuple):
-    """In an order drawn at random, so that the first ones are a sample of all; n of them."""
+    """States in random order, so that the first ones are a sample of all n."""
 
     house: np.ndarray  # (n)
-    kind: np.ndarray  # (n), of its agents, an index of KINDS
+    kind: np.ndarray  # (n), kind of its agents, an index of KINDS
     action: np.ndarray  # (n, a, 3)
     state: PhysicsState  # (n, ...)
 
     def rows(self, rows: Any) -> "States":
-        """Some of them."""
+        """Select some states."""
         return jax.tree.map(lambda x: x[rows], self)
 
 
 class After(NamedTuple):
-    """What an implementation made of the first states."""
+    """Results of an implementation on the first states."""
 
     qpos: np.ndarray
     qvel: np.ndarray
     touched: np.ndarray
-    lost: np.ndarray  # whether contacts were left out
+    lost: np.ndarray  # whether contacts were dropped
 
 
 class Case(NamedTuple):
-    """An implementation, and how many states it steps."""
+    """An implementation, and the number of states that it steps."""
 
     impl: str
     device: Any  # a `jax.Device`
@@ -76,12 +76,12 @@ class Case(NamedTuple):
 
     @property
     def name(self) -> str:
-        """For records."""
+        """Name of the implementation and device in records."""
         return f"{self.impl} on {self.device.platform}"
 
 
 def main() -> None:
-    """Compares and prints."""
+    """Compare and print."""
     args = arguments()
     bank = home_mjx.make("PointNav-v0", args.houses, num_houses=args.num_houses, sensors=("state",)).params.bank
     states = load(args.load, bank) if args.load else draw(bank, args)
@@ -100,26 +100,26 @@ def main() -> None:
 
 
 def arguments() -> argparse.Namespace:
-    """From the command line."""
+    """Parse the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--houses")
     parser.add_argument("--num-houses", type=int, default=64)
     parser.add_argument("--num-envs", type=int, default=1000)
     parser.add_argument("--num-agents", type=int, default=2)
     parser.add_argument("--num-states", type=int, default=100_000)
-    parser.add_argument("--num-mjx", type=int, help="states that MJX steps, 0: none; all")
-    parser.add_argument("--num-c", type=int, default=4096, help="states that C MuJoCo steps; 0: none")
-    parser.add_argument("--stride", type=int, default=2, help="control steps of a rollout from one state to the next")
+    parser.add_argument("--num-mjx", type=int, help="number of states for MJX; 0: none (default: all)")
+    parser.add_argument("--num-c", type=int, default=4096, help="number of states for C MuJoCo; 0: none")
+    parser.add_argument("--stride", type=int, default=2, help="control steps of a rollout between two states")
     parser.add_argument("--batch", type=int, default=4096)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--worst", type=int, default=0, help="states to name of each pair")
+    parser.add_argument("--worst", type=int, default=0, help="number of states to report for each pair")
     parser.add_argument("--save", type=Path)
     parser.add_argument("--load", type=Path)
     return parser.parse_args()
 
 
 def cases(args: argparse.Namespace, count: int) -> Iterator[Case]:
-    """What is compared."""
+    """Yield the implementations to compare."""
     own, cpu = jax.devices()[0], jax.devices("cpu")[0]
     yield Case("fused", own, count)
     if own != cpu:
@@ -130,7 +130,7 @@ def cases(args: argparse.Namespace, count: int) -> Iterator[Case]:
 
 
 def draw(bank: HouseBank, args: argparse.Namespace) -> States:
-    """Every `stride`-th state of the environments' rollouts, on the CPU."""
+    """Return every `stride`-th state of the environments' rollouts, on the CPU."""
     envs, cpu = args.num_envs, jax.devices("cpu")[0]
     kind, house = np.arange(envs) % len(KINDS), np.arange(envs) // len(KINDS) % bank.num_houses
     template = template_of(bank, PhysicsConfig(), args.num_agents)
@@ -150,39 +150,39 @@ def draw(bank: HouseBank, args: argparse.Namespace) -> States:
 
 
 def advance(template: Template, bank: HouseBank, house: jax.Array, state: PhysicsState, action: jax.Array):
-    """A control step."""
+    """Apply a control step."""
     return physics.settle(template, bank, house, physics.step(template, bank, house, state, action))
 
 
 def template_of(bank: HouseBank, config: PhysicsConfig, num_agents: int) -> Template:
-    """Of an implementation."""
+    """Return the template of an implementation."""
     return Template(dataclasses.replace(config, num_agents=num_agents), bank.spec)
 
 
 def digest(bank: HouseBank) -> str:
-    """Of all that the physics takes from a bank."""
+    """Return the digest of the bank's physics arrays."""
     arrays = b"".join(np.asarray(x).tobytes() for x in jax.tree.leaves(bank.physics))
     return hashlib.blake2b(arrays).hexdigest()
 
 
 def save(path: Path, bank: HouseBank, states: States) -> None:
-    """Keeps states, and which houses they are in."""
+    """Save states, and the digest of their houses."""
     parts = {"house": states.house, "kind": states.kind, "action": states.action}
     np.savez_compressed(path, bank=digest(bank), **parts, **{f"state.{k}": v for k, v in vars(states.state).items()})
 
 
 def load(path: Path, bank: HouseBank) -> States:
-    """What `save` has kept."""
+    """Load the states of `save`."""
     with np.load(path) as file:
         kept = {name: file[name] for name in file.files}
     if str(kept["bank"]) != digest(bank):
-        raise SystemExit(f"{path} is of other houses than these; give the same --houses and --num-houses")
+        raise SystemExit(f"{path} is for other houses; pass the same --houses and --num-houses")
     state = {name.removeprefix("state."): value for name, value in kept.items() if name.startswith("state.")}
     return States(kept["house"], kept["kind"], kept["action"], PhysicsState(**state))
 
 
 def run(case: Case, template: Template, bank: HouseBank, states: States, batch: int) -> After:
-    """A step of the first states, in batches of one size."""
+    """Step the first states, in batches of one size."""
     config = dataclasses.replace(template.config, impl=case.impl)
     own, size = Template(config, bank.spec), min(batch, case.count)
     step = jax.jit(jax.vmap(partial(physics.step_checked, own), (None, 0, 0, 0)))
@@ -198,7 +198,7 @@ def run(case: Case, template: Template, bank: HouseBank, states: States, batch: 
 
 
 def compare(template: Template, bank: HouseBank, house: np.ndarray, one: After, two: After) -> tuple[dict, dict]:
-    """The largest difference of each kind of each state, not a number where contacts were left out; and counts."""
+    """Return the largest differences per kind and state (NaN where contacts were dropped), and counts."""
     count = min(len(one.lost), len(two.lost))
     one, two = (After(*(x[:count] for x in given)) for given in (one, two))
     valid = [np.asarray(x)[house[:count]] for x in (bank.physics.body_valid, bank.physics.door_valid)]
@@ -210,7 +210,7 @@ def compare(template: Template, bank: HouseBank, house: np.ndarray, one: After, 
 
 
 def differences(layout: Layout, one: After, two: After, bodies: np.ndarray, doors: np.ndarray) -> dict[str, np.ndarray]:
-    """By name and unit, the largest of what is there: bodies (n, k) and doors (n, h)."""
+    """Return the largest difference by name and unit, over existing bodies (n, k) and doors (n, h)."""
     agents = np.ones((len(bodies), layout.num_agents), bool)
     pos, vel = (partial(apart, getattr(one, name), getattr(two, name)) for name in ("qpos", "qvel"))
     agent, body, door = pos(layout.agent_qpos, 4), pos(layout.body_qpos, 7), pos(layout.door_qpos, 1)
@@ -230,24 +230,24 @@ def differences(layout: Layout, one: After, two: After, bodies: np.ndarray, door
 
 
 def apart(one: np.ndarray, two: np.ndarray, part: slice, width: int) -> np.ndarray:
-    """Differences of some columns, by mobile (n, m, width)."""
+    """Return the differences of some columns, by dynamic body (n, m, width)."""
     return (one[:, part].astype(float) - two[:, part]).reshape(len(one), -1, width)
 
 
 def chord(one: np.ndarray, two: np.ndarray, layout: Layout) -> np.ndarray:
-    """Lengths between the bodies' unit quaternions (n, k, 1), of which q and -q are the same."""
+    """Return the chord lengths between the bodies' unit quaternions (n, k, 1); q and -q are equal."""
     quats = [x[:, layout.body_qpos].astype(float).reshape(len(x), -1, 7)[..., 3:] for x in (one, two)]
     a, b = (q / np.maximum(np.linalg.norm(q, axis=-1, keepdims=True), 1e-9) for q in quats)
     return np.minimum(*(np.linalg.norm(a + sign * b, axis=-1, keepdims=True) for sign in (-1, 1)))
 
 
 def most(vectors: np.ndarray, there: np.ndarray) -> np.ndarray:
-    """The greatest length of each state, in thousandths."""
+    """Return the largest norm of each state, in thousandths."""
     return 1e3 * np.max(np.linalg.norm(vectors, axis=-1), axis=-1, where=there, initial=0.0)
 
 
 def summary(differ: dict[str, np.ndarray]) -> dict:
-    """Quantiles of each kind, and shares of states within bounds."""
+    """Compute quantiles of each kind, and shares of states within bounds."""
     quantiles = {}
     for name, value in differ.items():
         found = np.nanpercentile(value, QUANTILES)
@@ -257,12 +257,12 @@ def summary(differ: dict[str, np.ndarray]) -> dict:
 
 
 def share(which: np.ndarray) -> float:
-    """Of the true ones."""
+    """Return the share of true elements."""
     return round(float(which.mean()), 6)
 
 
 def worst(differ: dict[str, np.ndarray], states: States, most: int) -> Iterator[dict]:
-    """The states whose poses differ most."""
+    """Yield the states with the largest pose differences."""
     far = np.nan_to_num(np.max([differ[name] for name in POSES], axis=0))
     for n in np.argsort(-far)[:most]:
         record = {"state": int(n), "kind": KINDS[states.kind[n]], "house": int(states.house[n])}

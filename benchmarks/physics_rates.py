@@ -1,10 +1,10 @@
-"""Physics alone, by implementation and number of agents: milliseconds per control step of a batch.
+"""Measure physics alone, by implementation and number of agents: milliseconds per control step of a batch.
 
     python benchmarks/physics_rates.py [--houses ROOT] [--num-houses 64] [--num-envs 4096] [--with-mjx] [--curves]
 
-Actions are drawn at each step; 20 steps are one program; medians of five calls. One JSON object a line. With `--curves`
-also by number of bodies, with everything asleep beside an idle agent, and with all bodies dropped from 1 m at the
-beginning of each call.
+Actions are random at each step; 20 steps are one program; medians of five calls. Prints one JSON object per line.
+`--curves` adds measurements by number of bodies: with everything asleep and an idle agent, and with falling bodies,
+dropped from 1 m at the start of each call.
 """
 
 import argparse
@@ -22,19 +22,19 @@ from home_mjx.core.profiling import device_name
 from home_mjx.physics import PhysicsConfig, Template
 
 STEPS, CALLS = 20, 5
-COUNTS = (0, 1, 2, 4, 8, 16, 32)  # of bodies, for the curve
-DROP = 1.0  # [m]
+COUNTS = (0, 1, 2, 4, 8, 16, 32)  # numbers of bodies of the curve
+DROP = 1.0  # [m] drop height
 
 
 def main() -> None:
-    """Measures and prints."""
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--houses")
     parser.add_argument("--num-houses", type=int, default=64)
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--max-bodies", type=int, default=32)
-    parser.add_argument("--curves", action="store_true", help="by number of bodies, at rest, and falling")
-    parser.add_argument("--with-mjx", action="store_true", help="MJX as well; it compiles for 20 s")
+    parser.add_argument("--curves", action="store_true", help="also measure by number of bodies, at rest and falling")
+    parser.add_argument("--with-mjx", action="store_true", help="also measure MJX, which compiles for 20 s")
     args = parser.parse_args()
     options = {"num_houses": args.num_houses, "max_bodies": args.max_bodies, "sensors": ("state",)}
     bank = home_mjx.make("PointNav-v0", args.houses, **options).params.bank
@@ -48,14 +48,14 @@ def main() -> None:
 
 
 def curve(bank: HouseBank) -> list[tuple[HouseBank, int, str]]:
-    """Cases of other numbers of bodies, of agents, and of what they do."""
+    """Return cases with other numbers of bodies and agents, at rest or falling."""
     counts = [count for count in COUNTS if count <= bank.spec.num_bodies]
     bodies = [(with_bodies(bank, count, 0), 1, "drawn") for count in counts]
     return [*bodies, (bank, 2, "drawn"), (bank, 1, "rest"), (bank, 1, "falling")]
 
 
 def with_bodies(bank: HouseBank, bodies: int, doors: int) -> HouseBank:
-    """The houses with their first bodies and doors only."""
+    """Return the houses with their first bodies and doors only."""
     counts = {"body_": bodies, "door_": doors}
     arrays = {
         name: value[:, :count]
@@ -68,7 +68,7 @@ def with_bodies(bank: HouseBank, bodies: int, doors: int) -> HouseBank:
 
 
 def measure(bank: HouseBank, config: PhysicsConfig, num_envs: int, kind: str) -> dict:
-    """The record of one case: actions drawn, everything at rest, or all bodies falling."""
+    """Return the record of one case: random actions, all bodies at rest, or all bodies falling."""
     template, agents = Template(config, bank.spec), config.num_agents
     house = jnp.arange(num_envs) % bank.num_houses
     starts = bank.navigation.start[house][:, jnp.arange(agents) % bank.navigation.start.shape[1]]
@@ -85,7 +85,7 @@ def measure(bank: HouseBank, config: PhysicsConfig, num_envs: int, kind: str) ->
     begun = time.perf_counter()
     program = jax.jit(walk).lower(bank, state, actions).compile()
     compiled, times = time.perf_counter() - begun, []
-    for _ in range(CALLS + 1):  # the first one is not counted; in it all comes to rest
+    for _ in range(CALLS + 1):  # the first call is not counted; during it all bodies come to rest
         begun = time.perf_counter()
         state = jax.block_until_ready(program(bank, state, actions))
         times.append((time.perf_counter() - begun) / STEPS)
@@ -103,7 +103,7 @@ def measure(bank: HouseBank, config: PhysicsConfig, num_envs: int, kind: str) ->
 
 
 def dropped(template: Template, state: physics.PhysicsState) -> physics.PhysicsState:
-    """All bodies `DROP` higher, and awake."""
+    """Return a state with all bodies `DROP` higher, and awake."""
     height, speed = (
         slice(part.start + 2, part.stop, step)
         for part, step in ((template.layout.body_qpos, 7), (template.layout.body_qvel, 6))

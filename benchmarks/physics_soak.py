@@ -1,17 +1,22 @@
-"""Soak of the physics: agents do their worst in many houses, and every step is looked at.
+"""Soak test of the physics: adversarial agents in many houses, with checks after every step.
 
     python benchmarks/physics_soak.py [--houses ROOT] [--num-houses 1000] [--num-envs 4096] [--steps 2500]
 
-Six kinds of agents, in turns over the environments: actions drawn at each step; actions held for two seconds; agents
-that chase the nearest thing; that drive at full speed and turn when they touch something; that pick things up and throw
-them, so that heaps arise; that turn doors to and fro beside themselves and walk into them. Doors stand as drawn.
+Six kinds of agents alternate over the environments:
 
-Looked for after every step: numbers that are not finite, mobiles outside of the house or with their middle below its
-floor, lost contacts, and depths of mobiles in the house and in one another (`soak_look.py`). One JSON object a line;
-failures name kind, environment, house, step and mobile: the same arguments repeat them.
+- random actions at each step;
+- actions held for two seconds;
+- agents that chase the nearest object;
+- agents that drive at full speed and turn after a contact;
+- agents that pick up and throw objects, which creates heaps;
+- agents that swing nearby doors and walk into them.
 
-What bounces can be deep at the ends of two steps and out between them. So a step at whose beginning or end something is
-deep is repeated physics step by physics step: these tell how long it stays so.
+Doors start at random angles. Each step is checked for non-finite numbers, dropped contacts and penetration depths
+(`soak_look.py`), and for dynamic bodies outside of the house or with their centre below its floor. Prints one JSON
+object per line; failures name kind, environment, house, step and body, and the same arguments repeat them.
+
+Bouncing bodies can be deep at the ends of two steps and free in between. So a step with a deep body at its start or end
+is repeated physics step by physics step, which measures the duration.
 """
 
 import argparse
@@ -38,34 +43,36 @@ from home_mjx.physics.base.doors import Leaf
 from home_mjx.schema.timing import Timing
 
 KINDS = ("drawn", "held", "chases", "turns", "throws", "doors")
-DEEP = 0.02  # [m], that may not last longer than one step
-WORST = 12  # failures that are printed
-CHUNK = 64  # environments that are repeated at once
+DEEP = 0.02  # [m] depth that must not last longer than one step
+WORST = 12  # maximum number of printed failures
+CHUNK = 64  # number of environments that are repeated in one batch
 
 
 class Seen(NamedTuple):
-    """Of every environment's mobiles so far; `[0]` in the house, `[1]` in other mobiles."""
+    """Statistics of every environment's dynamic bodies so far; `[0]` in the house, `[1]` in other dynamic bodies."""
 
-    now: np.ndarray  # (2, e, m) [m], depth
-    depth: np.ndarray  # (2, e, m) [m], deepest
-    deep: np.ndarray  # (2, e, m) physics steps on end deeper than DEEP
-    longest: np.ndarray  # (2, e, m) most of them, in which a step's beginning or end is
-    when: np.ndarray  # (2, e, m) step of the deepest
+    now: np.ndarray  # (2, e, m) [m], current depth
+    depth: np.ndarray  # (2, e, m) [m], maximum depth
+    deep: np.ndarray  # (2, e, m) consecutive physics steps deeper than DEEP
+    longest: np.ndarray  # (2, e, m) maximum of `deep` over spans that include a step's start or end
+    when: np.ndarray  # (2, e, m) step of the maximum depth
     outside: np.ndarray  # (e, m) steps outside of the house
     below: np.ndarray  # (e, m) steps below the floor
-    broken: np.ndarray  # (e) steps that were not finite
-    lost: np.ndarray  # (e) steps in which contacts were lost
+    broken: np.ndarray  # (e) steps with non-finite numbers
+    lost: np.ndarray  # (e) steps with dropped contacts
 
 
 def main() -> None:
-    """Runs and prints."""
+    """Run and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--houses")
     parser.add_argument("--num-houses", type=int, default=1000)
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--num-agents", type=int, default=1)
     parser.add_argument("--steps", type=int, default=2500)
-    parser.add_argument("--seconds", type=float, default=math.inf, help="ends after so long, and says how far it came")
+    parser.add_argument(
+        "--seconds", type=float, default=math.inf, help="time limit [s]; the number of completed steps is reported"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--impl", default="fused")
     parser.add_argument("--sim-dt", type=float, default=Timing().sim_dt)
@@ -85,19 +92,19 @@ def main() -> None:
 def soak(
     template: Template, bank: HouseBank, num_envs: int, steps: int, seed: int, seconds: float = math.inf
 ) -> tuple[np.ndarray, Seen, int]:
-    """The houses of the environments, what was seen, and in how many steps."""
+    """Return the houses of the environments, the statistics, and the number of steps."""
     kind = jnp.arange(num_envs) % len(KINDS)
     house = jnp.arange(num_envs) // len(KINDS) % bank.num_houses
     keys = jax.random.split(jax.random.key(seed), num_envs)
     state = jax.jit(jax.vmap(functools.partial(start, template, bank)))(house, keys)
     actions = jnp.zeros((num_envs, template.layout.num_agents, 3))
-    # The bank as an argument: baked in, it would be compiled.
+    # The bank is an argument, because a closure would compile it into the program.
     advance = jax.jit(jax.vmap(functools.partial(one, template), (None, 0, 0, 0, 0, 0, None)), donate_argnums=(4, 5))
     look_between = jax.jit(functools.partial(between, template))
     looker = Looker(template, bank, np.asarray(house))
     end = math.inf
     for at in tqdm(range(steps), desc="soak", unit="step", mininterval=2):
-        end = time.perf_counter() + seconds if at == 1 else end  # what compiles does not count
+        end = time.perf_counter() + seconds if at == 1 else end  # without compilation
         if time.perf_counter() > end:
             steps = at
             break
@@ -107,7 +114,7 @@ def soak(
         deep = np.any(np.maximum(before, looker.seen.now) > DEEP, axis=(0, 2))
         looker.seen.deep[:, ~deep] = 0
         for first in range(0, deep.sum(), CHUNK):
-            # Always as many, some of them several times: another number would be compiled anew.
+            # Padded to a fixed number by repetition, because another number would compile again.
             some = np.resize(np.flatnonzero(deep)[first : first + CHUNK], CHUNK)
             looks = look_between(bank, some, house, begun, actions)
             looker.time(some, before, [np.asarray(x) for x in looks])
@@ -115,14 +122,14 @@ def soak(
 
 
 def start(template: Template, bank: HouseBank, house: jax.Array, key: jax.Array) -> PhysicsState:
-    """Agents at free places, doors at random."""
+    """Reset agents to free places, with doors at random angles."""
     agents, first = template.layout.num_agents, jax.random.split(key)
     places = jax.random.choice(first[0], bank.navigation.start[house], (agents,), replace=False)
     return physics.reset(template, bank, house, places, jnp.zeros(agents), door_angles(bank, house, "random", first[1]))
 
 
 def one(template: Template, bank: HouseBank, house, key, kind, state: PhysicsState, before, at):
-    """An environment's next step: state as it begins and ends, actions, whether it broke or lost contacts."""
+    """Step an environment; return its state before and after, actions, and whether it broke or dropped contacts."""
     begun, actions = obeyed(template, bank, house, key, kind, state, before, at)
     state, lost = physics.step_checked(template, bank, house, begun, actions)
     state = physics.settle(template, bank, house, state)
@@ -131,7 +138,7 @@ def one(template: Template, bank: HouseBank, house, key, kind, state: PhysicsSta
 
 
 def obeyed(template: Template, bank: HouseBank, house, key, kind, state: PhysicsState, before, at):
-    """The state when hands have obeyed their commands, and the actions of the step that follows."""
+    """Return the state after grasp commands, and the actions of the following step."""
     drawn = jax.random.split(jax.random.fold_in(key, at), template.layout.num_agents)
     chosen = [choose(template, bank, house, k, kind, at, state, before, a) for a, k in enumerate(drawn)]
     actions, commands = (
@@ -142,7 +149,7 @@ def obeyed(template: Template, bank: HouseBank, house, key, kind, state: Physics
 
 
 def between(template: Template, bank: HouseBank, envs, house, state: PhysicsState, actions):
-    """`qpos` and `qvel` of some environments after each physics step of a step (t, e, ...)."""
+    """Return `qpos` and `qvel` of some environments after each physics step of a step (t, e, ...)."""
     timing = template.config.timing
     short = dataclasses.replace(template.config, timing=Timing(ctrl_dt=timing.sim_dt, sim_dt=timing.sim_dt))
     house, state, actions = jax.tree.map(lambda x: x[envs], (house, state, actions))
@@ -156,7 +163,7 @@ def between(template: Template, bank: HouseBank, envs, house, state: PhysicsStat
 
 
 def choose(template: Template, bank: HouseBank, house, key, kind, at, state: PhysicsState, before, a: int):
-    """Agent a's action and commands, by its kind."""
+    """Return agent a's action and commands, by its kind."""
     keys = jax.random.split(key, 3)
     drawn = jax.random.uniform(keys[0], (3,), minval=-1.0)
     extreme, swings = jnp.sign(drawn), at % 30 < 10
@@ -184,7 +191,7 @@ def choose(template: Template, bank: HouseBank, house, key, kind, at, state: Phy
 
 
 def nearest(pos: jax.Array, places: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Index of the nearest place, and the way there [m]."""
+    """Return the index of the nearest place, and the vector to it [m]."""
     if not len(places):
         return jnp.int32(-1), jnp.ones(3)
     away = places - pos
@@ -193,14 +200,14 @@ def nearest(pos: jax.Array, places: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 def chase(away: jax.Array, yaw: jax.Array) -> jax.Array:
-    """Action towards a place that is `away` [m]."""
+    """Return the action towards a place that is `away` [m]."""
     cos, sin = jnp.cos(yaw), jnp.sin(yaw)
     ahead = jnp.stack([cos * away[0] + sin * away[1], cos * away[1] - sin * away[0]])
     return jnp.append(jnp.clip(3 * ahead, -1, 1), jnp.clip(jnp.arctan2(ahead[1], ahead[0]), -1, 1))
 
 
 class Looker:
-    """Looks at every step."""
+    """Checker of every step."""
 
     def __init__(self, template: Template, bank: HouseBank, house: np.ndarray) -> None:
         arrays = jax.tree.map(np.asarray, bank.physics)
@@ -223,7 +230,7 @@ class Looker:
         self.seen = Seen(*whole, *(np.zeros(s, int) for s in (shape, shape, shape[:1], shape[:1])))
 
     def add(self, at: int, qpos: np.ndarray, qvel: np.ndarray, broken: np.ndarray, lost: np.ndarray) -> None:
-        """Another step's end."""
+        """Check the end of another step."""
         seen, everywhere = self.seen, np.arange(len(self.house))
         mobile = self.look(everywhere, qpos, self.awake(qvel) | (at == 0), seen.now)
         seen.when[seen.now > seen.depth] = at
@@ -235,7 +242,7 @@ class Looker:
         seen.lost[:] += lost
 
     def time(self, envs: np.ndarray, before: np.ndarray, looks: Sequence[np.ndarray]) -> None:
-        """How long things are deep in some environments, from depths before a step and its physics steps."""
+        """Update the duration of penetrations in some environments from depths before a step and its physics steps."""
         depth, deep, longest = (x[:, envs] for x in (before, self.seen.deep, self.seen.longest))
         for qpos, qvel in zip(*looks, strict=True):
             self.look(envs, qpos, self.awake(qvel), depth)
@@ -244,13 +251,13 @@ class Looker:
         self.seen.deep[:, envs], self.seen.longest[:, envs] = deep, longest
 
     def look(self, envs: np.ndarray, qpos: np.ndarray, awake: np.ndarray, depth: np.ndarray) -> Boxes:
-        """Updates depths (2, e, m) of what is awake in some environments; where all their mobiles are."""
+        """Update depths (2, e, m) of awake bodies in some environments; return the boxes of all dynamic bodies."""
         mobile, counts = self.mobiles(envs, qpos), (self.layout.num_agents, self.layout.num_doors)
         look(mobile, *counts, awake, self.static, self.house[envs], self.floor, depth[0], depth[1])
         return mobile
 
     def mobiles(self, envs: np.ndarray, qpos: np.ndarray) -> Boxes:
-        """Agents, bodies and doors."""
+        """Return the boxes of agents, bodies and doors."""
         layout, n, own = self.layout, len(qpos), jax.tree.map(lambda x: x[envs], self.leaves)
         agents = qpos[:, layout.agent_qpos].reshape(n, -1, 4)
         bodies = qpos[:, layout.body_qpos].reshape(n, -1, 7)
@@ -263,7 +270,7 @@ class Looker:
         )
 
     def awake(self, qvel: np.ndarray) -> np.ndarray:
-        """What moves."""
+        """Return whether each body moves."""
         layout, n = self.layout, len(qvel)
         parts = (layout.agent_qpos, layout.body_qvel, layout.door_qvel)
         widths = (4, 6, 1)
@@ -272,7 +279,7 @@ class Looker:
 
 
 def report(house: np.ndarray, seen: Seen, template: Template) -> None:
-    """Prints totals of each kind of agent, and the worst failures."""
+    """Print totals of each kind of agent, and the worst failures."""
     agents, bodies = template.layout.num_agents, template.layout.num_bodies
     columns = {
         "agents": slice(0, agents),
@@ -287,7 +294,7 @@ def report(house: np.ndarray, seen: Seen, template: Template) -> None:
             record[name] = {key: int((getattr(seen, key)[rows, part] > 0).sum()) for key in ("outside", "below")}
             for place, where in enumerate(("in the house", "in mobiles")):
                 if name == "doors" and place == 0:
-                    continue  # is not looked for
+                    continue  # not checked
                 depth, longest = seen.depth[place, rows, part], seen.longest[place, rows, part]
                 record[name][where] = {
                     "deepest [m]": round(float(depth.max(initial=0)), 4),
@@ -300,7 +307,7 @@ def report(house: np.ndarray, seen: Seen, template: Template) -> None:
     order = np.argsort(-failed, axis=None)[: min(WORST, int((failed > 0).sum()))]
     for env, mobile in zip(*np.unravel_index(order, failed.shape), strict=True):
         found = {"kind": KINDS[env % len(KINDS)], "env": int(env), "house": int(house[env]), "mobile": int(mobile)}
-        for key in ("depth", "when", "longest"):  # in the house, and in mobiles
+        for key in ("depth", "when", "longest"):  # in the house, and in dynamic bodies
             found[key] = [round(float(x), 4) for x in getattr(seen, key)[:, env, mobile]]
         found |= {key: int(getattr(seen, key)[env, mobile]) for key in ("outside", "below")}
         print(json.dumps(found), flush=True)

@@ -1,9 +1,9 @@
-"""PiedPiper: the expert, an agent that follows whoever is nearest, and chance, in houses of one's own choice of seeds.
+"""Compare the expert of PiedPiper with followers of the nearest agent and random agents, in houses of any seeds.
 
     python benchmarks/piper.py [--seeds 7000 7016] [--num-tasks 4] [--episodes 64] [--impl kinematic]
 
-Followers of the nearest agent know where everybody is, but do not listen: "nearest" asks anew in each step, "loyal"
-keeps to whoever was nearest at first. So do `random` moves, without `stop`. One JSON object a line.
+Followers of the nearest agent use the positions of all agents but no sound. "nearest" selects again in each step;
+"loyal" keeps the agent that was nearest at first. `random` actions exclude `stop`. Prints one JSON object per line.
 """
 
 import argparse
@@ -35,11 +35,11 @@ Act = Callable[[Snapshot, State], Array]
 
 
 class Advised(WithExpert):
-    """The environment with the actions of another adviser than the task's expert.
+    """Environment with the advice of another policy than the task's expert.
 
     Args:
         core: The environment.
-        act: From a snapshot and the state to the follower's action, with an agent axis.
+        act: Function from a snapshot and the state to the follower's action, with an agent axis.
     """
 
     def __init__(self, core: HouseholdEnv, act: Act) -> None:
@@ -47,13 +47,13 @@ class Advised(WithExpert):
         self._act = act
 
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
-        """Observations and advice."""
+        """Return observations and advice."""
         obs = HouseholdEnv.sense(self, snapshot, state, costly)
         return obs if costly else obs | {EXPERT: self._squeeze(self._act(snapshot, state))}
 
 
 def follow(snapshot: Snapshot, whom: Array) -> Array:
-    """The action that takes the first agent along the shortest way to where another one is now."""
+    """Return the first agent's action along the shortest path to the current position of another agent."""
     bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
     numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
     at = cell_of(bank, house, pose.pos[whom])
@@ -66,39 +66,39 @@ def follow(snapshot: Snapshot, whom: Array) -> Array:
 
 
 def nearest_other(snapshot: Snapshot) -> Array:
-    """Number of the agent that is nearest to the first one now, in a straight line; of two it is the earlier."""
+    """Return the index of the agent with the smallest Euclidean distance to the first one; ties: the lower."""
     away = jnp.linalg.norm(snapshot.pose.pos - snapshot.pose.pos[FOLLOWER], axis=-1)
     return jnp.argmin(away.at[FOLLOWER].set(jnp.inf)).astype(jnp.int32)
 
 
 def nearest(snapshot: Snapshot, state: State) -> Array:
-    """Whoever is nearest now."""
+    """Return the action that follows the agent that is nearest now."""
     return follow(snapshot, nearest_other(snapshot))
 
 
 def loyal(snapshot: Snapshot, state: State) -> Array:
-    """Whoever was nearest at first: known by where everybody began, which the episode's key tells again."""
+    """Return the action that follows the agent that was nearest at first, by the start poses of the episode's key."""
     begun = state.info["begun"]
     pose = AgentPose(pos=begun, yaw=snapshot.pose.yaw, pitch=snapshot.pose.pitch)
     return follow(snapshot, nearest_other(snapshot.replace(pose=pose)))
 
 
 class Remembers(Advised):
-    """Keeps in `State.info` where agents began."""
+    """Environment that stores the start positions of agents in `State.info`."""
 
     def begin(self, *args: Any, **options: Any) -> State:
-        """A new episode."""
+        """Start a new episode."""
         state = super().begin(*args, **options)
         return state.replace(info=state.info | {"begun": self.snapshot(args[0], state).pose.pos})
 
 
 def main() -> None:
-    """Plays and prints."""
+    """Play and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
-        "--seeds", type=int, nargs=2, default=(7000, 7016), help="first seed, and the one after the last"
+        "--seeds", type=int, nargs=2, default=(7000, 7016), help="range of seeds, the last one excluded"
     )
-    parser.add_argument("--num-tasks", type=int, default=4, help="of each house")
+    parser.add_argument("--num-tasks", type=int, default=4, help="tasks per house")
     parser.add_argument("--episodes", type=int, default=64)
     parser.add_argument("--impl", default="kinematic")
     parser.add_argument("--only", nargs="*", default=("expert", "nearest", "loyal", "random"))
@@ -130,7 +130,7 @@ def main() -> None:
 
 
 def moving(core: HouseholdEnv) -> Callable[[Any], Policy]:
-    """Random actions but `stop`, with which an episode ends."""
+    """Return a random policy without `stop`, which would end the episode."""
 
     def act(memory: Any, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Any, Array, dict]:
         return memory, jax.vmap(lambda key: jax.random.randint(key, (), 1, core.action_size))(keys), {}

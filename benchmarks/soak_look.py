@@ -1,8 +1,7 @@
-"""How deep agents, things and doors are in walls, furniture and one another: for `physics_soak.py`.
+"""Penetration depths of agents, objects and doors in the house and in one another, for `physics_soak.py`.
 
-By the separating axis theorem and the distance of a capsule's axis, which are formulas of their own: the physics finds
-its contacts otherwise. Only what is awake is looked at, and what was in another mobile, which may have left it since:
-what sleeps has not moved.
+They use the separating axis theorem and the distance of a capsule's axis, independent of the physics' own contact
+detection. Only bodies that are awake, or were inside another dynamic body, are checked; sleeping bodies do not move.
 """
 
 from typing import NamedTuple
@@ -10,20 +9,20 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-ON_AXIS = 33  # points of a capsule's axis
+ON_AXIS = 33  # number of sample points on a capsule's axis
 
 
 class Boxes(NamedTuple):
-    """Boxes of each house or environment, and their surroundings."""
+    """Boxes of each house or environment, and their bounds."""
 
     pos: np.ndarray  # (n, k, 3) [m]
     rot: np.ndarray  # (n, k, 3, 3)
-    half: np.ndarray  # (n, k, 3) [m]; negative: there is none
-    reach: np.ndarray  # (n, k, 3) [m], half extents along x, y, z
+    half: np.ndarray  # (n, k, 3) [m]; negative if unused
+    reach: np.ndarray  # (n, k, 3) [m], half extents of the bounds along x, y, z
 
 
 def boxes(pos: np.ndarray, quat: np.ndarray, half: np.ndarray) -> Boxes:
-    """With rotations from quaternions wxyz."""
+    """Build boxes from quaternions wxyz."""
     given = [np.ascontiguousarray(x, np.float64) for x in (pos, quat, half)]
     return Boxes(given[0], *_turned(given[1], given[2]))
 
@@ -46,17 +45,17 @@ def _turned(quat, half):
 
 @numba.njit(parallel=True)
 def look(mobile, agents, doors, awake, static, house, floor, in_static, in_mobile):
-    """Updates the depths [m] of each mobile in the house and in other mobiles.
+    """Update the depths [m] of each dynamic body in the house and in other dynamic bodies.
 
     Args:
-        mobile: `Boxes` of each environment's agents (of which half extents are radius and half height), then the rest.
-        agents: How many of them are agents.
-        doors: How many, at their end, are doors; these do not meet each other.
-        awake: (n, m), which are looked at.
+        mobile: `Boxes` of each environment's agents (half extents are radius and half height), then of the rest.
+        agents: Number of agents.
+        doors: Number of doors, at the end; doors do not collide with each other.
+        awake: (n, m), bodies to check.
         static: `Boxes` of each house.
-        house: (n,), of each environment.
+        house: (n,), house of each environment.
         floor: (h,) [m], heights of the floors.
-        in_static: (n, m), updated; not of doors, whose range of angles is clear of the house: hinges hold them.
+        in_static: (n, m), updated except for doors, whose range of angles is free of the house.
         in_mobile: (n, m), updated.
     """
     envs, mobiles = awake.shape
@@ -79,7 +78,7 @@ def look(mobile, agents, doors, awake, static, house, floor, in_static, in_mobil
 
 @numba.njit
 def _depth(one, e, m, agents, other, f, k, other_agents):
-    """Of one mobile in one box or agent [m]; negative where they are apart."""
+    """Compute the depth of one dynamic body in one box or agent [m]; negative if they are apart."""
     if other.half[f, k, 0] < 0:
         return -1.0
     for a in range(3):
@@ -98,7 +97,7 @@ def _depth(one, e, m, agents, other, f, k, other_agents):
 
 @numba.njit
 def _overlap(pos, rot, half, other_pos, other_rot, other_half):
-    """How far two boxes would have to be moved apart along the best of the 15 separating axes [m]."""
+    """Compute the penetration depth of two boxes along the best of the 15 separating axes [m]."""
     least = np.inf
     between = other_pos - pos
     for i in range(15):
@@ -125,7 +124,7 @@ def _overlap(pos, rot, half, other_pos, other_rot, other_half):
 
 @numba.njit
 def _capsule(pos, shape, box_pos, box_rot, box_half):
-    """How deep an upright capsule of a radius and half height is in a box [m]: its radius less its axis' distance."""
+    """Compute the depth of an upright capsule in a box [m]: its radius minus the distance of its axis."""
     radius, most = shape[0], -np.inf
     for i in range(ON_AXIS):
         height = (2 * i / (ON_AXIS - 1) - 1) * (shape[2] - radius)

@@ -1,4 +1,4 @@
-"""How still houses stand: drift of every movable object over 10 s, untouched, with boxes and with convex pieces.
+"""Measure the drift of every movable object over 10 s without agents, with boxes and with convex pieces.
 
     python benchmarks/stability.py [--dataset ROOT] [--houses 100] [--seconds 10]
 
@@ -20,11 +20,11 @@ from home_mjx.scene_compile.mjcf.stability import rest_drift
 from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import CompiledHouse
 
-LIMIT = 0.02  # [m]
+LIMIT = 0.02  # [m] maximum drift of a stable object
 
 
 def houses(root: Path | None, count: int) -> Iterator[CompiledHouse]:
-    """Those of a dataset, then generated ones."""
+    """Yield the houses of a dataset, then generated ones."""
     if root is not None:
         dataset = open_dataset(root)
         yield from map(HouseCache(dataset).load, dataset.house_ids)
@@ -32,11 +32,11 @@ def houses(root: Path | None, count: int) -> Iterator[CompiledHouse]:
 
 
 def main() -> None:
-    """Runs the benchmark."""
+    """Run the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--dataset", type=Path, help="root of a dataset that is looked at as well")
-    parser.add_argument("--houses", type=int, default=100, help="generated houses (default: 100)")
-    parser.add_argument("--seconds", type=float, default=10.0, help="simulated time (default: 10)")
+    parser.add_argument("--dataset", type=Path, help="root of a dataset to measure in addition")
+    parser.add_argument("--houses", type=int, default=100, help="number of generated houses (default: 100)")
+    parser.add_argument("--seconds", type=float, default=10.0, help="simulated time [s] (default: 10)")
     args = parser.parse_args()
     drifts: dict[str, list[float]] = {name: [] for name in COLLISIONS}
     for house in tqdm(houses(args.dataset, args.houses), unit="house"):

@@ -1,4 +1,4 @@
-"""Prints the records of `home-mjx bench --json` as a Markdown table."""
+"""Print the records of `home-mjx bench --json` as a Markdown table."""
 
 import json
 import sys
@@ -8,7 +8,7 @@ COLUMNS = ("Case", "Value", "Environments", "Compile", "Peer", "Ratio", "What wa
 
 
 def row(record):
-    """The cells of one record."""
+    """Return the cells of one record."""
     seconds, peer = record["compile_seconds"], record["peer"]
     return (
         f"`{record['case']}`",
@@ -22,7 +22,7 @@ def row(record):
 
 
 def main():
-    """Reads the file named on the command line."""
+    """Read the file on the command line and print the table."""
     records = [json.loads(line) for line in Path(sys.argv[1]).read_text().splitlines()]
     for cells in [COLUMNS, ["---"] * len(COLUMNS), *map(row, records)]:
         print("| " + " | ".join(cells) + " |")

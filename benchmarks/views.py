@@ -1,4 +1,4 @@
-"""What the GPU benchmarks look at: banks in files, one with every object movable, and cameras anywhere in its rooms."""
+"""Inputs of the GPU benchmarks: banks in files, one with all objects movable, and cameras at random positions."""
 
 import pickle
 from pathlib import Path
@@ -8,18 +8,18 @@ import jax.numpy as jnp
 import numpy as np
 
 EYE = 1.5  # [m] above the floor
-PITCH = 15.0  # [degrees], at most, up or down
+PITCH = 15.0  # [degrees] maximum pitch up or down
 
 
 def save_bank(bank, path):
-    """Writes a bank's arrays; read it only with the version of the package that wrote it."""
+    """Write a bank's arrays; only the same version of the package can read them."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     host = jax.tree.map(np.asarray, bank.replace(geometry=bank.geometry.replace(gpu=None)))
     Path(path).write_bytes(pickle.dumps(host))
 
 
 def load_bank(path):
-    """The bank on the host, as NumPy arrays."""
+    """Load the bank on the host, as NumPy arrays."""
     return pickle.loads(Path(path).read_bytes())
 
 
@@ -34,7 +34,7 @@ def on_device(bank):
 
 
 def every_object_movable(bank):
-    """The same houses; everything but the architecture is a movable body, where it stands."""
+    """Return the same houses with every object except the architecture as a movable body at its pose."""
     geometry = bank.geometry
     houses, size = geometry.instance_model.shape
     slots = -(-int((geometry.instance_model >= 0).sum(1).max() - 1) // 8) * 8
@@ -51,7 +51,7 @@ def every_object_movable(bank):
         body_quat=quat,
         body_from_model=pose,
     )
-    # A top tree per house that holds its architecture alone.
+    # A top tree per house with its architecture alone.
     box = np.array([_world_box(geometry, house) for house in range(houses)], np.float32)
     never = np.broadcast_to(np.array([np.inf] * 3 + [-np.inf] * 3, np.float32), box.shape)
     leaf = np.tile(np.array([[~1, -1]], np.int32), (houses, 1))
@@ -73,7 +73,7 @@ def _world_box(geometry, house):
 
 
 def cameras(bank, num_envs, seed=0):
-    """House, position and quaternion of one camera per environment, anywhere that somebody can stand in its house."""
+    """Return house, position and quaternion of one camera per environment, at a random free position of its house."""
     rng = np.random.default_rng(seed)
     house = (np.arange(num_envs) % bank.house_id.shape[0]).astype(np.int32)
     spots = [np.argwhere(region >= 0) for region in bank.navigation.region]
@@ -83,7 +83,7 @@ def cameras(bank, num_envs, seed=0):
     height = bank.navigation.floor[house, level] + EYE
     yaw = rng.uniform(0, 2 * np.pi, num_envs)
     pitch = np.deg2rad(rng.uniform(-PITCH, PITCH, num_envs))
-    # Level and looking along +y at yaw 0; pitch turns about the camera's x axis.
+    # Horizontal and along +y at yaw 0; pitch is about the camera's x axis.
     tilt = (np.pi / 2 + pitch) / 2
     turn, lean = np.array([np.cos(yaw / 2), np.sin(yaw / 2)]), np.array([np.cos(tilt), np.sin(tilt)])
     quat = np.column_stack([turn[0] * lean[0], turn[0] * lean[1], turn[1] * lean[1], turn[1] * lean[0]])

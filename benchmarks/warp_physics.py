@@ -1,11 +1,11 @@
-"""The peer of `physics_rates.py`: MuJoCo Warp steps the same houses, with the same shapes, masses and contacts.
+"""Peer of `physics_rates.py`: MuJoCo Warp steps the same houses, with the same shapes, masses and contacts.
 
     python benchmarks/warp_physics.py [--houses ROOT] [--num-houses 64] [--measure 3] [--num-envs 4096] [--bodies 0 8]
 
 MuJoCo Warp (`pip install mujoco-warp`) has one model for all of its worlds, so each of the first `--measure` houses is
-measured by itself. Its model is that of `impl="c"`: every static box is there, and MuJoCo Warp's broad phase chooses.
-Agents get drawn forces, anew for each control step, as nothing steers them. The graph of a control step is captured
-once. One JSON object a line; `overflow` says whether contacts or constraints did not find room.
+measured separately. Its model is that of `impl="c"`: it has every static box, and MuJoCo Warp's broad phase selects.
+Agents have random forces at each control step, because there is no controller. The graph of a control step is captured
+once. Prints one JSON object per line; `overflow` reports dropped contacts or constraints.
 """
 
 import argparse
@@ -25,17 +25,17 @@ from home_mjx.physics.mujoco.mjcf import Rows, house_mjcf
 from home_mjx.schema.timing import Timing
 
 STEPS, CALLS, SUBSTEPS = 20, 5, Timing().substeps
-NCONMAX, NJMAX = 256, 1024  # contacts and constraints that a world has room for
-PUSH = 4.0  # [m/s^2]; an agent under such forces moves at about half a metre a second
-ITERATIONS = 6  # of Newton's method and of its line search, as in `PhysicsConfig`
+NCONMAX, NJMAX = 256, 1024  # maximum number of contacts and constraints of a world
+PUSH = 4.0  # [m/s^2] acceleration by forces; agents then move at about 0.5 m/s
+ITERATIONS = 6  # iterations of Newton's method and its line search, as in `PhysicsConfig`
 
 
 def main() -> None:
-    """Measures and prints."""
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--houses")
     parser.add_argument("--num-houses", type=int, default=64)
-    parser.add_argument("--measure", type=int, default=3, help="houses, each by itself")
+    parser.add_argument("--measure", type=int, default=3, help="number of houses, each measured separately")
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--bodies", type=int, nargs="+", default=[0, 8, 32])
     args = parser.parse_args()
@@ -46,7 +46,7 @@ def main() -> None:
         for bodies in args.bodies:
             rows = rows_of(bank, house, bodies)
             model = mujoco.MjModel.from_xml_string(house_mjcf(config, rows))
-            model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # is not known to MuJoCo Warp
+            model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # not supported by MuJoCo Warp
             model.opt.iterations = model.opt.ls_iterations = ITERATIONS
             record = {"case": "physics/mujoco_warp", "house": house, "bodies": int(rows.body_valid.sum())}
             record |= {"doors": int(rows.door_valid.sum()), "statics": int((rows.collider_size > 0).all(-1).sum())}
@@ -55,8 +55,8 @@ def main() -> None:
 
 
 def rows_of(bank, house: int, bodies: int) -> Rows:
-    """A house's rows with its first bodies; doors only beside all bodies that the bank has room for."""
-    tables = bank.physics.replace(collider_size=half_above_floor(bank.physics))  # as `impl="c"` does
+    """Return a house's rows with its first bodies; doors only if all bodies are included."""
+    tables = bank.physics.replace(collider_size=half_above_floor(bank.physics))  # as in `impl="c"`
     rows = {name: np.array(getattr(tables, name)[house]) for name in Rows._fields}
     rows["body_valid"][bodies:] = False
     rows["door_valid"][:] &= bodies == rows["body_valid"].shape[0]
@@ -64,7 +64,7 @@ def rows_of(bank, house: int, bodies: int) -> Rows:
 
 
 def poses(bank, config: PhysicsConfig, house: int, rows: Rows) -> np.ndarray:
-    """`qpos` of the model, where everything stands after a reset."""
+    """Return the `qpos` of the model after a reset."""
     template = Template(config, bank.spec)
     state = physics.reset(template, bank, jnp.int32(house), bank.navigation.start[house, :1], jnp.zeros(1))
     used = np.concatenate([np.ones(4, bool), np.repeat(rows.body_valid, 7), rows.door_valid])
@@ -72,16 +72,16 @@ def poses(bank, config: PhysicsConfig, house: int, rows: Rows) -> np.ndarray:
 
 
 def measure(model, start: np.ndarray, begins: np.ndarray, num_envs: int) -> dict:
-    """Milliseconds of a control step of all worlds, whose agents begin at `begins`."""
+    """Measure milliseconds of a control step of all worlds, whose agents start at `begins`."""
     import mujoco_warp as mjw
     import warp as wp
 
-    wp.config.quiet = True  # standard output is for the records
+    wp.config.quiet = True  # standard output is reserved for the records
     data = mujoco.MjData(model)
     data.qpos[:] = start
     mujoco.mj_forward(model, data)
     m, d = mjw.put_model(model), mjw.put_data(model, data, nworld=num_envs, nconmax=NCONMAX, njmax=NJMAX)
-    m.opt.warn_overflow = 0  # prints a line per world
+    m.opt.warn_overflow = 0  # warnings would print a line per world
     qpos = np.tile(data.qpos, (num_envs, 1)).astype(np.float32)
     qpos[:, :3] = begins[np.arange(num_envs) % len(begins)]
     d.qpos.assign(qpos)

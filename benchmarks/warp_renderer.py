@@ -1,7 +1,7 @@
-"""The peer of `gpu_rays.py` and `cpu_rays.py`: MuJoCo Warp's batch renderer on a bank's first house, same cameras.
+"""Peer of `gpu_rays.py` and `cpu_rays.py`: MuJoCo Warp's batch renderer on a bank's first house, same cameras.
 
 `python benchmarks/warp_renderer.py BANK --num-envs 4096 --size 64 --out peer.npz` prints one JSON object per image
-kind and writes the depth images, by which `gpu_rays.py` checks that both look at the same thing.
+kind and writes the depth images. With them `gpu_rays.py` checks that both render the same scene.
 """
 
 import argparse
@@ -21,7 +21,7 @@ KINDS = {
 
 
 def model_of(bank, house=0):
-    """Every instance as a mesh geom of a body of its own, one camera, one light that casts shadows."""
+    """Build a model with every instance as a mesh geom of its own body, a camera, and a light with shadows."""
     geometry, spec = bank.geometry, mujoco.MjSpec()
     for number, model in enumerate(geometry.instance_model[house]):
         if model < 0:
@@ -44,7 +44,7 @@ def model_of(bank, house=0):
 
 
 def triangles_of(geometry, node):
-    """Triangles below a node (n, 3, 3)."""
+    """Return the triangles below a node (n, 3, 3)."""
     found, waiting = [], [node]
     while waiting:
         for code in geometry.node_child[waiting.pop()].tolist():
@@ -56,7 +56,7 @@ def triangles_of(geometry, node):
 
 
 def matrices(quat):
-    """Rotation matrices (n, 3, 3)."""
+    """Return rotation matrices (n, 3, 3)."""
     flat = np.empty((len(quat), 9))
     for row, q in zip(flat, quat.astype(float), strict=True):
         mujoco.mju_quat2Mat(row, q)
@@ -64,11 +64,11 @@ def matrices(quat):
 
 
 def measure(model, pos, turn, size, options, repeats=5, calls=4):
-    """Seconds of refitting and rendering one batch, of compiling, and the context with the images."""
+    """Measure seconds of refitting and rendering a batch, and of compiling; return them with the context."""
     import mujoco_warp as mjw
     import warp as wp
 
-    wp.config.quiet = True  # standard output is for the records
+    wp.config.quiet = True  # standard output is reserved for the records
 
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -105,12 +105,12 @@ def measure(model, pos, turn, size, options, repeats=5, calls=4):
 
 
 def main():
-    """Reads the command line."""
+    """Parse the command line and measure."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("bank")
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--size", type=int, nargs="+", default=[64])
-    parser.add_argument("--out", help="where to write the depth images of the first size (npz)")
+    parser.add_argument("--out", help="file for the depth images of the first size (npz)")
     args = parser.parse_args()
     import mujoco_warp
 

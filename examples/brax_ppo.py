@@ -1,4 +1,4 @@
-"""Brax's own PPO, for those who have code around it; `home-mjx train` uses a recurrent one."""
+"""Train with Brax's PPO, for existing Brax code; `home-mjx train` uses a recurrent PPO."""
 
 import functools
 
@@ -6,7 +6,7 @@ import home_mjx
 from home_mjx.adapters.brax import BraxEnv, wrap_for_training
 from home_mjx.training import shim
 
-shim.install()  # what JAX 0.10 removed and brax 0.14.2 calls
+shim.install()  # restores a function that brax 0.14.2 calls and JAX 0.10 removed
 from brax.training.agents.ppo import networks  # noqa: E402
 from brax.training.agents.ppo import train as ppo  # noqa: E402
 

@@ -1,6 +1,6 @@
-"""PPO in one file of PyTorch, in the style of CleanRL (Huang et al., 2022).
+"""Train with PPO in one file of PyTorch, in the style of CleanRL (Huang et al., 2022).
 
-Arrays of JAX become tensors without a copy. An episode that runs out of time counts as ended, as in CleanRL's PPO.
+JAX arrays become tensors without a copy. A truncated episode counts as terminated, as in CleanRL's PPO.
 """
 
 import jax
@@ -18,7 +18,7 @@ GAMMA, LAMBDA, CLIP, VALUE_COST, ENTROPY_COST, RATE = 0.99, 0.95, 0.2, 0.5, 1e-3
 
 
 class Agent(nn.Module):
-    """A policy and a value of the same sizes."""
+    """Policy and value networks of the same sizes."""
 
     def __init__(self, seen: int, actions: int) -> None:
         super().__init__()
@@ -29,18 +29,18 @@ class Agent(nn.Module):
         self.log_scale = nn.Parameter(torch.full((actions,), -0.5))
 
     def value(self, obs: torch.Tensor) -> torch.Tensor:
-        """What is still to be gained."""
+        """Return the estimated return."""
         return self.critic(obs)[:, 0]
 
     def act(self, obs: torch.Tensor, action: torch.Tensor | None = None) -> tuple[torch.Tensor, ...]:
-        """An action, its log-probability and the entropy."""
+        """Return an action, its log-probability and the entropy."""
         choice = Normal(self.policy(obs), self.log_scale.exp())
         action = choice.sample() if action is None else action
         return action, choice.log_prob(action).sum(-1), choice.entropy().sum(-1)
 
 
 def vector(obs: dict[str, jax.Array]) -> torch.Tensor:
-    """All observations of an environment in one row, squashed."""
+    """Concatenate all observations to one squashed row per environment."""
     tensors = to_torch({name: obs[name] for name in sorted(obs)})
     row = torch.cat([x.reshape(len(x), -1) for x in tensors.values()], dim=-1)
     return torch.sign(row) * torch.log1p(row.abs())

@@ -1,4 +1,4 @@
-"""The same episodes for every agent: drawn once, saved as lines of JSON, loaded, and played by two agents."""
+"""Evaluate two agents on the same episodes: sampled once, saved as JSON lines, loaded, and played by both."""
 
 import tempfile
 from pathlib import Path
@@ -14,8 +14,8 @@ env = home_mjx.make("RoomNav-v0", num_houses=2, split="val", sensors=("state",),
 
 file = Path(tempfile.mkdtemp(prefix="home_mjx_episodes_")) / "room_nav.jsonl"
 tasks = env.params.tasks
-save_tasks(file, env.bank, tasks.where(np.asarray(tasks.rows.columns["length"]) > 2))  # only those farther than 2 m
-print(f"{file} holds {len(file.read_text().splitlines())} episodes; the first is")
+save_tasks(file, env.bank, tasks.where(np.asarray(tasks.rows.columns["length"]) > 2))  # only paths longer than 2 m
+print(f"{file} contains {len(file.read_text().splitlines())} episodes; the first is")
 print(file.read_text().splitlines()[0][:160], "...")
 
 env = env.with_tasks(load_tasks(file, env.bank))

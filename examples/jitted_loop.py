@@ -1,4 +1,4 @@
-"""A batch of environments in one compiled loop: reset, act, step, and automatic resets, without leaving the device."""
+"""Run a batch of environments in one compiled loop: reset, act, step and automatic resets, all on the device."""
 
 import time
 
@@ -10,14 +10,14 @@ from home_mjx.tasks import AutoReset
 
 NUM_ENVS, NUM_STEPS = 64, 120
 
-home_mjx.use_compile_cache()  # a second start takes seconds
+home_mjx.use_compile_cache()  # later starts reuse compiled programs
 options = {"impl": "kinematic", "ctrl_dt": 0.3, "episode_length": 60}
 env = home_mjx.make("PointNav-v0", num_houses=2, sensors=("goal",), **options)
 batch = AutoReset(env.core)
 
 
 def towards(goal: jax.Array) -> jax.Array:
-    """Turns to the goal and goes there: distance, cosine and sine of its bearing to an action."""
+    """Convert distance, cosine and sine of the goal's bearing to an action that turns and moves towards it."""
     turn = jnp.clip(2 * jnp.arctan2(goal[:, 2], goal[:, 1]), -1, 1)
     nothing = jnp.zeros_like(turn)
     return jnp.stack([jnp.maximum(goal[:, 1], 0), nothing, turn, nothing], axis=-1)
@@ -25,7 +25,7 @@ def towards(goal: jax.Array) -> jax.Array:
 
 @jax.jit
 def run(params, states):
-    """Steps of all environments; success and end of each episode on the way."""
+    """Step all environments; return done flags and success at the end of each episode."""
 
     def step(states, _):
         states = batch.step(params, states, towards(states.obs["goal"]))

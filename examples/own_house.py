@@ -1,4 +1,4 @@
-"""A house of your own, from outlines of rooms: written, validated, compiled, walked in and drawn."""
+"""Build a house from outlines of rooms: write, validate and compile it, walk in it and draw it."""
 
 import tempfile
 from pathlib import Path
@@ -20,7 +20,7 @@ from home_mjx.schema import Box
 from home_mjx.tasks import with_expert
 from home_mjx.viewer.pictures import TopView, write_png
 
-rooms = [  # (x, z) of the middle lines of walls [m]
+rooms = [  # (x, z) of the centre lines of walls [m]
     RoomOutline("Living_Room", [(0, 0), (5, 0), (5, 4), (0, 4)]),
     RoomOutline("Bedroom", [(5, 0), (8, 0), (8, 4), (5, 4)]),
 ]
@@ -29,7 +29,7 @@ openings = [
     Opening((1, 0), (3, 0), low=0.9, high=2.1),  # a window
 ]
 place = np.eye(4)
-place[:3, 3] = 2, 0.05 + 0.375, 2.5  # the middle of a table: the floor's upper side is at 0.05 m
+place[:3, 3] = 2, 0.05 + 0.375, 2.5  # centre of a table; the top of the floor is at 0.05 m
 table = Box(id="", index=0, path="", bbox=None, dimensions=np.array([1.2, 0.75, 0.7]), transform=place)
 
 root = Path(tempfile.mkdtemp(prefix="home_mjx_house_"))
@@ -42,11 +42,11 @@ env = with_expert(home_mjx.make("PointNav-v0", root, sensors=("goal",), impl="ki
 state, step = jax.jit(env.reset)(jax.random.key(0)), jax.jit(env.step)
 path = []
 for _ in range(60):
-    state = step(state, state.obs["expert"])  # along the shortest path
+    state = step(state, state.obs["expert"])  # follow the shortest path
     path.append(np.asarray(env.core.snapshot(env.params, state).pose.pos[0]))
     if state.done:
         break
 snapshot = env.core.snapshot(env.params, state)
 goal = np.asarray(env.bank.navigation.goal[0, int(state.task.goal)])
 write_png(root / "path.png", TopView(env.bank, snapshot.scene).with_path(np.stack(path), goal, size=512))
-print(f"{float(state.metrics['distance']):.2f} m from the goal after {len(path)} steps: look at {root / 'path.png'}")
+print(f"{float(state.metrics['distance']):.2f} m from the goal after {len(path)} steps; see {root / 'path.png'}")

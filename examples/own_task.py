@@ -1,4 +1,4 @@
-"""A task of your own is a class that writes rows: what they speak of, and what has to happen."""
+"""Define a task: a class that generates rows, each with the objects it refers to and its conditions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from home_mjx.training import evaluate, expert_policy
 
 @dataclass(frozen=True)
 class HurryToBed(Navigation):
-    """Reach a bed before the time is up.
+    """Reach a bed within a time limit.
 
     Attributes:
-        most_steps: When it is too late.
+        most_steps: Maximum number of steps; more are a failure.
     """
 
     most_steps: int = 150
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """One task per bed; where agents start is drawn for us."""
+        """Yield one task per bed; start poses are sampled by the environment."""
         near, late = When(Feature.DISTANCE, 0, most=1.0), When(Feature.TIME, least=self.most_steps)
         for thing in view.things:
             if thing.word(Semantic.COARSE) == COARSE.index("bed"):

@@ -1,4 +1,4 @@
-"""Recurrent PPO from depth images: the loop of `home-mjx train`, to be changed as you like."""
+"""Train with recurrent PPO from depth images: the loop of `home-mjx train`, as a starting point for changes."""
 
 import jax
 
@@ -10,7 +10,7 @@ options = {"sensors": ("depth", "goal"), "width": 16, "height": 16, "impl": "kin
 env = home_mjx.make("PointNav-v0", num_houses=2, split="train", episode_length=60, **options)
 config = PPOConfig(
     num_envs=16,
-    num_timesteps=4096,  # a hundred million, for an agent that finds its way in houses that it has never seen
+    num_timesteps=4096,  # use 1e8 for an agent that navigates in held-out houses
     unroll_length=32,
     num_minibatches=2,
     num_epochs=1,

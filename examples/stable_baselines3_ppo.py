@@ -1,4 +1,4 @@
-"""Stable-Baselines3's PPO on the Gymnasium environment."""
+"""Train with Stable-Baselines3's PPO on the Gymnasium environment."""
 
 import gymnasium
 from stable_baselines3 import PPO

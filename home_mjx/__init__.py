@@ -1,12 +1,12 @@
 """Batch simulator of households for massively parallel RL.
 
-Names are imported on first use, so that `import home_mjx` is quick and starts no JAX backend.
+Names are imported on first use, so that `import home_mjx` is fast and does not start a JAX backend.
 """
 
 import importlib
 from typing import Any
 
-from home_mjx import registry as _registry  # noqa: F401, which makes the ids known to Gymnasium
+from home_mjx import registry as _registry  # noqa: F401, registers the ids with Gymnasium
 
 __version__ = "0.1.0"
 

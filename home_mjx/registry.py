@@ -1,4 +1,4 @@
-"""Environment ids and how to make them."""
+"""Registry of environment ids, and the construction of environments."""
 
 import dataclasses
 import importlib
@@ -20,27 +20,27 @@ if TYPE_CHECKING:
 
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
 NUM_HOUSES = 8
-OF_EPISODES = ("variation", "episodes")  # options that are parameters of the environment, not parts of its program
+OF_EPISODES = ("variation", "episodes")  # options that change parameters of the environment, not its program
 
 
 @dataclasses.dataclass(frozen=True)
 class EnvSpec:
-    """What an environment is made of; to and from JSON, so that a run can be made again.
+    """Specification of an environment; convertible to and from JSON, so that a run can be repeated.
 
     Attributes:
         id: `Name-vN`; N is raised whenever learning results could change.
         entry_point: `module:name` of a `Task` subclass, or of a function `(get_bank, **options)` that returns an
             environment, where `get_bank(compile_options)` makes the houses.
-        options: As for `make`, by name; with `variation`, ranges of domain randomisation by name; with `episodes`, a
-            file of episodes, which then says which houses of `houses` are taken.
+        options: Options by name, as for `make`. `variation` has ranges of domain randomisation by name. `episodes` is a
+            file of episodes, which selects the houses from `houses`.
         houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
-        num_houses: How many.
+        num_houses: Number of houses.
         split: `train`, `val` or `test`; None: any.
         where: A filter of houses; None: any.
-        in_memory: It was made with a bank or dataset in memory, which no file can name.
+        in_memory: True if made with a bank or dataset in memory, which JSON cannot represent.
 
     Raises:
-        ConfigError: A value is of another type.
+        ConfigError: A value has the wrong type.
 
     Example:
         >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
@@ -72,22 +72,22 @@ class EnvSpec:
             check_type("where", self.where, HouseFilter)
 
     def to_json(self) -> str:
-        """The spec as text.
+        """Return the spec as JSON.
 
         Raises:
             ConfigError: An option, or the houses, exist in memory only.
         """
         if self.in_memory:
-            hint = "Give `make` the folder of a dataset."
-            raise ConfigError(f"{self.id} was made of houses in memory, which JSON cannot name", hint=hint)
+            hint = "Pass the folder of a dataset to `make`."
+            raise ConfigError(f"{self.id} was made with houses in memory, which JSON cannot represent", hint=hint)
         return to_json(self)
 
     @classmethod
     def from_json(cls, text: str) -> "EnvSpec":
-        """The spec that `to_json` wrote.
+        """Parse the JSON of `to_json`.
 
         Raises:
-            ConfigError: The text is no such spec, or its environment is not registered here.
+            ConfigError: The text is not such a spec, or its environment is not registered here.
         """
         spec = from_json(text)
         if not isinstance(spec, cls):
@@ -95,10 +95,10 @@ class EnvSpec:
         return spec
 
     def check_trusted(self) -> None:
-        """What a spec from a file runs must be what is registered under its id: `from_json` asks.
+        """Check that the entry point is the one registered under the id, so that a file cannot run other code.
 
         Raises:
-            ConfigError: It is not.
+            ConfigError: It is not registered, or another one is.
         """
         known = _REGISTRY.get(self.id)
         if known is None or known.entry_point != self.entry_point:
@@ -106,7 +106,7 @@ class EnvSpec:
             raise ConfigError(f"no environment `{self.id}` of `{self.entry_point}` is registered", hint=hint)
 
     def memory_estimate(self, num_envs: int, progress: bool | None = None) -> "MemoryEstimate":
-        """What `num_envs` of this environment take of a device; its houses are packed on the host to tell."""
+        """Estimate the device memory of `num_envs` environments; houses are packed on the host for it."""
         import jax
 
         from home_mjx.tasks.env.memory import estimate_memory
@@ -115,10 +115,10 @@ class EnvSpec:
             return estimate_memory(self.make(progress), num_envs)
 
     def core(self) -> "HouseholdEnv | None":
-        """The environment's functions, which need no houses; None where the entry point is a function.
+        """Return the environment's functions, which need no houses; None if the entry point is a function.
 
         Raises:
-            ConfigError: An option is unknown or cannot be used.
+            ConfigError: An option is unknown or invalid.
         """
         entry_point = load_entry_point(self.entry_point)
         options = {name: value for name, value in self.options.items() if name not in OF_EPISODES}
@@ -127,7 +127,7 @@ class EnvSpec:
         return core_of(entry_point, options)[0] if is_task(entry_point) else None
 
     def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
-        """The environment."""
+        """Make the environment."""
         from home_mjx.env_factory import build_env
 
         return build_env(self, self.houses, progress)
@@ -137,9 +137,9 @@ _REGISTRY: dict[str, EnvSpec] = {}
 
 
 def register(env_id: str, entry_point: str | Callable[..., Any], options: Mapping[str, Any] | None = None) -> None:
-    """Adds an environment to `make` and, as `home_mjx/<id>`, to Gymnasium.
+    """Add an environment to `make` and, as `home_mjx/<id>`, to Gymnasium.
 
-    The same may be registered again, as when a cell of a notebook runs twice.
+    The same registration may be repeated, for example when a notebook cell runs twice.
 
     Args:
         env_id: `Name-vN`; raise N whenever learning results could change.
@@ -147,7 +147,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         options: Defaults of this environment's options, by name.
 
     Raises:
-        ConfigError: If the id has another form or is taken, or a `Task` subclass is not a frozen dataclass.
+        ConfigError: The id has another form or is taken, or a `Task` subclass is not a frozen dataclass.
 
     Example:
         >>> register("NearGoal-v0", "home_mjx.tasks:PointNav", {"success_radius": 1.0})  # doctest: +SKIP
@@ -173,11 +173,11 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         )
 
 
-_LOCAL: dict[str, Callable[..., Any]] = {}  # entry points that no import finds, such as those of a notebook
+_LOCAL: dict[str, Callable[..., Any]] = {}  # entry points that cannot be imported, such as those of a notebook
 
 
 def list_envs() -> tuple[str, ...]:
-    """All environment ids.
+    """Return all environment ids.
 
     Example:
         >>> "PointNav-v0" in list_envs()
@@ -192,10 +192,10 @@ def task_names() -> frozenset[str]:
 
 
 def find_spec(env_id: str) -> EnvSpec:
-    """What is registered under an id.
+    """Return the spec that is registered under an id.
 
     Raises:
-        ConfigError: There is no such id, with the closest known one.
+        ConfigError: The id is unknown; the error names the closest known one.
     """
     if env_id not in _REGISTRY:
         raise UnknownNameError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
@@ -203,7 +203,7 @@ def find_spec(env_id: str) -> EnvSpec:
 
 
 def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
-    """Whether it is a `Task` subclass, then one that can be used."""
+    """Return whether the entry point is a `Task` subclass; raise `ConfigError` if it is an invalid one."""
     from home_mjx.tasks.base.task import Task, check_task_class
 
     if not (isinstance(entry_point, type) and issubclass(entry_point, Task)):
@@ -213,7 +213,7 @@ def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
 
 
 def load_entry_point(entry_point: str) -> Callable[..., Any]:
-    """Import what an entry point names; errors as of `find_spec`."""
+    """Import an entry point; raise `ConfigError` if that fails."""
     if entry_point in _LOCAL:
         return _LOCAL[entry_point]
     module, _, name = entry_point.partition(":")
@@ -221,7 +221,7 @@ def load_entry_point(entry_point: str) -> Callable[..., Any]:
         found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
-    except ConfigError:  # of the imported module itself; it is a ValueError as well
+    except ConfigError:  # raised by the imported module itself; it is a ValueError as well
         raise
     except (ImportError, AttributeError, ValueError) as error:
         raise ConfigError(f"entry point `{entry_point}` cannot be imported: {error}") from error
@@ -231,13 +231,13 @@ def load_entry_point(entry_point: str) -> Callable[..., Any]:
 register("PointNav-v0", "home_mjx.tasks:PointNav")
 for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})
-# As many steps as Chaplot et al. explore for with the same moves (arXiv:2004.05155).
+# Number of exploration steps of Chaplot et al. with the same actions (arXiv:2004.05155).
 register("Exploration-v0", "home_mjx.tasks:Exploration", {"actions": "discrete", "episode_length": 1000})
 register("PiedPiper-v0", "home_mjx.tasks:PiedPiper", {"actions": "discrete", "num_agents": 3})
 register("HouseQA-v0", "home_mjx.tasks:HouseQA", {"actions": "discrete"})
 register("VQA-v0", "home_mjx.tasks:VQA", {"actions": "discrete"})
 register("Dialogue-v0", "home_mjx.tasks:Dialogue", {"actions": "discrete", "stop": True})
 register("Communication-v0", "home_mjx.tasks:Communication", {"actions": "discrete", "stop": True, "num_agents": 2})
-_HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}  # looks of 15 degrees, down to 60 as in AI2-THOR
+_HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}  # pitch steps of 15 degrees, down to 60 as in AI2-THOR
 for _name in ("Fetch", "Rearrange"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True, **_HANDS})

@@ -1,4 +1,4 @@
-"""Prints the table of a bank's arrays for docs/bank.md: `python scripts/bank_table.py`."""
+"""Print the table of a bank's arrays for docs/bank.md: `python scripts/bank_table.py`."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ OWNERS = {"node": "Tree", "model": "Model", "triangle": "Model", "shared": "Shar
 
 
 def rows() -> list[str]:
-    """One line of Markdown per array."""
+    """Return one line of Markdown per array."""
     return [
         f"| `{d.name}` | `({', '.join(d.axes)})` | {d.dtype} | {_source(d)} | {_fill(d)} | {_escaped(d.doc)} |"
         for d in schema()

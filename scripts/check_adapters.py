@@ -1,10 +1,10 @@
-"""Lets each ecosystem's own checker judge every id, and writes the table of docs/adapters.md.
+"""Run each ecosystem's API checker on every id, and write the table of docs/adapters.md.
 
     python scripts/check_adapters.py [--id ID ...] [--adapter NAME ...] [--out FILE] [--docs]
 
-One JSON object a line: `id`, `adapter`, `outcome` (`passed`, `refused` or `failed`), `why`, `seconds`. With `--docs`,
-the lines of `--out`, the last one of each id and adapter, become the table; adapters whose package is not installed are
-left as the lines have them. `make checkers` does all.
+Prints one JSON object per line: `id`, `adapter`, `outcome` (`passed`, `refused` or `failed`), `why`, `seconds`. With
+`--docs`, the last line of `--out` for each id and adapter becomes the table. Adapters whose package is not installed
+keep their earlier lines. `make checkers` runs everything.
 """
 
 import argparse
@@ -25,13 +25,13 @@ BEGIN, END = "<!-- made by scripts/check_adapters.py -->", "<!-- end -->"
 
 
 def main() -> int:
-    """Checks, prints, and says by its exit code whether all went well."""
+    """Run the checks, print the results, and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--id", action="append", help="default: every id")
     parser.add_argument("--adapter", action="append", help="default: every adapter whose package is installed")
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks" / "results" / "adapters.jsonl")
-    parser.add_argument("--docs", action="store_true", help="write the table, too")
-    parser.add_argument("--only-docs", action="store_true", help="check nothing")
+    parser.add_argument("--docs", action="store_true", help="also write the table")
+    parser.add_argument("--only-docs", action="store_true", help="run no checks")
     args = parser.parse_args()
     failed = 0 if args.only_docs else run(args)
     if args.docs or args.only_docs:
@@ -40,13 +40,13 @@ def main() -> int:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Runs the checks.
+    """Run the checks.
 
     Returns:
-        How many have failed.
+        Number of failed checks.
     """
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
-    os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0")  # most time goes into compiling
+    os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0")  # because most time is compilation
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
     checkers = known_checkers()
     import home_mjx
@@ -67,13 +67,13 @@ def run(args: argparse.Namespace) -> int:
 
 
 def known_checkers() -> Any:
-    """The module beside the tests that has them."""
+    """Import the module of checkers from the tests."""
     sys.path.insert(0, str(ROOT / "tests" / "helpers"))
     return importlib.import_module("checkers")
 
 
 def small_bank() -> Any:
-    """Two generated houses."""
+    """Return a bank of two generated houses."""
     from home_mjx.houses import load_bank
     from home_procgen import generate_dataset
 
@@ -82,7 +82,7 @@ def small_bank() -> Any:
 
 
 def judged(check: Any, env_id: str, bank: Any) -> dict[str, Any]:
-    """What a checker says of an id."""
+    """Run a checker on an id and return the outcome."""
     from home_mjx.errors import ConfigError
 
     begun, why = time.perf_counter(), ""
@@ -91,19 +91,19 @@ def judged(check: Any, env_id: str, bank: Any) -> dict[str, Any]:
         outcome = "passed"
     except ConfigError as error:
         outcome, why = "refused", said(error, env_id)
-    except Exception as error:  # whatever a checker raises is what there is to tell
+    except Exception as error:  # any error of a checker is its result
         outcome, why = "failed", f"{type(error).__name__}: {error}"[:300]
         traceback.print_exc()
     return {"outcome": outcome, "why": why, "seconds": round(time.perf_counter() - begun, 1)}
 
 
 def said(error: Exception, env_id: str) -> str:
-    """The first sentence of an error, about any task."""
+    """Return the first sentence of an error, without the name of the id."""
     return str(error).splitlines()[0].replace(env_id.partition("-")[0], "this task")
 
 
 def write_table(out: Path) -> None:
-    """Puts the outcomes of a file into the page."""
+    """Write the outcomes of a file into the page."""
     order = list(known_checkers().CHECKERS)
     lines = [json.loads(line) for line in out.read_text(encoding="utf-8").splitlines()]
     lines.sort(key=lambda line: order.index(line["adapter"]))
@@ -113,7 +113,7 @@ def write_table(out: Path) -> None:
 
 
 def table(lines: list[dict[str, Any]]) -> str:
-    """The outcomes as Markdown, with the reasons below.
+    """Format the outcomes as a Markdown table, with the reasons below.
 
     Example:
         >>> print(table([{"id": "A-v0", "adapter": "Brax", "outcome": "passed", "why": ""}]))

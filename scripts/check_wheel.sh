@@ -1,21 +1,21 @@
 #!/usr/bin/env bash
-# check_wheel.sh PYTHON: builds the sdist and the wheel, the wheel again from the sdist, which must give the same bytes;
-# then installs it into an empty environment and uses it from another folder.
+# check_wheel.sh PYTHON: build the sdist and the wheel, and the wheel again from the sdist, which must be identical;
+# then install it into an empty environment and use it from another folder.
 set -eu
 python=$1
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PIP_DISABLE_PIP_VERSION_CHECK=1
-unset PYTHONPATH  # what it leads to would pass for installed
+unset PYTHONPATH  # packages on PYTHONPATH would count as installed
 
-# The time of the last change instead of today's: equal sources give equal wheels.
+# The time of the last commit, so that equal sources build equal wheels.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -C "$root" log -1 --format=%ct 2>/dev/null || echo 315532800)}
 export SOURCE_DATE_EPOCH
 
-rm -rf "$root/build"  # setuptools would pack what a former build left there
+rm -rf "$root/build"  # setuptools would pack files of an earlier build
 "$python" -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir "$work" "$root"
-# From what an sdist holds, in another folder, at another time: nothing is missing in it, and the bytes are equal.
+# Build from the unpacked sdist, in another folder, at another time: it must be complete, and the bytes equal.
 (cd "$root" && "$python" -c 'import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])' "$work" >/dev/null)
 mkdir "$work/source" "$work/again"
 tar xzf "$work"/*.tar.gz -C "$work/source" --strip-components 1 --touch

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Prints the first Python that runs and is at least the given version (default 3.11).
-# PYTHON=... names one to use instead of looking.
+# Print the first working Python of at least the given version (default 3.11).
+# PYTHON=... selects one instead.
 set -eu
 wanted=${1:-3.11}
 
@@ -9,7 +9,7 @@ fits() {
 }
 
 candidates() {
-    # The wanted version first: it is the one the pins were made for. A pyenv shim may exist and yet not run.
+    # The given version first, because the pins are for it. A pyenv shim may exist and still not run.
     local name
     for name in "python$wanted" python3 python python3.11 python3.12 python3.13 python3.14; do
         command -v "$name" || true

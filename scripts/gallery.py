@@ -1,7 +1,7 @@
-"""Draws the gallery of the docs: generated houses by default, any dataset on request.
+"""Draw the gallery of the docs: generated houses by default, any dataset on request.
 
 python scripts/gallery.py                                   docs/images/gallery_*.png
-python scripts/gallery.py --dataset ROOT --out local/gallery  pictures of another dataset, not for the docs
+python scripts/gallery.py --dataset ROOT --out local/gallery  images of another dataset, not for the docs
 """
 
 import argparse
@@ -28,15 +28,15 @@ from home_mjx.viewer.pictures import pictures
 from home_procgen.v1.dataset import generate_dataset
 
 SEEDS = (3, 11, 20, 42)
-EYE = 1.5  # [m]
+EYE = 1.5  # [m] camera height above the floor
 SIZE = (320, 240)
 FINE = Lit(corners=0.8, bounces=3)
-FAR = 8.0  # [m], depth drawn darkest
+FAR = 8.0  # [m] depth that is drawn darkest
 PICTURES = ("presets", "kinds", "cameras", "moved", "rooms", "arrangements", "variation")
 
 
 class Studio:
-    """One house and the views of it."""
+    """One house and its views."""
 
     def __init__(self, bank, house) -> None:
         self.bank, self.house = bank, jnp.int32(house)
@@ -45,18 +45,18 @@ class Studio:
         self.rng = np.random.default_rng(house)
 
     def scene(self):
-        """The house with its furniture where `bodies` has it."""
+        """Build the scene of the house with its bodies at `bodies`."""
         nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
         return make_scene(self.bank, self.house, jnp.asarray(self.bodies), jnp.asarray(self.turns), *nobody)
 
     def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None, drawn=None):
-        """Images on the host; `drawn`: as in such an episode."""
+        """Render images to the host; `drawn` applies an episode's variation."""
         scene = self.scene() if drawn is None else self.scene().replace(look=drawn.look)
         images = look(lens, kinds, preset, depth_max)(scene, camera)
         return {kind: np.asarray(image) for kind, image in images.items()}
 
     def views(self, count, tries=40):
-        """Cameras that see many things, and different ones."""
+        """Return cameras that see many and different objects."""
         found, seen = [], set()
         scored = [self._score(self._somewhere()) for _ in range(tries)]
         for _, camera, things in sorted(scored, key=lambda s: -s[0]):
@@ -82,22 +82,22 @@ class Studio:
 
 @functools.cache
 def look(lens, kinds, preset, depth_max):
-    """A compiled program per lens and preset."""
+    """Return a compiled program per lens and preset."""
     return jax.jit(functools.partial(render, lens=lens, kinds=kinds, preset=preset, depth_max=depth_max))
 
 
 def camera(pos, yaw, pitch=0.0, fovy=1.25):
-    """At a point, turned by yaw and pitch [rad]."""
+    """Build a camera at a point with yaw and pitch [rad]."""
     return Camera(jnp.asarray(pos, jnp.float32), camera_quat(jnp.float32(yaw), jnp.float32(pitch)), jnp.float32(fovy))
 
 
 def panels(*rows):
-    """A sheet of captioned pictures."""
+    """Compose a sheet of captioned images."""
     return pictures.sheet([[pictures.captioned(image, name) for name, image in row] for row in rows])
 
 
 def presets(studios, samples):
-    """The presets side by side."""
+    """Draw the presets side by side."""
     rows = []
     for studio in studios[:2]:
         view = studio.views(1)[0]
@@ -109,7 +109,7 @@ def presets(studios, samples):
 
 
 def kinds(studio, samples):
-    """Every kind of image of one view."""
+    """Draw every kind of image of one view."""
     view = studio.views(1)[0]
     names = ("depth", "normal", "albedo", "instance", "fine", "coarse", "nyu40", "room", "material", "partition")
     images = studio.draw(view, Lens(*SIZE), names)
@@ -127,7 +127,7 @@ def kinds(studio, samples):
 
 
 def cameras(studio, samples):
-    """Lenses: panorama, cube map, plan, lidar."""
+    """Draw the lenses: panorama, cube map, plan, lidar."""
     pos = np.asarray(studio.views(1)[0].pos)
     draw = functools.partial(studio.draw, preset=FINE)
     around = draw(camera(pos, 0.0), Lens(640, 320, "panorama", samples=samples))["rgb"]
@@ -144,7 +144,7 @@ def cameras(studio, samples):
 
 
 def arrangements(studios, samples):
-    """The house in which most moves as placed, and in three arrangements."""
+    """Draw the house with the most movable objects, as authored and in three arrangements."""
     bank, settled = settled_poses(studios[0].bank, 3, jax.random.key(0), progress=True)
     studio = studios[int(settled.moved.sum(axis=1).argmax())]
     placed, shown = (studio.bodies, studio.turns), []
@@ -161,14 +161,14 @@ def arrangements(studios, samples):
 
 
 def above(studio):
-    """A camera that sees the whole plan, below the ceiling."""
+    """Return a camera that sees the whole plan, below the ceiling."""
     low, high = extent(studio)
     top = [*((low + high) / 2), float(studio.bank.physics.floor[studio.house]) + 2.2]
     return camera(top, np.pi / 2, -np.pi / 2, max(high - low) + 0.6)
 
 
 def extent(studio):
-    """Corners of the rooms in x and y [m]."""
+    """Return the corners of the rooms in x and y [m]."""
     navigation, cell = studio.bank.navigation, studio.bank.spec.cell
     inside = np.argwhere(np.asarray(navigation.room[studio.house]) >= 0)[:, -2:][:, ::-1]
     origin = np.asarray(navigation.origin[studio.house])
@@ -176,7 +176,7 @@ def extent(studio):
 
 
 def moved(studio, samples):
-    """Before and after a piece of furniture is moved; its shadow goes with it."""
+    """Draw a view before and after a piece of furniture moves; its shadow moves with it."""
     valid = np.asarray(studio.bank.physics.body_valid[studio.house])
     size = np.asarray(studio.bank.physics.body_size[studio.house])
     body = int(np.argmax(np.where(valid & (size.max(axis=1) < 0.5), size.prod(axis=1), -1)))
@@ -198,7 +198,7 @@ def moved(studio, samples):
 
 
 def varied(studio, samples):
-    """One view as its house has it, under one range each, and in four episodes of all ranges."""
+    """Draw one view unchanged, with one range of variation each, and in four episodes with all ranges."""
     view, lens = studio.views(1)[0], Lens(*SIZE, samples=samples)
     alone = {
         "lamps of other rooms": {"lamps": 0.4, "daylight": 0.0},
@@ -225,7 +225,7 @@ def varied(studio, samples):
 
 
 def rooms(studios, samples):
-    """Rooms of different houses."""
+    """Draw rooms of different houses."""
     lens = Lens(*SIZE, samples=samples)
     shown = [
         [(f"house {i}", studio.draw(view, lens, preset=FINE)["rgb"]) for view in studio.views(3)]
@@ -235,11 +235,11 @@ def rooms(studios, samples):
 
 
 def main():
-    """Draws everything."""
+    """Draw all images."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--dataset", type=Path, help="dataset root (default: generated houses)")
     parser.add_argument("--out", type=Path, default=Path("docs/images"))
-    parser.add_argument("--samples", type=int, default=9, help="rays per pixel of lit pictures")
+    parser.add_argument("--samples", type=int, default=9, help="rays per pixel of lit images")
     parser.add_argument("--only", nargs="*", default=list(PICTURES))
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""Draws the contact sheets of homes for the docs: plans, and every category of things with its shapes.
+"""Draw the contact sheets of homes for the docs: plans, and every category of objects with its shapes.
 
 python scripts/home_pictures.py [--out docs/images] [--first SEED]
 """
@@ -16,21 +16,21 @@ from home_procgen.primitives.family import Furniture
 from home_procgen.textures.recipes import texture
 from home_procgen.things import library
 
-CELL, COLUMNS = 52, 30  # [pixels] of a thing, and things in a row
-PLAN, PLANS, ACROSS = 180, 48, 8  # [pixels] of a plan, how many, and how many in a row
-SHARP = 2  # pixels that are drawn for each that is kept, along both axes
+CELL, COLUMNS = 52, 30  # size of an object's image [px], and objects per row
+PLAN, PLANS, ACROSS = 180, 48, 8  # size of a plan [px], number of plans, and plans per row
+SHARP = 2  # supersampling factor along both axes
 LIGHT = np.array([0.4, 0.8, 0.45])
 FLOORS = ("#e8d9c0", "#d3e2ea", "#dfe8d2", "#ead7d7", "#e2dcea", "#ece6cc")
 
 
 def color_of(material: Material) -> np.ndarray:
-    """The mean colour of a material, in sRGB."""
+    """Return the mean colour of a material, in sRGB."""
     color = np.array(material.diffuse or (1.0, 1.0, 1.0))
     return color if material.texture is None else color * texture(material.texture.stem).mean(axis=(0, 1)) / 255
 
 
 def picture_of(model: Furniture) -> Image.Image:
-    """A model from above its front, its farthest triangles drawn first."""
+    """Draw a model from above its front, farthest triangles first."""
     yaw, pitch, size = -0.55, 0.4, CELL * SHARP
     turn = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
     nod = np.array([[1, 0, 0], [0, np.cos(pitch), -np.sin(pitch)], [0, np.sin(pitch), np.cos(pitch)]])
@@ -51,7 +51,7 @@ def picture_of(model: Furniture) -> Image.Image:
 
 
 def sheet_of_things() -> Image.Image:
-    """A page with every fine category, by name, and the shapes that it has."""
+    """Draw a sheet with every fine category, its name, and its shapes."""
     shapes: dict[str, list[Furniture]] = defaultdict(list)
     for model in library().values():
         shapes[model.fine].append(model)
@@ -69,7 +69,7 @@ def sheet_of_things() -> Image.Image:
 
 
 def plan_of(design: HomeDesign) -> Image.Image:
-    """The lowest storey of a home from above: rooms with their furniture."""
+    """Draw the lowest storey of a home from above: rooms with their furniture."""
     size = PLAN * SHARP
     image = Image.new("RGB", (size, size), "white")
     draw, level = ImageDraw.Draw(image), design.plan.levels[0]
@@ -96,7 +96,7 @@ def plan_of(design: HomeDesign) -> Image.Image:
 
 
 def sheet_of_plans(first: int) -> Image.Image:
-    """The ground floors of some homes."""
+    """Draw the ground floors of some homes."""
     page = Image.new("RGB", (ACROSS * PLAN, PLANS // ACROSS * PLAN), "white")
     for k in range(PLANS):
         page.paste(plan_of(draw_design(first + k)), (k % ACROSS * PLAN, k // ACROSS * PLAN))
@@ -104,7 +104,7 @@ def sheet_of_plans(first: int) -> Image.Image:
 
 
 def main() -> None:
-    """Writes both sheets."""
+    """Write both sheets."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("docs/images"))
     parser.add_argument("--first", type=int, default=0, help="seed of the first home")

@@ -1,4 +1,4 @@
-"""Prints a pin for each hard dependency: the lowest version that pyproject.toml allows.
+"""Print a pin for each required dependency: the lowest version that pyproject.toml allows.
 
 python scripts/lowest_pins.py
 """
@@ -11,7 +11,7 @@ PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
 
 
 def lowest_pins(path: Path = PROJECT) -> list[str]:
-    """`name==version` of each, in their order; jaxlib goes with jax.
+    """Return `name==version` of each dependency, in order; jaxlib follows jax.
 
     Args:
         path: The `pyproject.toml`.

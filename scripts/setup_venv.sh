@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# setup_venv.sh VENV REQUIREMENT [CONSTRAINTS]: creates VENV if need be and installs REQUIREMENT ('.' or '.[dev]',
-# editable) at the versions of CONSTRAINTS. MIN_PYTHON asks for a newer Python than 3.11.
+# setup_venv.sh VENV REQUIREMENT [CONSTRAINTS]: create VENV if necessary and install REQUIREMENT ('.' or '.[dev]',
+# editable) at the versions of CONSTRAINTS. MIN_PYTHON requires a newer Python than 3.11.
 set -eu
 venv=$1
 requirement=$2

@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/sound.md.
+"""Draw the images of docs/sound.md.
 
 python scripts/sound_pictures.py                                 docs/images/sound_*.png, of a generated house
 python scripts/sound_pictures.py map --dataset ROOT --out local/sound   of another dataset, not for the docs
@@ -59,7 +59,7 @@ DPI = 80
 
 
 def scene_of(bank, angle=None):
-    """The first house of a bank, doors as wide open as they get if no angles are given."""
+    """Build the scene of the first house of a bank, with fully open doors if no angles are passed."""
     physics = bank.physics
     angle = physics.door_wide[0] if angle is None else angle
     nobody = jnp.zeros((0, 3)), jnp.zeros((0, 4))
@@ -67,13 +67,13 @@ def scene_of(bank, angle=None):
 
 
 def falling(energy):
-    """Energy that is still to come [dB]."""
+    """Compute the backward-integrated energy decay [dB]."""
     rest = np.cumsum(energy[::-1])[::-1]
     return 10 * np.log10(np.maximum(rest / rest[0], 1e-9))
 
 
 def saved(figure, folder, name):
-    """Writes a figure."""
+    """Write a figure."""
     figure.tight_layout()
     figure.savefig(folder / f"sound_{name}.png", dpi=DPI)
     plt.close(figure)
@@ -81,7 +81,7 @@ def saved(figure, folder, name):
 
 
 def decays(args):
-    """Decays in two coupled rooms at 1 kHz: the oracle, presets as they are traced, and baked sound."""
+    """Draw decays in two coupled rooms at 1 kHz: the oracle, presets with traced rays, and baked reverberation."""
     case, seconds = rooms.coupled(), 1.5
     bank = add_bakes(HouseBank.from_compiled([case.house]), [case.house], LateReverbBake(BakeOptions()))
     dt = AudioConfig().bin_seconds
@@ -103,7 +103,7 @@ def decays(args):
 
 
 def doors(args):
-    """Level over time in the room next door, for three angles of the door between."""
+    """Draw level over time in the adjacent room, for three angles of the door between."""
     house, bank = args.house, args.baked
     portals = house.navigation.portals
     hinged = (portals.room >= 0).all(axis=1) & (portals.leaf[:, 0] >= 0)
@@ -132,7 +132,7 @@ def doors(args):
 
 
 def doorway(args):
-    """Walking past a doorway: what comes straight or bent, and all of it."""
+    """Draw levels of a walk past a doorway: direct and diffracted sound, and the total."""
     case = rooms.coupled()
     bank = add_bakes(HouseBank.from_compiled([case.house]), [case.house], LateReverbBake(BakeOptions()))
     scene, source = scene_of(bank), jnp.float32([4.6, 0.9, 1.4])
@@ -162,7 +162,7 @@ def doorway(args):
 
 
 def plan(args):
-    """Level and T30 over a storey."""
+    """Draw level and T30 over a storey."""
     house, config = args.house, AudioConfig(late="baked", response_seconds=1.2)
     goal = np.asarray(house.navigation.start)[0] + EARS
     pictures = storey_pictures(scene_of(args.baked), goal.astype(np.float32), config)
@@ -173,7 +173,7 @@ def plan(args):
 
 
 def walk(args):
-    """A walk through all rooms at 1 m/s, to where the radio plays: heard, as a spectrogram, and as level over time."""
+    """Draw a walk through all rooms at 1 m/s to the radio: spectrogram and level over time; also write its sound."""
     config = audio_preset("fast", tail_seconds=1.0)
     house, scene = args.house, scene_of(args.baked)
     goal = max(range(len(house.rooms.floor)), key=lambda room: clearance(house, room).max())
@@ -205,7 +205,7 @@ def walk(args):
 
 
 def draw_walk(sound, room, distance, config, args):
-    """Spectrogram of the left ear, levels of both in 50 ms, and where it is."""
+    """Draw the spectrogram of the left ear, the levels of both ears in 50 ms, and the walk."""
     rate = config.sample_rate
     magnitude = np.asarray(stft_magnitude(jnp.asarray(sound[0]), rate))
     figure, axes = plt.subplots(3, 1, figsize=(10, 7), sharex=True, height_ratios=(3, 2, 1))
@@ -231,7 +231,7 @@ def draw_walk(sound, room, distance, config, args):
 
 
 def way_to(house, goal, step=0.1):
-    """Places of ears every `step` [m] on the shortest way to a goal from the place that is farthest from it."""
+    """Return ear positions every `step` [m] on the shortest path to a goal from the farthest place."""
     free = house.navigation.region[0] >= 0
     rows, columns = np.nonzero(free)
     number = -np.ones(free.shape, int)
@@ -258,20 +258,20 @@ def way_to(house, goal, step=0.1):
 
 
 def cell_of(house, place):
-    """Index of a place of the lowest storey in maps of the house."""
+    """Return the index of a place of the lowest storey in maps of the house."""
     column, row = ((place[:2] - house.navigation.origin) / house.navigation.cell).astype(int)
     return 0, row, column
 
 
 def clearance(house, room=None):
-    """Cells from each free cell to the next one that is not, or is not in the room."""
+    """Compute the distance [cells] from each free cell to the next cell that is blocked or outside the room."""
     navigation = house.navigation
     free = navigation.region[0] >= 0
     return distance_transform_edt(free if room is None else free & (navigation.room[0] == room))
 
 
 def middle(house, room):
-    """Ears at the place of a room that is farthest from what stands there."""
+    """Return the ear position of a room with the largest clearance."""
     navigation = house.navigation
     away = clearance(house, room)
     row, column = np.unravel_index(np.argmax(away), away.shape)
@@ -283,13 +283,15 @@ PICTURES = {"decays": decays, "doors": doors, "doorway": doorway, "map": plan, "
 
 
 def main():
-    """Draws what the command line asks for."""
+    """Draw the images that the command line selects."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("pictures", nargs="*", choices=[*PICTURES, []], help="only these (default: all)")
+    parser.add_argument("pictures", nargs="*", choices=[*PICTURES, []], help="images to draw (default: all)")
     parser.add_argument("--dataset", default=GENERATED)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
-    parser.add_argument("--clip", default="radio", help="what is heard on the walk")
-    parser.add_argument("--wav", type=Path, help="where the walk goes (default: sound_walk.wav beside the pictures)")
+    parser.add_argument("--clip", default="radio", help="clip of the source on the walk")
+    parser.add_argument(
+        "--wav", type=Path, help="file for the sound of the walk (default: sound_walk.wav beside the images)"
+    )
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     chosen = args.pictures or list(PICTURES)

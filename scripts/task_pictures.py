@@ -1,8 +1,8 @@
-"""Makes the pictures of docs/tasks/: an expert's episode of every task, its lit view and the plan of the house.
+"""Draw the images of docs/tasks/: an expert's episode of every task, its lit view and the plan of the house.
 
     python scripts/task_pictures.py [--id ID ...] [--row N ...] [--out FOLDER]
 
-Without `--row`, those rows that `SHOWN` names; with it, candidates to choose from, `NAME_ROW.jpg` each.
+Without `--row`, the rows in `SHOWN` are drawn; with it, candidates, `NAME_ROW.jpg` each.
 """
 
 import argparse
@@ -31,13 +31,13 @@ ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "docs" / "images" / "tasks"
 WIDTH, HEIGHT, SAMPLES = 360, 270, 4
 HOUSES = 4
-ROWS = 6  # per house
-LARGEST = 60_000  # bytes
+ROWS = 6  # rows per house
+LARGEST = 60_000  # maximum size of an image [bytes]
 
 
 @dataclasses.dataclass(frozen=True)
 class Shown:
-    """Which row of a task is drawn, and after which step: at the end, or as a part of the episode."""
+    """Row of a task, and the step that is drawn: the last one, or a fraction of the episode."""
 
     row: int = 0
     part: float = 1.0
@@ -55,7 +55,7 @@ SHOWN = {env_id: Shown(ROWS_SHOWN.get(env_id, 0)) for env_id in home_mjx.list_en
 
 
 def main() -> None:
-    """Plays and draws."""
+    """Play episodes and draw their images."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--id", action="append", help="default: every id")
     parser.add_argument("--row", action="append", type=int)
@@ -73,7 +73,7 @@ def main() -> None:
 
 
 class Artist:
-    """Draws episodes of one id.
+    """Renderer of episodes of one id.
 
     Args:
         env_id: The id.
@@ -91,14 +91,14 @@ class Artist:
         self.pose = jax.jit(lambda params, state: self.env.core.snapshot(params, state).pose)
 
     def picture(self, row: int) -> tuple[np.ndarray, str]:
-        """The picture of a row, and how the episode went."""
+        """Return the image of a row, and a description of the episode."""
         number = row if self.env.params.tasks is not None else None
         steps = list(self.game.play(self.player, 1, jax.random.key(row), number))
         last = round(self.shown.part * (len(steps) - 1))
         sights = [self._place(step) for step in steps[:last]] + [self.camera.shot(steps[last].state)]
         state, outcome = steps[last].state, self.game.outcome
         assert outcome is not None
-        # Whoever has arrived has no goal any more.
+        # No goal is left in a terminal state.
         before = steps[max(last - 1, 0)].state if state.terminated else state
         goals = goals_of(self.env.bank, before, sights[-1].boxes)
         top = Plan(self.env.bank, int(state.world.house)).drawn(without_agents(self.env, state), sights, goals)
@@ -116,7 +116,7 @@ class Artist:
 
 
 def jpeg(picture: np.ndarray) -> bytes:
-    """As good as it may be within `LARGEST` bytes."""
+    """Encode an image with the highest quality that fits `LARGEST` bytes."""
     for quality in (88, 84, 80, 75, 70, 60):
         file = io.BytesIO()
         Image.fromarray(picture).save(file, "jpeg", quality=quality, optimize=True)

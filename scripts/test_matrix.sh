@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# test_matrix.sh [NAME...]: a short suite on every supported jax, each in an environment of its own.
+# test_matrix.sh [NAME...]: run a short test suite on every supported jax, each in a separate environment.
 # A row whose Python is not on this machine is skipped with a message; a failing row fails the script.
 set -eu
 cd "$(dirname "$0")/.."
 
-# name | lowest Python | jax | pins: nothing, those of all rows but jax; `lowest`, of every hard dependency the lowest
+# name | lowest Python | jax | pins. No pins: those of all rows except jax; `lowest`: of every required dependency the lowest
 # version that pyproject.toml allows; `newest`, none
 ROWS='
 lowest |3.11|        |lowest
@@ -14,7 +14,7 @@ jax0.10|3.11|0.10.2  |
 jax0.11|3.12|0.11.2  |
 jax0.12|3.12|0.12.0.1|
 '
-# What touches JAX most: batching rules, FFI, sharding, MJX, random bits, the whole step. Host code is left out.
+# Tests that depend most on JAX: batching rules, FFI, sharding, MJX, random bits, the whole step. No host code.
 SUITE='tests/test_package.py tests/bank/test_bank.py tests/core/test_pytree.py
 tests/raycast_render/casting/test_cast.py tests/raycast_render/casting/test_cast_batching.py
 tests/raycast_render/casting/test_hit_gradient.py tests/raycast_render/images/test_render.py
@@ -22,7 +22,7 @@ tests/physics/test_physics_batch.py tests/physics/test_physics_model.py
 tests/audio_jax/auralization/test_impulse_response.py tests/audio_jax/auralization/test_stream.py tests/tasks
 tests/adapters/test_gymnasium_adapter.py'
 
-# The common pins, less those that a row sets. With the lowest versions only the tools of the tests are pinned.
+# The common pins without those that a row sets. With the lowest versions only the test tools are pinned.
 pins_of() {
     case $1 in
     newest) ;;
@@ -40,7 +40,7 @@ run_row() {
         echo "SKIPPED $name: no Python >= $python found"
         return
     fi
-    # Steps are chained: `set -e` does not reach into `run_row ||`.
+    # Steps are chained, because `set -e` is ignored inside `run_row ||`.
     pins_of "$kind" "$jax" >"$pins" &&
         MIN_PYTHON=$python scripts/setup_venv.sh "$venv" '.[test]' "$pins" &&
         echo "== $name: $("$venv/bin/python" -c 'import sys, jax; print("jax", jax.__version__, "Python", sys.version.split()[0])')" &&

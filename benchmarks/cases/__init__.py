@@ -1,6 +1,6 @@
-"""What `home-mjx bench` can measure: one module per case, imported when asked for.
+"""Benchmark cases of `home-mjx bench`: one module per case, imported on demand.
 
-A module's `CASES` maps each of its figures (the part after the slash in `rays/primary-depth`) to a function from
+A module's `CASES` maps each of its measurements (the part after the slash in `rays/primary-depth`) to a function from
 `Settings` to `Record`.
 """
 
@@ -21,10 +21,10 @@ log = logging.getLogger(__name__)
 
 
 def measure(name: str, settings: Settings) -> Iterator[Record]:
-    """Records of `all`, of a case such as `rays`, or of one figure such as `rays/primary-depth`.
+    """Yield the records of `all`, of a case such as `rays`, or of one measurement such as `rays/primary-depth`.
 
     Raises:
-        UnknownNameError: If there is no such case or figure.
+        UnknownNameError: There is no such case or measurement.
     """
     case, _, figure = name.partition("/")
     if case != "all" and case not in CASE_NAMES:
@@ -32,14 +32,14 @@ def measure(name: str, settings: Settings) -> Iterator[Record]:
     for chosen in _all() if case == "all" else (case,):
         figures = importlib.import_module(f"benchmarks.cases.{chosen}").CASES
         if figure and figure not in figures:
-            raise UnknownNameError(f"unknown benchmark figure `{name}`", hint=did_you_mean(figure, figures))
+            raise UnknownNameError(f"unknown benchmark measurement `{name}`", hint=did_you_mean(figure, figures))
         for function in [figures[figure]] if figure else figures.values():
             yield function(settings)
 
 
 def _all() -> tuple[str, ...]:
-    """The cases that this installation has."""
+    """Return the cases that this installation supports."""
     if importlib.util.find_spec("flax") is not None:
         return CASE_NAMES
-    log.warning("`train` is left out, as flax is not installed; %s", install_hint("train"))
+    log.warning("`train` is skipped, because flax is not installed; %s", install_hint("train"))
     return tuple(name for name in CASE_NAMES if name != "train")

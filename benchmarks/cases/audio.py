@@ -1,4 +1,4 @@
-"""Sound alone: from a source and a listener in each environment to what the two ears hear."""
+"""Sound alone: from a source and a listener in each environment to binaural frames."""
 
 import time
 from collections.abc import Callable
@@ -25,12 +25,12 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core import profiling
 
 CONFIG = AudioConfig()
-SOURCES = 4  # heard at once
-STEP = 0.1  # [m] in a frame, by which source and listener each move
+SOURCES = 4  # number of simultaneous sources
+STEP = 0.1  # [m] movement of source and listener in a frame
 
 
 def response(settings: Settings) -> Record:
-    """Impulse responses."""
+    """Measure impulse responses."""
     value, seconds = rate_per_environment(settings, partial(_heard, impulse_response, CONFIG, 0.0))
     note = f"{CONFIG.num_rays} rays, {CONFIG.num_bounces} bounces, {CONFIG.response_length} samples; {settings.houses}"
     return make_record(
@@ -39,37 +39,37 @@ def response(settings: Settings) -> Record:
 
 
 def frame(settings: Settings) -> Record:
-    """An impulse response and the sound frame that leads over to it, as one step makes them."""
+    """Measure an impulse response and the crossfaded sound frame, as in one step."""
     return _frames("audio/frame", CONFIG, settings)
 
 
 def frame_fast(settings: Settings) -> Record:
-    """The same of sound that moves within the frame, as the preset `fast` has it."""
+    """Measure frames of moving sources and listeners with the preset `fast`."""
     return _frames("audio/frame-fast", audio_preset("fast"), settings)
 
 
 def frame_balanced(settings: Settings) -> Record:
-    """The same of the preset `balanced`, which has a tail."""
+    """Measure frames with the preset `balanced`, which has a late tail."""
     return _frames("audio/frame-balanced", audio_preset("balanced"), settings)
 
 
 def frame_fast_traced(settings: Settings) -> Record:
-    """The preset `fast` with rays in every step."""
+    """Measure frames with the preset `fast` and rays traced in every step."""
     return _frames("audio/frame-fast-traced", audio_preset("fast", late="traced"), settings)
 
 
 def frame_balanced_traced(settings: Settings) -> Record:
-    """The preset `balanced` with rays in every step."""
+    """Measure frames with the preset `balanced` and rays traced in every step."""
     return _frames("audio/frame-balanced-traced", audio_preset("balanced", late="traced"), settings)
 
 
 def frame_synthesis(settings: Settings) -> Record:
-    """Frames alone, as `fast` makes them of what has been received before."""
+    """Measure the synthesis of frames alone, with the preset `fast` and precomputed receptions."""
     return _stage("audio/frame-synthesis", settings, moving_frame)
 
 
 def frame_early(settings: Settings) -> Record:
-    """Of these the early part: all that moves, without the late part."""
+    """Measure the synthesis of the early part alone: moving paths, without late reverberation."""
 
     def early(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
         old, new = jax.tree.map(lambda x: x[None], (old, new))
@@ -79,7 +79,7 @@ def frame_early(settings: Settings) -> Record:
 
 
 def frame_late(settings: Settings) -> Record:
-    """And the late part alone."""
+    """Measure the synthesis of the late part alone."""
 
     def late(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
         old, new = jax.tree.map(lambda x: x[None], (old, new))
@@ -89,12 +89,12 @@ def frame_late(settings: Settings) -> Record:
 
 
 def frame_baked(settings: Settings) -> Record:
-    """A response and its frame, late sound looked up in what has been baked."""
+    """Measure a response and its frame with baked late reverberation."""
     return _frames("audio/frame-baked", AudioConfig(late="baked"), settings)
 
 
 def reception_fast(settings: Settings) -> Record:
-    """Of `frame-fast` what is received alone: paths and baked energies, no waveform."""
+    """Measure the reception of `frame-fast` alone: paths and baked energies, no waveform."""
     config = audio_preset("fast")
     value, seconds = rate_per_environment(settings, partial(_heard, reception, config, 0.0), settings.late_bank)
     note = f"paths and baked energies, {config.num_paths} paths; {settings.houses}"
@@ -104,22 +104,22 @@ def reception_fast(settings: Settings) -> Record:
 
 
 def frame_four(settings: Settings) -> Record:
-    """Frames of four sources that each agent hears at once, of the preset `fast`."""
+    """Measure frames of four simultaneous sources per agent, with the preset `fast`."""
     return _frames("audio/frame-four", audio_preset("fast"), settings, SOURCES)
 
 
 def features(settings: Settings) -> Record:
-    """Levels of both ears per octave and the lead of one ear, without a waveform."""
+    """Measure levels of both ears per octave and the interaural delay, without a waveform."""
     return _features("audio/features", CONFIG, settings)
 
 
 def features_baked(settings: Settings) -> Record:
-    """The same with late sound that has been baked."""
+    """Measure the same features with baked late reverberation."""
     return _features("audio/features-baked", AudioConfig(late="baked"), settings)
 
 
 def bake(settings: Settings) -> Record:
-    """Baking the late sound of one house, the second time: what is compiled by then is not counted."""
+    """Measure baking of the late reverberation of one house; the first run, which compiles, is not counted."""
     house, seconds = settings.first_house, []
     for _ in range(2):
         start = time.perf_counter()
@@ -131,7 +131,7 @@ def bake(settings: Settings) -> Record:
 
 
 def _stage(case: str, settings: Settings, make: Callable[..., jax.Array]) -> Record:
-    """Part of a frame of the preset `fast`, of what has been received before."""
+    """Measure part of a frame with the preset `fast` and precomputed receptions."""
     config = audio_preset("fast")
     ends = [_before(settings, config, step) for step in (-STEP, STEP)]
     houses = houses_and_starts(settings)[0]
@@ -145,7 +145,7 @@ def _stage(case: str, settings: Settings, make: Callable[..., jax.Array]) -> Rec
 
 
 def _features(case: str, config: AudioConfig, settings: Settings) -> Record:
-    """Energies at both ears of the source's clip, one frame of it."""
+    """Measure energies of one frame of the source's clip at both ears."""
     frame = config.frame // config.bin_samples
 
     def step(bank: HouseBank, house: jax.Array, start: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -164,7 +164,7 @@ def _features(case: str, config: AudioConfig, settings: Settings) -> Record:
 
 
 def _frames(case: str, config: AudioConfig, settings: Settings, sources: int = 1) -> Record:
-    """Responses with their frames, between where source and listener were, received before, and where they are now."""
+    """Measure responses with their frames, from the previous reception to the one after a movement."""
     hear, old = _producer(config), _before(settings, config, -STEP, sources)
 
     def step(bank: HouseBank, house: jax.Array, start: jax.Array, old: Any) -> tuple[jax.Array, Any]:
@@ -200,7 +200,7 @@ def _producer(config: AudioConfig) -> Callable[..., Any]:
 
 
 def _before(settings: Settings, config: AudioConfig, step: float, sources: int = 1) -> Any:
-    """What every environment has received when source and listener were `step` [m] from the middle of their way."""
+    """Return the receptions of all environments with source and listener moved by half of `step` [m]."""
     hear = jax.jit(jax.vmap(partial(_all_heard, _producer(config), config, step, sources), (None, 0, 0)))
     return jax.block_until_ready(hear(_bank(settings, config), *houses_and_starts(settings)))
 
@@ -214,7 +214,7 @@ def _all_heard(
     house: jax.Array,
     start: jax.Array,
 ) -> Any:
-    """What an agent hears of one source, or of each of several."""
+    """Return the reception of one source, or of each of several."""
     if sources == 1:
         return _heard(hear, config, step, bank, house, start)
     goals = jnp.arange(sources, dtype=jnp.int32) % bank.navigation.goal.shape[1]
@@ -222,7 +222,7 @@ def _all_heard(
 
 
 def _frame(config: AudioConfig, house: jax.Array, old: Any, new: Any, sources: int = 1) -> jax.Array:
-    """A frame of a clip, at a place of its own in each house."""
+    """Return a frame of a clip that starts at a different sample in each house."""
     source = _clip(config, house)
     if sources > 1:
         return moving_frames(jnp.broadcast_to(source, (sources, *source.shape)), old, new, config)
@@ -244,7 +244,7 @@ def _heard(
     start: jax.Array,
     goal: jax.Array | int = 0,
 ) -> Any:
-    """What an agent near `start` hears of one of the house's goals; both moved by half of `step` [m], each its way."""
+    """Return the reception of a house's goal near `start`; both are moved by half of `step` [m], in y and x."""
     source = bank.navigation.goal[house, goal] + jnp.array([0.0, step / 2, 1.0], jnp.float32)
     eyes, quat = eye_at(start + jnp.array([step / 2, 0.0, 0.0], jnp.float32))
     scene = scene_at(bank, house, start)

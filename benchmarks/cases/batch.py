@@ -1,4 +1,4 @@
-"""A batch of environments at rest: one house and one start each."""
+"""Batch of environments at rest: one house and one start each."""
 
 from collections.abc import Callable
 from typing import Any
@@ -15,7 +15,7 @@ from home_mjx.schema.agent import Body
 
 
 def houses_and_starts(settings: Settings) -> tuple[jax.Array, jax.Array]:
-    """House index (n,) and starting point on the floor (n, 3) of every environment."""
+    """Return the house index (n,) and the start on the floor (n, 3) of every environment."""
     navigation = settings.bank.navigation
     index = jnp.arange(settings.num_envs, dtype=jnp.int32)
     houses = index % settings.bank.num_houses
@@ -23,7 +23,7 @@ def houses_and_starts(settings: Settings) -> tuple[jax.Array, jax.Array]:
 
 
 def scene_at(bank: HouseBank, house: jax.Array, start: jax.Array) -> Scene:
-    """One environment as rays see it: its agent at `start`, its bodies where the dataset puts them."""
+    """Build the scene of one environment: its agent at `start`, its bodies at their initial poses."""
     physics = bank.physics
     upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
     centre = start + jnp.array([0.0, 0.0, Body().height / 2], jnp.float32)
@@ -33,15 +33,15 @@ def scene_at(bank: HouseBank, house: jax.Array, start: jax.Array) -> Scene:
 def rate_per_environment(
     settings: Settings, function: Callable[..., Any], bank: HouseBank | None = None
 ) -> tuple[float, float]:
-    """How often `function(bank, house, start)` runs per second, counting each environment of the batch.
+    """Measure calls of `function(bank, house, start)` per second, counting each environment of the batch.
 
     Args:
-        settings: What to measure on.
-        function: Of a bank, a house and where an agent starts.
-        bank: None: that of the settings.
+        settings: Settings of the benchmark.
+        function: Function of a bank, a house and an agent's start.
+        bank: The bank; None: that of the settings.
 
     Returns:
-        That rate, and the seconds that compiling the batch took.
+        The rate, and the compile time of the batch [s].
     """
     houses, starts = houses_and_starts(settings)
     bank = settings.bank if bank is None else bank
@@ -51,11 +51,11 @@ def rate_per_environment(
 
 
 def eye_at(start: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Eyes and ears of an agent that stands at a point of the floor, and a level camera looking along +y."""
+    """Return the eyes of an agent that stands on a floor point, and a level camera orientation along +y."""
     eyes = start + jnp.array([0.0, 0.0, Body().eye_height], jnp.float32)
     return eyes, jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0], jnp.float32)
 
 
 def own_body(bank: HouseBank) -> int:
-    """Object id of the first agent, which its own rays pass through."""
+    """Return the object id of the first agent, which its own rays ignore."""
     return bank.spec.num_instances

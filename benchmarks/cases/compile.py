@@ -1,4 +1,4 @@
-"""From houses as read to houses on the device."""
+"""Compilation from houses on disk to a bank on the device."""
 
 import os
 import statistics
@@ -17,13 +17,13 @@ from home_mjx.houses import load_bank
 
 
 def houses(settings: Settings) -> Record:
-    """Houses compiled per second: trees, colliders, navigation; nothing cached."""
+    """Measure houses compiled per second: trees, colliders, navigation; nothing cached."""
     from home_mjx.datasets.registry import open_dataset
     from home_mjx.scene_compile.pipeline.compile import compile_house
 
     dataset = open_dataset(settings.root)
     loaded = [dataset.load_house(house_id) for house_id in dataset.house_ids[: settings.num_houses]]
-    compile_house(loaded[0], dataset.metadata)  # compiles the compiler's own loops
+    compile_house(loaded[0], dataset.metadata)  # warms up the compiler's Numba loops
     start = time.perf_counter()
     for house in loaded:
         compile_house(house, dataset.metadata)
@@ -32,7 +32,7 @@ def houses(settings: Settings) -> Record:
 
 
 def bank(settings: Settings) -> Record:
-    """Seconds from a dataset whose houses are in the cache to a bank on the device."""
+    """Measure seconds from a dataset with cached houses to a bank on the device."""
     from home_mjx.datasets.suncg.digests import forget_files
 
     load_bank(settings.root, num_houses=settings.num_houses)
@@ -46,7 +46,7 @@ def bank(settings: Settings) -> Record:
 
 
 def dataset(settings: Settings) -> Record:
-    """Houses per second by worker processes, read, compiled and written into an empty cache."""
+    """Measure houses per second of worker processes that read, compile and write into an empty cache."""
     from home_mjx.datasets.registry import open_dataset
     from home_mjx.houses.job import compile_dataset
 
@@ -59,14 +59,14 @@ def dataset(settings: Settings) -> Record:
 
 
 def cold(settings: Settings) -> Record:
-    """Seconds to read and compile the first house and to write it into an empty cache."""
+    """Measure seconds to read and compile the first house and to write it into an empty cache."""
     root = settings.root
     with _empty_cache():
         return make_record("compile/cold", _first_house(root), "s", f"first of {settings.describe(1)}, empty cache")
 
 
 def cached(settings: Settings) -> Record:
-    """Seconds to load the first house from the cache, as a new process would, its files checked for changes."""
+    """Measure seconds to load the first house from the cache as in a new process, including its integrity check."""
     from home_mjx.datasets.suncg.digests import forget_files
 
     _first_house(settings.root)
@@ -76,7 +76,7 @@ def cached(settings: Settings) -> Record:
 
 
 def stream(settings: Settings) -> Record:
-    """Milliseconds of the slowest exchange of a house in a stream; the note has the step that it comes on top of."""
+    """Measure milliseconds of the slowest house exchange in a stream; the note reports the step time without it."""
     from home_mjx.datasets.registry import open_dataset
     from home_mjx.houses.stream import HouseStream
     from home_mjx.tasks.base.options import make_config
@@ -86,7 +86,7 @@ def stream(settings: Settings) -> Record:
 
     slots = max(2, settings.num_houses // 2)
     if len(open_dataset(settings.root).house_ids) < slots:
-        settings = replace(settings, dataset=None)  # generated houses, since there is nothing to exchange
+        settings = replace(settings, dataset=None)  # generated houses, because the dataset has none to exchange
     with HouseStream(settings.root, num_slots=slots, headroom=2.0) as houses:
         core = AutoReset(HouseholdEnv(make_config(sensors=("state", "goal"), episode_length=8)))
         step = jax.jit(core.step)
@@ -122,7 +122,7 @@ def _first_house(root: Path) -> float:
 
 @contextmanager
 def _empty_cache() -> Iterator[None]:
-    """A cache folder of its own for this process and those that it starts."""
+    """Set an empty cache folder for this process and its children."""
     from home_mjx.core.paths import CACHE_VARIABLE
 
     before = os.environ.get(CACHE_VARIABLE)

@@ -1,4 +1,4 @@
-"""The whole environment step."""
+"""The complete environment step."""
 
 import functools
 from collections.abc import Callable
@@ -12,17 +12,17 @@ from home_mjx.env_factory import make
 
 
 def all_sensors(settings: Settings) -> Record:
-    """Steps of all environments with the default sensors."""
+    """Measure steps of all environments with the default sensors."""
     return _steps(settings, "env/all-sensors")
 
 
 def depth(settings: Settings) -> Record:
-    """Steps with the depth image only."""
+    """Measure steps with the depth image only."""
     return _steps(settings, "env/depth", sensors=("depth",))
 
 
 def mix(settings: Settings) -> Record:
-    """Steps of a mix of tasks with the default sensors; the peer is PointNav alone, its moves and sensors the same."""
+    """Measure steps of a mix of tasks with the default sensors; the peer is PointNav alone with the same actions."""
     from home_mjx.tasks import HouseholdEnv, HouseTasks, InstructionFollowing, ObjectNav, PointGoals, RoomNav
 
     options: dict[str, Any] = {"actions": "discrete", "stop": True}
@@ -45,7 +45,7 @@ def _steps(settings: Settings, case: str, **options: Any) -> Record:
 
 
 def _rate(settings: Settings, env: Any) -> tuple[float, float]:
-    """Environment steps per second with actions drawn at random, none of them `stop`; and seconds of compiling."""
+    """Measure environment steps per second with random actions except `stop`; return it with the compile time [s]."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
     states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, keys)
     if env.config.discrete is None:

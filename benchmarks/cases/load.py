@@ -1,4 +1,4 @@
-"""Reading houses from disk."""
+"""Reading of houses from disk."""
 
 import time
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from benchmarks.cases.record import Record, Settings, make_record
 
 
 def houses(settings: Settings) -> Record:
-    """Houses read per second, every OBJ, MTL and JSON file parsed anew; the peer parses the same OBJ files."""
+    """Measure houses read per second; every OBJ, MTL and JSON file is parsed again."""
     from home_mjx.datasets.registry import open_dataset
 
     dataset = open_dataset(settings.root)

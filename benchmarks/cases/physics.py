@@ -1,4 +1,4 @@
-"""Bodies and agents alone: no images, no sound."""
+"""Physics of bodies and agents alone: no images, no sound."""
 
 import functools
 import time
@@ -17,23 +17,23 @@ from home_mjx.core import profiling
 
 
 def step(settings: Settings) -> Record:
-    """Control steps of all environments; the peer is MuJoCo in C on the first house's full MJCF."""
+    """Measure control steps of all environments with MJX; the peer is MuJoCo in C on the first house's full MJCF."""
     peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, physics.PhysicsConfig()))
     return _record(settings, "step", "jax", peer)
 
 
 def fused(settings: Settings) -> Record:
-    """The same by the fused step; the peer is MJX."""
+    """Measure control steps with the fused step; the peer is MJX."""
     return _record(settings, "fused", "fused", ("MJX", _record(settings, "step", "jax", None).value))
 
 
 def c(settings: Settings) -> Record:
-    """The same by C MuJoCo inside `jit`; the peer is the fused step."""
+    """Measure control steps with C MuJoCo inside `jit`; the peer is the fused step."""
     return _record(settings, "c", "c", ("fused", _record(settings, "fused", "fused", None).value))
 
 
 def kinematic(settings: Settings) -> Record:
-    """The same by agents without dynamics; the peer is the fused step."""
+    """Measure control steps with kinematic agents; the peer is the fused step."""
     return _record(settings, "kinematic", "kinematic", ("fused", _record(settings, "fused", "fused", None).value))
 
 
@@ -56,7 +56,7 @@ def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | 
 
 
 def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
-    """Control steps per second."""
+    """Measure control steps per second of MuJoCo in C."""
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
     with TemporaryDirectory() as folder:

@@ -17,23 +17,23 @@ from home_mjx.raycast_render.images.render import render
 from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import CompiledHouse
 
-SIZE = 64  # pixels, each way
+SIZE = 64  # [px] width and height
 RAYS = SIZE * SIZE
 KINDS = ("rgb", "depth", "instance", "fine")
 
 
 def primary_depth(settings: Settings) -> Record:
-    """Closest hits of camera rays by the platform's own executor; the peer is Embree on the first house."""
+    """Measure closest hits of camera rays with the default executor; the peer is Embree on the first house."""
     return _primary(settings, "rays/primary-depth", None, _embree(settings))
 
 
 def primary_depth_xla(settings: Settings) -> Record:
-    """The same by the reference executor."""
+    """Measure closest hits of camera rays with the reference executor."""
     return _primary(settings, "rays/primary-depth-xla", "xla", None)
 
 
 def images(settings: Settings) -> Record:
-    """RGB, depth and two id images of every environment."""
+    """Measure RGB, depth and two id images of every environment."""
 
     def look(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
         camera = Camera(*eye_at(start), jnp.float32(np.pi / 2))
@@ -58,7 +58,7 @@ def _primary(settings: Settings, case: str, executor: str | None, peer: tuple[st
 
 
 def _directions() -> jax.Array:
-    """Unit rays of a 90 degree pinhole looking along +y (SIZE, SIZE, 3)."""
+    """Return unit rays of a 90 degree pinhole camera along +y (SIZE, SIZE, 3)."""
     at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
     x, z = np.meshgrid(at, -at)
     rays = np.stack([x, np.ones_like(x), z], -1)
@@ -66,7 +66,7 @@ def _directions() -> jax.Array:
 
 
 def _embree(settings: Settings) -> tuple[str, float] | None:
-    """Rays per second of Embree, one thread, over all triangles of the first house where they stand."""
+    """Measure rays per second of Embree, one thread, over all triangles of the first house; None if not installed."""
     try:
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene
@@ -82,7 +82,7 @@ def _embree(settings: Settings) -> tuple[str, float] | None:
 
 
 def _world_triangles(house: CompiledHouse) -> np.ndarray:
-    """Every instance's triangles where they stand (n, 3, 3)."""
+    """Return the triangles of all instances in world coordinates (n, 3, 3)."""
     instances = house.instances
     placed = [
         house.models[key].triangle @ pose[:, :3].T + pose[:, 3]

@@ -1,4 +1,4 @@
-"""One measured figure, and what it is measured on."""
+"""Record of one measurement, and the settings of a benchmark."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,20 +13,20 @@ from home_mjx.schema.compiled import CompiledHouse
 
 @dataclass(frozen=True)
 class Record:
-    """One figure with all that is needed to judge it.
+    """One measurement with its context.
 
     Attributes:
-        case: Such as `rays/primary-depth`.
-        value: The figure.
-        unit: Of `value` and `peer_value`.
-        num_envs: Environments in the batch; 0 where there is no batch.
-        device: What it ran on.
-        versions: Of the packages that matter.
-        compile_seconds: Tracing and compiling, not part of `value`; None where nothing is compiled.
-        peer: Another program that does the same, measured in the same run; None if not installed.
-        peer_value: Its figure.
+        case: Name such as `rays/primary-depth`.
+        value: Measured value.
+        unit: Unit of `value` and `peer_value`.
+        num_envs: Environments in the batch; 0 without a batch.
+        device: Device that it ran on.
+        versions: Versions of the relevant packages.
+        compile_seconds: Time of tracing and compiling, not part of `value`; None if nothing is compiled.
+        peer: Another program for the same work, measured in the same run; None if not installed.
+        peer_value: Value of the peer.
         ratio: `value` / `peer_value`.
-        note: The exact work that was timed.
+        note: Exact description of the timed work.
     """
 
     case: str
@@ -52,7 +52,7 @@ def make_record(
     compile_seconds: float | None = None,
     peer: tuple[str, float] | None = None,
 ) -> Record:
-    """A record of this machine."""
+    """Build a record with the device and versions of this machine."""
     name, peer_value = peer or (None, None)
     ratio = value / peer_value if peer_value else None
     device, versions = profiling.device_name(), profiling.versions()
@@ -61,13 +61,13 @@ def make_record(
 
 @dataclass(frozen=True)
 class Settings:
-    """What to measure on.
+    """Settings of a benchmark.
 
     Attributes:
         dataset: Root of a SUNCG dataset; None for generated houses.
         num_houses: Houses in the bank.
         num_envs: Environments in the batch.
-        seconds: How long each figure is measured, at least.
+        seconds: Minimum time of each measurement [s].
     """
 
     dataset: Path | None = None
@@ -77,7 +77,7 @@ class Settings:
 
     @cached_property
     def house_set(self) -> HouseSet:
-        """Which houses."""
+        """Houses of the benchmark."""
         return house_set(self.dataset or f"procedural:{self.num_houses}", num_houses=self.num_houses)
 
     @property
@@ -87,27 +87,27 @@ class Settings:
 
     @cached_property
     def bank(self) -> Any:
-        """The houses, on the device."""
+        """Houses on the device."""
         return load_bank(self.house_set, progress=True)
 
     @cached_property
     def late_bank(self) -> Any:
-        """The same with baked late sound."""
+        """Houses on the device with baked late reverberation."""
         from home_mjx.houses.bakes import add_bakes
 
         return add_bakes(self.bank, self.house_set.load(), "late_reverb", progress=True)
 
     @cached_property
     def first_house(self) -> CompiledHouse:
-        """The bank's first house, on the host."""
+        """First house of the bank, on the host."""
         (house,) = replace(self.house_set, num_houses=1).load()
         return house
 
     def describe(self, num_houses: int) -> str:
-        """So many houses, in words."""
+        """Return a description of a number of houses."""
         return f"{num_houses} {f'houses of {self.dataset.name}' if self.dataset else 'generated houses'}"
 
     @property
     def houses(self) -> str:
-        """The bank's houses in words."""
+        """Description of the bank's houses."""
         return self.describe(self.bank.num_houses)

@@ -15,17 +15,17 @@ POINT_NAV = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_
 
 
 def depth(settings: Settings) -> Record:
-    """PointNav from depth images, as Habitat has it."""
+    """Measure PointNav from depth images, as in Habitat."""
     return _updates(settings, "train/depth", sensors=("depth", "goal"))
 
 
 def blind(settings: Settings) -> Record:
-    """The same without images."""
+    """Measure PointNav without images."""
     return _updates(settings, "train/blind", sensors=("goal",))
 
 
 def depth_devices(settings: Settings) -> Record:
-    """From depth, on all devices at once: each has `num_envs` environments, gradients are averaged."""
+    """Measure PointNav from depth on all devices, with `num_envs` environments each and averaged gradients."""
     return _updates(settings, "train/depth-devices", jax.devices(), sensors=("depth", "goal"))
 
 

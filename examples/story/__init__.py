@@ -1,1 +1,1 @@
-"""What `home-mjx demo --story` does: its house, its script, and the film of it."""
+"""The `home-mjx story` command: its house, its script, and its film."""

@@ -1,4 +1,4 @@
-"""Film two agents: one opens a door, climbs stairs and carries a lamp to a table, the other watches."""
+"""Film two scripted agents: one opens a door, climbs stairs and carries a lamp to a table, the other watches."""
 
 import argparse
 import sys
@@ -9,7 +9,7 @@ from home_mjx.cli.parsing import file_path, positive_int
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx story`."""
+    """Add the options of `home-mjx story`."""
     parser.add_argument("--out", type=file_path, default=Path("demo"), help="folder for the files (default: demo)")
     parser.add_argument(
         "--size",
@@ -17,13 +17,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         default=(320, 240),
         metavar=("W", "H"),
-        help="of each agent's picture [pixels] (default: 320 240)",
+        help="size of each agent's image [pixels] (default: 320 240)",
     )
     parser.add_argument("--samples", type=positive_int, default=2, help="rays per pixel (default: 2)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Films the story and says where to look."""
+    """Film the story and print the paths of its files."""
     from examples.story.run import StoryOptions, run_story
 
     width, height = args.size

@@ -1,4 +1,4 @@
-"""An agent that acts as a script tells it: it gives actions of the environment, nothing else."""
+"""Agent that follows a script with ordinary actions of the environment."""
 
 from dataclasses import dataclass
 

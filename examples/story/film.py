@@ -1,4 +1,4 @@
-"""The film of the story: what both agents see, both storeys from above, and what the carrier hears."""
+"""Film of the story: the views of both agents, both storeys from above, and the carrier's binaural sound."""
 
 from dataclasses import dataclass, field
 from itertools import groupby

@@ -1,4 +1,4 @@
-"""What stands in the house of the story, and where: a row per object, in metres."""
+"""Furniture of the story's house and its positions: a row per object, in metres."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""One instant of the story, as its script reads it."""
+"""State of the story at one step, as read by its script."""
 
 from dataclasses import dataclass, fields
 

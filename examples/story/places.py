@@ -1,4 +1,4 @@
-"""Where in its house the story takes place, read from the bank: the script knows no coordinates of its own."""
+"""Places of the story in its house, read from the bank, so that the script contains no coordinates."""
 
 from dataclasses import dataclass
 

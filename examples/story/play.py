@@ -1,4 +1,4 @@
-"""Plays the story in an environment: from a start that suits it to the end, or to an error that says what failed."""
+"""Runner of the story in an environment: to its end, or to an error that names the failed stage."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The story: what the agents do, one stage after the other, and when each stage is done."""
+"""Script of the story: the actions of the agents in stages, and the condition that ends each stage."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Stairs and railings as models: two families that only houses of several storeys need."""
+"""Models of stairs and railings, for houses of several storeys."""
 
 from collections.abc import Iterator
 

@@ -1,1 +1,1 @@
-"""Thin views of the environments for other libraries, a module each."""
+"""Thin adapters of the environments for other libraries, one module each."""

@@ -1,11 +1,11 @@
-"""Brax: environments that `brax.training.agents.ppo.train` takes.
+"""Brax: environments for `brax.training.agents.ppo.train`.
 
 Example:
     >>> env = home_mjx.make("PointNav-v0", sensors=("rgb", "state", "goal"))  # doctest: +SKIP
     >>> ppo.train(BraxEnv(env), wrap_env_fn=wrap_for_training, num_timesteps=4096)  # doctest: +SKIP
 """
 
-# Brax annotates states as those of its own engines and wrapped environments as bare ones; ours are neither.
+# Brax annotates states and wrapped environments with the types of its own engines; ours differ.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false
 
 from functools import partial
@@ -33,19 +33,19 @@ except ModuleNotFoundError as error:
 
 
 class BraxEnv(Env):
-    """A household for Brax: pixels for its CNNs and one vector `state`.
+    """Household environment for Brax: pixels for its CNNs and one vector `state`.
 
-    Observations are `pixels/<camera>_<kind>` (rgb as float in [0, 1], depth over `depth_max`) and `state`: all vectors
-    of the environment, its own `state` and the task's, one after the other. Ids and sound are left out: Brax's networks
-    cannot take them. Note that Brax's default networks read `state` alone: for pixels pass
+    Observations are `pixels/<camera>_<kind>` (rgb as float in [0, 1], depth divided by `depth_max`) and `state`, the
+    concatenation of all vectors of the environment and the task. Ids and sound are omitted, because Brax's networks
+    cannot encode them. Brax's default networks read `state` alone; for pixels pass
     `network_factory=ppo_networks_vision.make_ppo_networks_vision`.
 
     Args:
-        env: The environment, of one agent.
+        env: The environment, with one agent.
         pixels_dtype: `float32`, or `uint8` to keep rgb as it is, a quarter of the memory.
 
     Raises:
-        ConfigError: The environment has several agents, discrete actions, or no observation that Brax can take.
+        ConfigError: The environment has several agents, discrete actions, or no observation that Brax can use.
     """
 
     def __init__(self, env: BoundEnv[HouseholdEnv], pixels_dtype: Any = jnp.float32) -> None:
@@ -53,13 +53,13 @@ class BraxEnv(Env):
             raise ConfigError(f"Brax drives one agent, this environment has {env.num_agents}", hint="Set num_agents=1")
         if env.config.discrete is not None:
             hint = 'Set actions="continuous"' + (", stop=False" if env.task.needs_stop else "")
-            raise ConfigError("Brax's policies give numbers, this environment has discrete actions", hint=hint)
+            raise ConfigError("Brax's policies are continuous, this environment has discrete actions", hint=hint)
         self.env = env
         self.pixels_dtype = pixels_dtype
         specs = env.observation_spec
         self._vectors = tuple(name for name, spec in specs.items() if len(spec.shape) == 1 and spec.dtype == "float32")
         if not self._vectors and not any(name.startswith("pixels/") for name in specs):
-            raise ConfigError(f"Brax can take none of {', '.join(specs)}", hint="Add `state` or an image to sensors=")
+            raise ConfigError(f"Brax can use none of {', '.join(specs)}", hint="Add `state` or an image to sensors=")
 
     @property
     def observation_size(self) -> dict[str, tuple[int, ...]]:
@@ -69,34 +69,34 @@ class BraxEnv(Env):
 
     @property
     def action_size(self) -> int:
-        """Forward, left, turn left, look up."""
+        """Size of an action, such as forward, left, turn left, look up."""
         return self.env.action_size
 
     @property
     def backend(self) -> str:
-        """The physics engine."""
+        """Name of the physics engine for Brax."""
         return "mjx"
 
     @property
     def sys(self) -> NoReturn:
-        """There is none.
+        """Unsupported: a household has no Brax system.
 
         Raises:
             ConfigError: Always.
         """
-        hint = "To randomise, give `make` a `variation`, or more houses."
-        raise ConfigError("a household has no `sys`: its houses are arrays of a bank", hint=hint)
+        hint = "To randomise, pass a `variation` or more houses to `make`."
+        raise ConfigError("a household has no `sys`: its houses are arrays in a bank", hint=hint)
 
     def render(self, trajectory: Any, height: int = 240, width: int = 320) -> Any:
-        """What the agent sees, from our own renderer: no display and no OpenGL is needed.
+        """Render the agent's view with our own renderer; it needs no display and no OpenGL.
 
         Args:
-            trajectory: States of one environment, or their `pipeline_state`; or one of them.
-            height: Of the pictures [px].
-            width: Of the pictures [px].
+            trajectory: States of one environment, or their `pipeline_state`; or a single state.
+            height: Height of the images [px].
+            width: Width of the images [px].
 
         Returns:
-            A list of (height, width, 3) uint8, one per state; of one state, its picture.
+            A list of (height, width, 3) uint8, one per state; for a single state, its image.
         """
         picture = Picture(self.env, (width, height))
         if isinstance(trajectory, BraxState | State):
@@ -104,27 +104,27 @@ class BraxEnv(Env):
         return [picture.of(_inner(state)) for state in trajectory]
 
     def reset(self, rng: Array) -> BraxState:
-        """A new episode."""
+        """Start a new episode."""
         return self.to_brax(self.env.reset(rng))
 
     def step(self, state: BraxState, action: Array) -> BraxState:
-        """One control step; running out of time is left to the wrapper."""
-        inner: Any = state.pipeline_state  # Brax's annotation names its own physics
+        """Apply one control step; truncation is left to the wrapper."""
+        inner: Any = state.pipeline_state  # Brax annotates it as a state of its own physics
         new = self.env.step(inner, action)
         brax: Any = self.to_brax(new)
-        # Wrappers add keys of their own to metrics and info: they must come back as they went in.
+        # Wrappers add keys to metrics and info; a step must return the same keys.
         return brax.replace(
             done=new.terminated.astype(jnp.float32), metrics={**state.metrics, **brax.metrics}, info=dict(state.info)
         )
 
     def to_brax(self, state: State) -> BraxState:
-        """Our state as Brax's; works on a batch as well."""
+        """Convert our state, or a batch of states, to Brax's."""
         obs, done = self.to_brax_obs(state.obs), state.done.astype(jnp.float32)
         inner: Any = state.replace(obs={}, info={})  # neither is read by a step
         return BraxState(inner, obs, state.reward, done, dict(state.metrics), {})
 
     def to_brax_obs(self, obs: dict[str, Array]) -> dict[str, Array]:
-        """The observations that Brax's networks take."""
+        """Return the observations that Brax's networks can use."""
         out = {name: self._pixels(name, value) for name, value in obs.items() if name.startswith("pixels/")}
         vectors = [obs[name] for name in self._vectors]
         return {**out, **({"state": jnp.concatenate(vectors, axis=-1)} if vectors else {})}
@@ -138,10 +138,10 @@ class BraxEnv(Env):
 
 
 class TrainingWrapper(Wrapper):
-    """A batch for Brax's trainers: episode counts, and a new house and pose at every reset.
+    """Batch of environments for Brax's trainers: episode counts, and a new house and pose at every reset.
 
-    Brax adds metrics up over the steps of an episode. So `metrics` are given in the step that ends one and are 0 in all
-    others: its sums, such as `eval/episode_distance`, are what they were at the end.
+    Brax sums metrics over the steps of an episode. So `metrics` are nonzero only in the last step of an episode, and
+    sums such as `eval/episode_distance` equal the values at the end.
     """
 
     def __init__(self, env: BraxEnv, episode_length: int) -> None:
@@ -152,7 +152,7 @@ class TrainingWrapper(Wrapper):
         self.auto = AutoReset(core, final_obs="all").bind(inner.params)
 
     def reset(self, rng: Array) -> BraxState:
-        """A new episode per key."""
+        """Start a new episode for each key."""
         state = self.auto.reset(rng)
         zero = jnp.zeros_like(state.reward)
         totals = dict.fromkeys(("sum_reward", "length", *state.metrics), zero)
@@ -160,7 +160,7 @@ class TrainingWrapper(Wrapper):
         return self._to_brax(state, info)
 
     def step(self, state: BraxState, action: Array) -> BraxState:
-        """One step of all environments."""
+        """Apply one control step to all environments."""
         before: Any = state.pipeline_state
         new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]
@@ -181,7 +181,7 @@ class TrainingWrapper(Wrapper):
 
 
 def _at_end(state: State) -> dict[str, Array]:
-    """Metrics of episodes that are over; 0 for others."""
+    """Return the metrics of episodes that have ended; 0 for others."""
     return {name: jnp.where(state.done, value, 0) for name, value in state.metrics.items()}
 
 
@@ -192,7 +192,7 @@ def _inner(state: Any) -> Any:
 def wrap_for_training(
     env: BraxEnv, episode_length: int = 500, action_repeat: int = 1, randomization_fn: Any = None
 ) -> TrainingWrapper:
-    """The `wrap_env_fn` of Brax's trainers.
+    """Wrap an environment for Brax's trainers, as their `wrap_env_fn`.
 
     Raises:
         ConfigError: For an action repeat (use a longer `ctrl_dt`) or a randomisation function (houses already differ).
@@ -200,12 +200,12 @@ def wrap_for_training(
     if action_repeat != 1:
         raise ConfigError(f"action_repeat must be 1, got {action_repeat}", hint="Make `ctrl_dt` longer instead")
     if randomization_fn is not None:
-        raise ConfigError("randomization_fn is not supported", hint="Give `make` a `variation`, or more houses.")
+        raise ConfigError("randomization_fn is not supported", hint="Pass a `variation` or more houses to `make`.")
     return TrainingWrapper(env, episode_length)
 
 
 def register() -> None:
-    """Adds every id of `home_mjx.list_envs()` to Brax's registry; may be called again after ids were added.
+    """Add every id of `home_mjx.list_envs()` to Brax's registry; call it again after adding ids.
 
     Example:
         >>> env = brax.envs.get_environment("PointNav-v0", num_houses=2)  # doctest: +SKIP

@@ -1,4 +1,4 @@
-"""Gymnasium: `gymnasium.make("home_mjx/PointNav-v0")` and its vector twin."""
+"""Gymnasium: `gymnasium.make("home_mjx/PointNav-v0")` and its vector environment."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -25,10 +25,10 @@ class GymEnv(gymnasium.Env, EzPickle):
 
     Args:
         env_id: An id of `home_mjx.list_envs()`.
-        render_mode: None, or "rgb_array": `render()` gives a picture of what the first agent sees, whatever the
-            policy observes.
-        render_size: Width and height of that picture [px].
-        episodes: Saved episodes (or their file) that resets take their rows from, the first first.
+        render_mode: None, or "rgb_array": `render()` returns an image of the first agent's view, independent of the
+            observations.
+        render_size: Width and height of that image [px].
+        episodes: Saved episodes (or their file); resets use their rows in order.
         **options: As for `home_mjx.make`.
 
     Example:
@@ -37,7 +37,7 @@ class GymEnv(gymnasium.Env, EzPickle):
         >>> obs, info = env.reset(seed=0, options={"house": 1})  # doctest: +SKIP
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012, the base class declares it so
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012, as in the base class
 
     def __init__(
         self,
@@ -61,9 +61,9 @@ class GymEnv(gymnasium.Env, EzPickle):
         self._next_episode = 0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Begins an episode; `options={"house": i}` or `{"episode": i}` chooses it.
+        """Start an episode; `options={"house": i}` or `{"episode": i}` selects it.
 
-        Otherwise a random house, or the next of the saved episodes; a seed begins with the first of them again.
+        Without options, the house is random, or the next saved episode is used; a seed restarts at the first of them.
         """
         super().reset(seed=seed)
         options, count = options or {}, tools.num_episodes(self.env)
@@ -77,7 +77,7 @@ class GymEnv(gymnasium.Env, EzPickle):
         return tools.to_numpy(self._state.obs), _scalars(self._state)
 
     def step(self, action: Any) -> tuple[dict, float, bool, bool, dict]:
-        """One control step; the reward of several agents is their mean, `info["agent_reward"]` has each.
+        """Apply one control step; the reward of several agents is their mean, `info["agent_reward"]` has each.
 
         Args:
             action: An element of `action_space`: an array, or an integer.
@@ -93,30 +93,32 @@ class GymEnv(gymnasium.Env, EzPickle):
         return tools.to_numpy(state.obs), reward, bool(state.terminated), bool(state.truncated), info
 
     def render(self) -> np.ndarray | None:
-        """What the first agent sees (H, W, 3) uint8."""
+        """Render the view of the first agent (H, W, 3) uint8."""
         return None if self._picture is None or self._state is None else self._picture.of(self._state)
 
 
 class GymVectorEnv(gymnasium.vector.VectorEnv):
-    """Many households in one jitted step; ended ones begin anew in the same step (`SAME_STEP`).
+    """Many households in one jitted step; environments whose episode ended are reset in the same step (`SAME_STEP`).
 
-    `info` holds metrics, house and status of every environment. Of those that ended these are the final step's, and
-    stand in `info["final_info"]` as well; `info["final_obs"]` holds their last observations. With `NEXT_STEP` a final
-    step gives these itself, and the step after it, whatever its action, the first observations of the next episode, no
-    reward and no info; pictures of `render` are those of the next episode one step earlier.
+    `info` contains metrics, house and status of every environment. At the end of an episode they are those of its final
+    step, also in `info["final_info"]`, and `info["final_obs"]` contains its last observations.
+
+    With `NEXT_STEP` the final step itself returns its observations and info. The step after it ignores its action and
+    returns the first observations of the next episode, without reward and info. Images of `render` show the next
+    episode one step earlier.
 
     Args:
         num_envs: Number of environments.
         env_id: An id of `home_mjx.list_envs()`.
-        render_mode: None, or "rgb_array": `render()` gives a picture per environment.
-        render_size: Width and height of these pictures [px].
-        episodes: Saved episodes (or their file): environment i takes the rows i, i + n, i + 2n, ...
-        autoreset_mode: `AutoresetMode.SAME_STEP`, or `NEXT_STEP`, which Gymnasium's wrappers of observations want; or
+        render_mode: None, or "rgb_array": `render()` returns an image per environment.
+        render_size: Width and height of these images [px].
+        episodes: Saved episodes (or their file): environment i uses the rows i, i + n, i + 2n, ...
+        autoreset_mode: `AutoresetMode.SAME_STEP`, or `NEXT_STEP`, which Gymnasium's observation wrappers need; or
             "SameStep", "NextStep".
         **options: As for `home_mjx.make`.
     """
 
-    metadata = {  # noqa: RUF012, the base class declares it so
+    metadata = {  # noqa: RUF012, as in the base class
         "render_modes": ["rgb_array"],
         "render_fps": 10,
         "autoreset_mode": AutoresetMode.SAME_STEP,
@@ -150,16 +152,17 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         self._step: Callable[..., State] = in_this_process(jax.jit(auto.step), "step")
         self._merge: Callable[..., State] = jax.jit(where_envs)
         self._state: State | None = None
-        self._held = np.zeros(num_envs, bool)  # those that only show in the next step where they begin
+        self._held = np.zeros(num_envs, bool)  # NEXT_STEP: environments whose next step only resets
 
     def reset(
         self, *, seed: int | np.integer | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict, dict]:
-        """Begins an episode in every environment.
+        """Start an episode in every environment.
 
         Args:
-            seed: Environment i begins as the single environment does with seed + i; or one per environment.
-            options: `house` or `episode`: an index, or one per environment; `reset_mask`: which environments to reset.
+            seed: Environment i starts as `GymEnv` does with seed + i; or one seed per environment.
+            options: `house` or `episode`: an index, or one per environment; `reset_mask`: True for environments to
+                reset.
         """
         seed = int(seed) if isinstance(seed, np.integer) else seed
         super().reset(seed=seed if isinstance(seed, int) else None)
@@ -174,7 +177,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return tools.to_numpy(self._state.obs), tools.masked(tools.infos_of(self._state), mask)
 
     def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """One control step of all; the reward of several agents is their mean, `info["agent_reward"]` has each."""
+        """Apply one control step to all; rewards of agents are averaged, `info["agent_reward"]` has each."""
         if self._state is None:
             raise tools.needs_reset()
         actions = tools.check_action(actions, self.env.action_spec, self.num_envs)
@@ -184,7 +187,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return self._told(self._state, tools.infos_of(self._state, before.world))
 
     def _told(self, state: State, infos: dict[str, Any]) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """What a step gives, by the mode of resets."""
+        """Assemble the return value of `step` for the autoreset mode."""
         moved, obs = ~self._held, tools.to_numpy(state.obs)
         rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1) * moved[:, None]
         terminated, truncated = np.array(state.terminated) & moved, np.array(state.truncated) & moved
@@ -203,7 +206,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return obs, rewards.mean(-1), terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """What the first agent of each environment sees, (H, W, 3) uint8."""
+        """Render the view of the first agent of each environment, (H, W, 3) uint8."""
         if self._picture is None or self._state is None:
             return None
         states = (jax.tree.map(lambda x, i=i: x[i], self._state) for i in range(self.num_envs))
@@ -223,7 +226,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         if np.shape(mask) != (self.num_envs,) or np.asarray(mask).dtype != bool:
             raise ConfigError(f"`reset_mask` must be {self.num_envs} booleans, got {mask!r}")
         if self._state is None and not np.all(mask):
-            raise ConfigError("`reset_mask` leaves environments out that were never reset")
+            raise ConfigError("`reset_mask` omits environments that were never reset")
         return np.asarray(mask)
 
 

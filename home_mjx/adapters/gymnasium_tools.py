@@ -1,4 +1,4 @@
-"""What both Gymnasium environments share: options of reset, actions, infos, pictures."""
+"""Shared parts of both Gymnasium environments: options of reset, actions, infos, images."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -25,14 +25,14 @@ from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
 RENDER_MODES = (None, "rgb_array")
 MODES = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
-CHOICES = {"num_houses", "split", "where"}  # of houses; without them a file says which
-PICTURE = 256  # [px], edge of pictures for people
+CHOICES = {"num_houses", "split", "where"}  # options that select houses; without them the episode file selects them
+PICTURE = 256  # [px] default width and height of `render` images
 
 
 def make_bound(
     env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]
 ) -> BoundEnv[HouseholdEnv]:
-    """The environment, its resets taking their rows from `episodes` if there are any."""
+    """Make an environment; its resets use the rows of `episodes`, if any."""
     if isinstance(episodes, str | Path):
         if not CHOICES.intersection(name for name, value in options.items() if value is not None):
             return make(env_id, episodes=episodes, **options)
@@ -43,17 +43,17 @@ def make_bound(
 
 
 def check_render_mode(render_mode: str | None) -> None:
-    """Refuses render modes other than those of `RENDER_MODES`."""
+    """Reject render modes that are not in `RENDER_MODES`."""
     if render_mode not in RENDER_MODES:
         hint = "gymnasium.make(..., render_mode='human') shows the pictures of 'rgb_array' in a window (needs pygame)."
         raise ConfigError(f"render_mode must be None or 'rgb_array', got {render_mode!r}", hint=hint)
 
 
 def reset_mode(mode: Any) -> AutoresetMode:
-    """A way of beginning anew by itself or its name.
+    """Return an autoreset mode from the mode or its name.
 
     Raises:
-        ConfigError: It is none of `MODES`.
+        ConfigError: It is not in `MODES`.
     """
     names = {known.value: known for known in MODES}
     name = getattr(mode, "value", mode)
@@ -62,25 +62,25 @@ def reset_mode(mode: Any) -> AutoresetMode:
 
 
 def like(mask: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """A mask of environments with as many axes as `x` has."""
+    """Reshape a mask of environments to as many axes as `x` has."""
     return mask.reshape(-1, *[1] * (x.ndim - 1))
 
 
 def to_numpy(tree: Any) -> Any:
-    """Arrays of their own, not views of device buffers that a later step may reuse."""
+    """Copy arrays to NumPy, because views of device buffers may be overwritten by a later step."""
     return jax.tree.map(lambda x: np.array(x, np.int8) if x.dtype == bool else np.array(x), tree)
 
 
 def key_of(random: np.random.Generator) -> np.ndarray:
-    """A raw JAX key from Gymnasium's generator."""
+    """Return a raw JAX key from Gymnasium's generator."""
     return np.asarray(random.integers(0, 2**32, 2, np.uint32))
 
 
 def chosen(options: Mapping[str, Any], name: str, count: int, num_envs: int | None = None) -> Any:
-    """An index, or one per environment, that the options of reset name; None: any.
+    """Return an index from the options of reset, or one per environment; None if the option is absent.
 
     Raises:
-        ConfigError: It is out of range, or there are not as many as environments.
+        ConfigError: It is out of range, or its number differs from the number of environments.
     """
     value = options.get(name)
     if value is None:
@@ -95,20 +95,21 @@ def chosen(options: Mapping[str, Any], name: str, count: int, num_envs: int | No
 
 
 def check_options(options: Mapping[str, Any], known: tuple[str, ...]) -> None:
-    """Refuses unknown options of reset."""
+    """Reject unknown options of reset."""
     check_known("option of reset", options, known)
 
 
 def num_episodes(env: BoundEnv) -> int:
-    """Rows that `options={"episode": ...}` can name."""
+    """Return the number of rows that `options={"episode": ...}` can select."""
     return 0 if env.params.tasks is None else len(env.params.tasks)
 
 
 def check_action(action: Any, spec: ArraySpec, num_envs: int | None = None) -> np.ndarray:
-    """The action of one environment or a batch in the type of its spec.
+    """Convert the action of one environment or a batch to the type of its spec.
 
     Raises:
-        ConfigError: The action space never holds such an action. What is merely too large is clipped by the step.
+        ConfigError: The action is not in the action space. Continuous actions beyond the bounds are allowed, because
+            the step clips them.
     """
     action, shape = np.asarray(action), (*(() if num_envs is None else (num_envs,)), *spec.shape)
     whole = np.dtype(spec.dtype).kind == "i"
@@ -117,34 +118,34 @@ def check_action(action: Any, spec: ArraySpec, num_envs: int | None = None) -> n
     if action.shape != shape:
         raise ConfigError(f"expected an action of shape {shape}, got {action.shape}")
     if np.isnan(action).any():
-        raise ConfigError("the action holds NaN", hint="Look at what the policy gives.")
+        raise ConfigError("the action contains NaN", hint="Check the output of the policy.")
     if whole and ((action < spec.low) | (action > spec.high)).any():
         raise ConfigError(f"expected actions of {spec.low} to {spec.high}, got {action}", hint=f"In order: {spec.text}")
     return action.astype(spec.dtype)
 
 
 def infos_of(state: State, before: World | None = None) -> dict[str, np.ndarray]:
-    """House, episode, metrics and status flags of one environment or of each of a batch.
+    """Return house, episode, metrics and status flags of one environment or of each of a batch.
 
     Args:
-        state: After the step.
-        before: The world before it, whose house and episode the metrics are of: a reset may have drawn others.
+        state: State after the step.
+        before: World before the step, for the house and episode of the metrics; a reset may have drawn others.
     """
     lost = status_report(np.asarray(state.status))
     world = before or state.world
     metrics = {name: np.array(value) for name, value in state.metrics.items()}
-    # Not `episode`, which Gymnasium's RecordEpisodeStatistics and Stable-Baselines3 write themselves.
+    # Not `episode`, a key of Gymnasium's RecordEpisodeStatistics and Stable-Baselines3.
     own = {"house": np.array(world.house), "episode_index": np.array(world.episode)}
     return {**own, **metrics, **{f"status/{name}": value for name, value in lost.items()}}
 
 
 def masked(infos: Mapping[str, Any], mask: np.ndarray) -> dict[str, Any]:
-    """Infos in the form of Gymnasium's vector environments: each with the mask of those that have it."""
+    """Return infos in the form of Gymnasium's vector environments: each with the mask of its environments."""
     return {**infos, **{f"_{name}": mask for name in infos}}
 
 
 class Picture:
-    """Pictures for people, of any size, whatever the policy observes.
+    """Renderer of images of any size for display, independent of the observations.
 
     Args:
         env: The environment.
@@ -164,10 +165,10 @@ class Picture:
         self._params, self._draw = env.params, jax.jit(draw)
 
     def of(self, state: State) -> np.ndarray:
-        """What the first agent sees (H, W, 3) uint8."""
+        """Render the view of the first agent (H, W, 3) uint8."""
         return np.array(self._draw(self._params, state))
 
 
 def needs_reset() -> gymnasium.error.ResetNeeded:
-    """The error of a step before the first reset."""
+    """Return the error for a step before the first reset."""
     return gymnasium.error.ResetNeeded("call reset() before step()")

@@ -1,6 +1,6 @@
-"""gymnax: environments whose parameters, and with them the houses, are arguments of what is jitted.
+"""gymnax: environments whose parameters, including the houses, are arguments of the jitted functions.
 
-The interface is that of gymnax 1: `step` tells `terminated` and `truncated` apart. gymnax itself is not needed.
+The interface is that of gymnax 1: `step` returns `terminated` and `truncated` separately. gymnax itself is not needed.
 
 Example:
     >>> env = GymnaxEnv(home_mjx.make("PointNav-v0", sensors=("state", "goal")), vector=True)  # doctest: +SKIP
@@ -28,20 +28,20 @@ Obs = Array | dict[str, Array]
 
 
 class GymnaxEnv:
-    """One household with gymnax's functions, which begin a new episode when one is over.
+    """One auto-resetting household with gymnax's functions.
 
     Functions are jitted and meant for `jax.vmap`: under `vmap`, new episodes are drawn only in steps in which one has
     ended.
 
     Args:
-        env: The environment, of one agent.
-        vector: Observations are one vector: all of float32 that have one axis, one after the other, so without words.
-            Otherwise all, by name.
-        final_obs: Whether `info["final_observation"]` holds the observation before the reset, as in gymnax. Images of
-            environments that ended are rendered twice for it.
+        env: The environment, with one agent.
+        vector: Observations are one vector, the concatenation of all float32 observations with one axis; words are
+            omitted. If False, all observations by name.
+        final_obs: Add the observation before the reset as `info["final_observation"]`, as in gymnax. Images of
+            environments whose episode ended are rendered twice for it.
 
     Raises:
-        ConfigError: That is no environment, or one of several agents, or `vector` was asked for and there is none.
+        ConfigError: `env` is not an environment, or has several agents, or `vector` is set and no vector is observed.
     """
 
     def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = False, final_obs: bool = True) -> None:
@@ -55,24 +55,24 @@ class GymnaxEnv:
 
     @property
     def default_params(self) -> EnvParams:
-        """The houses of the environment; `params.replace(bank=...)` has others."""
+        """Parameters with the houses of the environment; `params.replace(bank=...)` has others."""
         return self.env.params
 
     @property
     def name(self) -> str:
-        """The environment's id, or the name of its task."""
+        """Id of the environment, or the name of its task."""
         return self.env.spec.id if self.env.spec is not None else type(self.env.task).__name__
 
     @property
     def num_actions(self) -> int:
-        """Of discrete actions how many there are, of continuous ones how many numbers they have."""
+        """Number of discrete actions, or the size of a continuous action."""
         return self.env.action_size
 
     def reset(self, key: Array, params: EnvParams | None = None) -> tuple[Obs, State]:
-        """A new episode.
+        """Start a new episode.
 
         Args:
-            key: Typed or raw key. All that is random in this and later episodes comes from it.
+            key: Typed or raw key; it determines all random numbers of this and later episodes.
             params: Houses and saved episodes; None: `default_params`.
         """
         state = self._reset(self.default_params if params is None else params, to_raw(key))
@@ -81,12 +81,12 @@ class GymnaxEnv:
     def step(
         self, key: Array, state: State, action: ArrayLike, params: EnvParams | None = None
     ) -> tuple[Obs, State, Float[Array, ""], Bool[Array, ""], Bool[Array, ""], dict[str, Any]]:
-        """One control step; if it ends the episode, observation and state are the next one's.
+        """Apply one control step; if it ends the episode, observation and state are those of the next one.
 
         Args:
-            key: Not used: a state carries its own key from `reset` on.
-            state: The state before.
-            action: As `action_space` says.
+            key: Unused: a state carries its key from `reset` on.
+            state: State before the step.
+            action: An element of `action_space`.
             params: As for `reset`.
 
         Returns:
@@ -102,12 +102,12 @@ class GymnaxEnv:
         return self._seen(state.obs), carried(state), state.reward, state.terminated, state.truncated, info
 
     def action_space(self, params: EnvParams | None = None) -> Box | Discrete:
-        """The same whatever the parameters."""
+        """Return the action space, which does not depend on the parameters."""
         del params
         return Discrete(self.num_actions) if self.env.config.discrete is not None else space_of(self.env.action_spec)
 
     def observation_space(self, params: EnvParams | None = None) -> Box | Dict:
-        """The same whatever the parameters."""
+        """Return the observation space, which does not depend on the parameters."""
         del params
         if self._vector is not None:
             return space_of(self._vector)

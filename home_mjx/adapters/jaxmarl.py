@@ -35,23 +35,23 @@ Step = tuple[Obs, State, dict[str, Float[Array, ""]], dict[str, Bool[Array, ""]]
 
 
 class JaxMarlEnv(MultiAgentEnv):
-    """One household with `agent_0`, `agent_1`, ... whose `step` begins a new episode when one is over.
+    """One household with `agent_0`, `agent_1`, ...; `step` starts a new episode when one ends.
 
     Functions are jitted and meant for `jax.vmap`: under `vmap`, new episodes are drawn only in steps in which one has
     ended. An episode ends for all agents at once.
 
-    `infos` holds one number per agent and name, as JaxMARL's trainers expect: metrics, `status`, `terminated` and
+    `infos` has one number per agent and name, as JaxMARL's trainers expect: metrics, `status`, `terminated` and
     `truncated`.
 
     Args:
         env: The environment.
-        vector: Each agent observes one vector: all of float32 that have one axis, one after the other, so without
-            words. JaxMARL's own networks need that. Otherwise all observations, by name.
-        final_obs: Whether `infos["final_obs"]` holds the observations before the reset. JaxMARL's trainers, which take
-            only numbers, need `LogWrapper(env, replace_info=True)` then.
+        vector: Each agent observes one vector, the concatenation of all float32 observations with one axis; words are
+            omitted. JaxMARL's networks need it. If False, all observations by name.
+        final_obs: Add the observations before the reset as `infos["final_obs"]`. JaxMARL's trainers accept only
+            numbers, so they need `LogWrapper(env, replace_info=True)` then.
 
     Raises:
-        ConfigError: `vector` was asked for, and there is none.
+        ConfigError: `vector` is set and no vector is observed.
     """
 
     def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = True, final_obs: bool = False) -> None:
@@ -67,29 +67,29 @@ class JaxMarlEnv(MultiAgentEnv):
 
     @property
     def name(self) -> str:
-        """The environment's id, or the name of its task."""
+        """Id of the environment, or the name of its task."""
         return self.env.spec.id if self.env.spec is not None else type(self.env.task).__name__
 
     @property
     def agent_classes(self) -> dict[str, list[str]]:
-        """All agents are alike."""
+        """A single class of all agents."""
         return {"agent": list(self.agents)}
 
     @partial(jax.jit, static_argnums=0)
     def reset(self, key: Array) -> tuple[Obs, State]:
-        """A new episode. All that is random in this and later episodes comes from this key."""
+        """Start a new episode; the key determines all random numbers of this and later episodes."""
         state = self._auto_reset(self.env.params, to_raw(key))
         return self._seen(state.obs), carried(state)
 
     @partial(jax.jit, static_argnums=0)
     def step(self, key: Array, state: State, actions: Mapping[str, Array], reset_state: State | None = None) -> Step:
-        """One control step; if it ends the episode, observations and state are the next one's.
+        """Apply one control step; if it ends the episode, observations and state are those of the next one.
 
         Args:
-            key: Not used: a state carries its own key from `reset` on.
-            state: The state before.
-            actions: One for every agent, as `action_space` says.
-            reset_state: The state after an episode's end; None: a new episode.
+            key: Unused: a state carries its key from `reset` on.
+            state: State before the step.
+            actions: An element of `action_space` for every agent.
+            reset_state: State after the end of an episode; None: a new episode.
         """
         if reset_state is not None:
             return super().step(key, state, actions, reset_state)
@@ -98,19 +98,19 @@ class JaxMarlEnv(MultiAgentEnv):
 
     @partial(jax.jit, static_argnums=0)
     def step_env(self, key: Array, state: State, actions: Mapping[str, Array]) -> Step:
-        """One control step without automatic reset."""
+        """Apply one control step without automatic reset."""
         del key
         new = self.env.step(state, self._action(actions))
         return self._result(new, new.obs if self.final_obs else None)
 
     @partial(jax.jit, static_argnums=0)
     def get_obs(self, state: State) -> Obs:
-        """What agents observe, computed anew."""
+        """Compute the observations of a state."""
         return self._seen(self.env.observe(state).obs)
 
     @partial(jax.jit, static_argnums=0)
     def get_avail_actions(self, state: State) -> dict[str, Bool[Array, " n"]]:
-        """Every action can be taken at any time."""
+        """Return masks of available actions; all actions are always available."""
         del state
         return {agent: jnp.ones(self.env.action_size, bool) for agent in self.agents}
 

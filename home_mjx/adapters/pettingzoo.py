@@ -1,4 +1,4 @@
-"""PettingZoo: one household as a `ParallelEnv`, whose agents act at the same time.
+"""PettingZoo: one household as a `ParallelEnv`, whose agents act simultaneously.
 
 Example:
     >>> env = PettingZooEnv("PointNav-v0", num_agents=2)  # doctest: +SKIP
@@ -26,20 +26,21 @@ try:
 except ModuleNotFoundError as error:
     raise ConfigError("this adapter needs the package `pettingzoo`", hint=install_hint("multiagent")) from error
 
-CHECKERS_OPTION = "options"  # PettingZoo's own checker resets with options={"options": 1}
+CHECKERS_OPTION = "options"  # PettingZoo's API test resets with options={"options": 1}
 
 
 class PettingZooEnv(ParallelEnv, EzPickle):
     """One household with `agent_0`, `agent_1`, ... as a `ParallelEnv` of NumPy arrays.
 
-    An episode ends for all agents at once. `infos` holds house, episode, metrics and status flags, the same for each.
+    An episode ends for all agents at once. `infos` contains house, episode, metrics and status flags, the same for
+    each.
 
     Args:
         env_id: An id of `home_mjx.list_envs()`.
-        render_mode: None, or "rgb_array": `render()` gives a picture of what the first agent sees.
-        render_size: Width and height of that picture [px].
-        episodes: Saved episodes (or their file) that resets take their rows from, the first first.
-        **options: As for `home_mjx.make`; `num_agents` among them.
+        render_mode: None, or "rgb_array": `render()` returns an image of the first agent's view.
+        render_size: Width and height of that image [px].
+        episodes: Saved episodes (or their file); resets use their rows in order.
+        **options: As for `home_mjx.make`, including `num_agents`.
     """
 
     metadata = {"name": "home_mjx", "render_modes": ["rgb_array"], "render_fps": 10, "is_parallelizable": True}  # noqa: RUF012
@@ -59,7 +60,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         env = self.gym.env
         self.possible_agents, self.agents = agent_names(env.num_agents), []
         specs = {name: spec.of_one(env.num_agents) for name, spec in env.observation_spec.items()}
-        # Spaces of their own, so that each can be seeded.
+        # Separate objects, so that each space can be seeded.
         self.observation_spaces = {
             agent: gymnasium.spaces.Dict({name: box(spec) for name, spec in specs.items()})
             for agent in self.possible_agents
@@ -67,26 +68,26 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         self.action_spaces = {agent: agent_space(env) for agent in self.possible_agents}
 
     def observation_space(self, agent: str) -> gymnasium.Space:
-        """One box per observation; the same object at every call."""
+        """Return a dictionary of boxes; the same object at every call."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> gymnasium.Space:
-        """A box of numbers in [-1, 1], or discrete moves; the same object at every call."""
+        """Return a box of numbers in [-1, 1], or discrete actions; the same object at every call."""
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Begins an episode; `options={"house": i}` or `{"episode": i}` chooses it, see `GymEnv.reset`."""
+        """Start an episode; `options={"house": i}` or `{"episode": i}` selects it, see `GymEnv.reset`."""
         options = {name: value for name, value in (options or {}).items() if name != CHECKERS_OPTION}
         obs, info = self.gym.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
         return by_agent(obs, self.agents), self._each(info)
 
     def step(self, actions: dict[str, Any]) -> tuple[dict, dict, dict, dict, dict]:
-        """One control step.
+        """Apply one control step.
 
         Args:
-            actions: One element of its action space for every agent. When the episode is over there are no agents, and
-                `{}` gives five empty dictionaries.
+            actions: One element of its action space for every agent. After the end of the episode there are no agents,
+                and `{}` returns five empty dictionaries.
 
         Returns:
             Observations, rewards, terminations, truncations and infos by agent.
@@ -110,7 +111,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         )
 
     def render(self) -> np.ndarray | None:
-        """What the first agent sees (H, W, 3) uint8."""
+        """Render the view of the first agent (H, W, 3) uint8."""
         return self.gym.render()
 
     def _each(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:

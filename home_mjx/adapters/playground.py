@@ -5,7 +5,7 @@ Example:
     >>> env = mujoco_playground.registry.load("PointNav-v0", config_overrides={"num_houses": 16})  # doctest: +SKIP
 """
 
-# `make types` does without Playground.
+# `make types` runs without Playground installed.
 # pyright: reportMissingImports=false
 
 from collections.abc import Mapping
@@ -30,7 +30,7 @@ except ModuleNotFoundError as error:
 
 
 def default_config(env_id: str = "PointNav-v0") -> ConfigDict:
-    """The options that most will change; any other option of `home_mjx.make` can be added.
+    """Return the most common options as a config; any other option of `home_mjx.make` can be added.
 
     `action_repeat` must stay 1.
     """
@@ -54,20 +54,20 @@ def default_config(env_id: str = "PointNav-v0") -> ConfigDict:
 class PlaygroundEnv(MjxEnv):
     """One household as an `MjxEnv`, with the observations of `BraxEnv`.
 
-    There is no model that holds a house: houses are arrays, and every environment of a batch may be in another. So
-    `xml_path`, `mj_model` and `mjx_model` raise an error that names what to use, and randomisation functions, which
-    change such a model, are refused. `State.data` is `home_mjx`'s own state, without observations.
+    No MuJoCo model contains a house: houses are arrays, and every environment of a batch may be in another one. So
+    `xml_path`, `mj_model` and `mjx_model` raise an error with an alternative. Randomisation functions, which change
+    such a model, are rejected. `State.data` is the state of `home_mjx`, without observations.
 
     Args:
-        config: As `default_config` gives, with any option of `home_mjx.make`; None: that.
-        config_overrides: Options that replace those of the config; also ones that it does not show.
+        config: Config as returned by `default_config`, with any option of `home_mjx.make`; None: the default.
+        config_overrides: Options that replace those of the config, or are added to it.
         env_id: An id of `home_mjx.list_envs()`.
 
     Attributes:
         brax: The environment for Brax.
 
     Raises:
-        ConfigError: An option is unknown, with the closest known one, or Brax cannot drive such an environment.
+        ConfigError: An option is unknown (the error names the closest known one), or Brax cannot use the environment.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class PlaygroundEnv(MjxEnv):
         super().__init__(config)
 
     def reset(self, rng: Array) -> State:
-        """A new episode.
+        """Start a new episode.
 
         Args:
             rng: One key, raw as Playground's wrappers need, or typed.
@@ -101,18 +101,18 @@ class PlaygroundEnv(MjxEnv):
         return _of_brax(self.brax.reset(rng))
 
     def step(self, state: State, action: Array) -> State:
-        """One control step; running out of time is left to the wrapper."""
+        """Apply one control step; truncation is left to the wrapper."""
         given = BraxState(state.data, state.obs, state.reward, state.done, state.metrics, state.info)
         return _of_brax(self.brax.step(given, action))
 
     @property
     def action_size(self) -> int:
-        """Numbers of an action."""
+        """Size of an action."""
         return self.brax.action_size
 
     @property
     def xml_path(self) -> str:
-        """There is none.
+        """Unsupported: no XML file describes a batch of houses.
 
         Raises:
             ConfigError: Always.
@@ -121,7 +121,7 @@ class PlaygroundEnv(MjxEnv):
 
     @property
     def mj_model(self) -> NoReturn:
-        """There is none.
+        """Unsupported: no MuJoCo model describes a batch of houses.
 
         Raises:
             ConfigError: Always.
@@ -130,12 +130,12 @@ class PlaygroundEnv(MjxEnv):
 
     @property
     def mjx_model(self) -> NoReturn:
-        """There is none.
+        """Unsupported: no MJX model describes a batch of houses.
 
         Raises:
             ConfigError: Always.
         """
-        _refuse("mjx_model", "To randomise, give `variation` in config_overrides, or more houses: num_houses=64.")
+        _refuse("mjx_model", "To randomise, pass `variation` in config_overrides, or more houses: num_houses=64.")
 
     def render(
         self,
@@ -146,21 +146,21 @@ class PlaygroundEnv(MjxEnv):
         scene_option: Any = None,
         modify_scene_fns: Any = None,
     ) -> Any:
-        """What the agent sees, from our own renderer: no display and no OpenGL is needed.
+        """Render the agent's view with our own renderer; it needs no display and no OpenGL.
 
         Args:
-            trajectory: States, each of one environment; or one of them.
-            height: Of the pictures [px].
-            width: Of the pictures [px].
-            camera: None, the agent's.
-            scene_option: None, as there is no scene of MuJoCo's.
-            modify_scene_fns: None, likewise.
+            trajectory: States, each of one environment; or a single state.
+            height: Height of the images [px].
+            width: Width of the images [px].
+            camera: Must be None, the agent's camera.
+            scene_option: Must be None, because there is no MuJoCo scene.
+            modify_scene_fns: Must be None, because there is no MuJoCo scene.
 
         Returns:
-            A list of (height, width, 3) uint8, one per state; of one state, its picture.
+            A list of (height, width, 3) uint8, one per state; for a single state, its image.
 
         Raises:
-            ConfigError: One of the last three is given.
+            ConfigError: One of the last three arguments is not None.
         """
         for name, value in (("camera", camera), ("scene_option", scene_option), ("modify_scene_fns", modify_scene_fns)):
             if value is not None:
@@ -172,7 +172,7 @@ class PlaygroundEnv(MjxEnv):
 
 
 def _refuse(name: str, hint: str) -> NoReturn:
-    raise ConfigError(f"a household has no `{name}`: its houses are arrays of a bank", hint=hint)
+    raise ConfigError(f"a household has no `{name}`: its houses are arrays in a bank", hint=hint)
 
 
 def _of_brax(state: BraxState) -> State:
@@ -180,9 +180,9 @@ def _of_brax(state: BraxState) -> State:
 
 
 def wrap_for_training(env: PlaygroundEnv, episode_length: int = 1000, **options: Any) -> TrainingWrapper:
-    """The `wrap_env_fn` of Brax's trainers, in place of Playground's `wrap_for_brax_training`.
+    """Wrap an environment for Brax's trainers, instead of Playground's `wrap_for_brax_training`.
 
-    It starts each new episode in a new house and pose; Playground's starts in the first one again, or with
+    Each new episode starts in a new house and pose. Playground's wrapper restarts the first episode, or with
     `full_reset=True` draws a new episode for every environment in every step.
 
     Args:
@@ -194,16 +194,16 @@ def wrap_for_training(env: PlaygroundEnv, episode_length: int = 1000, **options:
 
 
 def register() -> None:
-    """Adds every id of `home_mjx.list_envs()` to Playground's registry; may be called again after ids were added.
+    """Add every id of `home_mjx.list_envs()` to Playground's registry; call it again after adding ids.
 
-    Its suites cannot be extended: the ids join the suite of DeepMind Control, which alone has no randomisation.
+    Its suites cannot be extended, so the ids join the DeepMind Control suite, the only one without randomisation.
     """
     for env_id in list_envs():
         dm_control_suite.register_environment(
             env_id, partial(PlaygroundEnv, env_id=env_id), partial(default_config, env_id)
         )
     new = tuple(env_id for env_id in list_envs() if env_id not in registry.ALL_ENVS)
-    registry.ALL_ENVS += new  # a tuple, made when Playground was imported
+    registry.ALL_ENVS += new  # a tuple that Playground builds on import
 
 
 register()

@@ -1,4 +1,4 @@
-"""PyTorch: arrays of JAX as tensors and back, in the same memory.
+"""PyTorch: conversion between JAX arrays and tensors that share memory.
 
 Example:
     >>> obs = to_torch(states.obs)  # doctest: +SKIP
@@ -22,10 +22,10 @@ except ModuleNotFoundError as error:
 
 
 def to_torch(tree: Any) -> Any:
-    """JAX arrays as tensors by DLPack, on their device and without a copy.
+    """Convert JAX arrays to tensors by DLPack, on their device and without a copy.
 
-    JAX takes its arrays to be constant: do not write into the tensors (`tensor.clone()` may be written to), and do not
-    give the arrays to a function that was jitted with `donate_argnums` while the tensors are in use.
+    JAX assumes that its arrays are constant. Do not write into the tensors (`tensor.clone()` may be written to). Do not
+    pass the arrays to a function with `donate_argnums` while the tensors are in use.
 
     Args:
         tree: Arrays, or nested containers of them such as `State.obs`; each on one device.
@@ -34,28 +34,28 @@ def to_torch(tree: Any) -> Any:
         The same containers with a `torch.Tensor` for each array, of the same shape and type.
 
     Raises:
-        ConfigError: One of the arrays holds typed keys of random numbers, which are no numbers.
+        ConfigError: An array contains typed random keys, which are not numbers.
     """
     return jax.tree.map(_to_torch, tree)
 
 
 def _to_torch(array: Any) -> Any:
     if isinstance(array, jax.Array) and jnp.issubdtype(array.dtype, jax.dtypes.prng_key):
-        hint = "Take their numbers, `jax.random.key_data(keys)`; `jax.random.wrap_key_data` makes keys of them again."
-        raise ConfigError(f"expected an array of numbers, got typed keys of random numbers: {array.aval}", hint=hint)
+        hint = "Convert with `jax.random.key_data(keys)`; `jax.random.wrap_key_data` converts back."
+        raise ConfigError(f"expected an array of numbers, got typed random keys: {array.aval}", hint=hint)
     return torch.from_dlpack(array)
 
 
 def to_jax(tree: Any) -> Any:
-    """Tensors as JAX arrays by DLPack, on their device and without a copy; gradients are not carried over.
+    """Convert tensors to JAX arrays by DLPack, on their device and without a copy; gradients are not carried over.
 
     Writing into a tensor afterwards changes the array as well.
 
     Args:
-        tree: Tensors, contiguous ones, or nested containers of them.
+        tree: Contiguous tensors, or nested containers of them.
 
     Returns:
-        The same containers with a `jax.Array` for each tensor, of the same shape and type; but without
-        `jax_enable_x64`, numbers of 64 bits are copied to 32.
+        The same containers with a `jax.Array` for each tensor, of the same shape and type. Without `jax_enable_x64`,
+        64-bit numbers are copied to 32 bits.
     """
     return jax.tree.map(lambda x: jax.dlpack.from_dlpack(x.detach()), tree)

@@ -8,12 +8,12 @@ from home_mjx.tasks.env.bound import BoundEnv
 
 
 def observation_space(env: BoundEnv) -> gymnasium.spaces.Dict:
-    """One box per observation."""
+    """Return a dictionary space with one box per observation."""
     return gymnasium.spaces.Dict({name: box(spec) for name, spec in env.observation_spec.items()})
 
 
 def action_space(env: BoundEnv) -> gymnasium.Space:
-    """A box with every number of an action in [-1, 1], or the numbers of discrete actions; one per agent."""
+    """Return a box in [-1, 1], or discrete actions; with several agents, a leading axis of agents."""
     if env.num_agents == 1:
         return agent_space(env)
     if env.config.discrete is None:
@@ -22,14 +22,14 @@ def action_space(env: BoundEnv) -> gymnasium.Space:
 
 
 def agent_space(env: BoundEnv) -> gymnasium.Space:
-    """The actions of one agent: a box, or discrete ones."""
+    """Return the action space of one agent: a box, or discrete actions."""
     if env.config.discrete is not None:
         return gymnasium.spaces.Discrete(env.action_size)
     return box(env.action_spec.of_one(env.num_agents))
 
 
 def box(spec: ArraySpec) -> gymnasium.spaces.Box:
-    """The space of one array; booleans become 0 and 1 in int8, as Gymnasium has no box of booleans."""
+    """Return the box of one array; booleans become int8 from 0 to 1, because Gymnasium has no box of booleans."""
     dtype = np.dtype("int8") if spec.dtype == "bool" else np.dtype(spec.dtype)
     low, high = (np.asarray(bound, dtype) for bound in spec.bounds())
     return gymnasium.spaces.Box(low, high, spec.shape, dtype.type)

@@ -22,28 +22,28 @@ __all__ = ["main"]
 COMMANDS = {
     "demo": "walk agents through houses; write pictures, a video with sound and a report",
     "generate": "write seeded houses in SUNCG's format",
-    "inspect": "count what a house holds, or validate it",
+    "inspect": "count the contents of a house, or validate it",
     "compile": "compile a house or a dataset; write MJCF",
-    "render": "write pictures of a house as seen from a point",
-    "listen": "write a sound as heard in a house",
+    "render": "render images of a house from a viewpoint",
+    "listen": "render a sound at a listening point of a house",
     "bench": "measure speed",
-    "doctor": "say whether this machine is ready",
+    "doctor": "check whether this machine is ready",
 }
 LEARNING = {
-    "play": "play episodes of a task and film them: an expert, a trained agent, or you by the keyboard",
-    "record": "write a data set of episodes of an expert, or of a trained agent",
-    "train": "train an agent by recurrent PPO, or by an expert's advice",
-    "evaluate": "play episodes with a trained agent in houses it has not seen",
+    "play": "play and film episodes of a task: an expert, a trained agent, a random one, or you by the keyboard",
+    "record": "record a dataset of episodes of an expert or a trained agent",
+    "train": "train an agent with recurrent PPO, or on an expert's advice",
+    "evaluate": "evaluate a trained agent in held-out houses",
 }
-FOLDERS = {"commands": COMMANDS, "learning": LEARNING}  # of modules
+FOLDERS = {"commands": COMMANDS, "learning": LEARNING}  # folder of modules -> its commands
 BAD_INPUT = 2
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs the command line; the value is the exit code.
+    """Run the command line and return the exit code.
 
     Bad input ends with one message on stderr and code 2; a traceback is shown only with `--debug`. Without `argv`, the
-    command is this process's own: then an interrupt ends the process.
+    arguments of this process are used, and an interrupt ends the process.
     """
     is_process = argv is None
     argv = list(sys.argv[1:] if argv is None else argv)
@@ -53,11 +53,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _dispatch(argv)
     except KeyboardInterrupt:
         if is_process:
-            leave()  # before Python destroys what JAX had begun
+            leave()  # before Python destroys half-built JAX objects
         sys.stderr.write("home-mjx: interrupted\n")
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of our output (`| head`) has left. Point stdout elsewhere, or Python complains while flushing.
+        # The reader of our output (`| head`) has closed the pipe. Redirect stdout, or flushing at exit fails.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (HomeMjxError, OSError) as error:
@@ -70,13 +70,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         if "--debug" in argv or not _is_out_of_memory(error):
             raise
         reason = str(error).strip().partition("\n")[0].rstrip(".")
-        hint = "Take fewer environments, houses, episodes or pixels."
+        hint = "Use fewer environments, houses, episodes or pixels."
         sys.stderr.write(f"home-mjx: error: not enough memory: {reason}. {hint}\n")
         return BAD_INPUT
 
 
 def _is_out_of_memory(error: Exception) -> bool:
-    """Whether NumPy, Python or a device has no memory left; JAX may not have been imported."""
+    """Return whether NumPy, Python or a device ran out of memory; does not import JAX."""
     return isinstance(error, MemoryError) or (
         type(error).__name__ == "JaxRuntimeError" and "RESOURCE_EXHAUSTED" in str(error)
     )
@@ -103,7 +103,7 @@ def _top_parser() -> Parser:
         prog="home-mjx",
         usage="home-mjx [--help] [--version] [--debug] COMMAND ...",
         description="Batch simulator of households for massively parallel reinforcement learning.",
-        epilog=f"commands:\n{listing}\n\n`home-mjx COMMAND --help` tells more.",
+        epilog=f"commands:\n{listing}\n\nSee `home-mjx COMMAND --help` for options.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"home-mjx {__version__}")

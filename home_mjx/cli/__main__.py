@@ -1,4 +1,4 @@
-"""`python -m home_mjx.cli`."""
+"""Entry point of `python -m home_mjx.cli`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""What is heard all over the storey on which something sounds, as pictures."""
+"""Maps of level and reverberation time over the storey of a source, as images."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -12,18 +12,18 @@ if TYPE_CHECKING:
     from home_mjx.audio_jax.base.config import AudioConfig
     from home_mjx.raycast_render.scene.types import Scene
 
-APART = 0.4  # [m], between listeners
-OCTAVES = slice(2, 4)  # 500 Hz and 1 kHz, of which ISO 3382-1 takes the mean
-RAYS, BOUNCES = 256, 60  # per listener; rays that carry one octave each: so many of each
+APART = 0.4  # [m] spacing of receivers
+OCTAVES = slice(2, 4)  # 500 Hz and 1 kHz, whose mean ISO 3382-1 reports
+RAYS, BOUNCES = 256, 60  # per receiver; each ray carries one octave, and rays are per octave
 
 
 def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -> dict[str, np.ndarray]:
-    """Level and reverberation time over the floor, means of the octaves of 500 Hz and 1 kHz, by name.
+    """Render maps of level and reverberation time, means of the octaves of 500 Hz and 1 kHz, by name.
 
     Args:
-        scene: The first house of its bank.
+        scene: Scene with the first house of its bank.
         source: (3,) [m].
-        config: Options; where rays are traced, fewer are than it says.
+        config: Options; traced rays are reduced, see `fewer_rays`.
     """
     import jax
     import jax.numpy as jnp
@@ -47,13 +47,13 @@ def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -
 
 
 def fewer_rays(config: "AudioConfig") -> "AudioConfig":
-    """Options for many listeners: fewer rays, but enough of each octave for places that few of them come to."""
+    """Return options for many receivers: fewer rays, but enough per octave for receivers that few rays reach."""
     rays = min(RAYS * config.ray_groups, config.num_rays)
     return replace(config, num_rays=rays, num_bounces=min(BOUNCES, config.num_bounces))
 
 
 def _lattice(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of the storey of a point: which places are in a room, on which one can stand, and ears there (y, x, 3) [m]."""
+    """Return receivers on the storey of a point: in a room (y, x), free to stand (y, x), ears (y, x, 3) [m]."""
     navigation, cell = bank.navigation, bank.spec.cell
     floor = np.asarray(navigation.floor[0])
     level = max(int(np.sum(floor <= source[2])) - 1, 0)

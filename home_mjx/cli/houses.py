@@ -1,4 +1,4 @@
-"""Options and loading that several subcommands share: which dataset, which house."""
+"""Shared options and loading of subcommands: the dataset and the house."""
 
 import argparse
 from pathlib import Path
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def add_dataset_option(parser: argparse.ArgumentParser) -> None:
-    """Adds `--dataset ROOT`, and its old name `--suncg`."""
+    """Add `--dataset ROOT`, and its old name `--suncg`."""
     parser.add_argument(
         "--dataset",
         type=file_path,
@@ -34,34 +34,34 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
 def add_house_arguments(
     parser: argparse.ArgumentParser, text: str = "id of the house (default: the dataset's first)"
 ) -> None:
-    """Adds `HOUSE`, explained by `text`, and `--dataset ROOT`."""
+    """Add `HOUSE` with help `text`, and `--dataset ROOT`."""
     parser.add_argument("house", nargs="?", metavar="HOUSE", help=text)
     add_dataset_option(parser)
 
 
 def add_strict_option(parser: argparse.ArgumentParser) -> None:
-    """Adds `--strict`."""
+    """Add `--strict`."""
     parser.add_argument(
-        "--strict", action="store_true", help="refuse a house that lacks a file, instead of taking stand-ins"
+        "--strict", action="store_true", help="reject a house with missing files, instead of using fallbacks"
     )
 
 
 def read_options(args: argparse.Namespace) -> "ReadOptions":
-    """How houses are read: strictly if `--strict` is given, else as suits the dataset."""
+    """Return the read options: strict with `--strict`, else the dataset's default."""
     from home_mjx.datasets.options import ReadOptions
 
     return ReadOptions(strict=True if getattr(args, "strict", False) else None)
 
 
 def add_movable_option(parser: argparse.ArgumentParser) -> None:
-    """Adds `--max-bodies N`."""
+    """Add `--max-bodies N`."""
     parser.add_argument(
-        "--max-bodies", type=natural, metavar="N", help="most objects of a house that can be moved (default: 32)"
+        "--max-bodies", type=natural, metavar="N", help="maximum number of movable objects per house (default: 32)"
     )
 
 
 def compile_options(args: argparse.Namespace) -> "CompileOptions":
-    """How houses are compiled, by `--strict` and `--max-bodies` of commands that have them."""
+    """Return the compile options from `--strict` and `--max-bodies`, where a command has them."""
     from home_mjx.scene_compile.collision.movables import MovableOptions
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
@@ -78,7 +78,7 @@ def named_root(args: argparse.Namespace) -> str | Path:
 
 
 def names_root(args: argparse.Namespace) -> bool:
-    """Whether `HOUSE` is the root of a dataset: a path or a folder, if it is no house of `--dataset`."""
+    """Return whether `HOUSE` is a dataset root: a path, or a folder that is not a house of `--dataset`."""
     name = args.house
     if name is None or Path(name).name != name:
         return name is not None
@@ -87,14 +87,14 @@ def names_root(args: argparse.Namespace) -> bool:
 
 
 def open_named_dataset(args: argparse.Namespace) -> "Dataset":
-    """The dataset that the arguments name, by default one of generated houses."""
+    """Open the selected dataset, by default one of generated houses."""
     from home_mjx.datasets.registry import open_dataset
 
     return open_dataset(named_root(args))
 
 
 def named_houses(args: argparse.Namespace) -> "HouseSet":
-    """All houses of the dataset that the arguments name, or the one house."""
+    """Return all houses of the selected dataset, or the selected house."""
     from home_mjx.houses.house_set import HouseSet
 
     ids = None if args.house is None or names_root(args) else (str(args.house),)
@@ -102,14 +102,14 @@ def named_houses(args: argparse.Namespace) -> "HouseSet":
 
 
 def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
-    """The dataset, and the id of the house that the arguments name, by default its first.
+    """Return the dataset and the id of the selected house, by default the dataset's first.
 
     Raises:
-        DatasetError: If the dataset cannot be read.
-        ConfigError: If they name a whole dataset.
+        DatasetError: The dataset cannot be read.
+        ConfigError: The arguments select a whole dataset.
     """
     if names_root(args):
-        hint = f"Name one of its houses: HOUSE --dataset {args.house}"
+        hint = f"Pass one of its houses: HOUSE --dataset {args.house}"
         raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
     dataset = open_named_dataset(args)
     house_id = args.house or dataset.house_ids[0]
@@ -119,14 +119,14 @@ def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
 
 
 def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
-    """The house that the arguments name, as the dataset has it; errors as of `named_house`."""
+    """Load the selected house as stored in the dataset; errors as in `named_house`."""
     dataset, house_id = named_house(args)
     options = read_options(args)
     return dataset.load_house(house_id, options), dataset.metadata_for(options)
 
 
 def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
-    """The house that the arguments name, compiled, from the cache if it is there; errors as of `named_house`."""
+    """Load the selected house compiled, cached if possible; errors as in `named_house`."""
     from home_mjx.houses.house_cache import load_compiled
 
     return load_compiled(*named_house(args), options=compile_options(args))

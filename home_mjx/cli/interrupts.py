@@ -1,7 +1,7 @@
-"""Ctrl-C ends a command within seconds, also while JAX compiles.
+"""Handling of Ctrl-C, which ends a command within seconds, even while JAX compiles.
 
-Python raises `KeyboardInterrupt` only between two of its instructions. XLA compiles a program within one, for up to a
-minute. An interrupt while JAX traces or lowers a program leaves objects whose destruction crashes or hangs the process.
+Python raises `KeyboardInterrupt` only between two bytecode instructions, and XLA compiles a program within one, for up
+to a minute. An interrupt while JAX traces or lowers a program leaves objects whose destruction may crash or hang.
 """
 
 import os
@@ -11,15 +11,15 @@ import sys
 import threading
 from typing import NoReturn
 
-INTERRUPTED = 130  # exit code, as of shells
-GRACE = 1.0  # [s], for Python to notice; after that it is inside a long call
+INTERRUPTED = 130  # exit code, as in shells
+GRACE = 1.0  # [s] for Python to raise; after that it must be inside a long call
 
 
 def watch_interrupts() -> None:
-    """From now on, Ctrl-C ends this process; called in the main thread.
+    """Install a handler that ends this process on Ctrl-C; call it in the main thread.
 
-    The first raises `KeyboardInterrupt`, as always. If Python has not noticed it within a second, or is interrupted
-    again, the process ends at once with code 130. An ignored SIGINT (`nohup command &`) stays ignored.
+    The first interrupt raises `KeyboardInterrupt`, as always. If Python has not raised it within a second, or is
+    interrupted again, the process ends at once with code 130. An ignored SIGINT (`nohup command &`) stays ignored.
 
     Example:
         >>> watch_interrupts()  # doctest: +SKIP
@@ -35,17 +35,17 @@ def watch_interrupts() -> None:
     reader, writer = socket.socketpair()
     writer.setblocking(False)
     signal.signal(signal.SIGINT, handle)
-    # The operating system's handler writes here at once, whatever Python does.
+    # The C-level signal handler writes here at once, even while Python is inside a long call.
     signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
     threading.Thread(target=_watch, args=(reader, writer, noticed), daemon=True).start()
 
 
 def leave() -> NoReturn:
-    """Ends this process as interrupted, and destroys nothing."""
+    """End this process as interrupted, without destroying any object."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except OSError:  # its reader has left
+        except OSError:  # its reader has closed the pipe
             continue
     _end()
 

@@ -1,4 +1,4 @@
-"""The folder that a subcommand writes to, tried before the work begins."""
+"""Output folder of a subcommand, checked before the work starts."""
 
 import tempfile
 from contextlib import suppress
@@ -6,14 +6,14 @@ from pathlib import Path
 
 from home_mjx.errors import ConfigError
 
-_made: list[Path] = []  # by this process, the innermost first
+_made: list[Path] = []  # folders created by this process, innermost first
 
 
 def make_folder(path: Path) -> Path:
-    """Makes a folder if it is missing, and sees that files can be written there.
+    """Create a folder if it is missing, and check that files can be written there.
 
     Raises:
-        ConfigError: They cannot.
+        ConfigError: The folder cannot be created or written.
     """
     new = [folder for folder in (path, *path.parents) if not folder.exists()]
     try:
@@ -23,12 +23,12 @@ def make_folder(path: Path) -> Path:
             return path
     except OSError as error:
         message = f"cannot write to this folder: {error.strerror}"
-        raise ConfigError(message, file=path, hint="Choose another by --out.") from None
+        raise ConfigError(message, file=path, hint="Choose another with --out.") from None
 
 
 def drop_empty_folders() -> None:
-    """Removes what `make_folder` made and nobody wrote into: the command was refused after it."""
+    """Remove folders of `make_folder` that are still empty, after an error."""
     for folder in _made:
-        with suppress(OSError):  # something is in it
+        with suppress(OSError):  # the folder is not empty
             folder.rmdir()
     _made.clear()

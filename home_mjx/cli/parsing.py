@@ -1,4 +1,4 @@
-"""An argument parser whose mistakes are our typed errors, with a hint."""
+"""Argument parser that raises our typed errors, with a hint, and argument types."""
 
 import argparse
 import math
@@ -8,27 +8,27 @@ from typing import Any, NoReturn
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
-MAX_DIGITS = 40  # of a number
-MOST_HOUSES = 1_000_000  # at once; SUNCG has 45,622
-MOST_WORKERS = 1024  # processes
+MAX_DIGITS = 40  # maximum number of digits of a number
+MOST_HOUSES = 1_000_000  # maximum number of houses of a command; SUNCG has 45,622
+MOST_WORKERS = 1024  # maximum number of processes
 
 
 class Parser(argparse.ArgumentParser):
-    """`argparse.ArgumentParser` that raises `ConfigError` and suggests the option that was meant."""
+    """`argparse.ArgumentParser` that raises `ConfigError` and suggests the closest option."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(allow_abbrev=False, **kwargs)
         self.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
     def parse_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:
-        """Parses, refusing what is left over."""
+        """Parse arguments; reject unknown ones."""
         parsed, extra = self.parse_known_args(args, namespace)
         if extra:
             self._refuse(extra[0])
         return parsed
 
     def error(self, message: str) -> NoReturn:
-        """Raises `ConfigError` instead of leaving the process."""
+        """Raise `ConfigError` instead of exiting the process."""
         raise ConfigError(message, hint=f"See `{self.prog} --help`")
 
     def _refuse(self, argument: str) -> NoReturn:
@@ -41,7 +41,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def seed_range(text: str) -> range:
-    """Seeds from `A:B` (A up to, not including, B) or one seed.
+    """Parse seeds from `A:B` (B excluded) or one seed.
 
     Example:
         >>> list(seed_range("3:6")), list(seed_range("7"))
@@ -61,7 +61,7 @@ def seed_range(text: str) -> range:
 
 
 def file_path(text: str) -> Path:
-    """A file or folder; an empty text, such as of a variable of the shell that is not set, is none.
+    """Parse a path; reject an empty text, such as an unset shell variable.
 
     Example:
         >>> file_path("houses").name
@@ -73,7 +73,7 @@ def file_path(text: str) -> Path:
 
 
 def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
-    """A type of numbers from `low` to `high`.
+    """Return an argument type of numbers from `low` to `high`.
 
     Example:
         >>> number(low=0)("2.5")
@@ -85,7 +85,7 @@ def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
             value = float(text)
         except ValueError:
             value = math.nan
-        if not low <= value <= high:  # nor is not-a-number
+        if not low <= value <= high:  # rejects NaN as well
             raise argparse.ArgumentTypeError(f"expected a number from {low:g} to {high:g}, got `{text}`")
         return value
 
@@ -93,14 +93,14 @@ def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
 
 
 def seed(text: str) -> int:
-    """A whole number of 32 bits: random keys hold no more."""
+    """Parse a seed of 32 bits, the size of a random key."""
     if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) >= 2**32:
         raise argparse.ArgumentTypeError(f"expected a whole number from 0 to {2**32 - 1}, got `{text:.{MAX_DIGITS}}`")
     return int(text)
 
 
 def natural(text: str) -> int:
-    """A whole number, 0 included.
+    """Parse a whole number of at least 0.
 
     Example:
         >>> natural("0")
@@ -112,7 +112,7 @@ def natural(text: str) -> int:
 
 
 def whole(most: int) -> Callable[[str], int]:
-    """A type of whole numbers above zero, up to `most`.
+    """Return an argument type of whole numbers from 1 to `most`.
 
     Example:
         >>> whole(100)("25")
@@ -130,4 +130,4 @@ def whole(most: int) -> Callable[[str], int]:
 
 positive_int = whole(2**31 - 1)
 house_count = whole(MOST_HOUSES)
-pixels = whole(8192)  # on a side: of a square image no more are drawn
+pixels = whole(8192)  # maximum width and height of an image

@@ -1,4 +1,4 @@
-"""A point in one house from which to look or listen."""
+"""Viewpoint or listening point in one house."""
 
 import argparse
 from dataclasses import dataclass
@@ -14,18 +14,18 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import Rooms
 
-EYE_HEIGHT = Body().eye_height  # [m]
-BELOW_CEILING = 0.05  # [m], of a camera that looks down
+EYE_HEIGHT = Body().eye_height  # [m] above the floor
+BELOW_CEILING = 0.05  # [m] distance of a downward camera from the ceiling
 
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """One house without agents, and where the head is.
+    """One house without agents, and a head pose.
 
     Attributes:
-        bank: The house alone.
-        scene: As rays see it.
-        position: Of the eyes and ears [m], world frame.
+        bank: Bank of the house alone.
+        scene: Scene of the house, for ray casting.
+        position: Position of eyes and ears [m], world frame.
         head_quat: Camera orientation, wxyz.
     """
 
@@ -36,24 +36,26 @@ class Viewpoint:
 
 
 def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds `HOUSE`, `--dataset`, `--at` and `--yaw`."""
+    """Add `HOUSE`, `--dataset`, `--at` and `--yaw`."""
     add_house_arguments(parser)
     parser.add_argument(
         "--at",
         type=number(),
         nargs=2,
         metavar=("X", "Y"),
-        help="where to stand [m] (default: where an agent would start)",
+        help="standing position [m] (default: a start position of agents)",
     )
-    parser.add_argument("--yaw", type=number(), help="direction of view [degrees] from +x (default: the longest view)")
+    parser.add_argument(
+        "--yaw", type=number(), help="direction of view [degrees] from +x (default: the longest free path)"
+    )
 
 
 def stand(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
-    """Puts the named house on the device and a head in it.
+    """Load the selected house onto the device and place a head in it.
 
     Args:
         args: The parsed options.
-        pitch: How far the head looks up [degrees].
+        pitch: Elevation of the view [degrees].
 
     Raises:
         ConfigError: The head would be outside of the house.
@@ -68,11 +70,11 @@ def stand(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
 
 
 def look_down(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndarray]:
-    """Puts the named house on the device and a camera under the ceilings of a storey, looking down; +y is up there.
+    """Load the selected house and place a downward camera below the ceilings of a storey; image up is +y.
 
     Args:
         args: The parsed options.
-        storey: Number of a level that has rooms, from 0 below.
+        storey: Index of a level that has rooms, from 0 at the bottom.
 
     Returns:
         The viewpoint, and the extent of the storey's rooms along x and y [m].
@@ -83,7 +85,7 @@ def look_down(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndar
     house = load_compiled_house(args)
     levels = house.navigation.level
     if storey >= len(levels):
-        raise ConfigError(f"--top {storey}: the house has {len(levels)} storeys", hint=f"Give 0 to {len(levels) - 1}.")
+        raise ConfigError(f"--top {storey}: the house has {len(levels)} storeys", hint=f"Pass 0 to {len(levels) - 1}.")
     here = np.flatnonzero((house.rooms.level == levels[storey]) & [len(p) > 0 for p in house.rooms.polygon])
     points = np.concatenate([house.rooms.polygon[room] for room in here])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -93,13 +95,13 @@ def look_down(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndar
 
 
 def _lowest_ceiling(rooms: Rooms, here: Int[np.ndarray, " n"]) -> float:
-    """Of the rooms that have one [m]: balconies and terraces end where their floor is."""
+    """Return the lowest ceiling of rooms [m]; rooms without one, such as balconies, are ignored."""
     roofed = here[rooms.ceiling[here] > rooms.floor[here] + EYE_HEIGHT]
     return float(rooms.ceiling[roofed].min() if len(roofed) else rooms.floor[here].max() + EYE_HEIGHT)
 
 
 def _scene_of(bank: HouseBank) -> Scene:
-    """The first house of a bank, without agents."""
+    """Build the scene of the first house of a bank, without agents."""
     import jax.numpy as jnp
 
     from home_mjx.raycast_render.scene.scene import make_scene
@@ -117,7 +119,7 @@ def _quat(yaw: float, pitch: float) -> np.ndarray:
 
 
 def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
-    """Raises `ConfigError` if a `point` (3,) lies beyond the rooms of the bank's first house."""
+    """Raise `ConfigError` if a `point` (3,) is outside the extent of the rooms of the bank's first house."""
     navigation = bank.navigation
     rows, columns = np.nonzero((np.asarray(navigation.room[0]) >= 0).any(0))
     cells, origin = np.stack([columns, rows], -1), np.asarray(navigation.origin[0])
@@ -128,7 +130,7 @@ def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
 
 
 def longest_view(bank: HouseBank, feet: np.ndarray) -> float:
-    """The direction [rad] in which one could walk farthest from `feet` (3,) in the bank's first house."""
+    """Return the direction [rad] of the longest straight walkable path from `feet` (3,) in the bank's first house."""
     navigation, cell = bank.navigation, bank.spec.cell
     free, origin = np.asarray(navigation.region[0, 0] == 0), np.asarray(navigation.origin[0])
     yaw = np.linspace(-np.pi, np.pi, 72, endpoint=False)

@@ -1,4 +1,4 @@
-"""Steps per second: compile and run are timed apart."""
+"""Timing of compiled programs; compilation and execution are timed separately."""
 
 import itertools
 import math
@@ -13,20 +13,20 @@ import jax
 
 from home_mjx.core.workers import usable_cores
 
-AHEAD = 2  # calls that an accelerator has before they begin
-WARM = 10  # steps after a reset that are not timed
+AHEAD = 2  # calls queued on an accelerator in advance
+WARM = 10  # untimed steps after a reset
 NUM_ACTIONS = 8
 
 
 def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., Any], float]:
-    """A function compiled for these arguments, and the seconds that tracing and compiling took."""
+    """Compile a function for its arguments; return the program and the time of tracing and compiling [s]."""
     start = time.perf_counter()
     program = jax.jit(function).lower(*args).compile()
     return program, time.perf_counter() - start
 
 
 def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1.0) -> float:
-    """Rate of a compiled function, after one call to warm up."""
+    """Measure the rate of a compiled function, after one warm-up call."""
     jax.block_until_ready(program(*args))
     return _rate(lambda: program(*args), seconds)
 
@@ -34,10 +34,9 @@ def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1
 def steps_per_second(
     step: Callable[[Any, jax.Array], Any], state: Any, actions: Sequence[jax.Array], seconds: float = 1.0
 ) -> float:
-    """Rate of a compiled step from state to state, with actions in turn.
+    """Measure the rate of a compiled step from state to state, with cyclic actions.
 
-    After a reset everything is awake and settles. So what is timed begins after `WARM` steps, or as many as fit into
-    `seconds`.
+    After a reset all bodies are awake and settle, so timing starts after `WARM` steps or `seconds`, whichever is first.
     """
     turns = itertools.cycle(actions)
 
@@ -51,10 +50,10 @@ def steps_per_second(
 
 
 def _rate(call: Callable[[], Any], seconds: float, most: float = math.inf) -> float:
-    """Calls per second of so many seconds, or of `most` calls.
+    """Measure calls per second over `seconds`, or over `most` calls if that ends first.
 
-    An accelerator has its next calls while it makes the last one, as in a loop that looks at nothing in between. A CPU
-    would make them side by side.
+    On an accelerator the next calls are queued while one runs, as in a loop without host synchronisation. A CPU would
+    run them concurrently, so there they are not queued.
     """
     ahead = 0 if jax.default_backend() == "cpu" else AHEAD
     start, calls, sent = time.perf_counter(), 0, deque[Any]()
@@ -68,19 +67,19 @@ def _rate(call: Callable[[], Any], seconds: float, most: float = math.inf) -> fl
 
 
 def drawn_actions(shape: tuple[int, ...]) -> list[jax.Array]:
-    """Actions in [-1, 1] for some steps."""
+    """Return random actions in [-1, 1] for some steps."""
     keys = jax.random.split(jax.random.key(0), NUM_ACTIONS)
     return [jax.random.uniform(key, shape, minval=-1.0) for key in keys]
 
 
 def drawn_moves(shape: tuple[int, ...], num: int) -> list[jax.Array]:
-    """Discrete actions for some steps, without the first one, `stop`."""
+    """Return random discrete actions for some steps, except the first one, `stop`."""
     keys = jax.random.split(jax.random.key(0), NUM_ACTIONS)
     return [jax.random.randint(key, shape, 1, num) for key in keys]
 
 
 def peak_memory_bytes() -> dict[str, int]:
-    """Largest resident size of this process, and of the device's allocator where it keeps count."""
+    """Return the peak resident size of this process, and of the device's allocator if it is known."""
     scale = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in kilobytes on Linux
     peak = {"host": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale}
     stats = jax.devices()[0].memory_stats() or {}
@@ -90,11 +89,11 @@ def peak_memory_bytes() -> dict[str, int]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what the figures depend on."""
+    """Return the versions of Python and the relevant packages."""
     import importlib.metadata as metadata
     import platform
 
-    from home_mjx import __version__  # not from its metadata, which a checkout on the path lacks
+    from home_mjx import __version__  # not from metadata, which a checkout on the path does not have
 
     names = ("jax", "jaxlib", "mujoco", "mujoco-mjx", "numba", "numpy")
     own = {"python": platform.python_version(), "home-mjx": __version__}
@@ -102,7 +101,7 @@ def versions() -> dict[str, str]:
 
 
 def device_name() -> str:
-    """Kind of the device, and how many processor cores stand behind a CPU device."""
+    """Return the kind of the device; for a CPU with its number of usable cores."""
     device = jax.devices()[0]
     if device.platform == "cpu":
         return f"cpu ({usable_cores()} cores)"

@@ -1,6 +1,6 @@
-"""Training on the environments: recurrent PPO in plain JAX; `shim` mends brax 0.14.2 under JAX >= 0.10.
+"""Training on the environments: recurrent PPO in plain JAX. `shim` patches brax 0.14.2 for JAX >= 0.10.
 
-Names are imported on first use: they need the extra `train`, and `shim` does not.
+Names are imported on first use, because they need the extra `train` and `shim` does not.
 """
 
 import importlib

@@ -1,4 +1,4 @@
-"""Training on disk: one file per checkpoint, complete or not there at all, with its configuration inside."""
+"""Checkpoints of training: one atomically written file each, with the run's configuration inside."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -16,41 +16,41 @@ from home_mjx.training.config import RunConfig
 from home_mjx.training.ppo import PPO
 from home_mjx.training.rollout import Policy
 
-CHECKPOINT = "checkpoint.npz"  # in the folder of a run
-AGENT = "agent.npz"  # beside it, once the run is over: the network alone
-CLONED = "cloned.npz"  # the same after advice alone, before rewards
-CONFIG = "config"  # name of the configuration in a file; names of arrays begin with a dot
-NET = ".net"  # of a `TrainState`
-MAX_SHOWN = 5  # differences that an error names
-FREE_SPACE = "Free some space, then go on with --resume; or name another folder by --out."
+CHECKPOINT = "checkpoint.npz"  # file name in the folder of a run
+AGENT = "agent.npz"  # file name of the final network alone, in the same folder
+CLONED = "cloned.npz"  # file name of the network after cloning, before PPO
+CONFIG = "config"  # key of the configuration in a file; keys of arrays begin with a dot
+NET = ".net"  # key prefix of the parameters of a `TrainState`
+MAX_SHOWN = 5  # maximum number of differences that an error names
+FREE_SPACE = "Free some space, then continue with --resume; or choose another folder with --out."
 DIVERGED = "Training has diverged; try a lower learning rate, such as --ppo learning_rate=0.0001."
-NAME_ONE = "Name the folder of a run of `home-mjx train`, its checkpoint.npz or its agent.npz."
+NAME_ONE = "Pass the folder of a `home-mjx train` run, its checkpoint.npz or its agent.npz."
 
 
 def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
-    """Writes a `TrainState`: first beside the file, then in its place, so that a killed process leaves the old one.
+    """Write a `TrainState` to a temporary file and rename it, so that a killed process leaves the old checkpoint.
 
     Args:
         path: The file, an `.npz` of one array per leaf.
-        state: Of one host, on any number of devices.
-        config: What it belongs to.
+        state: The state, of one host and any number of devices.
+        config: Configuration of the run, stored in the file.
 
     Raises:
-        ConfigError: The file cannot be written, or the configuration is not made of numbers, text and dataclasses.
+        ConfigError: The file cannot be written, or the configuration does not consist of numbers, text and dataclasses.
     """
     _save(as_path(path, "a checkpoint"), _named(state), config)
 
 
 def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
-    """Writes the parameters alone, in half precision: what `load_net` and `read_config` need, a tenth of a checkpoint.
+    """Write the parameters alone, in half precision, for `load_net` and `read_config`; a tenth of a checkpoint's size.
 
     Args:
         path: The file.
         net: Parameters, such as `TrainState.net`.
-        config: What they belong to.
+        config: Configuration of the run, stored in the file.
 
     Raises:
-        ConfigError: As of `save_checkpoint`.
+        ConfigError: As in `save_checkpoint`.
     """
     half = jax.tree.map(lambda x: np.asarray(x).astype(np.float16), net)
     _save(as_path(path, "a checkpoint"), {NET + name: x for name, x in _named(half).items()}, config)
@@ -67,41 +67,41 @@ def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig) -> None:
 
 
 def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
-    """The `TrainState` of a file, to be given to `PPO.place`.
+    """Load the `TrainState` of a file, to be passed to `PPO.place`.
 
     Args:
         path: The file.
         like: A state of the same shapes and types, or their `jax.eval_shape`.
-        config: The configuration to go on with.
+        config: The configuration to continue with.
 
     Raises:
-        ConfigError: The checkpoint has another configuration; the error names what differs.
-        MissingFileError: There is no such file.
-        DatasetError: The file is no checkpoint, or its arrays have other shapes.
+        ConfigError: The checkpoint has another configuration; the error names the differences.
+        MissingFileError: The file does not exist.
+        DatasetError: The file is not a checkpoint, or its arrays have other shapes.
     """
     check_same(read_config(path), config, path)
     return _load(path, like, "")
 
 
 def load_net(path: str | Path, like: Any) -> Any:
-    """The parameters alone, of a checkpoint or of `save_net`'s file; errors as of `load_checkpoint`."""
+    """Load the parameters alone, from a checkpoint or from a file of `save_net`; errors as in `load_checkpoint`."""
     return _load(path, like, NET)
 
 
 def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> tuple[Callable[[Any], Policy], Any]:
-    """A trained agent, to be played in an environment with the observations and actions of its training.
+    """Load a trained agent for an environment with the observations and actions that it was trained on.
 
     Args:
-        path: A checkpoint, or `save_net`'s file.
+        path: A checkpoint, or a file of `save_net`.
         core: The environment's functions.
-        greedy: It does what is likeliest, instead of drawing its actions.
+        greedy: Take the most likely action instead of sampling.
 
     Returns:
-        From parameters to a policy, and the parameters: what `evaluate` wants.
+        A function from parameters to a policy, and the parameters: the arguments of `evaluate`.
 
     Raises:
-        ConfigError: As of `read_config`.
-        DatasetError: As of `load_net`: such as for other observations or actions.
+        ConfigError: As in `read_config`.
+        DatasetError: As in `load_net`, for example for other observations or actions.
 
     Example:
         >>> results = evaluate(held_out, *load_policy("runs/PointNav-v0/agent.npz", held_out.core))  # doctest: +SKIP
@@ -112,7 +112,7 @@ def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> t
 
 
 def read_updates(path: str | Path) -> int:
-    """Updates that a checkpoint's run had made; errors as of `read_config`."""
+    """Read the number of updates that a checkpoint's run had made; errors as in `read_config`."""
     (updates,) = _read(path, [".updates"])
     if updates.shape or updates.dtype.kind != "i" or updates < 0:
         message = f"expected a whole number of at least 0, got {updates.dtype} {updates!s:.40}"
@@ -121,25 +121,25 @@ def read_updates(path: str | Path) -> int:
 
 
 def read_config(path: str | Path) -> RunConfig:
-    """What a checkpoint was made with.
+    """Read the configuration of the run that wrote a checkpoint.
 
     Raises:
-        MissingFileError: There is no such file.
-        DatasetError: The file is no checkpoint.
+        MissingFileError: The file does not exist.
+        DatasetError: The file is not a checkpoint.
         ConfigError: Its configuration cannot be read by this version, or its environment is not registered here.
     """
     (text,) = _read(path, [CONFIG])
     config = from_json(str(text), Path(path))
     if not isinstance(config, RunConfig):
-        raise DatasetError("file is no checkpoint of training", file=path, hint=NAME_ONE)
+        raise DatasetError("file is not a training checkpoint", file=path, hint=NAME_ONE)
     return config
 
 
 def check_same(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
-    """Refuses a checkpoint of another configuration.
+    """Reject a checkpoint of another configuration.
 
     Raises:
-        ConfigError: They differ, and in what.
+        ConfigError: The configurations differ; the error names the differences.
     """
     there, here = (dict(_flat(json.loads(to_json(config)), "")) for config in (theirs, ours))
     wrong = [name for name in {**there, **here} if there.get(name) != here.get(name)]
@@ -147,11 +147,11 @@ def check_same(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
         shown = "; ".join(f"`{name}` is {there.get(name)} there, {here.get(name)} here" for name in wrong[:MAX_SHOWN])
         more = f"; and {len(wrong) - MAX_SHOWN} more" if len(wrong) > MAX_SHOWN else ""
         message = f"checkpoint has another configuration: {shown}{more}"
-        raise ConfigError(message, file=path, hint="Give the same options, or train into another folder.")
+        raise ConfigError(message, file=path, hint="Pass the same options, or train into another folder.")
 
 
 def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """Names and values of all that is no container."""
+    """Yield the names and values of all leaves of nested containers."""
     if not isinstance(value, dict | list):
         yield name.removesuffix(".__tuple__"), value
         return
@@ -160,7 +160,7 @@ def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
 
 
 def is_finite(net: Any) -> bool:
-    """Whether all parameters are finite numbers; those of a training that has diverged are not.
+    """Return whether all parameters are finite; after diverged training they are not.
 
     Example:
         >>> is_finite({"bias": np.zeros(3), "scale": np.array(np.nan)})

@@ -1,9 +1,9 @@
-"""An expert's advice: alone (behaviour cloning, DAgger), or beside rewards.
+"""Learning from an expert's advice: alone (behaviour cloning, DAgger) or in addition to rewards.
 
-Cloning what an expert does where the expert gets to goes wrong at the first mistake, which leads to where the expert
-has never been: errors grow with the square of an episode's length. Asked for advice at every state of the student's
-own way, they grow linearly: Ross, Gordon and Bagnell, "A Reduction of Imitation Learning and Structured Prediction to
-No-Regret Online Learning", 2011 (arXiv:1011.0686). Here the expert is a function in the compiled step: advice is free.
+Behaviour cloning on states of the expert fails after the first mistake, because the expert never visited the states
+that follow. Errors then grow with the square of the episode length. If the expert is queried in states of the student,
+they grow linearly. See Ross, Gordon and Bagnell, "A Reduction of Imitation Learning and Structured Prediction to
+No-Regret Online Learning", 2011 (arXiv:1011.0686). The expert is a function in the compiled step, so a query is cheap.
 """
 
 from collections.abc import Sequence
@@ -20,26 +20,26 @@ from home_mjx.training.networks.distributions import Distribution
 from home_mjx.training.ppo import PPO, Batch, Loss, TrainState
 from home_mjx.training.rollout import Policy
 
-ADVISED = 0.7  # part of the run in which PPO is advised
-LED = 0.5  # part of the run in which the expert acts ever less often, at first always
-LEAST = 0.3  # share of the actions that stay the expert's for long: else all that is seen is where the network is stuck
-ALONE = 0.8  # part of the run after which it acts alone: the value, with which PPO may go on, is then of its own ways
-AGREES = 0.25  # farthest that a continuous action may be from the expert's to count as the same
+ADVISED = 0.7  # fraction of the run over which the weight of advice in PPO falls to 0
+LED = 0.5  # fraction of the run over which the expert's share of the actions falls linearly from 1
+LEAST = 0.3  # minimum share of expert actions until `ALONE`; with less, most states are where the network is stuck
+ALONE = 0.8  # fraction of the run after which only the network acts, so that its value function fits its own behaviour
+AGREES = 0.25  # maximum distance of a continuous action from the expert's to count as the same
 
 
 class Advised(PPO):
-    """PPO that an expert advises wherever it gets to, less and less: rewards alone are silent for long.
+    """PPO with an additional cloning loss on an expert's advice, because rewards alone are sparse at first.
 
-    The loss is PPO's, plus how unlikely the network finds what the expert would do, times `advice_cost`, which falls
-    linearly to nothing (kickstarting: Schmitt et al., 2018, arXiv:1803.03835; there the teacher is a network).
+    The loss is PPO's plus `advice_cost` times the negative log-likelihood of the expert's action. The weight falls
+    linearly to 0 (kickstarting: Schmitt et al., 2018, arXiv:1803.03835; there the teacher is a network).
 
     Args:
         core: The environment's functions.
         config: Options.
-        devices: Where to train; all of JAX's by default.
+        devices: Devices to train on; all of JAX's by default.
 
     Raises:
-        ConfigError: As of `PPO`; or no expert is known for the task.
+        ConfigError: As in `PPO`; or the task has no expert.
 
     Example:
         >>> advised = Advised(env.core, PPOConfig(num_envs=64, advice_cost=0.5))  # doctest: +SKIP
@@ -51,7 +51,7 @@ class Advised(PPO):
         super().__init__(core if isinstance(core, WithExpert) else WithExpert(core), config, devices)
 
     def loss_now(self, state: TrainState) -> Loss:
-        """PPO's loss, and the advice at the weight that it has by now."""
+        """Return PPO's loss plus the cloning loss at its current weight."""
         left = 1 - state.updates.astype(jnp.float32) / (ADVISED * self.config.num_updates)
         weight = self.config.advice_cost * jnp.clip(left, 0, 1)
 
@@ -65,7 +65,7 @@ class Advised(PPO):
 
 
 def told_apart(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
-    """How unlikely advice is, and the part of it that is what the network would most likely do."""
+    """Return the negative log-likelihood of advice, and metrics with the share of most likely actions that agree."""
     clone_loss = -jnp.mean(choose.log_prob(params, advice))
     apart = jnp.abs(choose.clip(choose.mode(params)) - advice).reshape(*params.shape[:-1], -1)
     same = jnp.all(apart <= AGREES, axis=-1)
@@ -73,18 +73,18 @@ def told_apart(choose: Distribution, params: Array, advice: Array) -> tuple[Arra
 
 
 class Cloning(Advised):
-    """Learns from an expert's advice; what PPO needs besides, the value, is learned too, so that PPO can go on.
+    """Learn from an expert's advice alone; the value function is learned too, so that PPO can continue from it.
 
-    Options are PPO's; `entropy_cost`, `clip_range` and `advice_cost` mean nothing here. Of continuous actions the
-    likelihood's gradient is that of the squared error, scaled by the spread that is learned.
+    Options are PPO's; `entropy_cost`, `clip_range` and `advice_cost` have no effect here. For continuous actions the
+    likelihood's gradient is that of the squared error, scaled by the learned variance.
 
     Args:
         core: The environment's functions.
         config: Options.
-        devices: Where to train; all of JAX's by default.
+        devices: Devices to train on; all of JAX's by default.
 
     Raises:
-        ConfigError: As of `PPO`; or no expert is known for the task.
+        ConfigError: As in `PPO`; or the task has no expert.
 
     Example:
         >>> cloning = Cloning(env.core, PPOConfig(num_envs=64))  # doctest: +SKIP
@@ -93,7 +93,7 @@ class Cloning(Advised):
     """
 
     def behaviour(self, state: TrainState) -> Policy:
-        """The expert, at first always, then less and less often, at last never; else the network."""
+        """Return a policy that takes the expert's action with a scheduled probability, else the network's."""
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates
         led = jnp.where(done < ALONE, jnp.clip(1 - done / LED, LEAST, 1), 0.0)
@@ -107,11 +107,11 @@ class Cloning(Advised):
         return student._replace(act=act)
 
     def loss_now(self, state: TrainState) -> Loss:
-        """The same at every time."""
+        """Return the loss, which does not depend on the state."""
         return self.loss
 
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
-        """How unlikely the network finds the expert's actions, and the value's error."""
+        """Compute the negative log-likelihood of the expert's actions plus the weighted squared error of the value."""
         params, value = self.read(net, batch)
         clone_loss, parts = told_apart(self.agent.distribution, params, batch.steps.obs[EXPERT])
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)

@@ -11,7 +11,7 @@ ALGORITHMS = ("ppo", "advised", "clone")
 OPTIMIZERS = ("adam", "lamb")
 FINAL_OBS = ("cheap", "all")
 WHOLE = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
-MOST_STEPS = 2**31 - 1  # they are counted in 32 bits
+MOST_STEPS = 2**31 - 1  # maximum number of gradient steps; they are counted in 32 bits
 LEAST_SECONDS = 1e-3
 PARTS = ("discount", "gae_lambda", "final_rate")
 
@@ -20,34 +20,34 @@ PARTS = ("discount", "gae_lambda", "final_rate")
 class PPOConfig:
     """Options of `PPO`.
 
-    The defaults are for one large GPU and images: they are what PointNav was learned with from depth (see the page on
-    training). `CPU_CONFIG` is for two cores and vectors.
+    The defaults are for one large GPU and images: PointNav from depth was learned with them (see the page on training).
+    `CPU_CONFIG` is for two cores and vectors.
 
     Attributes:
-        num_envs: Environments, over all devices.
-        num_timesteps: Environment steps of the whole training; the learning rate falls until then.
-        unroll_length: Steps of each environment between two updates; gradients go back through time as far.
-        num_minibatches: Parts of a batch, each of whole environments.
-        num_epochs: How often a batch is gone through.
+        num_envs: Number of environments, over all devices.
+        num_timesteps: Environment steps of the whole training, over which the learning rate falls.
+        unroll_length: Steps of each environment between two updates, and of backpropagation through time.
+        num_minibatches: Number of minibatches of a batch, each of whole environments.
+        num_epochs: Number of passes over a batch.
         optimizer: "lamb" (arXiv:1904.00962), for large batches, or "adam", both with `weight_decay`.
-        learning_rate: At the start.
-        final_rate: Part of `learning_rate` that is left at the end; it falls linearly.
-        weight_decay: As of AdamW (arXiv:1711.05101).
-        max_grad_norm: Gradients are scaled down to this norm.
-        discount: Per step.
-        gae_lambda: Of generalised advantage estimation (arXiv:1506.02438).
-        clip_range: How far the ratio of probabilities counts, from 1.
+        learning_rate: Learning rate at the start.
+        final_rate: Fraction of `learning_rate` at the end of the linear schedule.
+        weight_decay: Decoupled weight decay, as in AdamW (arXiv:1711.05101).
+        max_grad_norm: Maximum global norm of gradients; larger ones are scaled down.
+        discount: Discount per step.
+        gae_lambda: λ of generalised advantage estimation (arXiv:1506.02438).
+        clip_range: Maximum deviation of the probability ratio from 1 that counts.
         entropy_cost: Weight of the entropy bonus.
-        value_cost: Weight of the value's loss.
-        advice_cost: Of algorithm "advised": weight of an expert's advice at the start, see `Advised`.
-        stagger: Environments begin somewhere in the time of their first episode, so that they do not end all at once.
-        final_obs: What an episode that runs out of time is continued by in the returns. "cheap": the value of the last
+        value_cost: Weight of the value loss.
+        advice_cost: Initial weight of an expert's advice with algorithm "advised", see `Advised`.
+        stagger: Start environments at random times of their first episode, so that they do not all end at once.
+        final_obs: Bootstrap of returns after an episode that runs out of time. "cheap": the value of the last
             observation if it needs no rays, else the value of the step before. "all": the value of the last
-            observation, rendered for that.
-        network: Sizes.
+            observation, which is rendered for this purpose.
+        network: Sizes of the network.
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is invalid.
 
     Example:
         >>> PPOConfig(num_envs=64, unroll_length=32, num_timesteps=100_000).num_updates
@@ -89,24 +89,27 @@ class PPOConfig:
                 check_number(option.name, value, 0)
         steps = self.num_updates * self.num_epochs * self.num_minibatches
         if steps > MOST_STEPS:
-            message = f"`num_timesteps` of {self.num_timesteps} make {steps} gradient steps, at most {MOST_STEPS}"
-            raise ConfigError(message, hint="Take fewer, or larger batches: `num_envs`, `unroll_length`.")
+            message = (
+                f"`num_timesteps` of {self.num_timesteps} needs {steps} gradient steps, the maximum is {MOST_STEPS}"
+            )
+            raise ConfigError(message, hint="Reduce it, or use larger batches: `num_envs`, `unroll_length`.")
 
     @property
     def batch_size(self) -> int:
-        """Environment steps of an update."""
+        """Environment steps of one update."""
         return self.num_envs * self.unroll_length
 
     @property
     def num_updates(self) -> int:
-        """Updates of the whole training."""
+        """Number of updates of the whole training."""
         return -(-self.num_timesteps // self.batch_size)
 
     def check_devices(self, num_devices: int, num_agents: int = 1) -> None:
-        """Refuses numbers that do not divide.
+        """Reject batch sizes that do not divide evenly.
 
         Raises:
-            ConfigError: Environments cannot be dealt out evenly to devices, or their agents to minibatches.
+            ConfigError: `num_envs` is not a multiple of the devices, or `num_minibatches` does not divide the agents of
+                a device.
         """
         if self.num_envs % num_devices:
             message = f"`num_envs` must be a multiple of the {num_devices} devices, got {self.num_envs}"
@@ -134,20 +137,20 @@ CPU_CONFIG = PPOConfig(
 
 @dataclass(frozen=True)
 class RunConfig:
-    """All that a training run is made of.
+    """Complete configuration of a training run.
 
     Attributes:
-        env: What `make` was asked for: task, houses, sensors.
+        env: Spec of the environment: task, houses, sensors.
         ppo: Options of the training.
-        seed: Of everything random.
+        seed: Seed of all random numbers.
         algorithm: "ppo"; "clone": an expert's advice alone, see `Cloning`; "advised": both, see `Advised`.
-        start: Checkpoint whose network is where training begins; None: a fresh one.
-        clone_timesteps: So many environment steps of an expert's advice come before PPO's own.
-        max_seconds: Training ends after so many seconds, if it has not by then, but not before its first update;
-            compiling does not count. None: no limit. Learning rates fall as if there were none.
+        start: Checkpoint whose network training starts from; None: a fresh one.
+        clone_timesteps: Environment steps of cloning before PPO; 0: none.
+        max_seconds: Time limit of training without compilation, checked after each update; learning rates do not depend
+            on it. None: no limit.
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is invalid.
     """
 
     env: EnvSpec
@@ -169,12 +172,12 @@ class RunConfig:
         if self.start is not None:
             check_type("start", self.start, str)
         if self.clone_timesteps and self.algorithm == "clone":
-            raise ConfigError("`clone_timesteps` come before PPO; `algorithm` is clone", hint="Leave one of them out.")
-        self.stages  # noqa: B018 - refuses options of any
+            raise ConfigError("`clone_timesteps` precede PPO, but `algorithm` is clone", hint="Leave one of them out.")
+        self.stages  # noqa: B018 - validates the options of every stage
 
     @property
     def stages(self) -> tuple[tuple[str, PPOConfig], ...]:
-        """Algorithms and their options, one after the other.
+        """Algorithms and their options, in order.
 
         Example:
             >>> run = RunConfig(spec, PPOConfig(num_envs=64), clone_timesteps=10_000)  # doctest: +SKIP

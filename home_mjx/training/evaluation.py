@@ -1,4 +1,4 @@
-"""How good a policy is: whole episodes, each house as often as any other, beside an agent that acts at random."""
+"""Evaluation of policies over whole episodes that are spread evenly over houses, and a random baseline."""
 
 import dataclasses
 from collections.abc import Callable
@@ -22,27 +22,27 @@ from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 
-MAX_EPISODES = 1_000_000  # of one evaluation: their rows are drawn beforehand, all at once
-MAX_BATCH = 256  # episodes that are played at once
+MAX_EPISODES = 1_000_000  # maximum episodes of one evaluation; their rows are sampled in advance, all at once
+MAX_BATCH = 256  # maximum number of episodes that run in parallel
 
-Results = dict[str, np.ndarray]  # by name, one number per episode
+Results = dict[str, np.ndarray]  # metric name -> one number per episode
 
 
-FOR_TRAINING = ("mistakes_end", "episodes")  # options that make a task easier to learn, and what it is learned in
+FOR_TRAINING = ("mistakes_end", "episodes")  # options that make a task easier to learn, and the training episodes
 
 
 def judged(
     spec: EnvSpec, split: str | None = "val", num_houses: int = 16, *, episode_file: str | Path | None = None,
     dataset: str | Path | None = None,
 ) -> EnvSpec:  # fmt: skip
-    """What an agent of an environment is judged by: other houses, and none of the options that are for training only.
+    """Return the evaluation spec: held-out houses, training-only options removed.
 
     Args:
-        spec: What it has trained in.
-        split: Part of the dataset; None: the houses that it has trained in.
-        num_houses: How many of that part.
-        episode_file: Episodes, in the houses that they name, instead of those of a part.
-        dataset: Root of another dataset than that of training.
+        spec: Spec that the agent was trained on.
+        split: Split of the dataset; None: the houses of training.
+        num_houses: Number of houses of the split.
+        episode_file: Episode file that replaces the split; its episodes name their houses.
+        dataset: Root of a dataset other than that of training.
 
     Example:
         >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks:ObjectNav", {"stop": True, "mistakes_end": False})
@@ -55,20 +55,20 @@ def judged(
     spec = dataclasses.replace(spec, houses=spec.houses if dataset is None else str(dataset))
     if episode_file is not None:
         return dataclasses.replace(spec, options=options | {"episodes": str(episode_file)}, split=None)
-    if split is None:  # a file may have said which houses these were
+    if split is None:  # an episode file may have selected the houses of training
         options |= {name: value for name, value in spec.options.items() if name == "episodes"}
         return dataclasses.replace(spec, options=options)
     return dataclasses.replace(spec, options=options, split=split, num_houses=num_houses)
 
 
 class Play(Pytree):
-    """N episodes while they are played."""
+    """Loop state of N episodes that run in parallel."""
 
     env: State
     memory: Any
     keys: UInt32[Array, "r 2"]
-    alive: Any  # (N,) bool, not over
-    figures: dict[str, Float[Array, " n"]]  # until now, or at the end
+    alive: Any  # (N,) bool, not yet ended
+    figures: dict[str, Float[Array, " n"]]  # running values, frozen when the episode ends
 
 
 def evaluate(
@@ -79,23 +79,23 @@ def evaluate(
     seed: int = 0,
     max_batch: int = MAX_BATCH,
 ) -> Results:
-    """Plays episodes to their end.
+    """Run episodes to their end and return their metrics.
 
-    They are the first rows of the environment's episodes or task bank, counted around; where it has none, as many are
-    drawn with `sample_episodes`. The same seed gives the same episodes to any policy.
+    Episodes are the first rows of the environment's episodes or task bank, cyclically. Without such rows they are
+    sampled with `sample_episodes`. The same seed gives the same episodes to any policy.
 
     Args:
-        env: Houses and task; held-out ones, `split="val"`, to tell what was learned.
-        policy_of: From parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
+        env: Houses and task; use held-out houses, `split="val"`, to measure generalisation.
+        policy_of: Function from parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
         net: The parameters.
-        num_episodes: How many, at most `MAX_EPISODES`.
-        seed: Of episodes and actions.
-        max_batch: Episodes that are played at once, at most.
+        num_episodes: Number of episodes, at most `MAX_EPISODES`.
+        seed: Seed of episodes and actions.
+        max_batch: Maximum number of episodes that run in parallel.
 
     Returns:
-        For each episode: `return`, `episode_steps`, `walked` [m] by the first agent, and the task's metrics at its
-        end. If the task has `success` and knows the `length` of the shortest path, also `spl` (Anderson et al.,
-        arXiv:1807.06757), and with `distance` also `soft_spl` (Datta et al., arXiv:2009.03231).
+        For each episode: `return`, `episode_steps`, `walked` [m] by the first agent, and the task's metrics at its end.
+        A task with `success` and a shortest path `length` also gets `spl` (Anderson et al., arXiv:1807.06757). With
+        `distance` it also gets `soft_spl` (Datta et al., arXiv:2009.03231).
 
     Example:
         >>> results = evaluate(held_out, ppo.policy, state.net)  # doctest: +SKIP
@@ -114,23 +114,23 @@ def evaluate(
 
 
 def check_episodes(num: object) -> None:
-    """Refuses a number of episodes that cannot be played, before any house is made.
+    """Validate a number of episodes before any house is compiled.
 
     Raises:
-        ConfigError: It is no whole number from 1 to `MAX_EPISODES`.
+        ConfigError: It is not a whole number from 1 to `MAX_EPISODES`.
     """
     check_number("num_episodes", num, 1, MAX_EPISODES, whole=True)
 
 
 def with_episodes(env: BoundEnv[HouseholdEnv], num: int, seed: int = 0) -> BoundEnv[HouseholdEnv]:
-    """The environment with episodes drawn beforehand, if its task has any that could be drawn."""
+    """Return the environment with sampled episodes, unless it has episodes or its task has no columns."""
     if env.params.tasks is not None or not env.task.columns:
         return env
     return env.with_tasks(sample_episodes(env.bank, num, seed, task=env.task))
 
 
 def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
-    """Actions drawn evenly: numbers within the limits, or any of the choices."""
+    """Return a policy that samples actions uniformly within the bounds of the action spec."""
     spec = core.action_spec.of_one(core.num_agents)
     low, high = spec.bounds()
 
@@ -146,7 +146,7 @@ def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
 
 
 def expert_policy(net: Any = None) -> Policy:
-    """Does what an expert would do, in environments of `with_expert`.
+    """Return a policy that takes the expert's actions, for environments of `with_expert`.
 
     Example:
         >>> evaluate(with_expert(env), expert_policy)  # doctest: +SKIP
@@ -155,7 +155,7 @@ def expert_policy(net: Any = None) -> Policy:
 
 
 def summary(results: Results) -> dict[str, dict[str, float]]:
-    """Mean and standard error of every figure.
+    """Compute mean and standard error of every metric.
 
     Example:
         >>> summary({"success": np.array([1.0, 0.0, 1.0, 0.0])})
@@ -196,7 +196,7 @@ def _play(
 
 
 def _figures(core: HouseholdEnv, params: EnvParams, play: Play, env: State) -> dict[str, Array]:
-    """Figures after a step."""
+    """Compute the metrics after a step; `return`, `episode_steps` and `walked` accumulate."""
     look = jax.vmap(lambda state: core.snapshot(params, state).pose.pos[0])
     moved = jnp.linalg.norm(look(env) - look(play.env), axis=-1)
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
@@ -205,13 +205,13 @@ def _figures(core: HouseholdEnv, params: EnvParams, play: Play, env: State) -> d
 
 
 def _shortest(params: EnvParams, numbers: Int[Array, " n"]) -> Float[Array, " n"] | None:
-    """Lengths of the shortest paths [m], if they are known."""
+    """Return the lengths of the shortest paths [m]; None if unknown."""
     lengths = getattr(params.tasks, "columns", {}).get("length")
     return None if lengths is None else lengths[numbers % lengths.shape[0]]
 
 
 def _path_figures(figures: dict[str, Array], length: Array | None) -> dict[str, Array]:
-    """SPL and soft SPL where the task does not give them itself."""
+    """Compute SPL and soft SPL if the task does not report them itself."""
     if length is None or "success" not in figures or "spl" in figures:
         return {}
     found = path_scores(figures["success"], length, figures["walked"], figures.get("distance", length))

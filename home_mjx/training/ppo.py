@@ -30,22 +30,22 @@ from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
 from home_mjx.training.rollout import Actor, Policy, Steps, advantages, rollout, to_rows
 
-AXIS = "envs"  # of the mesh: environments are dealt out to devices, all else is on each
+AXIS = "envs"  # mesh axis: environments are sharded over devices, everything else is replicated
 Loss = Callable[[Any, "Batch"], tuple[Array, dict[str, Array]]]
 
 
 class TrainState(Pytree):
-    """All that an update needs and changes; with the same houses, it gives the same next update, bit by bit."""
+    """Complete state of training; with the same houses it determines the next update bit by bit."""
 
     net: Any  # parameters
     opt: Any  # the optimizer's state
     actor: Actor
     key: UInt32[Array, "2"]
-    updates: Int[Array, ""]  # of the run, done so far
+    updates: Int[Array, ""]  # updates of the run so far
 
 
 class Batch(Pytree):
-    """What is learned from: T steps of R rows."""
+    """Training data of one update: T steps of R rows."""
 
     steps: Steps
     memory: Float[Array, "r m"]  # before the first step
@@ -56,23 +56,23 @@ class Batch(Pytree):
 class PPO:
     """Recurrent PPO for one kind of environment.
 
-    Several agents of an environment share one network and learn as if each were alone.
+    Several agents of an environment share one network and learn independently.
 
     Args:
         core: The environment's functions.
         config: Options.
-        devices: Where to train; all of JAX's by default. Each takes an equal part of the environments.
+        devices: Devices to train on; all of JAX's by default. Each gets an equal share of the environments.
 
     Attributes:
         agent: The network.
         config: The options.
         batch: The environments, with automatic resets.
-        update: `(params, state)` to the next state and metrics; compiled. On several devices, `params` should first be
-            put there: `jax.device_put(params, ppo.whole)`.
-        whole: The placement of what every device has.
+        update: Compiled function from `(params, state)` to the next state and metrics. On several devices, `params`
+            should first be put there: `jax.device_put(params, ppo.whole)`.
+        whole: Sharding of replicated values.
 
     Raises:
-        ConfigError: Numbers do not divide, or the environment's observations or actions have no network.
+        ConfigError: Batch sizes do not divide evenly, or the environment's observations or actions have no network.
     """
 
     def __init__(
@@ -100,11 +100,11 @@ class PPO:
             self._update_local, mesh=self.mesh, in_specs=(whole, self._places),
             out_specs=(self._places, whole), check_vma=False,
         )  # fmt: skip
-        # Said once more: else arrays without elements come out placed otherwise than they went in.
+        # Explicit, because otherwise arrays without elements change their sharding from input to output.
         self.update = jax.jit(update, out_shardings=(self._put, self.whole))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
-        """A fresh network, and environments at the start of an episode."""
+        """Initialize a network, and environments at the start of an episode."""
         net_key, env_key, own = jax.random.split(jax.random.wrap_key_data(to_raw(key)), 3)
         net = self.agent.init_net(net_key)
         actor = self._begin(params, jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
@@ -113,14 +113,14 @@ class PPO:
         ))  # fmt: skip
 
     def place(self, state: TrainState) -> TrainState:
-        """The state, such as one from a file, where `update` wants it."""
+        """Move a state, such as one from a file, to the devices with the sharding of `update`."""
         return jax.device_put(state, self._put)
 
     def _begin_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> Actor:
-        """First states of this device's environments."""
+        """Reset this device's environments."""
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
-        first = jax.lax.axis_index(AXIS) * num  # each device begins with rows of its own
+        first = jax.lax.axis_index(AXIS) * num  # each device starts at different rows
         episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(params.tasks) else None
         env = self.batch.reset(params, env_keys, None, episodes)
         if self.config.stagger:
@@ -137,7 +137,7 @@ class PPO:
         )
 
     def _update_local(self, params: EnvParams, state: TrainState) -> tuple[TrainState, dict[str, Array]]:
-        """One update with this device's environments; gradients are averaged over devices."""
+        """Compute one update with this device's environments; gradients are averaged over devices."""
         config, memory = self.config, state.actor.memory
         policy = self.behaviour(state)
         actor, steps, episodes = rollout(self.batch, params, state.actor, policy, config.unroll_length)
@@ -153,11 +153,11 @@ class PPO:
         return new, metrics | {f"episode/{name}": jax.lax.psum(x, AXIS) for name, x in episodes.items()}
 
     def behaviour(self, state: TrainState) -> Policy:
-        """Who acts while it learns: the network itself."""
+        """Return the policy that acts during training, here the network itself."""
         return self.policy(state.net)
 
     def policy(self, net: Any, greedy: bool = False) -> Policy:
-        """The network as a policy; greedy: it does what is likeliest."""
+        """Return the network as a policy; `greedy` takes the most likely action."""
         choose = self.agent.distribution
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
@@ -173,19 +173,19 @@ class PPO:
         return Policy(act, value, choose.clip, self.agent.first_memory)
 
     def loss_now(self, state: TrainState) -> Loss:
-        """What is descended in an update from this state."""
+        """Return the loss function of an update from this state."""
         return self.loss
 
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
-        """PPO's loss; the whole sequence is run again."""
+        """Compute PPO's loss; the network is applied to the whole sequence again."""
         return self.clipped_loss(*self.read(net, batch), batch)
 
     def read(self, net: Any, batch: Batch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
-        """What the network now makes of a batch: parameters of the distribution, and values."""
+        """Apply the network to a batch; return distribution parameters and values."""
         return self.agent.read(net, batch.memory, batch.steps.obs, batch.steps.begins)[1:]
 
     def clipped_loss(self, params: Array, value: Array, batch: Batch) -> tuple[Array, dict[str, Array]]:
-        """The clipped loss, the value's error and the entropy bonus."""
+        """Compute the clipped policy loss, the value loss and the entropy bonus."""
         config, steps = self.config, batch.steps
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
@@ -205,7 +205,7 @@ class PPO:
         return policy_loss + config.value_cost * value_loss - config.entropy_cost * entropy, parts
 
     def fit(self, loss: Loss, net: Any, opt: Any, batch: Batch, key: Array) -> tuple[Any, Any, dict[str, Array]]:
-        """Descends a loss over minibatches of whole rows; call it where the mesh's axis is known.
+        """Optimize a loss over minibatches of whole rows; call it inside `shard_map`, where the mesh axis is bound.
 
         Returns:
             Parameters, the optimizer's state, and the means of the loss's parts and of the gradients' norm.
@@ -234,13 +234,13 @@ TIMED = ("steps", "advantage", "target")  # fields of `Batch` with a leading axi
 
 
 def agent_of(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
-    """The network for an environment, one agent at a time."""
+    """Build the network for one agent of an environment."""
     specs = {name: spec.of_one(core.num_agents) for name, spec in core.observation_spec.items()}
     return RecurrentAgent.of(specs, core.action_spec.of_one(core.num_agents), config.network)
 
 
 def optimizer_of(config: PPOConfig) -> optax.GradientTransformation:
-    """The optimizer, with its falling learning rate and clipped gradients."""
+    """Build the optimizer, with a linear learning rate schedule and clipped gradients."""
     num = config.num_updates * config.num_epochs * config.num_minibatches
     rate = optax.linear_schedule(config.learning_rate, config.learning_rate * config.final_rate, num)
     kind = {"adam": lambda: optax.adamw(rate, eps=1e-5, weight_decay=config.weight_decay),

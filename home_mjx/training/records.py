@@ -1,4 +1,4 @@
-"""What a training run leaves to look at: lines of JSON, TensorBoard's events, and curves."""
+"""Records of a training run: lines of JSON, TensorBoard events, and curves."""
 
 import json
 import math
@@ -25,24 +25,24 @@ CURVES = (
     "loss/agreement",
 )
 
-SMOOTH = 20  # points of a curve that are told apart
-FREE_SPACE = "Free some space, then go on with --resume."
+SMOOTH = 20  # number of windows of the moving average over a curve
+FREE_SPACE = "Free some space, then continue with --resume."
 
 Line = dict[str, Any]
 
 
 class Records:
-    """The records of one run, added to line by line. Nothing is written before they are entered.
+    """Records of one run, appended line by line. Nothing is written before the context is entered.
 
     Args:
-        folder: Where `metrics.jsonl`, `tensorboard/` and `curves.png` are.
-        steps: Lines after so many steps are dropped: a resumed run goes on from there.
+        folder: Folder of `metrics.jsonl`, `tensorboard/` and `curves.png`.
+        steps: Step count at which a resumed run continues; later lines are dropped.
 
     Attributes:
-        lines: All there are.
+        lines: All lines.
 
     Raises:
-        ConfigError: A package is missing. When entered and later: they cannot be written, such as on a full disk.
+        ConfigError: A package is missing. On entry and later: they cannot be written, such as on a full disk.
         DatasetError: The lines of an earlier run are broken.
 
     Example:
@@ -67,36 +67,36 @@ class Records:
         self._events.__exit__(kind, error, trace)
 
     def add(self, line: Line) -> None:
-        """Writes a line; what is not a number is left out of it."""
+        """Write a line, without the values that are not finite."""
         line = {name: x for name, x in line.items() if not isinstance(x, float) or math.isfinite(x)}
         self.lines.append(line)
-        with writing("metrics", self.path, FREE_SPACE):  # on the disk before the checkpoint that goes on from it
+        with writing("metrics", self.path, FREE_SPACE):  # on disk before the checkpoint that continues from it
             write_through(self.path, f"{json.dumps(line)}\n".encode(), "ab")
         for name, x in line.items():
             if isinstance(x, float):
                 self._events.add(name if "/" in name else f"episode/{name}", x, line["steps"])
 
     def draw(self) -> None:
-        """Writes `curves.png`."""
+        """Write `curves.png`."""
         self._events.flush()
         draw_curves(self.folder / "curves.png", self.lines)
 
 
 class Events:
-    """Scalars for TensorBoard, written as they come.
+    """Scalars for TensorBoard, written synchronously.
 
-    tensorboardX's `SummaryWriter` hands them to a thread: when that dies of a full disk, the run waits for it for ever.
+    tensorboardX's `SummaryWriter` writes in a thread; if that dies of a full disk, the run waits for it forever.
 
     Args:
-        folder: Where the file is begun; made if need be.
-        steps: Scalars of earlier files after so many steps count no more.
+        folder: Folder of the file; created if necessary.
+        steps: Step count at which the file starts; TensorBoard drops later scalars of earlier files.
 
     Raises:
-        ConfigError: When entered and later: they cannot be written.
+        ConfigError: On entry and later: they cannot be written.
     """
 
     def __init__(self, folder: Path, steps: int) -> None:
-        # The number of steps: two files that are begun within one second would have the same name.
+        # `steps`, because otherwise two files of one second would have the same name.
         name = f"events.out.tfevents.{int(time.time())}.{socket.gethostname()}.{steps}"
         self.path, self.steps = folder / name, steps
         self._proto, self._writer_of = _events_package()
@@ -117,11 +117,11 @@ class Events:
             self._writer.close()
 
     def add(self, name: str, value: float, steps: int) -> None:
-        """Adds a scalar."""
+        """Add a scalar."""
         self._write(step=steps, summary={"value": [{"tag": name, "simple_value": value}]})
 
     def flush(self) -> None:
-        """All that was added is on the disk when this returns."""
+        """Flush all scalars to disk before returning."""
         with self._writing():
             self._writer.flush()
 
@@ -134,10 +134,10 @@ class Events:
 
 
 def read_lines(path: Path) -> list[Line]:
-    """The lines of a `metrics.jsonl`; one at the end that a killed process left unfinished is left out.
+    """Read the lines of a `metrics.jsonl`, without a last line that a killed process left unfinished.
 
     Raises:
-        DatasetError: The file cannot be read, or a line is no record of numbers; says which.
+        DatasetError: The file cannot be read, or a line is not a record of numbers; the error names it.
     """
     if not path.exists():
         return []
@@ -150,11 +150,11 @@ def _line(text: str, path: Path, number: int) -> Line:
         line = json.loads(text)
         if isinstance(line, dict) and type(line.get("steps")) is int and all(_is_number(x) for x in line.values()):
             return line
-        reason = f"expected names, `steps` among them, and finite numbers, got `{text:.40}`"
+        reason = f"expected names, including `steps`, and finite numbers, got `{text:.40}`"
     except (ValueError, RecursionError) as error:
         reason = str(error)
-    message = f"line is no record of a training run: {reason}"
-    hint = "Delete the line, or the file: only curves are lost by that."
+    message = f"line is not a record of a training run: {reason}"
+    hint = "Delete the line or the file; only curves are lost."
     raise DatasetError(message, file=path, element=f"line {number}", hint=hint)
 
 
@@ -163,7 +163,7 @@ def _is_number(x: Any) -> bool:
 
 
 def draw_curves(path: Path, lines: list[Line]) -> None:
-    """Draws the figures of `CURVES` that there are, over steps.
+    """Draw the metrics of `CURVES` that the lines contain, over steps.
 
     Raises:
         ConfigError: Matplotlib is not installed, or the file cannot be written.
@@ -188,7 +188,7 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
 
 
 def smoothed(values: list[float]) -> list[float]:
-    """The mean of each value and those before it, up to the `SMOOTH`-th part of all.
+    """Compute a moving average over each value and those before it; the window is 1 / `SMOOTH` of the length.
 
     Example:
         >>> smoothed([1.0, 3.0] * 20)[:2]
@@ -200,7 +200,7 @@ def smoothed(values: list[float]) -> list[float]:
 
 
 def _panels(num: int) -> list[Any]:
-    """Axes of a figure; without pyplot, which would keep all figures and ask for a screen."""
+    """Return the axes of a new figure; without pyplot, which keeps all figures and needs a display."""
     try:
         from matplotlib.figure import Figure
         from matplotlib.ticker import EngFormatter
@@ -215,7 +215,7 @@ def _panels(num: int) -> list[Any]:
 
 
 def _events_package() -> tuple[Any, Any]:
-    """Kinds of events, and what writes them."""
+    """Import the event types and the writer of tensorboardX."""
     try:
         from tensorboardX.proto import event_pb2
         from tensorboardX.record_writer import RecordWriter

@@ -1,4 +1,4 @@
-"""Steps of a batch of environments under a policy, and what they were worth."""
+"""Rollouts of a batch of environments under a policy, and advantage estimation."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -11,17 +11,17 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.autoreset import AutoReset
 
-# R rows are the agents of all environments, one environment after the other; N environments.
+# R rows are the agents of all N environments, in the order of environments.
 
 
 class Actor(Pytree):
-    """What acting carries from step to step."""
+    """Carry of a rollout from step to step."""
 
     env: Any  # `State` of N environments, without `info`
-    memory: Any  # of the policy, R rows
-    begins: Bool[Array, " r"]  # the observation in `env` is an episode's first
-    keys: UInt32[Array, "r 2"]  # of each row, so that actions do not depend on how rows are dealt out to devices
-    totals: dict[str, Float[Array, " n"]]  # of the running episodes: `return`; `length` [steps], as checkpoints name it
+    memory: Any  # memory of the policy, R rows
+    begins: Bool[Array, " r"]  # True if the observation in `env` is an episode's first
+    keys: UInt32[Array, "r 2"]  # of each row, so that actions do not depend on the sharding
+    totals: dict[str, Float[Array, " n"]]  # of running episodes: `return`; `length` [steps], the key in checkpoints
 
 
 class Steps(Pytree):
@@ -30,21 +30,20 @@ class Steps(Pytree):
     obs: dict[str, Array]  # (T, R, ...)
     begins: Bool[Array, "t r"]
     action: Array  # (T, R, ...), before it is clipped
-    outputs: Any  # what the policy gave besides, such as `log_prob` and `value`
+    outputs: Any  # other outputs of the policy, such as `log_prob` and `value`
     reward: Float[Array, "t r"]
     done: Bool[Array, "t r"]
-    cut: Float[Array, "t r"]  # value of what would have come after a step at which time ran out; else 0
+    cut: Float[Array, "t r"]  # value of the observation after a truncated step; else 0
 
 
 class Policy(NamedTuple):
-    """How to act: PPO's network, an expert, or noise.
+    """Policy as functions: PPO's network, an expert, or random actions.
 
     Attributes:
-        act: `(memory, obs, begins, keys)` to memory, actions, and what else is to be kept; R rows each.
-        value: `(memory, obs, outputs)` to the values (R,) of observations after a step whose episode ran out of time;
-            None: they are worth nothing.
-        clip: Actions as the environment takes them.
-        memory: What so many rows remember before their first step.
+        act: Function from `(memory, obs, begins, keys)` to memory, actions, and other outputs to store; R rows each.
+        value: Function from `(memory, obs, outputs)` to the values (R,) of observations after truncated steps; None: 0.
+        clip: Function from actions to valid actions of the environment.
+        memory: Function from a number of rows to their memory before the first step.
     """
 
     act: Callable[[Any, dict[str, Array], Array, Array], tuple[Any, Array, dict[str, Array]]]
@@ -54,17 +53,17 @@ class Policy(NamedTuple):
 
 
 def to_rows(tree: Any, num_agents: int) -> Any:
-    """(N, A, ...) to (N A, ...); one agent has no axis of its own."""
+    """Reshape (N, A, ...) to (N A, ...); a single agent has no axis."""
     return tree if num_agents == 1 else jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), tree)
 
 
 def to_envs(tree: Any, num_agents: int) -> Any:
-    """(N A, ...) to (N, A, ...)."""
+    """Reshape (N A, ...) to (N, A, ...)."""
     return tree if num_agents == 1 else jax.tree.map(lambda x: x.reshape(-1, num_agents, *x.shape[1:]), tree)
 
 
 def split_keys(keys: UInt32[Array, "r 2"]) -> tuple[UInt32[Array, "r 2"], UInt32[Array, "r 2"]]:
-    """Keys for next time, and keys for now."""
+    """Split keys into those of the next step and those of this step."""
     pairs = jax.vmap(lambda key: jax.random.split(key, 2))(keys)
     return pairs[:, 0], pairs[:, 1]
 
@@ -72,11 +71,11 @@ def split_keys(keys: UInt32[Array, "r 2"]) -> tuple[UInt32[Array, "r 2"], UInt32
 def rollout(
     batch: AutoReset, params: EnvParams, actor: Actor, policy: Policy, num_steps: int
 ) -> tuple[Actor, Steps, dict[str, Float[Array, ""]]]:
-    """Takes `num_steps` steps.
+    """Run `num_steps` steps.
 
     Returns:
-        What acting carries on, the steps, and sums over the episodes that ended: `episodes`, `return`,
-        `episode_steps`, and the task's metrics at the end.
+        The carry, the steps, and sums over the episodes that ended: `episodes`, `return`, `episode_steps`, and the
+        task's metrics at the end.
     """
     agents = batch.core.num_agents
 
@@ -106,7 +105,7 @@ def rollout(
 
 
 def _cut_off(policy: Policy, memory: Any, last: dict[str, Array], outputs: dict[str, Array], late: Array) -> Array:
-    """Values of the observations after steps at which time ran out."""
+    """Return the values of the observations after truncated steps; 0 elsewhere."""
     nothing, value = jnp.zeros(late.shape, jnp.float32), policy.value
     if value is None:
         return nothing
@@ -115,7 +114,7 @@ def _cut_off(policy: Policy, memory: Any, last: dict[str, Array], outputs: dict[
 
 
 def _count(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Running totals after a step, and sums over the episodes that it ended; agents of an environment are averaged."""
+    """Return running totals after a step, and sums over episodes that it ended; rewards are averaged over agents."""
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
     now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
     own = {"return": now["return"], "episode_steps": now["length"]}
@@ -125,17 +124,20 @@ def _count(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict
 
 
 def advantages(steps: Steps, last_value: Float[Array, " r"], discount: float, gae_lambda: float) -> Float[Array, "t r"]:
-    """Generalised advantage estimation, Schulman et al., 2016 (arXiv:1506.02438).
+    """Compute generalised advantages, Schulman et al., 2016 (arXiv:1506.02438).
 
-    A step at which time ran out is worth what would have come after it, too (`Steps.cut`); a step at which the task
-    ended the episode is worth its reward alone (Pardo et al., "Time Limits in Reinforcement Learning", 2018,
+    A truncated step is bootstrapped with the value of its last observation (`Steps.cut`). A step at which the task
+    ended the episode counts its reward alone (Pardo et al., "Time Limits in Reinforcement Learning", 2018,
     arXiv:1712.00378).
 
     Args:
-        steps: The steps; `outputs` hold `value`.
-        last_value: Of the observations after the last step.
+        steps: The steps; `outputs` contain `value`.
+        last_value: Values of the observations after the last step.
         discount: γ.
         gae_lambda: λ.
+
+    Returns:
+        Advantages, without normalisation.
     """
     value, goes_on = steps.outputs["value"], 1.0 - steps.done.astype(jnp.float32)
     following = jnp.concatenate([value[1:], last_value[None]])

@@ -1,4 +1,4 @@
-"""A training run from options to files: checkpoints, records, and an evaluation in houses never trained in."""
+"""Training runs from options to files: checkpoints, records, and evaluation in held-out houses."""
 
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -38,39 +38,39 @@ from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
 
 LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": Advised, "clone": Cloning}
-NUM_LINES = 200  # of a stage
-REST = 20.0  # [s] between checkpoints
-NUM_EPISODES = 1000  # of an evaluation
-SHOWN = ("success", "return")  # beside the progress bar
+NUM_LINES = 200  # minimum number of metrics lines per stage; shorter stages have one per update
+REST = 20.0  # [s] minimum time between checkpoints
+NUM_EPISODES = 1000  # default number of episodes of an evaluation
+SHOWN = ("success", "return")  # metrics beside the progress bar
 
 
 def train(
     config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None,
     turn: AbstractContextManager[Any] | None = None,
 ) -> PPO:  # fmt: skip
-    """Trains, and writes to a folder.
+    """Train and write the results to a folder.
 
-    All programs are compiled first. `metrics.jsonl` has one line for every two-hundredth of each stage,
-    `checkpoint.npz` the latest checkpoint, `curves.png` the figures over steps, `tensorboard/` the same for
-    TensorBoard. `agent.npz` is the network alone, once the run is over; `cloned.npz` what it was when rewards began.
+    All programs are compiled first. `metrics.jsonl` has at least 200 lines per stage or one per update.
+    `checkpoint.npz` is the latest checkpoint, `curves.png` shows the metrics over steps, and `tensorboard/` has the
+    same for TensorBoard. `agent.npz` is the network alone at the end of the run; `cloned.npz` is the network after
+    cloning.
 
     Args:
         config: Options.
         out: The folder, which exists.
-        resume: Go on from its checkpoint if it has one; a run that was killed then gives what it would have given.
+        resume: Continue from the folder's checkpoint if there is one; the result equals that of an uninterrupted run.
         progress: Show a progress bar; None: in a terminal.
-        turn: Entered once all is compiled, left when the run is over: such as a lock of the device, so that the time of
-            training is its own while others compile.
+        turn: Context entered after compilation and left at the end, such as a lock of the device, so that measured
+            training time excludes other processes that compile.
 
     Returns:
         The trainer; its parameters are in the checkpoint.
 
     Raises:
-        ConfigError: The folder holds a run and `resume` is False, or a run of another configuration.
+        ConfigError: The folder contains a run and `resume` is False, or a run of another configuration.
         DatasetError: The network of `config.start` is for other observations, actions or sizes; or a file of the run is
-            broken. Nothing has been written then.
-        ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; what was written
-            before stays.
+            broken. Nothing has been written in this case.
+        ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; earlier files stay.
     """
     path, size = out / CHECKPOINT, config.ppo.batch_size
     done = _updates_done(path, config, resume)
@@ -89,7 +89,7 @@ def train(
 
 
 def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
-    """What an earlier part of the run has done; refuses a run that could not begin, before any house is made."""
+    """Return the updates of an earlier part of the run; reject invalid runs before any house is compiled."""
     core = config.env.core()
     for _, options in config.stages:
         if core is not None:
@@ -99,24 +99,24 @@ def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
             read_config(config.start)
         return 0
     if not resume:
-        hint = "Add --resume to go on with it, or choose another folder by --out."
-        raise ConfigError("the folder holds a training run", file=path, hint=hint)
+        hint = "Add --resume to continue it, or choose another folder with --out."
+        raise ConfigError("the folder contains a training run", file=path, hint=hint)
     check_same(read_config(path), config, path)
     done, whole = read_updates(path), sum(options.num_updates for _, options in config.stages)
     if done > whole:
-        hint = "The file was changed, or another version made it; train into another folder by --out."
-        raise DatasetError(f"checkpoint is after {done} updates of {whole}", file=path, hint=hint)
+        hint = "The file was changed, or written by another version; train into another folder with --out."
+        raise DatasetError(f"checkpoint has {done} updates, the run only {whole}", file=path, hint=hint)
     return done
 
 
 @dataclass
 class _Stage:
-    """Some updates of one algorithm, ready to be made.
+    """Updates of one algorithm, compiled and ready to run.
 
     Attributes:
         ppo: The learner.
-        params: Houses and tasks, where it wants them.
-        state: Where it begins.
+        params: Houses and tasks, on the learner's devices.
+        state: Initial state.
         update: The compiled update.
         first: Updates of the run before this stage.
         last: Updates of the run after it.
@@ -131,7 +131,7 @@ class _Stage:
 
 
 def _stages(config: RunConfig, env: BoundEnv[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
-    """Those that are not over after `done` updates, all compiled, at the same time, before the first one begins."""
+    """Compile the stages that are not complete after `done` updates, in parallel, before the first one starts."""
     found, last = [], 0
     with ThreadPoolExecutor() as pool:
         for number, (algorithm, options) in enumerate(config.stages):
@@ -155,7 +155,7 @@ def _stages(config: RunConfig, env: BoundEnv[HouseholdEnv], done: int, path: Pat
 
 @dataclass
 class _Run:
-    """A run's files and clocks."""
+    """Files and clocks of a run."""
 
     config: RunConfig
     path: Path
@@ -164,12 +164,12 @@ class _Run:
     clock: Clock
 
     def learn(self, stage: _Stage, net: Any) -> Any:
-        """Makes a stage's updates until the last one, or until time is over; from a net of the stage before to one."""
+        """Run a stage's updates until the last one or the time limit; map the previous stage's net to the new one."""
         size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, Sums()
         per_line = max(1, num // NUM_LINES)
         saved = -REST
         state = stage.state if net is None else stage.ppo.place(stage.state.replace(net=net))
-        over = bool(state.updates) and self.is_over()  # a run makes one update at least
+        over = bool(state.updates) and self.is_over()  # a run makes at least one update
         for i in range(int(state.updates) + 1, stage.last + 1):
             if over:
                 break
@@ -191,11 +191,11 @@ class _Run:
 
     def _check(self, net: Any, steps: int) -> None:
         if not is_finite(net):
-            hint = f"{DIVERGED} The last checkpoint, if there is one, is from before."
+            hint = f"{DIVERGED} The last checkpoint, if there is one, is from before it diverged."
             raise ConfigError(f"after {steps} steps the network has numbers that are not finite", hint=hint)
 
     def is_over(self) -> bool:
-        """Whether the run has used its seconds."""
+        """Return whether the time limit of the run is reached."""
         return self.config.max_seconds is not None and self.clock.now() >= self.config.max_seconds
 
 
@@ -204,22 +204,22 @@ def evaluate_checkpoint(
     greedy: bool = False, progress: bool | None = None, *, episode_file: str | Path | None = None,
     dataset: str | Path | None = None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Plays episodes with a checkpoint's agent, and the same ones with an agent that acts at random.
+    """Evaluate a checkpoint's agent, and a random agent on the same episodes.
 
     Args:
         path: The checkpoint.
-        split: Houses of which part of the dataset; a run trains in `train`. None: those that it has trained in. By the
-            rules of the task, whatever options for training alone it was trained with.
-        num_houses: How many.
-        num_episodes: How many; None: 1000, or all of `episode_file`.
-        seed: Of episodes and actions.
-        greedy: The agent does what is likeliest, instead of drawing its actions.
+        split: Split of the dataset that houses are from; training uses `train`. None: the houses of training. Options
+            that only ease training are removed in either case.
+        num_houses: Number of houses.
+        num_episodes: Number of episodes; None: 1000, or all of `episode_file`.
+        seed: Seed of episodes and actions.
+        greedy: Take the most likely action instead of sampling.
         progress: Show a progress bar while houses are compiled.
-        episode_file: Episodes, in the houses that they name; `split` and `num_houses` do not matter then.
-        dataset: Root of another dataset than that of training.
+        episode_file: Episodes, in the houses that they name; `split` and `num_houses` have no effect then.
+        dataset: Root of a dataset other than that of training.
 
     Returns:
-        `trained` and `random`, each a `summary`, and what was asked for.
+        `trained` and `random`, each a `summary`, and the settings of the evaluation.
     """
     check_episodes(NUM_EPISODES if num_episodes is None else num_episodes)
     spec = judged(read_config(path).env, split, num_houses, episode_file=episode_file, dataset=dataset)
@@ -244,7 +244,7 @@ def evaluate_checkpoint(
 
 
 def made(spec: EnvSpec, progress: bool | None = None) -> BoundEnv[HouseholdEnv]:
-    """The environment.
+    """Build the environment of a spec.
 
     Raises:
         ConfigError: Its houses exist in memory only.

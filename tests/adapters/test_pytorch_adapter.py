@@ -30,7 +30,7 @@ def test_tensors_lie_where_the_arrays_do():
 
 def test_typed_keys_are_refused_and_their_numbers_are_taken():
     keys = jax.random.split(jax.random.key(3), 4)
-    with pytest.raises(ConfigError, match=r"typed keys.*key<fry>\[4\].*jax\.random\.key_data"):
+    with pytest.raises(ConfigError, match=r"typed random keys.*key<fry>\[4\].*jax\.random\.key_data"):
         to_torch({"keys": keys})
     tensor = to_torch(jax.random.key_data(keys))
     again = jax.random.wrap_key_data(to_jax(tensor))

@@ -76,7 +76,7 @@ NO_PATHS = [
         (["generate"], ["OUT", "home-mjx generate --help"]),
         (["generate", "x", "--seeds", "3:3"], ["expected 0 <= A < B", "`3:3`"]),
         (["bench", "rayz"], ["unknown benchmark case `rayz`", "Did you mean `rays`?"]),
-        (["bench", "rays/primary"], ["unknown benchmark figure", "Did you mean `primary-depth`?"]),
+        (["bench", "rays/primary"], ["unknown benchmark measurement", "Did you mean `primary-depth`?"]),
         (["bench", "rays", "--envs", "0"], ["whole number above 0"]),
         (["generate", "x", "--seeds", "99999999999999999999"], ["2**63"]),
         (["demo", "--seed", "99999999999999999999"], ["whole number from 0 to 4294967295"]),
@@ -167,6 +167,6 @@ def test_too_little_memory_is_one_message(error, monkeypatch: pytest.MonkeyPatch
         raise raised
 
     monkeypatch.setattr("home_mjx.cli.commands.generate.run", run)
-    assert_refused(capsys, ["generate", "x", "--seeds", "0"], "not enough memory", "Take fewer environments")
+    assert_refused(capsys, ["generate", "x", "--seeds", "0"], "not enough memory", "Use fewer environments")
     with pytest.raises(type(raised)):
         main(["generate", "x", "--seeds", "0", "--debug"])

@@ -82,7 +82,7 @@ def test_inspect_tells_bytes_per_house_and_per_model(houses: Path, capsys: pytes
 
 def test_semantics_of_a_root_asks_for_a_house(houses: Path, capsys: pytest.CaptureFixture):
     assert main(["inspect", str(houses), "--semantics"]) == 2
-    assert f"Name one of its houses: HOUSE --dataset {houses}" in capsys.readouterr().err
+    assert f"Pass one of its houses: HOUSE --dataset {houses}" in capsys.readouterr().err
 
 
 def test_a_folder_named_as_a_house_is_not_a_dataset(
@@ -192,12 +192,12 @@ def test_cut_walls_are_dark_in_the_plan(houses: Path, tmp_path: Path):
 @pytest.mark.parametrize("options", [["--at", "0", "0"], ["--pitch", "0"], ["--lens", "cube"]])
 def test_a_plan_leaves_no_choice_of_the_camera(options: list[str], houses: Path, tmp_path: Path, capsys):
     assert main(["render", "--dataset", str(houses), "--out", str(tmp_path), "--top", *options]) == 2
-    assert f"{options[0]} is chosen beside --top" in capsys.readouterr().err
+    assert f"{options[0]} cannot be combined with --top" in capsys.readouterr().err
 
 
 def test_a_storey_that_is_not_there_is_refused(houses: Path, tmp_path: Path, capsys):
     assert main(["render", "--dataset", str(houses), "--out", str(tmp_path), "--top", "1"]) == 2
-    assert "--top 1: the house has 1 storeys. Give 0 to 0" in capsys.readouterr().err
+    assert "--top 1: the house has 1 storeys. Pass 0 to 0" in capsys.readouterr().err
 
 
 def test_a_terrace_does_not_lower_the_camera_of_a_plan():
@@ -264,7 +264,7 @@ def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, c
     )
     middle = [f"{x:.3f}" for x in np.asarray(physics.collider_pos[0])[walls[len(walls) // 2]]]
     assert main(["listen", *where, "--source", *middle]) == 2
-    assert "is in a wall, or not over the floor of a room. Nothing would be heard." in capsys.readouterr().err
+    assert "is in a wall, or not above the floor of a room. The result would be silent." in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -309,5 +309,5 @@ def test_max_bodies_limits_what_can_move_and_says_how_much_is_left(houses: Path,
     assert few["movable_but_too_many"] == usual["bodies"] - 3
     house = next((houses / "house").iterdir()).name
     assert main(["compile", house, "--dataset", str(houses), "--mjcf", str(tmp_path), "--max-bodies", "0"]) == 0
-    assert "objects that could move are fixed" in capsys.readouterr().out
+    assert "movable objects are fixed" in capsys.readouterr().out
     assert main(["inspect", "--dataset", str(houses), "--max-bodies", "-1"]) != 0

@@ -99,7 +99,7 @@ def test_a_checkpoint_of_an_own_task_needs_its_module_by_argument(folder: Path, 
     ("task", "words"),
     [
         ("no_such_module:NearPoint", "module `no_such_module` cannot be imported: ModuleNotFoundError"),
-        ("tasks_of_a_user.py:NearPoint", "Name it as `import` does"),
+        ("tasks_of_a_user.py:NearPoint", "Use its import name"),
         (":NearPoint", "module `` cannot be imported"),
         ("..:NearPoint", "cannot be imported"),
         ("broken_task:NearPoint", "ZeroDivisionError: division by zero"),

@@ -110,7 +110,7 @@ def test_advice_can_come_first():
     run = RunConfig(spec, SMALL, clone_timesteps=96)
     assert [(name, ppo.num_updates) for name, ppo in run.stages] == [("clone", 3), ("ppo", 10)]
     assert RunConfig(spec, SMALL, algorithm="clone").stages == (("clone", SMALL),)
-    with pytest.raises(ConfigError, match="come before PPO"):
+    with pytest.raises(ConfigError, match="precede PPO"):
         RunConfig(spec, SMALL, algorithm="clone", clone_timesteps=96)
 
 

@@ -1,1 +1,1 @@
-"""What adapters share: agents by name, jittable spaces, batches as functions of one environment."""
+"""Shared parts of adapters: agents by name, jittable spaces, batches as functions of one environment."""

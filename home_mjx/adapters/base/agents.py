@@ -1,4 +1,4 @@
-"""Agents by name, for libraries that give and take dictionaries, and their observations as one vector."""
+"""Dictionaries by agent name, and observations of one agent as one vector."""
 
 import warnings
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from home_mjx.tasks.base.specs import ArraySpec, Specs
 
 
 def agent_names(num_agents: int) -> list[str]:
-    """The names that PettingZoo and JaxMARL use.
+    """Return the agent names of PettingZoo and JaxMARL.
 
     Example:
         >>> agent_names(2)
@@ -23,7 +23,7 @@ def agent_names(num_agents: int) -> list[str]:
 
 
 def by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
-    """One tree per agent, of arrays whose leading axis is of agents if there are several.
+    """Split a tree into one tree per agent; with several agents, arrays have a leading agent axis.
 
     Example:
         >>> by_agent({"state": jnp.arange(2)}, ["agent_0", "agent_1"])["agent_1"]["state"].item()
@@ -35,10 +35,10 @@ def by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
 
 
 def of_agents(values: Mapping[str, Any], names: list[str]) -> list[Any]:
-    """The values in the order of the agents.
+    """Return the values in the order of the agents.
 
     Raises:
-        ConfigError: One is missing, or there is one of an unknown agent.
+        ConfigError: A value is missing, or belongs to an unknown agent.
     """
     if set(values) != set(names):
         raise ConfigError(f"expected one action each of {', '.join(names)}; got {', '.join(values) or 'none'}")
@@ -46,23 +46,23 @@ def of_agents(values: Mapping[str, Any], names: list[str]) -> list[Any]:
 
 
 def vector_names(specs: Specs) -> tuple[str, ...]:
-    """Observations of one agent that can be joined to a vector: those of float32 with one axis, images apart."""
+    """Return the observations of one agent that can be joined to a vector: float32 with one axis."""
     return tuple(name for name, spec in specs.items() if len(spec.shape) == 1 and spec.dtype == "float32")
 
 
 def joined(obs: Mapping[str, Array], names: tuple[str, ...]) -> Array:
-    """Observations one after the other; also of a batch."""
+    """Concatenate observations along the last axis; works on a batch as well."""
     return jnp.concatenate([obs[name] for name in names], axis=-1)
 
 
 def joined_spec(specs: Specs) -> ArraySpec:
-    """The vector of all that `vector_names` names.
+    """Return the spec of the vector of all observations in `vector_names`.
 
     Warns:
-        UserWarning: Something is left out: images, and words, whose numbers are no quantities.
+        UserWarning: Observations are omitted: images, and words, whose ids are not quantities.
 
     Raises:
-        ConfigError: There is none.
+        ConfigError: No observation can be joined.
 
     Example:
         >>> joined_spec({"state": ArraySpec((2,), low=0.0, high=1.0), "goal": ArraySpec((1,))}).low
@@ -70,10 +70,10 @@ def joined_spec(specs: Specs) -> ArraySpec:
     """
     names = vector_names(specs)
     if not names:
-        hint = "Add `state` to sensors=, or ask for all observations with vector=False."
-        raise ConfigError(f"no vector can be made of {', '.join(specs) or 'nothing'}", hint=hint)
+        hint = "Add `state` to sensors=, or get all observations with vector=False."
+        raise ConfigError(f"no vector observation among: {', '.join(specs) or 'none'}", hint=hint)
     if others := [name for name in specs if name not in names]:
-        lost = f"the vector of observations is without {', '.join(others)}, which are no vectors of float32"
-        warnings.warn(f"{lost}; vector=False gives them, by name", stacklevel=3)
+        lost = f"the observation vector omits {', '.join(others)}, which are not float32 vectors"
+        warnings.warn(f"{lost}; vector=False returns them by name", stacklevel=3)
     low, high = (sum((tuple(specs[name].bounds()[i].tolist()) for name in names), ()) for i in (0, 1))
     return ArraySpec((len(low),), "float32", low, high, ", ".join(names))

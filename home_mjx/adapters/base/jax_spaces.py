@@ -1,4 +1,4 @@
-"""Spaces whose functions can be jitted, with the names that gymnax gives them."""
+"""Spaces with jittable functions, named as in gymnax."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,15 +26,15 @@ class Discrete:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of an element."""
+        """Shape of an element."""
         return ()
 
     def sample(self, key: Array) -> Array:
-        """One of them, all alike likely."""
+        """Sample an integer uniformly."""
         return jax.random.randint(key, (), 0, self.n, self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether it is one of them."""
+        """Return whether a value is from 0 to n - 1."""
         return (jnp.asarray(x) >= 0) & (jnp.asarray(x) < self.n)
 
 
@@ -43,10 +43,10 @@ class Box:
     """Arrays between two bounds.
 
     Attributes:
-        low: Least values, in the array's shape.
-        high: Greatest values, in the array's shape.
-        shape: Of the array.
-        dtype: Of the array.
+        low: Minimum values, in the array's shape.
+        high: Maximum values, in the array's shape.
+        shape: Shape of the array.
+        dtype: Type of the array.
     """
 
     low: np.ndarray
@@ -55,7 +55,7 @@ class Box:
     dtype: Any
 
     def sample(self, key: Array) -> Array:
-        """Uniform between the bounds; where one is infinite, within 1 of the other, and where both are, of 0."""
+        """Sample uniformly; an infinite bound is replaced by 1 from the other one, two infinite bounds by -1 and 0."""
         low = np.where(np.isfinite(self.low), self.low, np.where(np.isfinite(self.high), self.high - 1.0, -1.0))
         high = np.where(np.isfinite(self.high), self.high, low + 1.0)
         if np.dtype(self.dtype).kind == "f":
@@ -64,7 +64,7 @@ class Box:
         return jax.random.randint(key, self.shape, least, most + 1).astype(self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Whether every number of it lies between the bounds."""
+        """Return whether all numbers are within the bounds."""
         return jnp.all((jnp.asarray(x) >= self.low) & (jnp.asarray(x) <= self.high))
 
 
@@ -75,15 +75,15 @@ class Dict:
     spaces: Mapping[str, Any]
 
     def sample(self, key: Array) -> dict[str, Array]:
-        """An element of each."""
+        """Sample an element of each space."""
         keys = jax.random.split(key, len(self.spaces))
         return {name: space.sample(keys[i]) for i, (name, space) in enumerate(self.spaces.items())}
 
     def contains(self, x: Mapping[str, Any]) -> Bool[Array, ""]:
-        """Whether each lies in its space."""
+        """Return whether each element is in its space."""
         return jnp.all(jnp.stack([space.contains(x[name]) for name, space in self.spaces.items()]))
 
 
 def space_of(spec: ArraySpec) -> Box:
-    """The space of one array."""
+    """Return the space of one array."""
     return Box(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))

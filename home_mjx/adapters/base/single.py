@@ -1,4 +1,4 @@
-"""Batches that reset themselves, as functions of one environment."""
+"""Auto-resetting batches as functions of one environment."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,17 +11,17 @@ from home_mjx.tasks.base.state import EnvParams, State
 
 
 def single(run: Callable[..., State]) -> Callable[..., State]:
-    """A function of one environment, from one of a batch.
+    """Convert a function of a batch to a function of one environment.
 
-    Under `vmap` the batch goes to `run` whole. `AutoReset` thus still branches on the batch: new episodes are drawn
-    only in steps in which one has ended, and images of last observations are rendered only then.
+    Under `vmap` the whole batch is passed to `run`. Thus `AutoReset` still branches on the batch: new episodes are
+    drawn and images of last observations rendered only in steps in which an episode ends.
 
     Args:
         run: `(params, *args)`; every array of `args` and of the result has a leading axis of environments.
 
     Returns:
-        `(params, *args)` without that axis, jitted. Where `params` differ between environments, as under
-        `vmap(..., in_axes=0)`, every environment is a batch of its own.
+        `(params, *args)` without that axis, jitted. If `params` differ between environments, as under
+        `vmap(..., in_axes=0)`, every environment is its own batch.
 
     Example:
         >>> step = single(AutoReset(env.core).step)  # doctest: +SKIP
@@ -48,5 +48,5 @@ def single(run: Callable[..., State]) -> Callable[..., State]:
 
 
 def carried(state: State) -> State:
-    """The state without what no step reads: loops need not hold images twice."""
+    """Return the state without fields that no step reads, so that loops do not store images twice."""
     return state.replace(obs={}, info={})

@@ -1,1 +1,1 @@
-"""One module per subcommand of `home-mjx`."""
+"""Subcommands of `home-mjx` for houses and diagnostics, one module each."""

@@ -1,4 +1,4 @@
-"""Measure speed. CASE is `all`, a case such as `rays`, or a figure such as `rays/primary-depth`."""
+"""Measure speed. CASE is `all`, a case such as `rays`, or a single measurement such as `rays/primary-depth`."""
 
 import argparse
 import json
@@ -12,17 +12,17 @@ from home_mjx.cli.parsing import house_count, positive_int
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx bench`."""
-    parser.add_argument("case", metavar="CASE", help=f"all, {', '.join(CASE_NAMES)}, or one figure of a case")
-    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
-    parser.add_argument("--houses", type=house_count, default=8, help="how many houses (default: 8)")
+    """Add the options of `home-mjx bench`."""
+    parser.add_argument("case", metavar="CASE", help=f"all, {', '.join(CASE_NAMES)}, or one measurement of a case")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
+    parser.add_argument("--houses", type=house_count, default=8, help="number of houses (default: 8)")
     parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
-    parser.add_argument("--seconds", type=positive_int, default=2, help="how long each figure is measured (default: 2)")
+    parser.add_argument("--seconds", type=positive_int, default=2, help="time per measurement [s] (default: 2)")
     add_dataset_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Prints each figure as soon as it is known."""
+    """Print each measurement as soon as it is complete."""
     settings = Settings(args.dataset, args.houses, args.envs, float(args.seconds))
     for record in measure(args.case, settings):
         sys.stdout.write((json.dumps(asdict(record)) if args.json else as_text(record)) + "\n")
@@ -31,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def as_text(record: Record) -> str:
-    """One line for people."""
+    """Format a record as one line of text and one of notes."""
     text = f"{record.case:<24}{record.value:>14,.4g} {record.unit:<12}"
     if record.compile_seconds is not None:
         text += f" compiled in {record.compile_seconds:.1f} s"

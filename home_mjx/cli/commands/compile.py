@@ -1,4 +1,4 @@
-"""Compile the houses of a dataset into the cache, or write one house as MJCF to open in MuJoCo's viewer."""
+"""Compile the houses of a dataset into the cache, or export one house as MJCF for MuJoCo's viewer."""
 
 import argparse
 import os
@@ -23,26 +23,31 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx compile`."""
-    add_house_arguments(parser, "id of a house, or root of a dataset: then all its houses are compiled")
+    """Add the options of `home-mjx compile`."""
+    add_house_arguments(parser, "id of a house, or root of a dataset to compile all its houses")
     add_strict_option(parser)
     add_movable_option(parser)
     parser.add_argument(
         "--mjcf", type=file_path, metavar="OUT", help="write one house as MJCF into this folder instead"
     )
-    parser.add_argument("--collision", default="box", help="with --mjcf: objects collide by `box` or `exact` pieces")
+    parser.add_argument("--collision", default="box", help="with --mjcf: collision geoms of objects, `box` or `exact`")
     group = parser.add_argument_group("whole datasets")
     workers = os.cpu_count() or 1
-    group.add_argument("--workers", type=whole(MOST_WORKERS), default=workers, help="processes (default: all)")
-    group.add_argument("--resume", action="store_true", help="skip houses that an earlier run has done")
     group.add_argument(
-        "--report", type=file_path, metavar="FILE", help="what became of each house (default: in the cache)"
+        "--workers",
+        type=whole(MOST_WORKERS),
+        default=workers,
+        help="number of processes (default: number of processors)",
     )
-    group.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work")
+    group.add_argument("--resume", action="store_true", help="skip houses that an earlier run has compiled")
+    group.add_argument(
+        "--report", type=file_path, metavar="FILE", help="file for the status of each house (default: in the cache)"
+    )
+    group.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask cluster to run on")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compiles, and says what came of it; 1 if a house failed."""
+    """Compile and print a summary; return 1 if a house failed."""
     check_known("collision", [args.collision], COLLISIONS)
     if args.mjcf is not None:
         return _write_mjcf(args)
@@ -64,12 +69,12 @@ def _write_mjcf(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
     if names_root(args):
-        raise ConfigError("--mjcf takes one house, not a dataset", hint="Name a house, and its dataset by --dataset.")
+        raise ConfigError("--mjcf needs one house, not a dataset", hint="Pass a house, and its dataset with --dataset.")
     house = load_compiled_house(args)
     path = export_mjcf(house, args.mjcf, collision=args.collision)
     if left := house.report["movable_but_too_many"]:
-        sys.stdout.write(f"{left} objects that could move are fixed: more than --max-bodies\n")
-    sys.stdout.write(f"{path}\nLook at it: python -m mujoco.viewer --mjcf={path}\n")
+        sys.stdout.write(f"{left} movable objects are fixed, because they exceed --max-bodies\n")
+    sys.stdout.write(f"{path}\nView it with: python -m mujoco.viewer --mjcf={path}\n")
     return 0
 
 
@@ -83,9 +88,11 @@ def _tell(summary: "CompileSummary") -> None:
         f"{summary.failed} failed in {summary.seconds:.1f} s ({rate:.2g} houses/s)\n{summary.report}\n"
     )
     if summary.incomplete:
-        sys.stdout.write(f"{summary.incomplete} with stand-ins for what the dataset lacks: the report lists them\n")
+        sys.stdout.write(
+            f"{summary.incomplete} with fallbacks for missing files of the dataset, listed in the report\n"
+        )
     if summary.fixed:
-        sys.stdout.write(f"{summary.fixed} objects that could move are fixed: more than --max-bodies in a house\n")
+        sys.stdout.write(f"{summary.fixed} movable objects are fixed, because they exceed --max-bodies in a house\n")
     if summary.failed:
         failed = [line for line in read_report(summary.report) if line["status"] == FAILED]
         for line in failed[-10:]:

@@ -1,4 +1,4 @@
-"""Walk through houses, film a trained agent that finds a radio by ear and eye; write pictures and a report."""
+"""Walk through houses, film a trained agent that finds a radio by sound and sight; write images and a report."""
 
 import argparse
 import sys
@@ -11,17 +11,17 @@ from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx demo`."""
+    """Add the options of `home-mjx demo`."""
     parser.add_argument("--out", type=file_path, default=Path("demo"), help="folder for the files (default: demo)")
     add_dataset_option(parser)
-    parser.add_argument("--houses", type=house_count, default=8, help="how many houses (default: 8)")
+    parser.add_argument("--houses", type=house_count, default=8, help="number of houses (default: 8)")
     parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
     parser.add_argument("--steps", type=positive_int, default=150, help="length of the walk in steps of 0.1 s")
-    parser.add_argument("--seed", type=seed, default=0, help="of poses and noise (default: 0)")
+    parser.add_argument("--seed", type=seed, default=0, help="seed of poses and noise (default: 0)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Runs the demo and says where to look."""
+    """Run the demo and print the paths of its files."""
     from home_mjx.viewer.demo.run import DemoOptions, run_demo
 
     options = DemoOptions(
@@ -47,8 +47,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _watch(out: Path, search: list[dict[str, Any]] | str) -> str:
-    """Where the film is, or why there is none."""
+    """Return a line with the path of the film, or the reason why there is none."""
     if isinstance(search, str):
         return f"No film: {search}"
     found = sum(one["success"] > 0 for one in search)
-    return f"Watch   {out / 'radio.mp4'} (a trained agent finds {found} of {len(search)} radios; with what it hears)"
+    return (
+        f"Watch   {out / 'radio.mp4'} (a trained agent finds {found} of {len(search)} radios; with its binaural sound)"
+    )

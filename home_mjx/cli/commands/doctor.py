@@ -1,4 +1,4 @@
-"""Say whether this machine is ready, and what to do if it is not. Exit code 1 if something is broken."""
+"""Check whether this machine is ready, and suggest fixes. Exit code 1 if something is broken."""
 
 import argparse
 import importlib.metadata as metadata
@@ -29,12 +29,12 @@ class Finding:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx doctor`."""
-    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+    """Add the options of `home-mjx doctor`."""
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Prints the findings."""
+    """Print the findings; return 1 if something is broken."""
     broken = False
     for finding in examine():
         broken |= finding.status == BROKEN
@@ -44,12 +44,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def examine() -> Iterator[Finding]:
-    """All findings, quick ones first; a check that fails is itself a finding."""
+    """Yield all findings, quick checks first; a check that raises yields a finding of its own."""
     checks = (_python, _packages, _extras, _known_bad_pairs, _devices, _executors, _ffmpeg, _caches, _dataset)
     for check in checks:
         try:
             yield from check()
-        except Exception as error:  # whatever is wrong here is what the user asks about
+        except Exception as error:  # any error is a finding for the user
             yield Finding(check.__name__.strip("_"), BROKEN, f"{type(error).__name__}: {error}")
 
 
@@ -59,7 +59,7 @@ def _python() -> Iterator[Finding]:
 
 
 def _packages() -> Iterator[Finding]:
-    """Every hard dependency, from our own metadata."""
+    """Check every required dependency in our package metadata."""
     required = [r for r in metadata.requires("home-mjx") or [] if "extra ==" not in r]
     for name in sorted({_project_name(r) for r in required} | {"home-mjx", "jaxlib"}):
         version = _version(name)
@@ -75,7 +75,7 @@ def _extras() -> Iterator[Finding]:
 
 
 def _known_bad_pairs() -> Iterator[Finding]:
-    """Versions that install side by side and then fail."""
+    """Report pairs of versions that install together but fail at run time."""
     import jax
 
     brax, flax = _version("brax"), _version("flax")
@@ -85,7 +85,7 @@ def _known_bad_pairs() -> Iterator[Finding]:
     if flax and _parts(flax) >= (0, 12, 7) and _parts(jax.__version__) < (0, 10):
         yield Finding("flax", BROKEN, f"flax {flax} needs jax >= 0.10, found {jax.__version__}. Install flax==0.12.6")
     if _parts(jax.__version__)[:2] == (0, 11):
-        text = f"jaxlib {jax.__version__} dies while it compiles a whole step for several CPU devices"
+        text = f"jaxlib {jax.__version__} crashes when it compiles a whole step for several CPU devices"
         yield Finding("jax", NOTE, text + "; 0.10 and 0.12 do not. One device is fine")
 
 
@@ -97,12 +97,12 @@ def _devices() -> Iterator[Finding]:
 
 
 def _executors() -> Iterator[Finding]:
-    """Which ways of casting rays run here."""
+    """Report the backends for ray casting that run here."""
     from home_mjx.raycast_render.backends.cpu import cpu_problem
 
     yield Finding("executor xla", OK, "the reference, runs everywhere")
     problem = cpu_problem()
-    detail = f"does not work: {problem}; `xla` takes its place, slower on a CPU" if problem else "compiled by Numba"
+    detail = f"does not work: {problem}; `xla` is used instead, slower on a CPU" if problem else "compiled by Numba"
     yield Finding("executor cpu", NOTE if problem else OK, detail)
     yield _cuda_executor()
 
@@ -116,9 +116,9 @@ def _cuda_executor() -> Finding:
         return Finding("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
     problem = cuda_problem()
     if problem:
-        return Finding("executor cuda", NOTE, f"does not work: {problem}; `xla` takes its place, slower")
+        return Finding("executor cuda", NOTE, f"does not work: {problem}; `xla` is used instead, slower")
     version = ".".join(map(str, nvrtc.version(nvrtc.find_library())))
-    return Finding("executor cuda", OK, f"compiled by NVRTC {version}, kept in {cache_folder() / 'kernels'}")
+    return Finding("executor cuda", OK, f"compiled by NVRTC {version}, cached in {cache_folder() / 'kernels'}")
 
 
 def _ffmpeg() -> Iterator[Finding]:
@@ -136,10 +136,10 @@ def _caches() -> Iterator[Finding]:
         with tempfile.TemporaryFile(dir=nearest):
             yield Finding("house cache", OK, str(folder))
     except OSError as error:
-        text = f"cannot write to {nearest}: {error.strerror}. Set {CACHE_VARIABLE} to a folder of yours"
+        text = f"cannot write to {nearest}: {error.strerror}. Set {CACHE_VARIABLE} to a writable folder"
         yield Finding("house cache", BROKEN, text)
     programs = use_compile_cache()
-    advice = "none: unset JAX_COMPILATION_CACHE_DIR, and later starts need not compile again"
+    advice = "none: unset JAX_COMPILATION_CACHE_DIR, so that later starts do not compile again"
     yield Finding("jax cache", OK if programs else NOTE, str(programs or advice))
 
 
@@ -170,7 +170,7 @@ def _project_name(requirement: str) -> str:
 
 
 def _parts(version: str) -> tuple[int, ...]:
-    """The leading whole numbers of a version."""
+    """Return the leading whole numbers of a version."""
     numbers: list[int] = []
     for part in version.split("."):
         if not part.isdecimal():

@@ -1,4 +1,4 @@
-"""Write seeded houses in SUNCG's on-disk format."""
+"""Generate seeded houses in SUNCG's on-disk format."""
 
 import argparse
 import sys
@@ -7,14 +7,14 @@ from home_mjx.cli.parsing import file_path, seed_range
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx generate`."""
+    """Add the options of `home-mjx generate`."""
     parser.add_argument("out", type=file_path, metavar="OUT", help="root of the new dataset")
     parser.add_argument(
         "--seeds",
         type=seed_range,
         default=range(8),
         metavar="A:B",
-        help="from A up to, not including, B (default: 0:8)",
+        help="from A to B, B excluded (default: 0:8)",
     )
     parser.add_argument(
         "--generator",
@@ -26,10 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Writes the houses and says where they are."""
+    """Write the houses and print their location."""
     from home_procgen.generate import generate_dataset
 
     ids = generate_dataset(args.out, args.seeds, progress=True, version=args.generator)
     sys.stdout.write(f"{len(ids)} houses in {args.out}: {ids[0]} .. {ids[-1]}\n")
-    sys.stdout.write(f"Use them: home-mjx demo --dataset {args.out}\n")
+    sys.stdout.write(f"Use them with: home-mjx demo --dataset {args.out}\n")
     return 0

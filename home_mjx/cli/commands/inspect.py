@@ -1,4 +1,4 @@
-"""Count what a house holds, as read and as compiled, say what everything in it is, or validate it."""
+"""Count the contents of a house as read and as compiled, list its semantics, or validate it."""
 
 import argparse
 import json
@@ -26,21 +26,25 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx inspect`."""
-    add_house_arguments(parser, "id of the house (default: the dataset's first), or root of a dataset: all its houses")
+    """Add the options of `home-mjx inspect`."""
+    add_house_arguments(
+        parser, "id of the house (default: the dataset's first), or root of a dataset for all its houses"
+    )
     add_strict_option(parser)
     add_movable_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     doing = parser.add_mutually_exclusive_group()
-    doing.add_argument("--semantics", action="store_true", help="instead say what everything is, looks like and is on")
-    doing.add_argument("--home", action="store_true", help="as --semantics, by the rules of HoME's code of 2017")
     doing.add_argument(
-        "--validate", action="store_true", help="instead report everything that is wrong; exit code 1 if errors are"
+        "--semantics", action="store_true", help="list the class, appearance and support of each object instead"
+    )
+    doing.add_argument("--home", action="store_true", help="as --semantics, with the rules of HoME's code of 2017")
+    doing.add_argument(
+        "--validate", action="store_true", help="report all problems instead; exit code 1 if there are errors"
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Prints the counts and everything odd that was tolerated, or with `--validate` what is wrong."""
+    """Print counts and tolerated problems, semantics, or with `--validate` all problems."""
     if args.validate:
         return _validate(args)
     if args.semantics or args.home:
@@ -69,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
     sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
     for name, count in compiled.report.items():
         _row(name.replace("_", " "), count)
-    _row("doors, drawers and lids told by joints.csv", jointed)
+    _row("doors, drawers and lids in joints.csv", jointed)
     _row("bytes of the house alone", taken.houses[house.id])
     _row("  of which distance fields", fields)
     _row("bytes of its models", sum(taken.models.values()))
@@ -79,18 +83,18 @@ def run(args: argparse.Namespace) -> int:
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
     if unknown > TOLERABLE:
-        sys.stdout.write(f"warning: {unknown:.0%} of the area has a default material: sound and contact are guessed\n")
+        sys.stdout.write(
+            f"warning: {unknown:.0%} of the area has a default material: acoustics and contact are approximate\n"
+        )
     for item in house.stand_ins:
         sys.stdout.write(f"lacking: {item}\n")
     for object_id in compiled.stuck.tolist():
-        sys.stdout.write(
-            f"stuck: {_category(compiled, object_id)} {object_id} stands in something, so it does not move\n"
-        )
+        sys.stdout.write(f"stuck: {_category(compiled, object_id)} {object_id} overlaps another body, so it is fixed\n")
     return 0
 
 
 def _jointed(dataset: "Dataset", house: "House") -> int:
-    """How many parts of its objects could move, by the dataset's table of joints; 0 if it has none."""
+    """Count the joints of its objects in the dataset's table of joints; 0 if it has none."""
     keys = [item.model_key for level in house.levels for item in level.objects]
     return sum(len(dataset.joints.get(key, ())) for key in keys)
 
@@ -108,7 +112,7 @@ def _row(name: str, count: int) -> None:
 
 
 def _dataset(args: argparse.Namespace) -> int:
-    """Prints what all houses of a dataset take of a bank; they are compiled if they are not in the cache."""
+    """Print the bank memory of all houses of a dataset, which compiles those that are not cached."""
     from tqdm import tqdm
 
     from home_mjx.bank.usage import bank_usage
@@ -139,7 +143,7 @@ def _dataset(args: argparse.Namespace) -> int:
 
 
 def _semantics(args: argparse.Namespace) -> int:
-    """Prints a line per surface and object, or one JSON object with all that the semantic engine says."""
+    """Print a line per surface and object, or one JSON object with the complete semantics."""
     from home_mjx.scene_compile.semantics.engine import house_semantics
     from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
     from home_mjx.scene_compile.semantics.records import house_record
@@ -165,7 +169,7 @@ def _line(name: str, room: str, support: str, description: str) -> str:
 
 
 def _validate(args: argparse.Namespace) -> int:
-    """Prints the findings of the house, or of all houses of a root; 1 if there are errors, else 0."""
+    """Print the findings of the house, or of all houses of a root; return 1 if there are errors, else 0."""
     dataset = open_named_dataset(args)
     ids = dataset.house_ids if names_root(args) else [args.house or dataset.house_ids[0]]
     dataset.prepare(ids, progress=True)
@@ -173,7 +177,7 @@ def _validate(args: argparse.Namespace) -> int:
 
 
 def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
-    """Prints the findings, or one JSON object of them; the number of errors."""
+    """Print the findings, or one JSON object of them; return the number of errors."""
     from home_mjx.datasets.suncg.dataset import SuncgDataset
     from home_mjx.datasets.suncg.validate.validate import validate_house
 

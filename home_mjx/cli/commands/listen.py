@@ -1,4 +1,4 @@
-"""Write a sound as heard at a point of a house and the impulse response that made it; print the room's measures."""
+"""Write the sound at a point of a house and its impulse response; print the room acoustic parameters."""
 
 import argparse
 import sys
@@ -32,24 +32,30 @@ MEASURES = (  # field of `RoomMeasures`, title, format
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx listen`."""
+    """Add the options of `home-mjx listen`."""
     add_viewpoint_arguments(parser)
-    parser.add_argument("--source", type=number(), nargs=3, metavar=("X", "Y", "Z"), help="where it sounds [m]")
-    parser.add_argument("--clip", default="speech", help="such as radio, noise, bell (default: speech)")
+    parser.add_argument(
+        "--source",
+        type=number(),
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="position of the source [m] (default: a goal in the house)",
+    )
+    parser.add_argument(
+        "--clip", default="speech", help="name of the clip, such as radio, noise, bell (default: speech)"
+    )
     parser.add_argument(
         "--late",
         choices=("traced", "baked"),
         default="traced",
-        help="baked: late sound between cells of the house, baked once",
+        help="traced: late reverberation by ray tracing; baked: from a table computed once per house",
     )
-    parser.add_argument(
-        "--map", action="store_true", help="write level and T30 over the floor plan, from the source, as pictures"
-    )
+    parser.add_argument("--map", action="store_true", help="write level and T30 over the floor plan as images")
     parser.add_argument("--out", type=file_path, default=Path("sound"), help="folder for the files (default: sound)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Writes the WAV files and prints the measures."""
+    """Write the WAV files and print the parameters."""
     import jax
     import jax.numpy as jnp
     import numpy as np
@@ -68,8 +74,8 @@ def run(args: argparse.Namespace) -> int:
     source = goal if args.source is None else np.array(args.source, np.float32)
     check_inside(view.bank, source, "--source")
     if not bool(is_indoors(view.scene, jnp.asarray(source, jnp.float32))):
-        given = f"--source {source[0]:g} {source[1]:g} {source[2]:g} is in a wall, or not over the floor of a room"
-        raise ConfigError(given, hint="Nothing would be heard. Rooms are drawn by `home-mjx render --top`.")
+        given = f"--source {source[0]:g} {source[1]:g} {source[2]:g} is in a wall, or not above the floor of a room"
+        raise ConfigError(given, hint="The result would be silent. `home-mjx render --top` shows the rooms.")
     scene = _baked(args, view) if args.late == "baked" else view.scene
     listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
     survey = jax.jit(survey_room, static_argnames="config")
@@ -85,20 +91,22 @@ def run(args: argparse.Namespace) -> int:
             sys.stdout.write(f"{args.out / name}.png\n")
     distance = np.linalg.norm(source - view.position)
     sys.stdout.write(f"source {np.round(source, 2)} m, head {np.round(view.position, 2)} m: {distance:.2f} m apart\n")
-    how = "baked late sound" if args.late == "baked" else f"{config.num_rays} rays, {config.num_bounces} bounces"
+    how = (
+        "baked late reverberation" if args.late == "baked" else f"{config.num_rays} rays, {config.num_bounces} bounces"
+    )
     sys.stdout.write(f"\n{measures_table(found)}\n{how}\n")
     return 0
 
 
 def _baked(args: argparse.Namespace, view: Viewpoint) -> "Scene":
-    """The scene with baked late sound, from the cache or baked now."""
+    """Return the scene with baked late reverberation, cached or computed now."""
     from home_mjx.houses.bakes import add_bakes
 
     return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], "late_reverb", progress=True))
 
 
 def measures_table(survey: "Survey") -> str:
-    """Measures of a survey as text, one row each, one column per octave band."""
+    """Format the parameters of a survey as text: one row each, one column per octave band."""
     rows = [("octave [Hz]", BANDS, "g")]
     rows += [(title, getattr(survey.measures, name), form) for name, title, form in MEASURES]
     rows += [("IACC", survey.iacc, ".2f"), ("LF", survey.lateral_fraction, ".2f")]

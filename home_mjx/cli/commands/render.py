@@ -1,4 +1,4 @@
-"""Write pictures of a house as seen from a point: colours, depth and ids."""
+"""Render images of a house from a viewpoint: colours, depth, normals and ids."""
 
 import argparse
 import functools
@@ -15,33 +15,35 @@ from home_mjx.schema.choices import CAMERA_MODELS, PRESETS
 from home_mjx.viewer.pictures import pictures
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
-DEPTH_MAX = 10.0  # [m]
-FOVY = 75.0  # [degrees]
-MARGIN = 0.4  # [m], around a storey
-CUT_WALL = np.uint8(40)  # grey of walls that a plan cuts
+DEPTH_MAX = 10.0  # [m] depth of the last colour
+FOVY = 75.0  # [degrees] default vertical field of view
+MARGIN = 0.4  # [m] margin around a storey
+CUT_WALL = np.uint8(40)  # grey level of walls that the plan cuts
 SHAPES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx render`."""
+    """Add the options of `home-mjx render`."""
     add_viewpoint_arguments(parser)
-    parser.add_argument("--pitch", type=number(-90, 90), help="how far to look up [degrees] (default: 0)")
+    parser.add_argument("--pitch", type=number(-90, 90), help="elevation of the view [degrees] (default: 0)")
     parser.add_argument(
         "--top",
         type=_storey,
         nargs="?",
         const=0,
         metavar="STOREY",
-        help="the plan of a storey, seen from below its ceiling (default: the lowest, 0)",
+        help="plan of a storey, seen from below its ceiling (default: the lowest, 0)",
     )
-    parser.add_argument("--size", type=positive_int, nargs=2, default=(640, 480), metavar=("W", "H"), help="[pixels]")
+    parser.add_argument(
+        "--size", type=positive_int, nargs=2, default=(640, 480), metavar=("W", "H"), help="size of the images [pixels]"
+    )
     parser.add_argument(
         "--fovy",
         type=number(low=1, high=179),
         help="vertical field of view [degrees] (default: 75)",
     )
-    parser.add_argument("--preset", choices=PRESETS, default="fast", help="how colours are lit (default: fast)")
-    parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel of the colours (default: 1)")
+    parser.add_argument("--preset", choices=PRESETS, default="fast", help="shading of the colours (default: fast)")
+    parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel for colours (default: 1)")
     parser.add_argument("--lens", choices=CAMERA_MODELS, help="camera model (default: pinhole)")
     parser.add_argument(
         "--out", type=file_path, default=Path("pictures"), help="folder for the files (default: pictures)"
@@ -49,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Writes one PNG per kind."""
+    """Write one PNG per image kind."""
     import jax
     import jax.numpy as jnp
 
@@ -65,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
     lens = Lens(width, height, model, args.samples)
     look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
     images = {kind: np.asarray(image) for kind, image in look(view.scene, camera).items()}
-    if args.top is not None:  # cut walls are dark: the camera lies inside of them, and sees the floor below
+    if args.top is not None:  # The camera is inside the cut walls and sees the floor below; draw them dark.
         cut = np.asarray(in_wall(view.scene, camera_rays(camera, lens)[0]))
         images["rgb"] = np.where(cut[..., None], CUT_WALL, images["rgb"])
     for kind in KINDS:
@@ -76,12 +78,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _view(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
-    """Where the camera is, its `fovy` and its model."""
+    """Return the viewpoint of the camera, its `fovy` and its model."""
     if args.top is None:
         return stand(args, args.pitch or 0.0), np.deg2rad(args.fovy or FOVY), args.lens or "pinhole"
     given = [f"--{name}" for name in ("at", "yaw", "pitch", "fovy", "lens") if getattr(args, name) is not None]
     if given:
-        raise ConfigError(f"{given[0]} is chosen beside --top", hint="--top frames the whole storey by itself.")
+        raise ConfigError(f"{given[0]} cannot be combined with --top", hint="--top frames the whole storey.")
     view, (x, y) = look_down(args, args.top)
     width, height = args.size
     return view, max(y, x * height / width) + 2 * MARGIN, "orthographic"
@@ -94,7 +96,7 @@ def _storey(text: str) -> int:
 
 
 def _colours(kind: str, image: np.ndarray) -> np.ndarray:
-    """The image as (H, W, 3) uint8; the faces of a cube map lie below one another."""
+    """Convert an image to (H, W, 3) uint8; the faces of a cube map are stacked vertically."""
     if image.ndim > len(SHAPES.get(kind, "hw")):
         image = np.concatenate(image)
     if kind == "rgb":

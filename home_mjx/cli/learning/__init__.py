@@ -1,1 +1,1 @@
-"""Subcommands that train agents and tell how good they are; one module each."""
+"""Subcommands that play, record, train and evaluate agents, one module each."""

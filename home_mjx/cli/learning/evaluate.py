@@ -1,4 +1,4 @@
-"""Play episodes with a trained agent in houses it has not seen, beside an agent that acts at random."""
+"""Evaluate a trained agent in held-out houses, together with a random agent."""
 
 import argparse
 import json
@@ -19,20 +19,20 @@ from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx evaluate`."""
+    """Add the options of `home-mjx evaluate`."""
     parser.add_argument("checkpoint", type=checkpoint_path, metavar="CHECKPOINT", help=CHECKPOINT_HELP)
-    parser.add_argument("--episodes", type=positive_int, help="how many (default: 1000, or all of the file)")
-    parser.add_argument("--houses", type=house_count, default=16, help="how many (default: 16)")
+    parser.add_argument("--episodes", type=positive_int, help="number of episodes (default: 1000, or all of the file)")
+    parser.add_argument("--houses", type=house_count, default=16, help="number of houses (default: 16)")
     parser.add_argument(
-        "--split", choices=("train", "val", "test"), default="val", help="part of the dataset (default: val)"
+        "--split", choices=("train", "val", "test"), default="val", help="split of the dataset (default: val)"
     )
-    parser.add_argument("--greedy", action="store_true", help="do what is likeliest instead of drawing actions")
-    parser.add_argument("--seed", type=seed, default=0, help="of episodes and actions (default: 0)")
+    parser.add_argument("--greedy", action="store_true", help="take the most likely action instead of sampling")
+    parser.add_argument("--seed", type=seed, default=0, help="seed of episodes and actions (default: 0)")
     parser.add_argument(
-        "--films", type=positive_int, default=0, metavar="N", help="film N episodes, into the folder `films`"
+        "--films", type=positive_int, default=0, metavar="N", help="film N episodes into the folder `films`"
     )
     parser.add_argument(
-        "--out", type=file_path, help="folder for `films` (default: that of the run; for `demo`, this one)"
+        "--out", type=file_path, help="folder for `films` (default: that of the run; for `demo`, the current one)"
     )
     add_episode_option(parser)
     parser.add_argument(
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Prints the figures."""
+    """Print the metrics."""
     import_modules(args.modules)
     path = checkpoint_of(args.checkpoint)
     from home_mjx.cli.learning.table import as_table

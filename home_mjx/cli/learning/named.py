@@ -1,4 +1,4 @@
-"""What arguments name: a task, also one of the user's own, a trained agent, options."""
+"""Arguments that select a task (also a user-defined one), a trained agent, or options."""
 
 import argparse
 import importlib
@@ -18,52 +18,52 @@ TASK_HELP = (
     "id of an environment, such as PointNav, its newest version; or module:PointNav, which imports the module first"
 )
 CHECKPOINT_HELP = "a checkpoint, the folder of a run, or `demo`: the agent that comes with the package"
-DEMO = "demo"  # a folder of this name is `./demo`
+DEMO = "demo"  # name of the packaged agent; use `./demo` for a folder of this name
 
 
 def add_import_option(parser: argparse.ArgumentParser) -> None:
-    """Adds `--import MODULE`."""
+    """Add `--import MODULE`."""
     parser.add_argument(
         "--import", dest="modules", action="append", default=[], metavar="MODULE",
-        help="import a module first, such as one that registers tasks of yours",
+        help="import a module first, such as one that registers your tasks",
     )  # fmt: skip
 
 
 def add_episode_option(parser: argparse.ArgumentParser) -> None:
-    """Adds `--episode-file FILE`."""
+    """Add `--episode-file FILE`."""
     parser.add_argument(
         "--episode-file", type=file_path, metavar="FILE",
-        help="play the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
+        help="use the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
     )  # fmt: skip
 
 
 def import_modules(modules: list[str]) -> None:
-    """Imports what the user names: installed, or in the folder where the command is called.
+    """Import user modules, installed or from the current folder.
 
     Only an argument may name a module, never a file such as a checkpoint.
 
     Raises:
-        ConfigError: One cannot be imported.
+        ConfigError: A module cannot be imported.
     """
     here = os.getcwd()
     if modules and here not in sys.path:
-        sys.path.append(here)  # the last: no file here takes the place of a module of Python's
+        sys.path.append(here)  # last, so that no file here shadows an installed module
     for name in modules:
         try:
             importlib.import_module(name)
         except HomeMjxError:
             raise
-        except Exception as error:  # whatever the user's code raises
-            hint = "Name it as `import` does. It must be installed, or lie in this folder. `--debug` tells more."
+        except Exception as error:  # user code may raise anything
+            hint = "Use its import name. It must be installed or in the current folder. `--debug` shows the traceback."
             message = f"module `{name}` cannot be imported: {type(error).__name__}: {error}"
             raise ConfigError(message, hint=hint) from error
 
 
 def task_spec(task: str) -> "EnvSpec":
-    """What is registered for a task, by its id, by its name alone, or by `module:name`, as Gymnasium has it.
+    """Return the spec of a task by its id, its name alone, or `module:name` as in Gymnasium.
 
     Raises:
-        ConfigError: There is none, or the module cannot be imported.
+        ConfigError: The task is unknown, or the module cannot be imported.
 
     Example:
         >>> task_spec("PointNav").id
@@ -77,7 +77,7 @@ def task_spec(task: str) -> "EnvSpec":
 
 
 def newest(task: str) -> str:
-    """The id of a task, of its newest version if it is named without one.
+    """Return the id of a task, of the newest version if the name has none.
 
     Example:
         >>> newest("PointNav-v0")
@@ -90,7 +90,7 @@ def newest(task: str) -> str:
 
 
 def checkpoint_path(text: str) -> Path:
-    """The file that an argument means.
+    """Convert an argument to a path; `demo` selects the packaged agent.
 
     Example:
         >>> checkpoint_path("demo").name
@@ -104,17 +104,17 @@ def checkpoint_path(text: str) -> Path:
 
 
 def checkpoint_of(path: Path) -> Path:
-    """The file itself, or the checkpoint in the folder of a run."""
-    from home_mjx.training import CHECKPOINT  # refuses where the extra `train` is not installed
+    """Return the file itself, or the checkpoint in the folder of a run."""
+    from home_mjx.training import CHECKPOINT  # raises ConfigError if the extra `train` is not installed
 
     return path / CHECKPOINT if path.is_dir() else path
 
 
 def assignments(texts: list[str]) -> dict[str, Any]:
-    """`NAME=VALUE`, values as JSON or else as text.
+    """Parse `NAME=VALUE` arguments; values are JSON, else text.
 
     Raises:
-        ConfigError: One has no `=`, or brackets without end.
+        ConfigError: An argument has no `=`, or too deeply nested brackets.
 
     Example:
         >>> assignments(["width=32", "actions=discrete"])
@@ -130,7 +130,7 @@ def _assignment(text: str) -> tuple[str, Any]:
     try:
         return name, json.loads(value)
     except RecursionError:
-        message = f"`{name}` has too many brackets in each other: `{value:.40}…`"
+        message = f"`{name}` has too deeply nested brackets: `{value:.40}…`"
         raise ConfigError(message, hint="Values are JSON or text.") from None
     except ValueError:
         return name, value

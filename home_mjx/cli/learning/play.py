@@ -1,4 +1,4 @@
-"""Play episodes of a task and film them: an expert, a trained agent, chance, or you by the keyboard."""
+"""Play and film episodes of a task: an expert, a trained agent, a random one, or you by the keyboard."""
 
 import argparse
 import dataclasses
@@ -26,42 +26,40 @@ if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
 
 EXPERT, TRAINED = "expert", "trained"
-NOTHING_MORE = ("state",)  # sensors of who does not look
+NOTHING_MORE = ("state",)  # sensors of agents that do not use observations
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx play`."""
+    """Add the options of `home-mjx play`."""
     parser.add_argument("task", nargs="?", metavar="TASK", help=f"{TASK_HELP} (default: the checkpoint's)")
     parser.add_argument(
         "--agent",
         choices=(EXPERT, "random", TRAINED, "human"),
-        help="who plays (default: expert, or trained with --checkpoint)",
+        help="agent that plays (default: expert, or trained with --checkpoint)",
     )
     parser.add_argument("--checkpoint", type=checkpoint_path, help=CHECKPOINT_HELP)
-    parser.add_argument("--greedy", action="store_true", help="a trained agent does what is likeliest")
-    parser.add_argument("--episodes", type=positive_int, default=3, help="how many (default: 3)")
+    parser.add_argument("--greedy", action="store_true", help="take a trained agent's most likely action")
+    parser.add_argument("--episodes", type=positive_int, default=3, help="number of episodes (default: 3)")
     parser.add_argument("--out", type=file_path, default=Path("play"), help="folder for the film (default: play)")
-    parser.add_argument("--no-film", action="store_true", help="play only")
+    parser.add_argument("--no-film", action="store_true", help="do not write a film")
     parser.add_argument(
         "--size", type=pixels, nargs=2, default=(480, 360), metavar=("W", "H"),
-        help="of the agent's view [pixels] (default: 480 360)",
+        help="size of the agent's view [pixels] (default: 480 360)",
     )  # fmt: skip
     parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel (default: 1)")
-    parser.add_argument("--seed", type=seed, default=0, help="of episodes and actions (default: 0)")
-    parser.add_argument("--houses", type=house_count, default=4, help="how many (default: 4)")
+    parser.add_argument("--seed", type=seed, default=0, help="seed of episodes and actions (default: 0)")
+    parser.add_argument("--houses", type=house_count, default=4, help="number of houses (default: 4)")
     parser.add_argument(
-        "--split", choices=("train", "val", "test"), default="val", help="part of the dataset (default: val)"
+        "--split", choices=("train", "val", "test"), default="val", help="split of the dataset (default: val)"
     )
     add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
-    parser.add_argument(
-        "--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment, as of make"
-    )
+    parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of home_mjx.make")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Plays, and says where to look."""
+    """Play, and print the paths of the film."""
     from home_mjx.viewer.episodes.policies import check_agent
     from home_mjx.viewer.episodes.run import AGENTS, PlayOptions, run_play
 
@@ -89,21 +87,21 @@ def run(args: argparse.Namespace) -> int:
 
 
 def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":
-    """What is played: the task that was named, or that of a checkpoint; with `sensors`, or those of the checkpoint.
+    """Return the spec of the named task or of the checkpoint's; `sensors=None` keeps its sensors.
 
     Raises:
-        ConfigError: None was named, or another one than the checkpoint's.
+        ConfigError: There is neither a task nor a checkpoint, or the checkpoint is of another task.
     """
     if args.task is None and checkpoint is None:
-        raise ConfigError("name a task", hint="home-mjx play RoomNav; home_mjx.list_envs() names them.")
+        raise ConfigError("expected a task", hint="For example home-mjx play RoomNav; home_mjx.list_envs() lists them.")
     spec = task_spec(args.task) if args.task is not None else None
     if checkpoint is not None:
         from home_mjx.training import judged, read_config
 
-        theirs = judged(read_config(checkpoint).env)  # by the rules, whatever made learning easier
+        theirs = judged(read_config(checkpoint).env)  # without training-only options
         if spec is not None and spec.id != theirs.id:
-            message = f"the checkpoint is of {theirs.id}, not of {spec.id}"
-            raise ConfigError(message, file=checkpoint, hint="Leave the task out, or name another checkpoint.")
+            message = f"expected a checkpoint of {spec.id}, got one of {theirs.id}"
+            raise ConfigError(message, file=checkpoint, hint="Omit the task, or pass another checkpoint.")
         spec = theirs
     assert spec is not None
     houses = spec.houses if args.dataset is None else str(args.dataset)

@@ -1,12 +1,12 @@
-"""A table of how good an agent is."""
+"""Evaluation results as a text table."""
 
 from typing import Any
 
-FIRST = ("success", "spl", "soft_spl", "return", "episode_steps")  # figures that come first
+FIRST = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
 
 
 def as_table(report: dict[str, Any]) -> str:
-    """The report of `evaluate_checkpoint` for people: means, and standard errors.
+    """Format the report of `evaluate_checkpoint` as a table of means and standard errors.
 
     Example:
         >>> figures = {"success": {"mean": 0.5, "stderr": 0.01}}
@@ -21,7 +21,7 @@ def as_table(report: dict[str, Any]) -> str:
         shown = (f"{figures[name]['mean']:.3f} ± {figures[name]['stderr']:.3f}" for figures in (trained, chance))
         rows.append(f"{name:<12}" + "".join(f"{text:>18}" for text in shown))
     rows.append(
-        f"{report['episodes']} episodes in {report['houses']} houses ({report['split'] or 'those trained in'}), "
+        f"{report['episodes']} episodes in {report['houses']} houses ({report['split'] or 'those of training'}), "
         f"actions {report['actions']}, seed {report['seed']}"
     )
     return "\n".join(rows) + "\n"

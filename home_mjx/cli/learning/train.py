@@ -1,4 +1,4 @@
-"""Train an agent by PPO or an expert's advice; write checkpoints, curves and figures in houses it has not seen."""
+"""Train an agent with PPO or on an expert's advice; write checkpoints, curves, and metrics in held-out houses."""
 
 import argparse
 import json
@@ -28,12 +28,12 @@ MOST_STEPS = 10**15
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of `home-mjx train`."""
+    """Add the options of `home-mjx train`."""
     parser.add_argument("task", metavar="TASK", help=TASK_HELP)
-    parser.add_argument("--sensors", default="state,goal", metavar="A,B", help="what is observed (default: state,goal)")
+    parser.add_argument("--sensors", default="state,goal", metavar="A,B", help="sensors (default: state,goal)")
     parser.add_argument("--num-envs", type=positive_int, help="environments in the batch")
-    parser.add_argument("--steps", type=whole(MOST_STEPS), help="environment steps, over all environments")
-    parser.add_argument("--seed", type=seed, default=0, help="of everything random (default: 0)")
+    parser.add_argument("--steps", type=whole(MOST_STEPS), help="environment steps, summed over all environments")
+    parser.add_argument("--seed", type=seed, default=0, help="seed of all random numbers (default: 0)")
     parser.add_argument("--out", type=file_path, help="folder for the files (default: runs/TASK)")
     parser.add_argument(
         "--algorithm",
@@ -46,24 +46,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=whole(MOST_STEPS),
         default=0,
         metavar="N",
-        help="steps of an expert's advice before PPO's own",
+        help="environment steps of cloning an expert before PPO",
     )
-    parser.add_argument("--seconds", type=float, help="end after so many seconds, without those of compiling")
+    parser.add_argument("--seconds", type=float, help="time limit of training without compilation [s]")
     parser.add_argument(
-        "--start", type=checkpoint_path, metavar="CHECKPOINT", help=f"begin with the network of {CHECKPOINT_HELP}"
+        "--start", type=checkpoint_path, metavar="CHECKPOINT", help=f"start with the network of {CHECKPOINT_HELP}"
     )
-    parser.add_argument("--resume", action="store_true", help="go on from the folder's checkpoint")
-    parser.add_argument("--houses", type=house_count, default=32, help="how many to train in (default: 32)")
-    parser.add_argument("--episodes", type=positive_int, default=1000, help="of the evaluation (default: 1000)")
-    parser.add_argument("--held-out", type=house_count, default=16, help="houses to be evaluated in (default: 16)")
+    parser.add_argument("--resume", action="store_true", help="continue from the folder's checkpoint")
+    parser.add_argument("--houses", type=house_count, default=32, help="number of training houses (default: 32)")
+    parser.add_argument(
+        "--episodes", type=positive_int, default=1000, help="number of evaluation episodes (default: 1000)"
+    )
+    parser.add_argument("--held-out", type=house_count, default=16, help="number of evaluation houses (default: 16)")
     add_dataset_option(parser)
     add_import_option(parser)
-    for name, what in (("--env", "of the environment, as of make"), ("--ppo", "of PPOConfig")):
+    for name, what in (("--env", "of home_mjx.make"), ("--ppo", "of PPOConfig")):
         parser.add_argument(name, action="append", default=[], metavar="NAME=VALUE", help=f"an option {what}")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Trains, evaluates, and says where to look."""
+    """Train, evaluate, and print the results."""
     import_modules(args.modules)
     config = run_config(args)
     from home_mjx.cli.learning.table import as_table
@@ -83,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
-    """Raises ConfigError if the dataset has no house for the evaluation, which would else be found after training."""
+    """Raise ConfigError before training if the dataset has no house for the evaluation."""
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.training.evaluation import judged
 
@@ -93,7 +95,7 @@ def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
 
 
 def run_config(args: argparse.Namespace) -> "RunConfig":
-    """What the arguments ask for."""
+    """Return the configuration of the run from the arguments."""
     from home_mjx.training import RunConfig
 
     start = None if args.start is None else str(checkpoint_of(args.start))
@@ -101,7 +103,7 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
 
 
 def env_spec(args: argparse.Namespace) -> "EnvSpec":
-    """Task and houses."""
+    """Return the spec of task and training houses."""
     import dataclasses
 
     options = {"sensors": tuple(args.sensors.split(",")), **assignments(args.env)}
@@ -113,7 +115,7 @@ def env_spec(args: argparse.Namespace) -> "EnvSpec":
 
 
 def ppo_config(args: argparse.Namespace) -> "PPOConfig":
-    """Options of the training: of the machine's kind, then those that were given."""
+    """Return the training options: defaults for the JAX backend, overridden by the arguments."""
     import jax
 
     from home_mjx.tasks.base.options import override

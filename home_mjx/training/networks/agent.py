@@ -17,7 +17,7 @@ from home_mjx.training.networks.distributions import Distribution, distribution_
 from home_mjx.training.networks.encoders import Encoder, kind_of
 
 DTYPES = ("float32", "bfloat16")
-INITIAL_LOG_SCALE = -0.5  # of continuous actions in [-1, 1]: a standard deviation of 0.6
+INITIAL_LOG_SCALE = -0.5  # log std of continuous actions in [-1, 1]: a std of 0.6
 
 
 @dataclass(frozen=True)
@@ -25,18 +25,17 @@ class NetworkConfig:
     """Sizes of an agent's network.
 
     Attributes:
-        features: Of the encoder.
-        memory: Numbers that the GRU keeps.
-        channels: Of the blocks that read images.
-        dtype: Type in which images are convolved: "float32" or "bfloat16". Everything else is float32.
-        mentions: Mark in images of ids what instructions name, see `mentioned`, and look there, see `Glimpse`. Without,
-            each word has to be learned.
-        normalized: Scale the encoder's features before the memory reads them (layer normalisation, arXiv:1607.06450),
-            and let actions and value be read from them, too, beside the memory. Without, features of many images grow
-            until the memory's gates are all open or shut.
+        features: Size of the encoder's output.
+        memory: Size of the GRU's state.
+        channels: Channels of the image encoder's blocks.
+        dtype: Type of image convolutions: "float32" or "bfloat16". Everything else is float32.
+        mentions: Mark pixels of id images that the instruction names, see `mentioned`, and attend to them, see
+            `Glimpse`. If False, the network has to learn each word.
+        normalized: Apply layer normalisation (arXiv:1607.06450) to the encoder's features, and feed them to the heads
+            in addition to the memory. If False, features of many images grow until the GRU's gates saturate.
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is invalid.
     """
 
     features: int = 256
@@ -59,25 +58,25 @@ class NetworkConfig:
 
 
 class Memory(nn.Module):
-    """A GRU over time (arXiv:1406.1078) that forgets where an episode begins."""
+    """GRU over time (arXiv:1406.1078) whose state is reset at the start of an episode."""
 
     features: int
 
     @functools.partial(nn.scan, variable_broadcast="params", split_rngs={"params": False})
     @nn.compact
     def __call__(self, memory: Array, inputs: tuple[Array, Array]) -> tuple[Array, Array]:
-        """One step of all environments; `nn.scan` makes it a function of (T, N, ...) inputs."""
+        """Apply one step to all environments; `nn.scan` turns it into a function of (T, N, ...) inputs."""
         x, begins = inputs
         return nn.GRUCell(self.features)(jnp.where(begins[:, None], 0.0, memory), x)
 
 
 class RecurrentAgent(nn.Module):
-    """A policy and a value that remember.
+    """Recurrent policy and value function.
 
     Attributes:
         specs: Name and spec of every observation of one agent.
-        distribution: Of actions.
-        config: Sizes.
+        distribution: Distribution of actions.
+        config: Sizes of the network.
 
     Example:
         >>> agent = RecurrentAgent.of(core.observation_spec, core.action_spec)  # doctest: +SKIP
@@ -92,26 +91,26 @@ class RecurrentAgent(nn.Module):
     def of(
         cls, observations: Mapping[str, ArraySpec], action: ArraySpec, config: NetworkConfig | None = None
     ) -> "RecurrentAgent":
-        """The agent for observations and actions, both of one agent.
+        """Build the agent for observations and actions, both of one agent.
 
         Raises:
-            ConfigError: It would observe nothing, or no distribution is known for its actions.
+            ConfigError: No observation can be encoded, or the action spec has no distribution.
         """
         specs = tuple((name, spec) for name, spec in sorted(observations.items()) if kind_of(name, spec) != "none")
         if not specs:
-            raise ConfigError("the agent would observe nothing", hint="Name sensors=, such as state, goal or depth.")
+            raise ConfigError("the agent would observe nothing", hint="Pass sensors=, such as state, goal or depth.")
         return cls(specs, distribution_of(action), config or NetworkConfig())
 
     @nn.compact
     def __call__(
         self, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "t n p"], Float[Array, "t n"]]:
-        """Reads T steps of N agents.
+        """Apply the network to T steps of N agents.
 
         Args:
-            memory: Before the first step.
+            memory: Memory before the first step.
             obs: Observations (T, N, ...).
-            begins: Where an episode's first observation is: the memory before it is forgotten.
+            begins: True at an episode's first observation, where the memory is reset.
 
         Returns:
             The memory after the last step, parameters of the distribution, and values.
@@ -127,29 +126,29 @@ class RecurrentAgent(nn.Module):
     def read(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "t n p"], Float[Array, "t n"]]:
-        """The network with its parameters `net`: memory after T steps, parameters of the distribution, values."""
+        """Apply the network with parameters `net`; return memory after T steps, distribution parameters, values."""
         applied: Any = self.apply(net, memory, obs, begins)
         return applied
 
     def read_one(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, " n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "n p"], Float[Array, " n"]]:
-        """`read` for a single step."""
+        """Apply `read` to a single step."""
         memory, params, value = self.read(net, memory, jax.tree.map(lambda x: x[None], obs), begins[None])
         return memory, params[0], value[0]
 
     def first_memory(self, num: int) -> Float[Array, "n m"]:
-        """What `num` agents remember before their first step."""
+        """Return the zero memory of `num` agents before their first step."""
         return jnp.zeros((num, self.config.memory), jnp.float32)
 
     def init_net(self, key: Array) -> Any:
-        """Fresh parameters."""
+        """Initialize fresh parameters."""
         obs = {name: jnp.zeros((1, 1, *spec.shape), spec.dtype) for name, spec in self.specs}
         return jax.jit(self.init)(key, self.first_memory(1), obs, jnp.ones((1, 1), bool))
 
     def _policy(self, x: Array) -> Array:
         distribution: Distribution = self.distribution
-        small = nn.initializers.orthogonal(0.01)  # all actions are about as likely at first
+        small = nn.initializers.orthogonal(0.01)  # nearly uniform action probabilities at first
         outputs = nn.Dense(distribution.num_outputs, kernel_init=small, name="policy")(x)
         if not distribution.num_scales:
             return outputs

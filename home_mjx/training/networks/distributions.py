@@ -1,4 +1,4 @@
-"""Distributions of actions, by the spec of the action; their parameters are the output of a policy."""
+"""Distributions of actions by action spec; their parameters are the output of a policy."""
 
 import math
 from dataclasses import dataclass
@@ -17,48 +17,48 @@ HALF_LOG_TAU = 0.5 * math.log(2 * math.pi)
 
 @runtime_checkable
 class Distribution(Protocol):
-    """What PPO needs of a distribution. Leading axes of parameters and actions are free, but for `sample`."""
+    """Interface of a distribution for PPO. Leading axes of parameters and actions are free, except in `sample`."""
 
     @property
     def num_outputs(self) -> int:
-        """Numbers that the policy gives per state."""
+        """Number of policy outputs per state."""
         ...
 
     @property
     def num_scales(self) -> int:
-        """Parameters besides, which do not depend on the state; they follow the outputs."""
+        """Number of state-independent parameters, which follow the outputs."""
         ...
 
     def sample(self, params: Array, key: Array) -> Array:
-        """One action from parameters (p,)."""
+        """Sample one action from parameters (p,)."""
         ...
 
     def mode(self, params: Array) -> Array:
-        """The likeliest action."""
+        """Return the most likely action."""
         ...
 
     def log_prob(self, params: Array, action: Array) -> Array:
-        """Logarithm of an action's probability, or its density."""
+        """Return the logarithm of an action's probability or density."""
         ...
 
     def entropy(self, params: Array) -> Array:
-        """Entropy [nats]."""
+        """Return the entropy [nats]."""
         ...
 
     def clip(self, action: Array) -> Array:
-        """The action that the environment takes."""
+        """Return the action that the environment takes."""
         ...
 
 
 @dataclass(frozen=True)
 class Gaussian:
-    """Normal and independent; actions beyond the limits are clipped on their way to the environment.
+    """Independent normal distributions; actions beyond the limits are clipped before the environment takes them.
 
     Parameters are means, then logarithms of standard deviations, which do not depend on the state.
 
     Attributes:
-        low: Least value of each number of an action.
-        high: Greatest value.
+        low: Minimum of each number of an action.
+        high: Maximum of each number of an action.
     """
 
     low: tuple[float, ...]
@@ -66,34 +66,34 @@ class Gaussian:
 
     @property
     def num_outputs(self) -> int:
-        """Means."""
+        """Number of means."""
         return len(self.low)
 
     @property
     def num_scales(self) -> int:
-        """Standard deviations."""
+        """Number of standard deviations."""
         return len(self.low)
 
     def sample(self, params: Float[Array, " p"], key: Array) -> Float[Array, " n"]:
-        """One action."""
+        """Sample one action."""
         mean, scale = self._mean_and_scale(params)
         return mean + scale * jax.random.normal(key, mean.shape)
 
     def mode(self, params: Float[Array, "*b p"]) -> Float[Array, "*b n"]:
-        """The mean."""
+        """Return the mean."""
         return self._mean_and_scale(params)[0]
 
     def log_prob(self, params: Float[Array, "*b p"], action: Float[Array, "*b n"]) -> Float[Array, "*b"]:
-        """Of the action before it is clipped."""
+        """Return the log density of an action before clipping."""
         mean, scale = self._mean_and_scale(params)
         return jnp.sum(-0.5 * ((action - mean) / scale) ** 2 - jnp.log(scale) - HALF_LOG_TAU, axis=-1)
 
     def entropy(self, params: Float[Array, "*b p"]) -> Float[Array, "*b"]:
-        """Of the action before it is clipped."""
+        """Return the entropy of the action before clipping [nats]."""
         return jnp.sum(jnp.log(self._mean_and_scale(params)[1]) + HALF_LOG_TAU + 0.5, axis=-1)
 
     def clip(self, action: Float[Array, "*b n"]) -> Float[Array, "*b n"]:
-        """Within the limits."""
+        """Clip an action to its limits."""
         return jnp.clip(action, jnp.asarray(self.low), jnp.asarray(self.high))
 
     def _mean_and_scale(self, params: Array) -> tuple[Array, Array]:
@@ -103,10 +103,10 @@ class Gaussian:
 
 @dataclass(frozen=True)
 class Categorical:
-    """One choice, or several independent ones; parameters are logits, one choice after the other.
+    """One choice, or several independent ones; parameters are the logits of all choices, concatenated.
 
     Attributes:
-        sizes: How many there are to choose from, for each choice.
+        sizes: Number of options of each choice.
         single: An action is a number, without an axis of choices.
     """
 
@@ -116,20 +116,20 @@ class Categorical:
 
     @property
     def num_outputs(self) -> int:
-        """Logits."""
+        """Number of logits."""
         return sum(self.sizes)
 
     def sample(self, params: Float[Array, " p"], key: Array) -> Array:
-        """One action."""
+        """Sample one action."""
         keys = jax.random.split(key, len(self.sizes))
         return self._joined([jax.random.categorical(k, x) for k, x in zip(keys, self._logits(params), strict=True)])
 
     def mode(self, params: Float[Array, "*b p"]) -> Array:
-        """The likeliest choices."""
+        """Return the most likely choices."""
         return self._joined([jnp.argmax(x, axis=-1) for x in self._logits(params)])
 
     def log_prob(self, params: Float[Array, "*b p"], action: Array) -> Float[Array, "*b"]:
-        """Of all choices together."""
+        """Return the joint log probability of all choices."""
         chosen = action[..., None] if self.single else action
         logits = self._logits(params)
         return sum(
@@ -138,12 +138,12 @@ class Categorical:
         )
 
     def entropy(self, params: Float[Array, "*b p"]) -> Float[Array, "*b"]:
-        """Of all choices together."""
+        """Return the joint entropy of all choices [nats]."""
         each = [-jnp.sum(jnp.exp(x) * x, axis=-1) for x in self._logits(params)]
         return sum(each, start=jnp.zeros(params.shape[:-1]))
 
     def clip(self, action: Array) -> Array:
-        """Every choice can be taken."""
+        """Return the action unchanged, because every choice is valid."""
         return action
 
     def _logits(self, params: Array) -> list[Array]:
@@ -156,10 +156,10 @@ class Categorical:
 
 
 def distribution_of(spec: ArraySpec) -> Gaussian | Categorical:
-    """The distribution for actions of one agent.
+    """Return the distribution for the actions of one agent.
 
     Raises:
-        ConfigError: The spec is of neither kind.
+        ConfigError: The spec is neither discrete from 0 nor a float32 vector.
 
     Example:
         >>> distribution_of(ArraySpec((), "int32", 0, 5))

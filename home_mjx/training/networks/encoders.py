@@ -1,4 +1,4 @@
-"""From a dictionary of observations to one vector: which network reads which observation."""
+"""Encoders from a dictionary of observations to one vector, and the choice of network for each observation."""
 
 import functools
 from collections import defaultdict
@@ -28,16 +28,16 @@ ID_CHANNELS = 12
 
 
 def kind_of(name: str, spec: ArraySpec) -> str:
-    """Which network reads an observation of one agent.
+    """Return the kind of network that encodes an observation of one agent.
 
-    - `image`: rank 3, and rank 2 unless they are integers or sound.
+    - `image`: rank 3, and rank 2 except integers and sound.
     - `ids`: rank 2 integers, `ids/*`.
     - `sound`: `audio` (2, samples).
     - `spectra`: `log_mel` (2, windows, bands).
     - `scan`: `lidar` (rays,).
     - `words`: rank 1 integers, such as tokens of an instruction.
     - `vector`: all other numbers.
-    - `none`: `camera/*`, which says where cameras are, and `expert`, which says what to do.
+    - `none`: `camera/*`, the camera poses, and `expert`, the advice; neither is encoded.
 
     Example:
         >>> kind_of("pixels/head_depth", ArraySpec((64, 64, 1)))
@@ -60,7 +60,7 @@ def kind_of(name: str, spec: ArraySpec) -> str:
 
 
 def as_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
-    """Values of about 1 in size, channels last."""
+    """Convert an observation to float32 with channels last and values of about 1 in magnitude."""
     if len(spec.shape) == 2:
         x = x[..., None]
     elif spec.shape[0] < spec.shape[-1]:  # such as spectrograms of both ears
@@ -72,26 +72,26 @@ def as_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
 
 @functools.cache
 def id_codes() -> Float[np.ndarray, "n c"]:
-    """A code for every id, drawn at random once and for all.
+    """Return a fixed random code of ±1 for every id.
 
-    Codes that are learned tell no more, but their gradients are sums over all pixels: they took most of the time.
+    Learned codes were no better, and their gradients, sums over all pixels, took most of the time.
     """
     return np.random.default_rng(0).choice([-1.0, 1.0], (NUM_IDS, ID_CHANNELS)).astype(np.float32)
 
 
 class Encoder(nn.Module):
-    """One vector from all observations of an agent.
+    """Encoder of all observations of an agent into one vector.
 
-    Images of one size, ids among them, are stacked and read by one `ImageEncoder`, which words tell what to look for;
-    where ids have names, what words name is marked, and looked at by a `Glimpse`. Vectors are squashed, joined and
-    read by two layers.
+    Images of one size, including id images, are stacked and encoded by one `ImageEncoder` that is conditioned on words.
+    Pixels whose id has a name among the words are marked, and a `Glimpse` attends to them. Vectors are squashed,
+    concatenated and encoded by two layers.
 
     Attributes:
         specs: Name and spec of every observation of one agent.
         features: Size of the result, and of the two layers.
-        channels: Of `ImageEncoder`.
-        dtype: Type of the convolutions of images.
-        mentions: Mark what words name, see `mentioned`, and look at it.
+        channels: Channels of `ImageEncoder`.
+        dtype: Type of image convolutions.
+        mentions: Mark pixels that words name, see `mentioned`, and attend to them.
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]
@@ -102,7 +102,7 @@ class Encoder(nn.Module):
 
     @nn.compact
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
-        """Leading axes of the observations are kept."""
+        """Encode observations; their leading axes are kept."""
         said = [said_by(name, obs[name]) for name, spec in self.specs if kind_of(name, spec) == "words"]
         said = jnp.concatenate(said, axis=-1) if said and self.mentions else None
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
@@ -137,7 +137,7 @@ class Encoder(nn.Module):
         return nn.relu(nn.Dense(self.features)(jnp.concatenate(parts, axis=-1)))
 
     def _look(self, images: list[Array], marks: list[Array], words: Array | None) -> list[Float[Array, "*b f"]]:
-        """Features of images of one size, and of what is marked in them."""
+        """Return features of all images of one size, and of their marked pixels if any."""
         stacked = jnp.concatenate(images + marks, axis=-1)
         whole = ImageEncoder(self.channels, self.features, self.dtype)(stacked, words)
         if not marks or words is None:

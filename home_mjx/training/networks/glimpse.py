@@ -1,26 +1,26 @@
-"""A glimpse at what words name: what images hold there, and where in view it is.
+"""Attention to the pixels that words name: image features there, and their position in the view.
 
-Convolutions and layers have to learn for each place of an image, and for each colour, how to tell of a thing what is
-asked about it. Attention looks it up (as in arXiv:1606.03556, where questions attend to pictures); words that name
-pixels, see `mentions`, say at first where to.
+Convolutions and dense layers would have to learn the answer for each image position and each colour. Attention looks it
+up (as in arXiv:1606.03556, where questions attend to pictures). Pixels that words name, see `mentions`, are the initial
+attention.
 """
 
 import flax.linen as nn
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-SHARP = 6.0  # by so much more is said [log] by each image of ids whose name for a pixel is among the words
-NULL = 1.0  # weight of looking nowhere
+SHARP = 6.0  # logit added to a pixel per id image whose name for it is among the words
+NULL = 1.0  # attention weight of no pixel; normalises the sums where no pixel is named
 
 
 class Glimpse(nn.Module):
-    """What images hold where words name pixels, and where that is, for some ways of reading the words.
+    """Image features and positions, pooled over pixels that words name, with several attention heads.
 
-    A way of reading is a query of features of words to the marks of each pixel: such as what was named first, or what
-    several words name. Pixels that no word names are never looked at.
+    Each head has a query, computed from word features, that is multiplied with the marks of each pixel. A head may for
+    example select the object named first, or one named by several words. Pixels that no word names have zero weight.
 
     Attributes:
-        num: Ways of reading.
+        num: Number of heads.
         features: Size of the result.
 
     Example:
@@ -38,7 +38,7 @@ class Glimpse(nn.Module):
     def __call__(
         self, x: Float[Array, "*b h w c"], marks: Float[Array, "*b h w m"], asked: Float[Array, "*b a"]
     ) -> Float[Array, "*b f"]:
-        """Features; `marks` are those of `mentioned`, two channels per image of ids, and `asked` those of words."""
+        """Return features; `marks` come from `mentioned`, two channels per id image, and `asked` are word features."""
         looked = jnp.concatenate([x.astype(jnp.float32), _places(x)], axis=-1)
         weight = self._weights(marks.astype(jnp.float32), asked)
         mass = jnp.sum(weight, axis=(-3, -2))
@@ -48,7 +48,7 @@ class Glimpse(nn.Module):
         return nn.relu(nn.Dense(self.features)(told.reshape(*told.shape[:-2], -1)))
 
     def _weights(self, marks: Float[Array, "*b h w m"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w n"]:
-        """How much each way of reading looks at each pixel."""
+        """Compute the unnormalised attention weight of each pixel for each head."""
         query = nn.Dense(self.num * marks.shape[-1])(asked)
         query = query.reshape(*query.shape[:-1], marks.shape[-1], self.num)
         named = jnp.sum(marks[..., ::2], axis=-1)[..., None]
@@ -57,7 +57,7 @@ class Glimpse(nn.Module):
 
 
 def _places(x: Float[Array, "*b h w c"]) -> Float[Array, "*b h w 2"]:
-    """Where each pixel is, from -1 to 1: to the right, and down."""
+    """Return each pixel's image coordinates from -1 to 1: to the right, and down."""
     down, right = (jnp.linspace(-1.0, 1.0, size, dtype=jnp.float32) for size in x.shape[-3:-1])
     plan = jnp.stack(jnp.meshgrid(right, down), axis=-1)
     return jnp.broadcast_to(plan, (*x.shape[:-1], 2))

@@ -15,14 +15,14 @@ HE = nn.initializers.he_normal()
 
 
 class SqueezeExcite(nn.Module):
-    """Scales each channel by a gate that sees the mean of all channels (arXiv:1709.01507)."""
+    """Scale each channel by a gate computed from the means of all channels (arXiv:1709.01507)."""
 
     dtype: Any = jnp.float32
     reduction: int = 8
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b h w c"]:
-        """The scaled channels."""
+        """Return the scaled channels."""
         channels = x.shape[-1]
         mean = jnp.mean(x, axis=(-3, -2))
         hidden = nn.relu(nn.Dense(max(channels // self.reduction, 4), dtype=self.dtype)(mean))
@@ -31,7 +31,7 @@ class SqueezeExcite(nn.Module):
 
 
 class ResidualBlock(nn.Module):
-    """Two 3 × 3 convolutions and a shortcut; it halves the image if `stride` is 2."""
+    """Two 3 × 3 convolutions and a shortcut; a `stride` of 2 halves the image."""
 
     channels: int
     stride: int = 1
@@ -39,7 +39,7 @@ class ResidualBlock(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b h2 w2 c2"]:
-        """The image with `channels` channels."""
+        """Return the image with `channels` channels."""
         stride = (self.stride, self.stride)
         y = nn.Conv(self.channels, (3, 3), stride, dtype=self.dtype, kernel_init=HE)(nn.relu(x))
         y = nn.Conv(self.channels, (3, 3), dtype=self.dtype, kernel_init=nn.initializers.zeros)(nn.relu(y))
@@ -49,22 +49,22 @@ class ResidualBlock(nn.Module):
 
 
 class Gate(nn.Module):
-    """Scales each channel by what words ask for: gated attention, Chaplot et al., 2018 (arXiv:1706.07230)."""
+    """Channel gates computed from word features: gated attention, Chaplot et al., 2018 (arXiv:1706.07230)."""
 
     dtype: Any = jnp.float32
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w c"]:
-        """The scaled channels."""
+        """Return the scaled channels."""
         gate = nn.sigmoid(nn.Dense(x.shape[-1], dtype=self.dtype)(asked.astype(self.dtype)))
         return x * gate[..., None, None, :]
 
 
 class Search(nn.Module):
-    """Maps of where an image has what words ask for: each place's channels times a query that words make.
+    """Maps of image positions that match the words: each position's channels times queries computed from word features.
 
-    Gates alone have to learn a channel for all that there is before words can choose one. The product finds a pair of
-    words that were never asked for together, as dot-product attention does (arXiv:1706.03762).
+    With gates alone, words can only select channels, so each nameable object needs a learned channel of its own. The
+    product generalises to unseen pairs of words, as dot-product attention does (arXiv:1706.03762).
     """
 
     num: int = 8
@@ -72,7 +72,7 @@ class Search(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w n"]:
-        """One map per query."""
+        """Return one map per query."""
         channels = x.shape[-1]
         query = nn.Dense(self.num * channels, dtype=self.dtype)(asked.astype(self.dtype))
         query = query.reshape(*query.shape[:-1], channels, self.num)
@@ -82,8 +82,8 @@ class Search(nn.Module):
 class ImageEncoder(nn.Module):
     """Features of images: a stem that divides the size by four, a residual block per entry of `channels`, one layer.
 
-    Each block but the first halves the size. Where words say what to look for, maps of a `Search` are added to the
-    stem, and a `Gate` follows each block. Parameters are float32 whatever `dtype` computes in.
+    Each block but the first halves the size. With word features, the maps of a `Search` are concatenated to the stem,
+    and a `Gate` follows each block. Parameters are float32 for every `dtype`.
 
     Attributes:
         channels: Channels of each block.
@@ -104,7 +104,7 @@ class ImageEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"] | None = None) -> Float[Array, "*b f"]:
-        """Features of each image, whose values should be about 1 in size; `asked` are those of words."""
+        """Encode images with values of about 1 in magnitude; `asked` are word features."""
         x = nn.Conv(self.channels[0], (8, 8), (4, 4), dtype=self.dtype, kernel_init=HE)(x.astype(self.dtype))
         if asked is not None:
             x = jnp.concatenate([x, Search(dtype=self.dtype)(x, asked)], axis=-1)

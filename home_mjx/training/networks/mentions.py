@@ -1,8 +1,8 @@
-"""Where an image of ids has what words name: ids and words of one language have their names in common.
+"""Marks of the pixels of id images that an instruction names; ids and words of one language share their names.
 
-Who learns each word's look from rewards needs to be told of each thing many times, and knows nothing of a pair of words
-that it has not been told. Agents that are pretrained on pictures and their captions have the same start (such as
-arXiv:2203.10421). What words mean together, and what to do about it, is left to be learned.
+Learning the appearance of each word from rewards takes many examples of each object, and does not generalise to unseen
+pairs of words. Agents pretrained on captioned images have a similar start (such as arXiv:2203.10421). The meaning of
+word combinations, and the behaviour, are still learned.
 """
 
 import functools
@@ -17,12 +17,12 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import COLUMN
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
 
-NOT_SAID = -1  # token of what has no name
+NOT_SAID = -1  # token of an id without a name
 
 
 @functools.cache
 def name_tokens(column: Semantic) -> Int[np.ndarray, " n"]:
-    """The token of each name of a vocabulary.
+    """Return the token of each name of a vocabulary.
 
     Example:
         >>> name_tokens(Semantic.SIZE).tolist() == [
@@ -34,7 +34,7 @@ def name_tokens(column: Semantic) -> Int[np.ndarray, " n"]:
 
 
 def column_of(observation: str) -> Semantic | None:
-    """The vocabulary of the ids of an observation; None: they have no names.
+    """Return the vocabulary of an id observation; None if its ids have no names.
 
     Example:
         >>> column_of("ids/head_coarse"), column_of("ids/head_instance")
@@ -46,7 +46,7 @@ def column_of(observation: str) -> Semantic | None:
 
 
 def said_by(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
-    """Tokens of an observation of words; of `goal_words`, whose columns hold ids, the tokens of their names."""
+    """Return the tokens of a word observation; ids in `goal_words` are replaced by the tokens of their names."""
     if observation != "goal_words":
         return words.astype(jnp.int32)
     said = jnp.full(words.shape, NOT_SAID, jnp.int32)
@@ -58,10 +58,10 @@ def said_by(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
 
 
 def mentioned(ids: Int[Array, "*b h w"], column: Semantic, said: Int[Array, "*b n"]) -> Float[Array, "*b h w 2"]:
-    """Which pixels a text names, and how early: 1 and from 1, its first word, down to 1 / n; else zeros.
+    """Mark the pixels that a text names: 1, and a weight from 1 (first word) down to 1 / n; zeros if not named.
 
     Args:
-        ids: Of a vocabulary; -1 is a miss.
+        ids: Ids of a vocabulary; -1 is a miss.
         column: The vocabulary.
         said: Tokens of the text.
 
@@ -71,7 +71,7 @@ def mentioned(ids: Int[Array, "*b h w"], column: Semantic, said: Int[Array, "*b 
         >>> mentioned(ids, Semantic.SIZE, said)[0, 0, :, 0].tolist()
         [0.0, 1.0, 0.0]
     """
-    tokens = np.append(name_tokens(column), np.int32(NOT_SAID - 1))  # nobody says what a miss is
+    tokens = np.append(name_tokens(column), np.int32(NOT_SAID - 1))  # a miss has a token that no text contains
     where = said[..., None, :] == jnp.asarray(tokens)[:, None]  # (*b, names, n)
     named = jnp.any(where, axis=-1).astype(jnp.float32)
     early = 1 - jnp.argmax(where, axis=-1) / said.shape[-1]

@@ -1,34 +1,34 @@
-"""Networks that read one observation: waves, spectra, rays all around, words."""
+"""Encoders of single observations: waveforms, spectra, lidar scans, words."""
 
 import flax.linen as nn
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-NUM_IDS = 1024  # rows of the tables of ids and words; greater ids are counted around
-NEIGHBOURS = 3  # words that are read at once
-LOUD = 50.0  # [dB]: levels are told in such parts
-APART = 10.0  # [dB]: and differences between ears in such
-QUIET = 1e-4  # pressure below which loudness is not told apart
+NUM_IDS = 1024  # rows of the tables of ids and words; larger ids wrap around
+NEIGHBOURS = 3  # kernel size of the convolution over words
+LOUD = 50.0  # [dB] scale of mean levels
+APART = 10.0  # [dB] scale of level differences between ears
+QUIET = 1e-4  # pressure added before logarithm and division, so that silence is finite
 
 
 def squash(x: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """sign(x) log(1 + |x|): metres and cosines in one range, without statistics (symlog, arXiv:2301.04104)."""
+    """Compute sign(x) log(1 + |x|): metres and cosines in one range, without statistics (symlog, arXiv:2301.04104)."""
     return jnp.sign(x) * jnp.log1p(jnp.abs(x))
 
 
 def table_row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
-    """Rows of ids in a table of `NUM_IDS`; the first is that of a miss, -1."""
+    """Return the rows of ids in a table of `NUM_IDS`; row 0 is a miss, -1."""
     return (ids.astype(jnp.int32) + 1) % NUM_IDS
 
 
 class SoundEncoder(nn.Module):
-    """Features of both ears' waves: their loudness, and three convolutions of the waves made equally loud."""
+    """Features of the waveforms of both ears: their levels, and three convolutions of the normalised waveforms."""
 
     features: int = 128
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b ears m"]) -> Float[Array, "*b f"]:
-        """Loudness is kept apart: of its logarithm, differences between ears and steps are a hint at the way."""
+        """Encode waveforms; levels stay separate: their differences between ears and steps are directional cues."""
         power = jnp.sqrt(jnp.mean(x**2, axis=-1))
         waves = jnp.swapaxes(x / (jnp.max(power, axis=-1) + QUIET)[..., None, None], -1, -2)
         for channels, size, stride in ((16, 32, 16), (32, 8, 4), (32, 4, 2)):
@@ -38,29 +38,29 @@ class SoundEncoder(nn.Module):
 
 
 class SpectraEncoder(nn.Module):
-    """Features of both ears' spectra [dB]: of their mean, and of their difference, which tells the direction.
+    """Features of the spectra of both ears [dB]: of their mean, and of their difference, a directional cue.
 
-    Levels differ by tens of dB from near to far, ears by a few from left to right: each is scaled for itself.
+    Levels vary by tens of dB with distance, interaural differences by a few dB, so each has its own scale.
     """
 
     features: int = 256
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b ears w m"]) -> Float[Array, "*b f"]:
-        """Two layers."""
+        """Apply two layers."""
         mean, apart = jnp.mean(x, axis=-3) / LOUD, (x[..., 0, :, :] - x[..., 1, :, :]) / APART
         flat = jnp.stack([mean, apart], axis=-3).reshape(*x.shape[:-3], -1)
         return nn.relu(nn.Dense(self.features)(nn.relu(nn.Dense(self.features)(flat))))
 
 
 class ScanEncoder(nn.Module):
-    """Features of distances all around: two convolutions along the ring, which has no end, and a layer."""
+    """Features of a 360-degree scan: two circular convolutions and a layer."""
 
     features: int = 256
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b n"]) -> Float[Array, "*b f"]:
-        """What is beside what counts, and where."""
+        """Encode a scan; the dense layer keeps the bearing of local patterns."""
         ring = squash(x)[..., None]
         for channels in (32, 64):
             ring = nn.relu(nn.Conv(channels, (5,), (2,), padding="CIRCULAR")(ring))
@@ -68,10 +68,10 @@ class ScanEncoder(nn.Module):
 
 
 class WordEncoder(nn.Module):
-    """Features of a short row of words: each is read with its neighbours; of all, the greatest of a feature is kept.
+    """Features of a short row of words: a convolution over neighbouring words, then the maximum of each feature.
 
     Attributes:
-        blank: What stands where there is no word. The many blanks must not drown the few words.
+        blank: Token of an empty position. Blanks are masked, so that they do not outweigh the few words.
         features: Size of the result.
     """
 
@@ -80,10 +80,10 @@ class WordEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, words: Int[Array, "*b n"]) -> Float[Array, "*b f"]:
-        """Order counts by neighbours and through the table of places."""
+        """Encode words; their order enters by the convolution and the table of positions."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
         there = (words != self.blank)[..., None]
         looked_up = jnp.where(there, nn.Embed(NUM_IDS, self.features)(table_row(words)) + places, 0.0)
         read = jnp.where(there, nn.relu(nn.Conv(self.features, (NEIGHBOURS,))(looked_up)), 0.0)
-        # Of size 1: short embeddings would leave all gates half open for long.
+        # Unit size: small embeddings would leave all gates half open for many updates.
         return nn.LayerNorm()(jnp.max(read, axis=-2))

@@ -1,6 +1,7 @@
-"""Data sets of episodes that were played: written at the speed of a GPU, in Minari's format.
+"""Datasets of recorded episodes in Minari's format, written at GPU simulation speed.
 
-Needs the extra `data`. `record` writes, `Trajectories` reads; so do Minari, and anything that reads Apache Arrow.
+Needs the extra `data`. `record` writes and `Trajectories` reads them; Minari and Apache Arrow readers can read them
+too.
 """
 
 import importlib
@@ -23,4 +24,4 @@ def __getattr__(name: str) -> Any:
     try:
         return getattr(importlib.import_module(f"home_mjx.training.trajectories.{_MODULES[name]}"), name)
     except ModuleNotFoundError as error:
-        raise ConfigError(f"data sets need the package `{error.name}`", hint=install_hint("data")) from error
+        raise ConfigError(f"datasets need the package `{error.name}`", hint=install_hint("data")) from error

@@ -1,6 +1,6 @@
-"""Where Minari keeps what, and its spaces as text.
+"""Folder layout of Minari datasets, and their JSON form of spaces.
 
-A data set is a folder: `data/metadata.json`, and for episode i `data/i/part-0.arrow` and `data/i/metadata.json`. See
+A dataset is a folder: `data/metadata.json`, and for episode i `data/i/part-0.arrow` and `data/i/metadata.json`. See
 https://minari.farama.org/content/dataset_standards.
 """
 
@@ -17,16 +17,16 @@ from home_mjx.core.files import read_text, write_durably
 from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
 
 DATA, METADATA, PART = "data", "metadata.json", "part-0.arrow"
-FREE_SPACE = "Free some space, then go on with --resume; or name another folder."
-MAX_BYTES = 1 << 28  # of metadata: limits of images of 8 megapixels
-MINARI_VERSION = "0.5.4"  # whose layout this is; the first with images that are not JPEG
+FREE_SPACE = "Free some space, then continue with --resume; or choose another folder."
+MAX_BYTES = 1 << 28  # maximum size of metadata [bytes]; enough for the limits of 8-megapixel images
+MINARI_VERSION = "0.5.4"  # version of this layout; the first with images that are not JPEG
 
 
 def space_json(space: gymnasium.Space) -> dict[str, Any]:
-    """A space as Minari's metadata has it.
+    """Convert a space to the JSON form of Minari's metadata.
 
     Raises:
-        ConfigError: It is of a kind that no environment here has.
+        ConfigError: The space is of a type that no environment here uses.
 
     Example:
         >>> space_json(gymnasium.spaces.Discrete(6))
@@ -42,30 +42,30 @@ def space_json(space: gymnasium.Space) -> dict[str, Any]:
     if isinstance(space, gymnasium.spaces.MultiDiscrete):
         numbers = {"nvec": space.nvec.tolist(), "start": space.start.tolist()}
         return {"type": "MultiDiscrete", "dtype": str(space.dtype), **numbers}
-    raise ConfigError(f"Minari has no text for {space}")
+    raise ConfigError(f"Minari cannot represent the space {space}")
 
 
 def read_metadata(folder: Path) -> dict[str, Any]:
-    """The metadata of a data set or an episode.
+    """Read the metadata of a dataset or an episode.
 
     Raises:
-        MissingFileError: There is none.
-        DatasetError: It is broken.
+        MissingFileError: The metadata file does not exist.
+        DatasetError: The file is broken.
     """
     path = folder / METADATA
     if not path.exists():
-        hint = "Give the folder that `home-mjx record` has written to."
-        raise MissingFileError("there is no data set", file=path, hint=hint)
+        hint = "Pass a folder that `home-mjx record` has written."
+        raise MissingFileError("there is no dataset", file=path, hint=hint)
     with broken_metadata(path):
         content = json.loads(read_text(path, most=MAX_BYTES))
         if not isinstance(content, dict):
-            raise ValueError("they are no object with names")
+            raise ValueError("they are not a JSON object")
         return content
 
 
 @contextmanager
 def broken_metadata(path: Path) -> Iterator[None]:
-    """Where metadata cannot be read, or lack something, the block raises `DatasetError`."""
+    """Convert errors of the block, such as a missing key, to a `DatasetError` that names the metadata file."""
     try:
         yield
     except HomeMjxError:
@@ -76,10 +76,10 @@ def broken_metadata(path: Path) -> Iterator[None]:
 
 
 def write_metadata(folder: Path, content: dict[str, Any]) -> None:
-    """Writes metadata in one move, so that a killed process, or a power cut, leaves the old ones or the new ones.
+    """Write metadata atomically, so that a killed process or a power cut leaves either the old or the new version.
 
     Raises:
-        ConfigError: They cannot be written.
+        ConfigError: The file cannot be written.
     """
     with write_durably(folder / METADATA, "metadata", FREE_SPACE) as file:
         file.write(json.dumps(content, default=_plain).encode())
@@ -90,7 +90,7 @@ def _plain(value: Any) -> Any:
 
 
 def num_complete(data: Path) -> int:
-    """Episodes 0, 1, ... that are whole on disk: an episode's folder appears under its number when it is whole.
+    """Count the complete episodes 0, 1, ... on disk; an episode's folder gets its number only when it is complete.
 
     Example:
         >>> num_complete(Path("nowhere"))

@@ -1,4 +1,4 @@
-"""Reads episodes back, without Minari."""
+"""Reader of recorded episodes, without Minari."""
 
 import json
 import operator
@@ -18,12 +18,12 @@ class Trajectory(NamedTuple):
     """One episode of T steps.
 
     Attributes:
-        observations: By name, T + 1 each.
-        actions: T.
-        rewards: T.
-        terminations: T; the task has ended the episode.
-        truncations: T; the time was up.
-        notes: Task, instruction, house, metrics at the end.
+        observations: T + 1 observations by name.
+        actions: T actions.
+        rewards: T rewards.
+        terminations: T flags; True if the task ended the episode.
+        truncations: T flags; True if the time limit was reached.
+        notes: Task, instruction, house, and metrics at the end.
     """
 
     observations: dict[str, np.ndarray]
@@ -35,16 +35,16 @@ class Trajectory(NamedTuple):
 
 
 class Trajectories:
-    """A data set on disk, to be indexed and iterated over. Arrays lie in the files: nothing is read before its use.
+    """Dataset on disk that can be indexed and iterated over. Files are memory-mapped, so data are read on use.
 
     Args:
-        folder: What `record` has written to.
+        folder: Folder that `record` has written.
 
     Attributes:
-        metadata: Of the whole.
+        metadata: Metadata of the dataset.
 
     Raises:
-        MissingFileError: There is no data set.
+        MissingFileError: The folder contains no dataset.
         DatasetError: Its metadata are broken.
 
     Example:
@@ -63,31 +63,31 @@ class Trajectories:
             self._action = _shape(action.get("shape", (len(action["nvec"]),) if "nvec" in action else ()))
             self._length = operator.index(self.metadata["total_episodes"])
             if not 0 <= self._length <= sys.maxsize:
-                raise ValueError(f"there cannot be {self._length:.3g} episodes")
+                raise ValueError(f"`total_episodes` of {self._length:.3g} is out of range")
 
     def __len__(self) -> int:
-        """Episodes."""
+        """Return the number of episodes."""
         return self._length
 
     def __iter__(self) -> Iterator[Trajectory]:
-        """All episodes in order."""
+        """Iterate over all episodes in order."""
         return (self[i] for i in range(len(self)))
 
     def __getitem__(self, index: int) -> Trajectory:
-        """An episode.
+        """Load one episode.
 
         Raises:
-            IndexError: There is none of that number.
+            IndexError: The index is out of range.
             DatasetError: Its file is broken.
         """
         if not -len(self) <= index < len(self):
-            raise IndexError(f"there are episodes 0 to {len(self) - 1}, asked for {index}")
+            raise IndexError(f"expected an episode from 0 to {len(self) - 1}, got {index}")
         folder = self.data / str(index % len(self))
         path = folder / PART
         try:
             with pa.memory_map(str(path)) as file:
                 batch = pa.ipc.open_file(file).get_batch(0)
-            batch.validate(full=True)  # else a made-up offset would be followed anywhere
+            batch.validate(full=True)  # because a corrupt offset would read arbitrary memory
             return self._episode(batch, read_metadata(folder))
         except (
             OSError,
@@ -115,15 +115,15 @@ class Trajectories:
 
 
 def _shape(sizes: Any) -> tuple[int, ...]:
-    """Raises `TypeError` or `ValueError` unless they are sizes of axes."""
+    """Convert axis sizes to a shape; raise `TypeError` or `ValueError` if they are not sizes."""
     shape = tuple(map(operator.index, sizes))
     if min(shape, default=0) < 0:
-        raise ValueError(f"there is no shape {shape}")
+        raise ValueError(f"shape {shape} has a negative size")
     return shape
 
 
 def _array(column: pa.Array, shape: tuple[int, ...]) -> np.ndarray:
-    """A column as NumPy's array of these elements, without a copy where that can be."""
+    """Convert a column to a NumPy array with elements of a shape, without a copy if possible."""
     if isinstance(column, pa.FixedSizeListArray):
         return column.flatten().to_numpy(zero_copy_only=False).reshape(-1, *shape)
     return column.to_numpy(zero_copy_only=False)

@@ -1,4 +1,4 @@
-"""Plays a batch of environments and writes their episodes."""
+"""Recording of episodes from a batch of environments."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -36,29 +36,30 @@ def record(
     resume: bool = False,
     progress: bool | None = None,
 ) -> int:
-    """Writes at least so many steps of whole episodes, in Minari's format.
+    """Record at least `frames` steps of complete episodes, in Minari's format.
 
-    Once there are enough, no further episode begins, and those that run are played to their end: otherwise short
-    episodes would be more frequent than they are. Each episode's metadata has its task, instruction, house and metrics.
+    Once there are enough steps, no new episode starts and running ones are played to their end. Otherwise short
+    episodes would be overrepresented. Each episode's metadata contain its task, instruction, house and metrics.
 
     Args:
-        env: What is played; its `sensors=` are what is kept, images, sound and tokens among them.
-        folder: Where to.
-        policy: Who acts; None: the expert, then `env` comes from `with_expert`. The expert's advice is kept as
-            observation `expert` if another one acts.
-        frames: How many, those of earlier runs included.
-        num_envs: Environments at once.
-        seed: Of episodes and actions.
-        agent: Name of who acts, for the metadata.
-        only_success: Leave out episodes without success.
-        resume: Go on with what the folder holds, with other episodes.
+        env: The environment; its `sensors=` are recorded, including images, sound and tokens.
+        folder: Output folder.
+        policy: Policy that acts; None: the expert, which needs an environment of `with_expert`. The expert's advice is
+            recorded as observation `expert` if another policy acts.
+        frames: Minimum number of steps, including those of earlier runs.
+        num_envs: Number of environments in the batch.
+        seed: Seed of episodes and actions.
+        agent: Name of the policy, for the metadata.
+        only_success: Omit episodes without success.
+        resume: Continue the dataset in the folder, with other episodes.
         progress: Show a progress bar; None: in a terminal.
 
     Returns:
-        How many steps the data set holds.
+        Number of steps in the dataset.
 
     Raises:
-        ConfigError: The folder holds a data set, or one of another environment; or it cannot be written to.
+        ConfigError: The folder contains a dataset and `resume` is False, or a dataset of another environment; or it
+            cannot be written.
 
     Example:
         >>> record(with_expert(env), "data/RoomNav", frames=1_000_000, num_envs=1024)  # doctest: +SKIP
@@ -90,7 +91,7 @@ def _kept(seen: dict[str, np.ndarray], without: tuple[str, ...]) -> dict[str, np
 
 
 class _Batch:
-    """Environments that are played, and what they have gone through since their episodes began."""
+    """Batch of environments, and the recorded steps of their running episodes."""
 
     def __init__(self, env: BoundEnv[HouseholdEnv], policy: Policy, num: int, seed: int, first: int) -> None:
         self.env, self.policy, self.agents = env, policy, env.num_agents
@@ -107,15 +108,15 @@ class _Batch:
 
     @property
     def num_open(self) -> int:
-        """Steps of episodes that are not over."""
+        """Number of steps in running episodes."""
         return sum(len(episode.rewards) for episode, on in zip(self.open, self.running, strict=True) if on)
 
     def begin_no_more(self) -> None:
-        """From now on environments stand still once their episode is over."""
+        """Stop recording an environment once its episode is over."""
         self.last = True
 
     def step(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-        """One step of all; the episodes that it ended."""
+        """Step all environments; return the episodes that ended."""
         self.carry, taken = self._step(self.env.params, self.carry)
         host, ended = self._host(self.carry[0]) | jax.device_get(taken), []
         for i in np.flatnonzero(self.running).tolist():
@@ -139,7 +140,7 @@ class _Batch:
             self.open[i].see(host["obs"], i)
 
     def _asked(self, host: dict[str, Any], i: int) -> dict[str, str]:
-        """What the episode asks for."""
+        """Return the task and instruction of the episode, for row tasks only."""
         if "task" not in host:
             return {}
         task = self.env.params.tasks.names[int(host["task"][i])]
@@ -171,19 +172,19 @@ class _Batch:
 
 
 class _Open:
-    """One episode so far."""
+    """One running episode."""
 
     def __init__(self, notes: dict[str, Any] | None = None) -> None:
         self.notes, self.seen = notes or {}, {}
         self.actions, self.rewards, self.terminated, self.truncated = [], [], [], []
 
     def see(self, obs: dict[str, np.ndarray], i: int) -> None:
-        """An observation; it is copied, the batch's memory is free again."""
+        """Append an observation; copied, because the batch's memory is reused."""
         for name, values in obs.items():
             self.seen.setdefault(name, []).append(values[i].copy())
 
     def add(self, host: dict[str, Any], obs: dict[str, np.ndarray], i: int) -> None:
-        """A step, and the observation after it."""
+        """Append a step and the observation after it."""
         self.actions.append(host["action"][i])
         self.rewards.append(host["reward"][i])
         self.terminated.append(host["terminated"][i])
@@ -191,7 +192,7 @@ class _Open:
         self.see(obs, i)
 
     def whole(self, metrics: dict[str, float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The episode as `Writer.add` wants it, and notes."""
+        """Return the episode in the form of `Writer.add`, and its notes."""
         episode = {
             "observations": {name: np.stack(values) for name, values in self.seen.items()},
             "actions": np.stack(self.actions),

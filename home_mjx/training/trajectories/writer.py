@@ -1,4 +1,4 @@
-"""Writes episodes, one folder each, that is there as a whole or not at all."""
+"""Writer of episodes: one folder each, created atomically."""
 
 import json
 import os
@@ -29,26 +29,26 @@ from home_mjx.training.trajectories.layout import (
     write_metadata,
 )
 
-THREADS = 4  # Arrow writes without Python's lock
-PER_METADATA = 256  # episodes between two writes of the whole's metadata: what a killed process does not count
+THREADS = 4  # number of writer threads; Arrow releases the GIL
+PER_METADATA = 256  # episodes between two updates of the dataset's metadata, at most lost counts of a killed process
 
 
 class Writer:
-    """Writes a data set; a context that brings its metadata up to date when it is left.
+    """Writer of a dataset; a context manager that updates the metadata on exit.
 
     Args:
-        folder: Where to.
-        env: What the episodes are of.
-        agent: Who acts, for the metadata.
-        without: Observations that are not kept.
-        resume: Go on with what the folder holds.
+        folder: Output folder.
+        env: Environment of the episodes.
+        agent: Name of the policy, for the metadata.
+        without: Names of observations to omit.
+        resume: Continue the dataset in the folder.
 
     Attributes:
-        episodes: Written so far, those of earlier runs included.
-        steps: Alike.
+        episodes: Number of episodes, including those of earlier runs.
+        steps: Number of steps, including those of earlier runs.
 
     Raises:
-        ConfigError: The folder holds a data set and `resume` is False, or one of other observations or actions.
+        ConfigError: The folder contains a dataset and `resume` is False, or a dataset of other observations or actions.
     """
 
     def __init__(
@@ -74,11 +74,11 @@ class Writer:
         self._update()
 
     def add(self, episode: Mapping[str, Any], notes: Mapping[str, Any]) -> None:
-        """Writes an episode, soon.
+        """Queue an episode for writing.
 
         Args:
             episode: T + 1 `observations` by name; T `actions`, `rewards`, `terminations` and `truncations`.
-            notes: For its own metadata.
+            notes: Additional metadata of the episode.
         """
         number, num_steps = self.episodes, len(episode["rewards"])
         notes = {"id": number, "total_steps": num_steps, **notes}
@@ -88,14 +88,14 @@ class Writer:
             self._update()
 
     def _sweep(self) -> None:
-        """Removes what a killed process left: what was not whole, and episodes behind one that was not."""
+        """Remove incomplete folders of a killed process, and episodes after the first incomplete one."""
         for left in self.data.iterdir():
             beyond = left.name.isdecimal() and int(left.name) >= self.episodes
             if beyond or (left.name.startswith(".") and left.name.endswith(".new")):
                 shutil.rmtree(left) if left.is_dir() else left.unlink()
 
     def _update(self) -> None:
-        """Waits for what is being written and counts it."""
+        """Wait for pending writes and update the counts."""
         waiting, self._waiting = self._waiting, []
         for done in waiting:
             _raised(done)
@@ -104,21 +104,21 @@ class Writer:
         write_metadata(self.data, self.metadata | counts | {"dataset_size": size})
 
     def _take_up(self, resume: bool) -> None:
-        """Counts what is there."""
+        """Check the existing dataset and count its episodes."""
         if not resume:
-            hint = "Add --resume to go on with it, or choose another folder by --out."
-            raise ConfigError("the folder holds a data set", file=self.data, hint=hint)
+            hint = "Add --resume to continue it, or choose another folder with --out."
+            raise ConfigError("the folder contains a dataset", file=self.data, hint=hint)
         theirs = read_metadata(self.data)
         for name, ours in self.metadata.items():
             if theirs.get(name) != ours:
-                hint = "Give the same options, or another folder."
-                raise ConfigError(f"the data set has another `{name}`", file=self.data, hint=hint)
+                hint = "Pass the same options, or choose another folder."
+                raise ConfigError(f"the dataset has another `{name}`", file=self.data, hint=hint)
         self.episodes = num_complete(self.data)
         self.steps = sum(int(read_metadata(self.data / str(i))["total_steps"]) for i in range(self.episodes))
 
 
 def _raised(done: "Future[None]") -> None:
-    """Errors of another thread are raised in this one."""
+    """Raise errors of a writer thread in this thread."""
     try:
         done.result()
     except OSError as error:
@@ -126,7 +126,7 @@ def _raised(done: "Future[None]") -> None:
 
 
 def _metadata(env: BoundEnv[HouseholdEnv], agent: str, without: tuple[str, ...]) -> dict[str, Any]:
-    """What Minari wants to know, and what the environment was made of."""
+    """Return Minari's metadata, and the spec of the environment if it can be stored."""
     seen = observation_space(env)
     seen = type(seen)({name: space for name, space in seen.spaces.items() if name not in without})
     task = env.spec.id if env.spec is not None else type(env.task).__name__
@@ -144,7 +144,7 @@ def _metadata(env: BoundEnv[HouseholdEnv], agent: str, without: tuple[str, ...])
 
 
 def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict[str, Any]) -> None:
-    """Beside its place first; the folder's name is what makes it count."""
+    """Write an episode to a temporary folder, then rename it to its number, which makes it valid."""
     beside, place = data / f".{number}.new", data / str(number)
     beside.mkdir()
     batch = as_batch(episode)
@@ -152,13 +152,13 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
         with pa.ipc.new_file(sink, batch.schema) as file:
             file.write_batch(batch)
         sink.flush()
-        os.fsync(sink.fileno())  # before its folder's name makes it count
+        os.fsync(sink.fileno())  # before the rename makes the episode valid
     write_metadata(beside, notes)
     beside.rename(place)
 
 
 def as_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
-    """An episode as Minari lays it out: one row per observation; the last row has no action, its numbers are 0."""
+    """Convert an episode to Minari's layout: one row per observation; actions and flags of the last row are 0."""
     seen: dict[str, np.ndarray] = episode["observations"]
     columns = {"observations": pa.StructArray.from_arrays([_column(x) for x in seen.values()], names=list(seen))}
     for name in ("actions", "rewards", "terminations", "truncations"):
@@ -168,7 +168,7 @@ def as_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
 
 
 def _column(values: np.ndarray) -> pa.Array:
-    """Numbers as they are; arrays flat, as lists of one length."""
+    """Convert an array to an Arrow column; rows of arrays become fixed-size lists."""
     values = values.astype(np.int8) if values.dtype == bool and values.ndim > 1 else values
     if values.ndim == 1:
         return pa.array(values)

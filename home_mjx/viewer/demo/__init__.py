@@ -1,1 +1,1 @@
-"""What `home-mjx demo` does: a scripted walk, its pictures, film, sound and figures."""
+"""The `home-mjx demo` command: a scripted walk with images, a film, sound and measurements."""

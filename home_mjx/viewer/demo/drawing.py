@@ -1,4 +1,4 @@
-"""The walk as pictures."""
+"""Images of the walk."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,16 +17,16 @@ from home_mjx.viewer.pictures.top_view import TopView
 
 @dataclass
 class Walk:
-    """What was seen and heard on the way; per drawn environment."""
+    """Observations and positions of a walk, for each drawn environment."""
 
     obs: list[dict[str, np.ndarray]] = field(default_factory=list)
     positions: list[np.ndarray] = field(default_factory=list)
     sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
 
     def richest(self, view: int) -> dict[str, np.ndarray]:
-        """The observation that shows most different things.
+        """Return the observation with the most different instances in the view's share of the walk.
 
-        Of the view's own part of the walk: agents of one house would else all be drawn before the same sight.
+        Each view has its own share, because agents of one house would otherwise all be drawn at the same place.
         """
         num_views = len(self.sources)
         part = slice(len(self.obs) * view // num_views, max(len(self.obs) * (view + 1) // num_views, 1))
@@ -34,7 +34,7 @@ class Walk:
 
 
 def draw(env: BoundEnv[HouseholdEnv], states: State, walk: Walk, folder: Path, progress: tqdm) -> None:
-    """Writes the contact sheet."""
+    """Write the contact sheet."""
     houses = np.asarray(states.world.house)
     tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
     paths = np.stack(walk.positions)
@@ -48,7 +48,7 @@ def draw(env: BoundEnv[HouseholdEnv], states: State, walk: Walk, folder: Path, p
 
 
 def _scene(env: BoundEnv[HouseholdEnv], states: State, index: int) -> Scene:
-    """One of the environments as rays see it."""
+    """Return the scene of one environment, for ray casting."""
     return env.core.snapshot(env.params, jax.tree.map(lambda x: x[index], states)).scene
 
 

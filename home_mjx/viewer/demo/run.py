@@ -1,4 +1,4 @@
-"""The demo from houses to files: compile, walk, draw, measure, search, and only then move everything into place."""
+"""The demo from houses to files: compile, walk, draw, measure, search, and move all files into place at the end."""
 
 import dataclasses
 import functools
@@ -35,7 +35,7 @@ SENSORS_ALONE = {
 
 @dataclass(frozen=True)
 class DemoOptions:
-    """What the demo does.
+    """Options of the demo.
 
     Attributes:
         out: Folder for the files.
@@ -43,8 +43,8 @@ class DemoOptions:
         num_houses: Houses in the bank.
         num_envs: Environments in the batch.
         num_steps: Steps of the walk.
-        num_views: Environments that are drawn, and searches that are filmed.
-        seed: Seed of everything.
+        num_views: Number of environments that are drawn, and of filmed searches.
+        seed: Seed of all random numbers.
     """
 
     out: Path = Path("demo")
@@ -57,12 +57,12 @@ class DemoOptions:
 
 
 def run_demo(options: DemoOptions) -> dict[str, Any]:
-    """Runs the demo.
+    """Run the demo.
 
     Returns:
-        What `report.json` holds.
+        The content of `report.json`.
     """
-    # Closed also on errors, so that their message starts on a line of its own.
+    # Closed on errors too, so that their message starts on a new line.
     with tqdm(total=options.num_steps + 6, desc="houses", unit="step") as steps:
         return _run(options, steps)
 
@@ -75,7 +75,7 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
     begin, seconds = _compiled_begin(env, options)
     states = place(env, begin, options)
     views = jax.tree.map(lambda x: x[: options.num_views], states)
-    step, _ = _compiled_step(env, views)  # of the drawn environments alone: nobody sees the others walk
+    step, _ = _compiled_step(env, views)  # of the drawn environments only; the others do not walk
     steps.update()
     steps.set_description("walking")
     steps.set_postfix_str("")
@@ -108,17 +108,17 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
 
 
 def searched(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
-    """How each search of the trained agent has ended, filmed; or why there is none."""
+    """Return the results of the trained agent's filmed searches, or the reason why there are none."""
     try:
         return [dataclasses.asdict(one) for one in film_search(folder, options.suncg, options.num_views, options.seed)]
-    except ConfigError as error:  # whoever installs the package alone gets all but the film
+    except ConfigError as error:  # without the extra `train` the demo has no film
         return str(error)
 
 
 def _compiled_begin(env: BoundEnv[HouseholdEnv], options: DemoOptions) -> tuple[Any, float]:
-    """The batched start as a compiled program, and how long that took.
+    """Compile the batched start; return the program and its compile time [s].
 
-    It gives no observation: the step does not read it, and rendering is compiled once.
+    It returns no observations, because the step does not read them and rendering is then compiled only once.
     """
     keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
     houses = jnp.zeros(options.num_envs, jnp.int32)
@@ -126,7 +126,7 @@ def _compiled_begin(env: BoundEnv[HouseholdEnv], options: DemoOptions) -> tuple[
 
 
 def _compiled_step(env: BoundEnv[HouseholdEnv], states: State) -> tuple[Any, float]:
-    """The batched step as a compiled program, and how long that took."""
+    """Compile the batched step; return the program and its compile time [s]."""
     return profiling.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, _no_actions(env, states))
 
 
@@ -135,11 +135,11 @@ def _no_actions(env: BoundEnv[HouseholdEnv], states: State) -> jax.Array:
 
 
 def place(env: BoundEnv[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
-    """Environments spread over the houses, the radio in a room of each."""
+    """Start the environments in different houses, with the radio in one room of each house."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
     houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
     states = begin(env.params, keys, houses)
-    # All environments of a house hear the same radio, at the house's first goal.
+    # All environments of a house have the radio at the house's first goal.
     radio = env.bank.navigation.goal[houses, 0].at[:, 2].add(env.config.source_height)
     sounds = states.world.sounds.replace(pos=radio[:, None])
     return states.replace(world=states.world.replace(sounds=sounds))
@@ -148,7 +148,7 @@ def place(env: BoundEnv[HouseholdEnv], begin: Any, options: DemoOptions) -> Stat
 def walk_through(
     env: BoundEnv[HouseholdEnv], step: Any, states: State, options: DemoOptions, progress: tqdm
 ) -> tuple[State, Walk]:
-    """Walks environments and keeps what they observed."""
+    """Walk environments along paths and record their observations."""
     pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
     place = pose(env.params, states)
     walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
@@ -165,14 +165,14 @@ def walk_through(
 
 
 def make_walkers(env: BoundEnv[HouseholdEnv], states: State, pos: np.ndarray) -> list[Walker]:
-    """A walker per environment."""
+    """Return a path follower per environment."""
     houses = np.asarray(states.world.house)
     turn = env.config.body.turn_rate * env.dt
     return [make_walker(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
 
 
 def measure(env: BoundEnv[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
-    """Environment steps per second with all sensors, and of physics and each sensor alone; seconds of compiling."""
+    """Measure environment steps per second with all sensors, of physics and each sensor alone; and compile times."""
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)

@@ -1,25 +1,25 @@
-"""The film of the demo: an agent that was trained finds a radio by ear and eye, in houses that it has never been in."""
+"""Film of the demo: a trained agent finds a radio by sound and sight, in held-out houses."""
 
 import dataclasses
 from pathlib import Path
 
 from home_mjx.viewer.episodes import Outcome, PlayOptions, run_play
 
-AGENT = Path(__file__).with_name("agent.npz")  # what trained it is said in docs/training.md, "The agent in the box"
+AGENT = Path(__file__).with_name("agent.npz")  # for its training see docs/training.md, "The agent in the box"
 RADIO = {"clip_split": "radio"}
 
 
 def film_search(out: Path, suncg: Path | None = None, episodes: int = 3, seed: int = 0) -> list[Outcome]:
-    """Films the agent that comes with the package.
+    """Film the packaged agent.
 
     Args:
-        out: Folder for `radio.mp4`, with what both ears hear, `radio.png` and `radio.jsonl`; it exists.
-        suncg: Root of a SUNCG dataset, then any houses of it; None: generated houses of the `val` part.
-        episodes: How many, each in another house as long as there are others.
-        seed: Of episodes and actions.
+        out: Folder for `radio.mp4`, with binaural sound, `radio.png` and `radio.jsonl`; it exists.
+        suncg: Root of a SUNCG dataset, of which any houses are used; None: generated houses of the `val` split.
+        episodes: Number of episodes, each in another house if there are enough.
+        seed: Seed of episodes and actions.
 
     Returns:
-        How each episode has ended.
+        Result of each episode.
 
     Raises:
         ConfigError: The extra `train` is not installed.

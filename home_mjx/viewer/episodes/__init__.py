@@ -1,4 +1,4 @@
-"""Episodes of a task to look at: played by an expert, a trained agent, chance or a person, and filmed."""
+"""Playing and filming episodes of a task with an expert, a trained agent, a random agent or a person."""
 
 from home_mjx.viewer.episodes.episode import Outcome
 from home_mjx.viewer.episodes.run import PlayOptions, film_checkpoint, run_play

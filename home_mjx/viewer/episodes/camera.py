@@ -1,4 +1,4 @@
-"""What a film shows of one environment: the first agent's view, and where everything is."""
+"""Camera of a film: the first agent's view, and the poses of agents and objects."""
 
 from typing import Any, NamedTuple
 
@@ -19,12 +19,12 @@ from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.rules.features import boxes_now
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
-FOVY = 75.0  # [degrees]
-PLAN_VIEW = 35.0  # [degrees], half of the angle that a plan shows an agent look into
+FOVY = 75.0  # [degrees] vertical field of view
+PLAN_VIEW = 35.0  # [degrees] half angle of an agent's view cone on a plan
 
 
 class Sight(NamedTuple):
-    """One instant: what the first agent sees, and where all agents and things are."""
+    """View of the first agent and positions of all agents and objects at one step."""
 
     view: UInt8[np.ndarray, "h w 3"]
     pos: Float[np.ndarray, "a 3"]  # [m]
@@ -33,12 +33,12 @@ class Sight(NamedTuple):
 
 
 class FilmCamera:
-    """A camera at the first agent's eyes, apart from what the agent observes.
+    """Camera at the first agent's eyes, independent of its observations.
 
     Args:
         env: The environment.
-        width: Of its picture [px].
-        height: [px].
+        width: Width of the image [px].
+        height: Height of the image [px].
         samples: Rays per pixel.
     """
 
@@ -48,7 +48,7 @@ class FilmCamera:
         self._see = jax.jit(self._seen)
 
     def shot(self, state: State) -> Sight:
-        """What there is to see now, on the host."""
+        """Render the view of a state and copy it to the host with the positions."""
         return Sight(*(np.asarray(x) for x in self._see(self.env.params, state)))
 
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:
@@ -63,7 +63,7 @@ class FilmCamera:
 
 
 def without_agents(env: BoundEnv[HouseholdEnv], state: State) -> Scene:
-    """The house as things stand, with nobody in it: marks stand for agents."""
+    """Build the scene of a state without agents, which are drawn as markers instead."""
     template = env.core.template(env.bank)
     pos, quat = physics.body_pose(template, state.physics)
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

@@ -1,4 +1,4 @@
-"""One episode from reset to end, step by step, with what there is to tell of it."""
+"""One episode from reset to end, step by step, and its result."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -17,18 +17,18 @@ from home_mjx.viewer.episodes.policies import Player
 
 @dataclass(frozen=True)
 class Outcome:
-    """How an episode has ended.
+    """Result of an episode.
 
     Attributes:
-        number: Of the episode, from 1.
+        number: Number of the episode, from 1.
         task: Name of the task.
-        instruction: What was asked for.
+        instruction: Instruction of the episode.
         house: Id of the house.
-        success: The task's own.
-        spl: Success weighted by path length (arXiv:1807.06757); NaN where the shortest path is not known.
-        steps: That it took.
-        gained: Sum of rewards, of the first agent.
-        metrics: All of the task's at the end.
+        success: The task's success metric.
+        spl: Success weighted by path length (arXiv:1807.06757); NaN if the shortest path is unknown.
+        steps: Number of steps.
+        gained: Return of the first agent.
+        metrics: All metrics of the task at the end.
     """
 
     number: int
@@ -42,7 +42,7 @@ class Outcome:
     metrics: dict[str, float] = field(default_factory=dict)
 
     def line(self) -> str:
-        """For people.
+        """Format the result as one line of text.
 
         Example:
             >>> Outcome(1, "RoomNav", "RoomNav: the kitchen", "a0", 1.0, 0.9312, 24, 3.1).line()
@@ -54,7 +54,7 @@ class Outcome:
 
 
 class Step(NamedTuple):
-    """A step that was taken: the state after it, and the action; at the begin of an episode there is none."""
+    """Step of an episode: the state after it, the action (None after the reset), and the return so far."""
 
     state: State
     action: Any
@@ -62,7 +62,7 @@ class Step(NamedTuple):
 
 
 class Game:
-    """Plays episodes of one environment.
+    """Runner of episodes of one environment.
 
     Args:
         env: The environment.
@@ -76,13 +76,13 @@ class Game:
         self.outcome: Outcome | None = None
 
     def play(self, player: Player, number: int, key: Any, row: int | None) -> Iterator[Step]:
-        """The steps of an episode; `outcome` is there when they have ended.
+        """Yield the steps of an episode; `outcome` is set after the last one.
 
         Args:
-            player: Who plays.
-            number: Of the episode, from 1.
+            player: Player that chooses the actions.
+            number: Number of the episode, from 1.
             key: Random key.
-            row: Of the environment's episodes or tasks; None: drawn by the key.
+            row: Row of the environment's episodes or tasks; None: sampled with the key.
         """
         params = self.env.params
         state = self._reset(params, key, None, row)
@@ -110,7 +110,7 @@ class Game:
 
 
 def said(env: BoundEnv[HouseholdEnv], step: Step, name: str) -> str:
-    """A line on how an episode goes."""
+    """Format the progress of an episode as one line of text."""
     parts = [name, f"step {int(step.state.world.step)} of {env.config.episode_length}"]
     if step.action is not None:
         parts.append(named(env, step.action))
@@ -121,7 +121,7 @@ def said(env: BoundEnv[HouseholdEnv], step: Step, name: str) -> str:
 
 
 def named(env: BoundEnv[HouseholdEnv], action: Any) -> str:
-    """What the first agent does."""
+    """Describe the first agent's action."""
     names, own = action_names(env.config), np.asarray(action)
     own = own if env.num_agents == 1 else own[0]
     if env.config.discrete is not None:

@@ -1,4 +1,4 @@
-"""Frames of a film: the agent's view, the plan beside it, what is asked above, how it goes below."""
+"""Frames of a film: the agent's view, a plan beside it, the instruction above, the status below."""
 
 import math
 import tempfile
@@ -12,29 +12,29 @@ from PIL import Image, ImageDraw, ImageFont
 from home_mjx.viewer.pictures import media
 from home_mjx.viewer.pictures.pictures import BACKGROUND, INK, sheet
 
-GAP = 8  # [px]
-BAR = 26  # [px], height of a line of text
+GAP = 8  # [px] space between the panels
+BAR = 26  # [px] height of a line of text
 DONE, LOST, QUIET = (60, 190, 100), (225, 80, 70), (150, 155, 165)
-HOLD = 1.5  # [s] that the end of an episode is shown
-SLOWEST = 6.0  # frames a second: steps of 0.3 s would stutter
+HOLD = 1.5  # [s] display time of the last frame of an episode
+SLOWEST = 6.0  # minimum frames per second; steps of 0.3 s would stutter
 
 Picture = UInt8[np.ndarray, "_ _ 3"]
 
 
 def frame(view: Picture, plan: Picture, title: str, status: str, success: bool | None = None) -> Picture:
-    """One frame.
+    """Compose one frame.
 
     Args:
-        view: What the agent sees.
+        view: View of the agent.
         plan: The house from above.
-        title: What is asked for.
-        status: How it goes.
-        success: How it has ended; None: it has not.
+        title: Text above, the instruction.
+        status: Text below.
+        success: Result of the episode; None: not ended.
     """
     height, width = view.shape[:2]
     beside = fitted(plan, width, height)
     size = (width + beside.shape[1] + 3 * GAP, height + 2 * BAR + 2 * GAP)
-    canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)  # H.264 wants even sides
+    canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)  # H.264 needs even sides
     canvas.paste(Image.fromarray(view), (GAP, BAR + GAP))
     canvas.paste(Image.fromarray(beside), (width + 2 * GAP, BAR + GAP))
     draw = ImageDraw.Draw(canvas)
@@ -47,7 +47,7 @@ def frame(view: Picture, plan: Picture, title: str, status: str, success: bool |
 
 
 def fitted(image: Picture, width: int, height: int) -> Picture:
-    """The image as large as it is within a box; no larger than that."""
+    """Scale an image to the largest size that fits a box, and pad it to the box."""
     scale = min(width / image.shape[1], height / image.shape[0])
     size = max(1, math.floor(image.shape[1] * scale)), max(1, math.floor(image.shape[0] * scale))
     canvas = Image.new("RGB", (width, height), BACKGROUND)
@@ -57,7 +57,7 @@ def fitted(image: Picture, width: int, height: int) -> Picture:
 
 
 def _line(draw: ImageDraw.ImageDraw, text: str, top: int, colour: tuple, size: int, width: int) -> None:
-    """A line of text, made smaller until it fits."""
+    """Draw a line of text, in a smaller font if it does not fit."""
     while size > 8 and ImageFont.load_default(size=size).getlength(text) > width - 2 * GAP:
         size -= 1
     draw.text((GAP, top), text, fill=colour, font=ImageFont.load_default(size=size))
@@ -65,11 +65,11 @@ def _line(draw: ImageDraw.ImageDraw, text: str, top: int, colour: tuple, size: i
 
 @dataclass
 class Film:
-    """The frames of all episodes, one after the other, and what was heard.
+    """Frames of all episodes, and their sound.
 
     Args:
         dt: Time of a step [s].
-        rate: Samples of sound a second; None: it is silent, and may run faster than life.
+        rate: Sample rate of the sound [Hz]; None: silent, and playback may be faster than real time.
     """
 
     dt: float
@@ -80,23 +80,23 @@ class Film:
 
     @property
     def fps(self) -> float:
-        """Frames a second: real time with sound, else at least `SLOWEST`."""
+        """Frames per second: real time with sound, else at least `SLOWEST`."""
         return 1 / self.dt if self.rate else max(1 / self.dt, SLOWEST)
 
     def add(self, picture: Picture, sound: Float[np.ndarray, "2 n"] | None = None) -> None:
-        """Adds a step."""
+        """Add the frame of a step."""
         self.frames.append(picture)
         if self.rate:
             self.sounds.append(np.zeros((2, round(self.rate * self.dt))) if sound is None else sound)
 
     def end(self, picture: Picture) -> None:
-        """Adds the end of an episode, which stays for a while."""
+        """Add the last frame of an episode, repeated for `HOLD`."""
         self.ends.append(picture)
         for _ in range(max(1, round(HOLD * self.fps))):
             self.add(picture)
 
     def write(self, folder: Path, name: str) -> None:
-        """Writes `name.mp4`, and `name.png` with the end of every episode."""
+        """Write `name.mp4`, and `name.png` with the last frame of every episode."""
         with tempfile.TemporaryDirectory(prefix="home_mjx_film_") as beside:
             wav = None
             if self.rate:

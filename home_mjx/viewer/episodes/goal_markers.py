@@ -1,4 +1,4 @@
-"""What an episode asks for, in words and as places on a plan."""
+"""Instruction and goal of an episode, as text and as positions on a plan."""
 
 from typing import NamedTuple
 
@@ -16,12 +16,12 @@ from home_mjx.tasks.suite.point_nav import PointNavState
 
 
 class Asked(NamedTuple):
-    """What an episode asks for.
+    """Instruction of an episode.
 
     Attributes:
         task: Name of the task.
-        text: Its instruction; of tasks without one, what is meant.
-        length: Of the shortest path [m]; NaN where it is not known.
+        text: Instruction; a description of the goal for tasks without one.
+        length: Length of the shortest path [m]; NaN if unknown.
     """
 
     task: str
@@ -30,11 +30,11 @@ class Asked(NamedTuple):
 
 
 class Goals(NamedTuple):
-    """Where the present goal is.
+    """Positions and rooms of the current goal.
 
     Attributes:
         places: Points [m].
-        rooms: Which rooms of the house.
+        rooms: True for goal rooms of the house.
     """
 
     places: Float[np.ndarray, "n 3"]
@@ -42,7 +42,7 @@ class Goals(NamedTuple):
 
 
 def asked_of(env: BoundEnv[HouseholdEnv], state: State) -> Asked:
-    """What the episode of a state asks for."""
+    """Return the instruction of a state's episode."""
     task = env.spec.id.rpartition("-v")[0] if env.spec is not None else type(env.task).__name__
     if isinstance(state.task, PointNavState):
         return _asked_of_point(task, env.params.tasks, state)
@@ -62,12 +62,12 @@ def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Asked
 
 
 def goals_of(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> Goals:
-    """Where the goal of the present stage is.
+    """Return the goal of the current stage.
 
     Args:
         bank: The houses.
         state: One environment.
-        boxes: Bounds of all instances where they are now [m].
+        boxes: Current bounds of all instances [m].
     """
     house = int(state.world.house)
     nothing, nowhere = np.zeros((0, 3)), np.zeros(bank.navigation.room_type.shape[1], bool)
@@ -85,18 +85,18 @@ def goals_of(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -
 
 
 def words_of(state: State) -> tuple[str, ...]:
-    """What was said in the last step; nothing of tasks that are no rows. See `as_words`."""
+    """Return the utterances of the last step, see `as_words`; none for tasks that are not row tasks."""
     if not isinstance(state.task, RowState):
         return ()
     return as_words(np.asarray(state.world.said), np.asarray(state.task.reply))
 
 
 def as_words(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"]) -> tuple[str, ...]:
-    """What agents have said, each with what an oracle has replied.
+    """Format the utterances of agents, each with the reply of the oracle.
 
     Args:
-        said: Token of each agent; -1 nothing.
-        replies: Token of the reply to each; -1 none.
+        said: Token of each agent; -1 if none.
+        replies: Token of the reply to each agent; -1 if none.
 
     Example:
         >>> from home_mjx.tasks.language.vocabulary import tokenize

@@ -1,4 +1,4 @@
-"""A person plays: keys become actions, in a terminal or from lines of text; no display is needed."""
+"""Keyboard player: keys become actions, in a terminal or from lines of text; no display is needed."""
 
 import contextlib
 import sys
@@ -13,25 +13,25 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.moves import action_names
 
-QUIT = ("q", "\x03", "\x04")  # also Ctrl-C and Ctrl-D, which a terminal that gives single keys hands on
-# Keys of discrete actions; a name that is not here takes the first of `SPARE` that is free.
+QUIT = ("q", "\x03", "\x04")  # also Ctrl-C and Ctrl-D, which a terminal in cbreak mode passes on
+# Keys of discrete actions; other actions get the next unused key of `SPARE`.
 KEYS = {
     "move_forward": "w", "turn_left": "a", "turn_right": "d", "look_up": "r", "look_down": "f", "stop": " ",
     "pick": "p", "drop": "o", "throw": "t", "open": "e", "close": "c",
 }  # fmt: skip
 SPARE = "1234567890yuihjklbnm"
-# Keys of continuous actions: name of the number, and its value.
+# Keys of continuous actions: action component and value.
 AXES = {
     "w": ("forward", 1.0), "s": ("forward", -1.0), "z": ("left", 1.0), "x": ("left", -1.0),
     "a": ("turn_left", 1.0), "d": ("turn_left", -1.0), "r": ("look_up", 1.0), "f": ("look_up", -1.0),
     "p": ("pick", 1.0), "o": ("pick", -1.0), "t": ("throw", 1.0), "e": ("turn_door", 1.0), "c": ("turn_door", -1.0),
     " ": ("forward", 0.0),
 }  # fmt: skip
-COLUMNS = 100  # of a picture in a terminal
+COLUMNS = 100  # width of an image in a terminal [characters]
 
 
 def key_actions(config: EnvConfig) -> dict[str, Any]:
-    """The action of one agent for each key.
+    """Return the action of one agent for each key.
 
     Example:
         >>> key_actions(EnvConfig(actions="discrete"))["w"]
@@ -52,7 +52,7 @@ def key_actions(config: EnvConfig) -> dict[str, Any]:
 
 
 def key_help(config: EnvConfig) -> str:
-    """A line that says which key does what.
+    """Format the key bindings as one line of text.
 
     Example:
         >>> key_help(EnvConfig(actions="discrete"))[:30]
@@ -68,12 +68,12 @@ def key_help(config: EnvConfig) -> str:
 
 
 class KeyboardPlayer:
-    """A person drives the first agent; others do nothing.
+    """Player that reads the first agent's actions from keys; other agents do nothing.
 
     Args:
-        config: Options of the environment, of the agents that act (`HouseholdEnv.own_config`).
-        show: Called with the state before each action, to show it.
-        source: Where keys come from: a terminal gives them one by one, anything else line by line.
+        config: Options of the environment, with the acting agents (`HouseholdEnv.own_config`).
+        show: Callback that displays the state before each action.
+        source: Input stream; a terminal is read key by key, any other stream line by line.
 
     Example:
         >>> import io
@@ -87,10 +87,10 @@ class KeyboardPlayer:
         self.actions, self.keys = key_actions(config), keys_of(source or sys.stdin)
 
     def begin(self) -> None:
-        """Nothing is remembered."""
+        """Do nothing; a keyboard player has no state."""
 
     def act(self, state: State | Any) -> Any:
-        """Waits for a key that does something."""
+        """Wait for a key with an action; return None at the end of input or on a quit key."""
         self.show(state)
         for key in self.keys:
             if key.lower() in QUIT:
@@ -100,7 +100,7 @@ class KeyboardPlayer:
         return None
 
     def _for_all(self, action: Any) -> Any:
-        """The action of all agents: the others' numbers are none that does anything."""
+        """Stack the action with no-op actions of the other agents."""
         agents = self.config.num_agents
         if agents == 1:
             return action
@@ -109,7 +109,7 @@ class KeyboardPlayer:
 
 
 def keys_of(source: Any) -> Iterator[str]:
-    """Keys as they are pressed, or the characters of lines."""
+    """Yield keys as they are pressed, or the characters of lines."""
     if not source.isatty():
         for line in source:
             yield from line.rstrip("\r\n")
@@ -124,23 +124,23 @@ def keys_of(source: Any) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _single_keys(terminal: Any) -> Iterator[None]:
-    """A terminal that hands every key on at once and does not echo it; restored afterwards."""
+    """Switch a terminal to unbuffered input without echo; restore it on exit."""
     try:
         import termios
         import tty
-    except ModuleNotFoundError:  # Windows: keys come with the next end of a line
+    except ModuleNotFoundError:  # Windows: keys arrive at the end of a line
         yield
         return
     kept = termios.tcgetattr(terminal)
     try:
-        tty.setcbreak(terminal, termios.TCSADRAIN)  # keys that were pressed meanwhile are kept
+        tty.setcbreak(terminal, termios.TCSADRAIN)  # TCSADRAIN keeps keys that were pressed in the meantime
         yield
     finally:
         termios.tcsetattr(terminal, termios.TCSADRAIN, kept)
 
 
 def as_text(image: UInt8[np.ndarray, "h w 3"], columns: int = COLUMNS) -> str:
-    r"""A picture made of coloured half blocks, two pixels a character, for a terminal of 24-bit colours.
+    r"""Format an image as coloured half blocks, two pixels a character, for a terminal with 24-bit colours.
 
     Example:
         >>> as_text(np.zeros((2, 1, 3), np.uint8), 1)

@@ -1,4 +1,4 @@
-"""A house from above while an episode runs: goal, path so far, and where agents look."""
+"""Plan of a house during an episode: goal, path, and view cones of agents."""
 
 from collections.abc import Sequence
 
@@ -12,30 +12,30 @@ from home_mjx.viewer.episodes.camera import PLAN_VIEW, Sight
 from home_mjx.viewer.episodes.goal_markers import Goals
 from home_mjx.viewer.pictures.top_view import TopView
 
-PIXELS = 640  # of the longer side of the house
+PIXELS = 640  # length of the longer side of the house [px]
 AGENTS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
 PATH, GOAL, START = (40, 120, 255), (255, 205, 40), (235, 235, 235)
-REACH = 0.9  # [m], that a look is drawn long
+REACH = 0.9  # [m] length of a view cone
 
 
 class Plan:
-    """The plan of one episode's house.
+    """Plan of one episode's house.
 
     Args:
         bank: The houses.
-        house: Which house.
+        house: Index of the house.
     """
 
     def __init__(self, bank: HouseBank, house: int) -> None:
         self.bank, self.house, self.tops = bank, house, {}
 
     def drawn(self, scene: Scene | None, sights: Sequence[Sight], goals: Goals) -> UInt8[np.ndarray, "_ _ 3"]:
-        """The storey that the first agent is on.
+        """Draw the storey of the first agent.
 
         Args:
-            scene: The house without agents, to be drawn anew; None: as it was drawn before.
-            sights: All instants so far.
-            goals: Where the goal is.
+            scene: The house without agents, to render again; None: use the previous rendering.
+            sights: All steps so far.
+            goals: The current goal.
         """
         level = self._level(sights[-1].pos[0])
         if scene is not None:
@@ -52,7 +52,7 @@ class Plan:
         return max(int((pos[2] > np.asarray(self.bank.navigation.floor[self.house])).sum()) - 1, 0)
 
     def _tinted(self, top: TopView, goals: Goals, level: int) -> UInt8[np.ndarray, "s s 3"]:
-        """The picture with the rooms of the goal in its colour."""
+        """Return the image with tinted goal rooms."""
         if not goals.rooms.any():
             return top.image
         room = np.asarray(self.bank.navigation.room[self.house, level])

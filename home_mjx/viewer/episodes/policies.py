@@ -1,4 +1,4 @@
-"""Who plays: a policy, or a person at the keyboard."""
+"""Players of episodes: policies as players, and the player protocol."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -20,28 +20,28 @@ POLICIES = ("expert", "random", "trained")
 
 
 def check_agent(agent: str, checkpoint: Path | None, known: tuple[str, ...] = POLICIES) -> None:
-    """Refuses an agent without its checkpoint, before any house is made.
+    """Validate an agent and its checkpoint before any house is compiled.
 
     Raises:
-        ConfigError: The agent is unknown, or `trained` without a checkpoint, or another one with.
+        ConfigError: The agent is unknown, or `trained` has no checkpoint, or another agent has one.
     """
     check_known("agent", [agent], known)
     if (agent == "trained") != (checkpoint is not None):
-        hint = "Write --agent trained --checkpoint runs/RoomNav-v0."
-        raise ConfigError("a checkpoint goes with the agent `trained`, and only with it", hint=hint)
+        hint = "Use --agent trained --checkpoint runs/RoomNav-v0."
+        raise ConfigError("agent `trained` needs a checkpoint, other agents must not have one", hint=hint)
 
 
 def policy_of(env: BoundEnv[HouseholdEnv], agent: str, checkpoint: Path | None = None, greedy: bool = False) -> Policy:
-    """How an agent of `POLICIES` acts.
+    """Return the policy of an agent in `POLICIES`.
 
     Args:
-        env: The environment; that of an expert comes from `with_expert`.
-        agent: Its name.
-        checkpoint: Of `trained`.
-        greedy: `trained` does what is likeliest.
+        env: The environment; for the expert one of `with_expert`.
+        agent: Name of the agent.
+        checkpoint: Checkpoint of `trained`.
+        greedy: Take the most likely action of `trained`.
 
     Raises:
-        ConfigError: See `check_agent`; or the checkpoint is of other observations or actions.
+        ConfigError: As in `check_agent`; or the checkpoint is for other observations or actions.
     """
     check_agent(agent, checkpoint)
     if checkpoint is None:
@@ -54,24 +54,24 @@ def policy_of(env: BoundEnv[HouseholdEnv], agent: str, checkpoint: Path | None =
 
 @runtime_checkable
 class Player(Protocol):
-    """Chooses the actions of one environment's agents."""
+    """Interface that chooses the actions of one environment's agents."""
 
     def begin(self) -> None:
-        """An episode begins."""
+        """Reset at the start of an episode."""
         ...
 
     def act(self, state: State) -> Any:
-        """The next action of all agents, as the environment takes it; None ends the game."""
+        """Return the next action of all agents; None ends the episode."""
         ...
 
 
 class PolicyPlayer:
-    """Plays as a policy does.
+    """Player that samples actions from a policy.
 
     Args:
         core: The environment.
-        policy: How to act.
-        seed: Of its actions.
+        policy: The policy.
+        seed: Seed of its actions.
     """
 
     def __init__(self, core: HouseholdEnv, policy: Policy, seed: int = 0) -> None:
@@ -81,11 +81,11 @@ class PolicyPlayer:
         self._act: Callable[..., Any] = jax.jit(self._acted)
 
     def begin(self) -> None:
-        """It forgets the last episode."""
+        """Reset the memory."""
         self.memory, self.first = self.policy.memory(self.agents), True
 
     def act(self, state: State) -> Any:
-        """What the policy does."""
+        """Return the policy's action."""
         begins = jnp.full(self.agents, self.first)
         self.memory, action, self.keys = self._act(self.memory, state.obs, begins, self.keys)
         self.first = False

@@ -1,4 +1,4 @@
-"""From options to episodes, lines and a film."""
+"""Playing from options to episodes, lines of text and a film."""
 
 import dataclasses
 import sys
@@ -27,24 +27,24 @@ from home_mjx.viewer.episodes.overlay import Plan
 from home_mjx.viewer.episodes.policies import POLICIES, Player, PolicyPlayer, check_agent, policy_of
 
 AGENTS = (*POLICIES, "human")
-HEARD = "audio"  # what keeps the sound that was heard, whether it is observed as waves or as spectra
-WIDTH, HEIGHT = 480, 360  # [px], of the agent's view
+HEARD = "audio"  # sensor state with the sound frame, for observations as waveforms or spectra
+WIDTH, HEIGHT = 480, 360  # [px] size of the agent's view
 
 
 @dataclass(frozen=True)
 class PlayOptions:
-    """What is played, and how it is filmed.
+    """Options of episodes and their film.
 
     Attributes:
         env: The environment.
         agent: One of `AGENTS`.
-        checkpoint: Of agent `trained`.
-        episodes: How many.
-        seed: Of episodes and actions.
-        greedy: A trained agent does what is likeliest.
+        checkpoint: Checkpoint of agent `trained`.
+        episodes: Number of episodes.
+        seed: Seed of episodes and actions.
+        greedy: Take a trained agent's most likely action.
         out: Folder for the film; None: no film.
-        width: Of the agent's view [px].
-        height: [px].
+        width: Width of the agent's view [px].
+        height: Height of the agent's view [px].
         samples: Rays per pixel.
     """
 
@@ -61,24 +61,24 @@ class PlayOptions:
 
     @property
     def name(self) -> str:
-        """Of the files."""
+        """Name of the files."""
         return f"{self.env.id}_{self.agent}"
 
 
 def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys: Any = None) -> list[Outcome]:
-    """Plays episodes.
+    """Play episodes.
 
     Args:
-        options: What and how.
-        tell: Takes the line of each episode.
-        keys: Where a person's keys come from; None: standard input.
+        options: Options of episodes and film.
+        tell: Callback for the line of each episode.
+        keys: Input stream of a keyboard player; None: standard input.
 
     Returns:
-        How each episode has ended. With `out`, its folder has a film, a picture with the end of each episode, and
-        their outcomes as JSON lines, all named after task and agent: all of these, or none on a full disk.
+        Result of each episode. With `out`, its folder gets a film, an image with the last frame of each episode, and
+        the results as JSON lines, named after task and agent. On a full disk none of them is written.
 
     Raises:
-        ConfigError: A checkpoint is missing, or given for another agent or task; or no expert is known for the task.
+        ConfigError: A checkpoint is missing, or for another agent or task; or the task has no expert.
     """
     check_agent(options.agent, options.checkpoint, AGENTS)
     check_episodes(options.episodes)
@@ -107,21 +107,21 @@ def film_checkpoint(
     checkpoint: Path, out: Path, episodes: int, split: str = "val", num_houses: int = 4, seed: int = 0,
     greedy: bool = False, *, episode_file: str | Path | None = None, dataset: str | Path | None = None,
 ) -> list[Outcome]:  # fmt: skip
-    """Films episodes of a trained agent.
+    """Film episodes of a trained agent.
 
     Args:
-        checkpoint: Of the agent.
+        checkpoint: Checkpoint of the agent.
         out: Folder for the film; it exists.
-        episodes: How many.
-        split: Houses of which part of the dataset.
-        num_houses: How many.
-        seed: Of episodes and actions.
-        greedy: The agent does what is likeliest.
-        episode_file: The first episodes of this file, in the houses that it names, instead.
-        dataset: Root of another dataset than that of training.
+        episodes: Number of episodes.
+        split: Split of the dataset that houses are from.
+        num_houses: Number of houses.
+        seed: Seed of episodes and actions.
+        greedy: Take the most likely action instead of sampling.
+        episode_file: Use the first episodes of this file, in the houses that it names, instead.
+        dataset: Root of a dataset other than that of training.
 
     Returns:
-        How each episode has ended; nothing is printed.
+        Result of each episode; nothing is printed.
     """
     from home_mjx.training import judged, read_config  # needs the extra `train`
 
@@ -130,7 +130,7 @@ def film_checkpoint(
 
 
 def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]:
-    """Rows of the tasks, no two the same while there are others; those of a file in its order."""
+    """Return rows of the tasks, shuffled without early repetition; those of a file in order."""
     if env.params.tasks is None:
         return [None] * options.episodes
     order = np.arange(len(env.params.tasks))
@@ -146,7 +146,7 @@ def _player(env: BoundEnv[HouseholdEnv], options: PlayOptions, reporter: "_Repor
 
 
 class _Reporter:
-    """Films what happens, and shows it to whoever plays."""
+    """Film of the episodes, and display for a keyboard player."""
 
     def __init__(self, env: BoundEnv[HouseholdEnv], options: PlayOptions) -> None:
         self.env, self.options = env, options
@@ -159,7 +159,7 @@ class _Reporter:
         self.words: dict[str, None] = {}  # that were said, each once, in their order
 
     def add(self, step: Step) -> None:
-        """A step was taken."""
+        """Record a step."""
         self.step = step
         is_first = step.action is None
         if is_first:
@@ -171,14 +171,14 @@ class _Reporter:
         self.sights.append(self.camera.shot(step.state))
         if self.options.out is not None:
             moves = is_first or self.env.config.hands
-            if is_first or not step.state.terminated:  # whoever has arrived has no goal any more
+            if is_first or not step.state.terminated:  # no goal is left in a terminal state
                 self.goals = goals_of(self.env.bank, step.state, self.sights[-1].boxes)
             scene = without_agents(self.env, step.state) if moves else None
             self.top = self.plan.drawn(scene, self.sights, self.goals)
             self.film.add(self._frame(said(self.env, step, self.options.agent)), self._sound(step))
 
     def end(self, outcome: Outcome) -> None:
-        """The episode is over."""
+        """Add the result of the episode to the film."""
         if self.options.out is not None:
             spl = "" if np.isnan(outcome.spl) else f"   SPL {outcome.spl:.2f}"
             how = "success" if outcome.success else "failure"
@@ -187,7 +187,7 @@ class _Reporter:
             self.film.end(self._frame(text, outcome.success > 0))
 
     def show(self, state: Any) -> None:
-        """What a person at the keyboard is told before each action."""
+        """Print view, instruction and status for a keyboard player before each action."""
         lines = [as_text(self.sights[-1].view)] if self.in_terminal else []
         if self.step.action is None:
             lines += [key_help(self.env.config)]
@@ -196,7 +196,7 @@ class _Reporter:
         sys.stdout.flush()
 
     def write(self, outcomes: list[Outcome]) -> None:
-        """Writes the film and the outcomes."""
+        """Write the film and the results."""
         out, name = self.options.out, self.options.name
         if out is not None:
             with write_together(out, "film") as beside:

@@ -1,4 +1,4 @@
-"""Pictures, videos and sound files to look at and listen to."""
+"""Images, videos and sound files for display."""
 
 from home_mjx.viewer.pictures.floor_map import map_picture
 from home_mjx.viewer.pictures.media import write_mp4, write_png, write_wav

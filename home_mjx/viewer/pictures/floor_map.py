@@ -1,4 +1,4 @@
-"""A top-down map as a picture."""
+"""Image of a top-down map."""
 
 import math
 
@@ -11,16 +11,16 @@ from home_mjx.tasks.metrics.top_down import Ground, TopDownMap
 COLOURS = {Ground.OUTSIDE: (24, 26, 30), Ground.BLOCKED: (120, 120, 125), Ground.FREE: (240, 240, 240)}
 GOAL, PATH, START = (255, 205, 40), (40, 120, 255), (225, 80, 70)
 AGENTS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
-FOG = 0.55  # brightness of what has not been seen
-MARGIN = 2  # cells around the rooms
+FOG = 0.55  # brightness factor of unseen cells
+MARGIN = 2  # margin around the rooms [cells]
 
 
 def map_picture(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
-    """The rooms of a storey from above, north (+y) up: what was not seen is darker, agents are arrows.
+    """Draw the rooms of a storey from above, north (+y) up; unseen cells are darker, agents are arrows.
 
     Args:
         found: The map of one environment.
-        size: Pixels of the longer side, as far as a whole number of pixels a cell allows.
+        size: Approximate length of the longer side [px]; cells have a whole number of pixels.
 
     Example:
         >>> write_png("map.png", map_picture(found))  # doctest: +SKIP
@@ -49,7 +49,7 @@ def map_picture(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"
 
 
 def _painted(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
-    """A pixel for each cell."""
+    """Return the map with one pixel per cell."""
     image = np.array([COLOURS[ground] for ground in Ground], float)[np.asarray(found.ground)]
     goal = np.asarray(found.goal)
     image[goal] = 0.35 * image[goal] + 0.65 * np.array(GOAL)
@@ -59,7 +59,7 @@ def _painted(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
 
 
 def _arrow(at: tuple[float, float], yaw: float, radius: float) -> list[tuple[float, float]]:
-    """Corners of an arrow head that points along a yaw."""
+    """Return the corners of an arrow head that points along a yaw."""
     turns = (0.0, 2.5, math.pi, -2.5)
     sizes = (1.6, 1.2, 0.5, 1.2)
     return [

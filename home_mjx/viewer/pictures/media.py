@@ -14,23 +14,23 @@ from home_mjx.errors import HomeMjxError
 
 
 def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
-    """Writes a picture.
+    """Write an image.
 
     Raises:
-        ConfigError: It cannot be written, such as on a full disk; nothing of it is left.
+        ConfigError: It cannot be written, such as on a full disk; no partial file is left.
     """
     with write_durably(path, "picture") as file:
         Image.fromarray(image).save(file, format="PNG")
 
 
 def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -> float:
-    """Writes stereo sound as 16 bit PCM, scaled so that its peak is 0.9.
+    """Write stereo sound as 16 bit PCM, scaled to a peak of 0.9.
 
     Returns:
-        The gain that was applied.
+        The applied gain.
 
     Raises:
-        ConfigError: It cannot be written, such as on a full disk; nothing of it is left.
+        ConfigError: It cannot be written, such as on a full disk; no partial file is left.
     """
     gain = 0.9 / max(float(np.abs(samples).max()), 1e-9)
     pcm = np.round(samples.T * gain * 32767).astype("<i2")
@@ -43,22 +43,22 @@ def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -
 
 
 def write_mp4(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav: Path | None = None) -> None:
-    """Writes a film, with the sound of `wav` if given.
+    """Write a video, with the sound of `wav` if it is not None.
 
     Raises:
-        HomeMjxError: ffmpeg failed, such as on a full disk; the message quotes it. Nothing is left of the film then.
+        HomeMjxError: ffmpeg failed, such as on a full disk; the message quotes it. No partial file is left.
     """
     _, height, width, _ = frames.shape
     video = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-"]
     audio = ["-i", str(wav), "-c:a", "aac", "-b:a", "160k"] if wav else []
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *video, *audio]
     command += ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18"]
-    beside = path.with_name(f".new.{path.name}")  # ffmpeg knows the format by the end of the name
+    beside = path.with_name(f".new.{path.name}")  # ffmpeg infers the format from the suffix
     try:
         done = subprocess.run([*command, str(beside)], input=frames.tobytes(), capture_output=True, check=False)
         if done.returncode != 0:
-            said = done.stderr.decode(errors="replace").strip() or f"it ended with code {done.returncode}"
-            hint = "If the disk is full, free some space, or name another folder."
+            said = done.stderr.decode(errors="replace").strip() or f"exit code {done.returncode}"
+            hint = "If the disk is full, free some space, or choose another folder."
             raise HomeMjxError(f"ffmpeg could not write the film: {said}", file=path, hint=hint)
         with writing("film", path):
             beside.replace(path)

@@ -1,4 +1,4 @@
-"""Panels: depth and ids as colours, captions, and contact sheets."""
+"""Image panels: colours for depth and ids, captions, and contact sheets."""
 
 import colorsys
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ INK = (235, 235, 235)
 
 
 def depth_colours(depth: Float[np.ndarray, "h w"], farthest: float) -> UInt8[np.ndarray, "h w 3"]:
-    """Near is warm and bright, far is dark blue."""
+    """Map depth to colours: near is warm and bright, far is dark blue."""
     near = 1 - np.clip(depth / farthest, 0, 1)
     ramp = np.array([[10, 12, 40], [60, 40, 120], [180, 60, 110], [245, 140, 60], [252, 250, 190]], float)
     place = near * (len(ramp) - 1)
@@ -22,7 +22,7 @@ def depth_colours(depth: Float[np.ndarray, "h w"], farthest: float) -> UInt8[np.
 
 
 def id_colours(ids: Int[np.ndarray, "h w"]) -> UInt8[np.ndarray, "h w 3"]:
-    """A fixed colour per id, neighbours far apart in hue; -1 is black."""
+    """Map ids to fixed colours; consecutive ids differ in hue, -1 is black."""
     values = np.unique(ids)
     table = np.array([_id_colour(int(v)) for v in values], np.uint8)
     return table[np.searchsorted(values, ids)]
@@ -36,13 +36,13 @@ def _id_colour(value: int) -> tuple[int, int, int]:
 
 
 def enlarge(image: UInt8[np.ndarray, "h w 3"], size: int) -> UInt8[np.ndarray, "s s2 3"]:
-    """The image scaled to `size` rows, pixels kept sharp."""
+    """Scale an image to `size` rows without interpolation."""
     height, width = image.shape[:2]
     return np.asarray(Image.fromarray(image).resize((size * width // height, size), Image.Resampling.NEAREST))
 
 
 def captioned(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray, "h2 w 3"]:
-    """The image with a line of text above."""
+    """Add a line of text above an image."""
     height, width = image.shape[:2]
     canvas = Image.new("RGB", (width, height + 18), BACKGROUND)
     canvas.paste(Image.fromarray(image), (0, 18))
@@ -51,10 +51,10 @@ def captioned(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray,
 
 
 def sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Panels in rows, on a dark ground."""
+    """Compose panels in rows on a dark background."""
     heights = [max(panel.shape[0] for panel in row) for row in rows]
     widths = [sum(panel.shape[1] + gap for panel in row) for row in rows]
-    # H.264 wants even sides.
+    # H.264 needs even sides.
     size = (max(widths) + gap, sum(heights) + gap * (len(rows) + 1))
     canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)
     y = gap
@@ -68,7 +68,7 @@ def sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) ->
 
 
 def waveform(samples: Float[np.ndarray, "2 n"], width: int, height: int, peak: float) -> UInt8[np.ndarray, "h w 3"]:
-    """Left (above) and right (below) ear as an oscillogram; `peak` fills the height."""
+    """Draw the oscillogram of the left (above) and right (below) ear; `peak` fills the height."""
     canvas = Image.new("RGB", (width, height), BACKGROUND)
     draw = ImageDraw.Draw(canvas)
     for ear, colour in enumerate([(120, 200, 255), (255, 170, 110)]):

@@ -1,4 +1,4 @@
-"""Values over a floor plan as a picture."""
+"""Image of values over a floor plan."""
 
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
@@ -8,7 +8,7 @@ from home_mjx.viewer.pictures.pictures import BACKGROUND, captioned, depth_colou
 
 WALL = (120, 120, 125)
 SOURCE = (255, 255, 255)
-MARGIN = 2  # places around the rooms
+MARGIN = 2  # margin around the rooms [cells]
 
 
 def sound_map(
@@ -18,14 +18,14 @@ def sound_map(
     caption: str,
     size: int = 512,
 ) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Values at places of a floor, low ones dark and high ones bright, north (+y) up, with a ring around the source.
+    """Draw values over a floor plan, low ones dark and high ones bright, north (+y) up, with a ring around the source.
 
     Args:
-        values: NaN where nothing is known.
-        room: Which places are in a room.
-        source: Its row and column, fractions allowed.
-        caption: What is shown, without its range, which is added.
-        size: Pixels of the longer side, as far as a whole number of pixels a place allows.
+        values: Values of the cells; NaN where unknown.
+        room: True for cells in a room.
+        source: Row and column of the source, fractions allowed.
+        caption: Name of the quantity; its range is appended.
+        size: Approximate length of the longer side [px]; cells have a whole number of pixels.
 
     Example:
         >>> values, room = np.array([[1.0, 2.0], [3.0, np.nan]]), np.ones((2, 2), bool)

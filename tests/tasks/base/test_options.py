@@ -131,7 +131,7 @@ def test_make_refuses_before_it_compiles(monkeypatch):
 
 
 def test_a_bank_takes_no_choice_of_houses(generated_bank):
-    with pytest.raises(ConfigError, match="`num_houses` chooses houses of a dataset"):
+    with pytest.raises(ConfigError, match="`num_houses` selects houses of a dataset"):
         home_mjx.make("PointNav-v0", generated_bank, num_houses=2)
 
 

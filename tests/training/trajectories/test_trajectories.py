@@ -124,11 +124,11 @@ def test_a_full_disk_is_said_and_writing_goes_on_later(env: BoundEnv, rng: np.ra
 
 def test_mistakes_are_refused(env: BoundEnv, written, tmp_path: Path):
     folder, _ = written
-    with pytest.raises(ConfigError, match="holds a data set"):
+    with pytest.raises(ConfigError, match="contains a dataset"):
         Writer(folder, env, "expert")
     with pytest.raises(ConfigError, match="another `observation_space`"):
         Writer(folder, env, "expert", without=("goal",), resume=True)
-    with pytest.raises(MissingFileError, match="no data set"):
+    with pytest.raises(MissingFileError, match="there is no dataset"):
         Trajectories(tmp_path)
     (folder / "data" / "1" / "part-0.arrow").write_bytes(b"ARROW1")
     with pytest.raises(DatasetError, match="cannot be read"):

@@ -82,7 +82,7 @@ def test_what_does_not_go_together_is_refused(changes: dict, words: str):
 
 def test_a_task_must_be_named(capsys: pytest.CaptureFixture):
     assert main(["play"]) == 2
-    assert "name a task" in capsys.readouterr().err
+    assert "expected a task" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")
