@@ -1,4 +1,4 @@
-"""Things of many shapes: `library()` holds every model, the same for all seeds."""
+"""Parametric furniture and fittings; `library()` holds every model and is the same for all seeds."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -66,17 +66,17 @@ _MODULES = (
 
 @cache
 def families() -> Mapping[str, Family]:
-    """The designs of things that can stand for one another, by name."""
+    """Return the families of the library by name."""
     return {family.name: family for module in _MODULES for family in module.FAMILIES}
 
 
 @cache
 def model_of(family: str, number: int) -> Furniture:
-    """One library model, built when it is first asked for.
+    """Return one library model, built on first use.
 
     Args:
-        family: Its name.
-        number: From 1.
+        family: Name of the family.
+        number: Number of the model, from 1.
 
     Example:
         >>> model_of("sofa", 2).id
@@ -86,7 +86,7 @@ def model_of(family: str, number: int) -> Furniture:
 
 
 def library_model(model_id: str) -> Furniture:
-    """The library model of an id.
+    """Return the library model with an id.
 
     Example:
         >>> library_model("home_sofa_2") is model_of("sofa", 2)
@@ -98,7 +98,7 @@ def library_model(model_id: str) -> Furniture:
 
 @cache
 def library() -> Mapping[str, Furniture]:
-    """Every model by id, in the order of the metadata rows.
+    """Return every model by id, in the order of the metadata rows.
 
     Example:
         >>> library()["home_sofa_2"].fine
@@ -110,5 +110,5 @@ def library() -> Mapping[str, Furniture]:
 
 @cache
 def family_models() -> Mapping[str, Sequence[Furniture]]:
-    """The library models of every family."""
+    """Return the library models of every family."""
     return models_by_family(library().values())

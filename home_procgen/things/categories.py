@@ -1,4 +1,4 @@
-"""Fine class -> coarse class, NYU40 class and WordNet synset, as SUNCG's ModelCategoryMapping.csv pairs them."""
+"""Fine class -> coarse class, NYU40 class and WordNet synset, paired as in SUNCG's ModelCategoryMapping.csv."""
 
 from home_procgen.v1.categories import CATEGORIES as BEFORE
 from home_procgen.v1.categories import Category

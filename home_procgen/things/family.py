@@ -1,4 +1,4 @@
-"""Designs of one kind of thing, each of another construction, which become library models."""
+"""Families of library models: each model has a construction of its own."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -18,41 +18,41 @@ from home_procgen.things.parts import joints_of
 
 @dataclass(frozen=True)
 class Design:
-    """A construction and its measures."""
+    """Construction function and its parameters."""
 
     build: Callable[..., Iterable[Solid | Bulb]]
     parameters: Mapping[str, Any]
 
     @property
     def name(self) -> str:
-        """Of the construction."""
+        """Name of the construction function."""
         return self.build.__name__
 
 
 def design(build: Callable[..., Iterable[Solid | Bulb]], **parameters: Any) -> Design:
-    """A construction with these measures."""
+    """Return a `Design` with these parameters."""
     return Design(build, parameters)
 
 
 def kinds_of(build: Callable[..., Iterable[Solid | Bulb]], *kinds: str) -> tuple[Design, ...]:
-    """The constructions of these kinds, each as its default measures make it."""
+    """Return one `Design` per kind, with default parameters otherwise."""
     return tuple(design(build, kind=kind) for kind in kinds)
 
 
 @dataclass(frozen=True)
 class Family:
-    """Things that can stand for one another.
+    """Interchangeable library models of one kind of furniture.
 
-    A slot's finish is its name less a trailing number, unless `finishes` says otherwise; slots are numbered as the
-    solids first name them.
+    A slot's finish is its name without a trailing number, unless `finishes` overrides it. Slots are numbered in the
+    order in which the solids first use them.
 
     Args:
-        name: Names the models `home_<name>_<k>`.
+        name: Name of the family; its models are `home_<name>_<k>`.
         fine: Fine class.
-        designs: One for each model.
-        closed: Parameters that turn a design into its closed state, for doors.
-        centred: Move the middle of the box to x = z = 0; openings stay on their wall's centre-line.
-        finishes: Slot name -> finish, where the name does not say it.
+        designs: Designs, one per model.
+        closed: Parameters for the closed state of a door; None if the family has no closed state.
+        centred: Move the centre of the bounding box to x = z = 0; False keeps openings on their wall's centre line.
+        finishes: Slot name -> finish; overrides the finish in the slot's name.
     """
 
     name: str
@@ -64,18 +64,18 @@ class Family:
 
     @property
     def numbers(self) -> range:
-        """Of the library models, from 1."""
+        """Numbers of the library models, from 1."""
         return range(1, len(self.designs) + 1)
 
     def models(self) -> Iterator[Furniture]:
-        """The library models of the family."""
+        """Yield the library models of the family."""
         yield from map(self.model, self.numbers)
 
     def model(self, number: int) -> Furniture:
-        """One of the library models.
+        """Build one of the library models.
 
         Args:
-            number: From 1.
+            number: Number of the model, from 1.
         """
         model_id, made = f"home_{self.name}_{number}", self.designs[number - 1]
         solids, bulbs, parts = _built(made, {}, self.centred)
@@ -98,7 +98,7 @@ class Family:
 def _built(
     made: Design, change: Mapping[str, Any], centred: bool
 ) -> tuple[list[Solid], list[Bulb], Float[np.ndarray, "_ 2 3"]]:
-    """Solids and bulbs of a design, its lowest point at height 0, and the solids' bounding boxes."""
+    """Build the solids and bulbs of a design with its lowest point at height 0, and the solids' bounding boxes."""
     pieces = list(made.build(**{**made.parameters, **change}))
     solids = [piece for piece in pieces if isinstance(piece, Solid)]
     boxes = np.stack([solid.box for solid in solids])
@@ -119,7 +119,7 @@ def _shifted(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Bulb:
 
 
 def _smooth(mesh: Mesh) -> Mesh:
-    """The mesh with normals, without vertices that no face uses: files do not keep them."""
+    """Add vertex normals and drop unused vertices, which OBJ files do not store."""
     used, faces = np.unique(mesh.faces, return_inverse=True)
     faces = faces.reshape(mesh.faces.shape).astype(mesh.faces.dtype)
     return replace(mesh, vertices=mesh.vertices[used], faces=faces, normal=corner_normals(mesh.vertices[used], faces))

@@ -1,4 +1,4 @@
-"""Colours and textures that a slot of a thing may take, by the kind of its surface."""
+"""Colours and textures that the slots of a model may take, by finish."""
 
 from collections.abc import Mapping
 

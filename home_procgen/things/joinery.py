@@ -1,4 +1,4 @@
-"""Pieces that many designs share: legs of several kinds, cases, doors, drawers, handles."""
+"""Shared furniture pieces: legs, cases, doors, drawers, handles."""
 
 from collections.abc import Iterable, Iterator
 from typing import Literal
@@ -12,20 +12,20 @@ from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, sweep, tube
 from home_procgen.things.parts import Opens, front_part, marked
 
-BOARD = 0.02  # [m]
+BOARD = 0.02  # [m], thickness of boards
 LegKind = Literal["square", "taper", "splay", "turned", "hairpin", "sled", "block", "cabriole"]
 HandleKind = Literal["bar", "knob", "cup", "slot", "ring", "none"]
 
 
 def corners(width: float, depth: float) -> tuple[tuple[float, float], ...]:
-    """The four corners (x, z) of a rectangle around the origin [m]."""
+    """Return the four corners (x, z) of a rectangle around the origin [m]."""
     return tuple((x * width / 2, z * depth / 2) for x in (-1, 1) for z in (-1, 1))
 
 
 def legs(
     material: str, width: float, depth: float, height: float, kind: LegKind, thick: float = 0.05
 ) -> Iterator[Solid]:
-    """Legs under the corners of width x depth [m]; their middles are half a thickness inside."""
+    """Build legs under the corners of width x depth [m]; their axes are half a thickness inside."""
     if kind == "sled":
         yield from _sleds(material, width - thick, depth - thick, height, 0.5 * thick)
         return
@@ -73,7 +73,7 @@ def _sleds(material: str, width: float, depth: float, height: float, bar: float)
 
 
 def handle(material: str, at: Vector, kind: HandleKind, upright: bool, length: float = 0.14) -> Iterator[Solid]:
-    """A handle on a face towards +z at `at` [m]."""
+    """Build a handle at `at` on a face towards +z [m]."""
     x, y, z = at
     dx, dy = (0.0, length / 2) if upright else (length / 2, 0.0)
     if kind == "bar":
@@ -93,7 +93,7 @@ def handle(material: str, at: Vector, kind: HandleKind, upright: bool, length: f
 
 
 def placed_front(pieces: Iterable[Solid], at: Vector) -> Iterator[Solid]:
-    """Pieces that were made standing up, now with their axis towards +z, their foot at `at` [m]."""
+    """Rotate upright pieces so that their axis points towards +z, and move their foot to `at` [m]."""
     for piece in pieces:
         laid = rotate(piece, 0, np.pi / 2)
         yield move(laid, np.asarray(at))
@@ -108,16 +108,16 @@ def front(
     upright: bool = True,
     opens: Opens | None = None,
 ) -> Iterator[Solid]:
-    """One door or drawer front of `size` with its lower left corner at `at`; its outer face is 2 cm before that.
+    """Build one door or drawer front of `size` with its lower left corner at `at`; its outer face is 2 cm in front.
 
     Args:
         material: Slot of the panel.
         size: Width and height [m].
-        at: Lower left corner of its back [m].
-        style: How it is built.
-        grip: Slot, kind, and place of the handle as shares of width and height.
-        upright: Of the handle.
-        opens: On which edge it hangs, or how far it is pulled out [m]; None: it is fixed.
+        at: Lower left corner of the back face [m].
+        style: Construction of the panel.
+        grip: Slot and kind of the handle, and its position as fractions of width and height; None: no handle.
+        upright: Orient the handle vertically.
+        opens: Hinged edge, or the distance a drawer slides out [m]; None if fixed.
     """
     board = (size[0] - 0.005, size[1] - 0.005)
     corner = (at[0] + 0.0025, at[1] + 0.0025, at[2] + BOARD)
@@ -178,9 +178,9 @@ def doors(
     up: float = 0.5,
     opens: Opens | None = None,
 ) -> Iterator[Solid]:
-    """Doors side by side over width x height; `at` is the lower left corner of their backs [m].
+    """Build doors side by side over width x height; `at` is the lower left corner of their back faces [m].
 
-    They hang on the edge that is farther from their handles, unless `opens` says otherwise.
+    They are hinged at the edge farther from their handles, unless `opens` overrides it.
     """
     wide = width / count
     for i in range(count):
@@ -201,7 +201,7 @@ def drawers(
     graded: bool = False,
     opens: Opens = 0.3,
 ) -> Iterator[Solid]:
-    """Drawers over width x height; `graded` ones are higher the lower they are; `opens` is how far they come [m]."""
+    """Build drawers over width x height; `graded` makes lower ones taller, `opens` is their travel [m]."""
     share = np.linspace(1.5, 0.7, rows) if graded else np.ones(rows)
     edges = np.concatenate([[0], np.cumsum(share / share.sum())]) * height
     for row in range(rows):
@@ -212,7 +212,7 @@ def drawers(
 
 
 def body(material: str, width: float, height: float, depth: float, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
-    """The closed inside of a cabinet, 2 cm shallower than its doors reach [m]."""
+    """Build the solid body of a cabinet, 2 cm less deep than its doors reach [m]."""
     return box(material, (width, height, depth - BOARD), (at[0], at[1], at[2] - BOARD / 2))
 
 
@@ -226,7 +226,7 @@ def case(
     uprights: Iterable[float] = (),
     back: str | None = None,
 ) -> Iterator[Solid]:
-    """An open case: sides, bottom, top, shelves at heights `levels`, uprights at shares of the width [m]."""
+    """Build an open case: sides, bottom, top, shelves at heights `levels` [m], uprights at fractions of the width."""
     x, y, z = at
     for side in (-1, 1):
         yield box(material, (BOARD, height, depth), (x + side * (width - BOARD) / 2, y, z))
@@ -244,7 +244,7 @@ def case(
 def book_row(
     left: float, bottom: float, width: float, height: float, z: float, seed: int, lean: bool = True
 ) -> Iterator[Solid]:
-    """Books side by side from `left` on, of many sizes; their spines at z + 0.09 [m]."""
+    """Build a row of books of varied sizes from `left` on, with spines up to z + 0.09 [m]."""
     rng = np.random.default_rng(seed)
     x, end = left, left + width
     while True:
@@ -267,18 +267,18 @@ def book_row(
 
 
 def foot_plate(material: str, radius: float, height: float = 0.02) -> Solid:
-    """A round foot with a rounded edge."""
+    """Build a round foot with a rounded edge."""
     return turned(material, [(radius, 0.0), (radius, 0.6 * height), (0.93 * radius, height)], sides=20, steps=1)
 
 
 def disc(material: str, radius: float, thick: float, at: Vector, sides: int = 20) -> Solid:
-    """A flat round piece whose axis points towards +z, its back at `at` [m]."""
+    """Build a flat disc whose axis points towards +z, with its back face at `at` [m]."""
     laid = rotate(cylinder(material, radius, thick, sides=sides), 0, np.pi / 2)
     return move(laid, np.asarray(at))
 
 
 def roller(material: str, radius: float, wide: float, at: Vector, sides: int) -> Solid:
-    """A round piece whose axis points along x, its middle at `at` [m]: wheels, castors, hubs."""
+    """Build a cylinder whose axis points along x, centred at `at` [m]: wheels, castors, hubs."""
     laid = rotate(cylinder(material, radius, wide, (0.0, -wide / 2, 0.0), sides=sides), 2, np.pi / 2)
     return move(laid, np.asarray(at))
 
@@ -286,7 +286,7 @@ def roller(material: str, radius: float, wide: float, at: Vector, sides: int) ->
 def bow(
     material: str, half: float, heights: tuple[float, float], z: float, bend: float, radius: float, sides: int = 8
 ) -> Solid:
-    """A bent handle: up, across and down between x = -half and half, from the first height to the second [m]."""
+    """Build a bent handle from x = -half to half, rising from the first to the second of `heights` [m]."""
     low, high = heights
     path = fillet([(-half, low, z), (-half, high, z), (half, high, z), (half, low, z)], bend)
     return tube(material, path, radius, sides)

@@ -1,4 +1,4 @@
-"""Movable parts of furniture: marks on the solids of a shape, and the joints of a model that come of them."""
+"""Movable parts of furniture: marks on solids, and the joints that a model gets from them."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,9 +15,9 @@ from home_procgen.primitives.parts import Part
 from home_procgen.primitives.solids import Solid, Vector
 
 QUARTER = np.pi / 2
-TIPPED = 1.0  # [rad], of fronts that tip out
-LIFTED = 1.3  # [rad], of lids
-# The edge that a front towards +z hangs on, or how far it is pulled out [m]; `tips`: on the lower one, and not far.
+TIPPED = 1.0  # [rad], range of tip-out fronts
+LIFTED = 1.3  # [rad], range of lids
+# Hinged edge of a front towards +z, or the travel of a drawer [m]; `tips`: lower edge, range `TIPPED`.
 Opens = Literal["left", "right", "bottom", "top", "tips"] | float
 _HUNG = {
     "left": ("door", (0.0, -1.0, 0.0), (0.0, 0.0), QUARTER),
@@ -29,11 +29,11 @@ _HUNG = {
 
 
 def front_part(opens: Opens, corner: Vector, size: tuple[float, float]) -> Part:
-    """The part of a front towards +z. It turns about an outer edge, so that it never turns into what is beside it.
+    """Return the part of a front towards +z, hinged at an outer edge so that it clears its neighbours.
 
     Args:
-        opens: How.
-        corner: Lower left corner of its outer face [m].
+        opens: Hinged edge, or the distance a drawer slides out [m].
+        corner: Lower left corner of the outer face [m].
         size: Width and height [m].
 
     Example:
@@ -48,24 +48,24 @@ def front_part(opens: Opens, corner: Vector, size: tuple[float, float]) -> Part:
 
 
 def lid_part(y: float, z: float, x: float = 0.0) -> Part:
-    """The part of a lid that opens upwards about its back edge, at height y and depth z; x tells it from others [m]."""
+    """Return the part of a lid hinged at its back edge, at height y and depth z; x separates equal lids [m]."""
     return Part("lid", "hinge", (-1.0, 0.0, 0.0), (x, y, z), LIFTED)
 
 
 def marked(part: Part | None, pieces: Iterable[Solid]) -> Iterator[Solid]:
-    """Pieces that belong to a part."""
+    """Assign pieces to a part; None clears it."""
     for piece in pieces:
         yield replace(piece, part=part)
 
 
 def panel(opens: Opens, board: Solid, *others: Solid, name: str | None = None) -> Iterator[Solid]:
-    """A board towards +z and what is fixed to it, as one part.
+    """Build one part from a board towards +z and the pieces fixed to it.
 
     Args:
-        opens: How.
-        board: The front; its box has the edges.
-        others: Handles, panes and so on.
-        name: What it is, if it is not called after how it moves.
+        opens: Hinged edge, or the distance a drawer slides out [m].
+        board: Front board; its bounding box defines the edges.
+        others: Handles, panes and other fixed pieces.
+        name: Name of the part; None derives it from its motion.
     """
     (x0, y0, _), (x1, y1, z1) = board.box.tolist()
     part = front_part(opens, (x0, y0, z1), (x1 - x0, y1 - y0))
@@ -73,17 +73,17 @@ def panel(opens: Opens, board: Solid, *others: Solid, name: str | None = None) -
 
 
 def parts_of(pieces: Iterable[Solid]) -> list[Part]:
-    """The parts of some pieces, in order."""
+    """Return the distinct parts of pieces, in order."""
     return list(dict.fromkeys(piece.part for piece in pieces if piece.part is not None))
 
 
 def joints_of(model_id: str, solids: Sequence[Solid], mesh: Mesh) -> tuple[Joint, ...]:
-    """The joints of a model.
+    """Return the joints of a model.
 
     Args:
-        model_id: Its id.
-        solids: What it was made of, in the model's frame.
-        mesh: The mesh that `to_mesh` made of them.
+        model_id: Id of the model.
+        solids: Solids of the model, in its frame.
+        mesh: Mesh that `to_mesh` made from the solids.
     """
     faces, count = _faces_by_part(solids, mesh), Counter[str]()
     joints = []
@@ -97,7 +97,7 @@ def joints_of(model_id: str, solids: Sequence[Solid], mesh: Mesh) -> tuple[Joint
 
 
 def _faces_by_part(solids: Sequence[Solid], mesh: Mesh) -> dict[Part, Int[np.ndarray, " _"]]:
-    """Faces of each part by where they are in the OBJ, in ascending order."""
+    """Return the faces of each part as ascending positions in the OBJ file."""
     line = np.argsort(face_order(mesh))
     first = np.cumsum([0] + [len(solid.faces) for solid in solids])
     found: dict[Part, list[np.ndarray]] = defaultdict(list)
@@ -108,7 +108,7 @@ def _faces_by_part(solids: Sequence[Solid], mesh: Mesh) -> dict[Part, Int[np.nda
 
 
 def _runs(numbers: Int[np.ndarray, " n"]) -> tuple[tuple[int, int], ...]:
-    """First and last of each run of consecutive numbers."""
+    """Return the first and last number of each run of consecutive numbers."""
     breaks = np.flatnonzero(np.diff(numbers) != 1) + 1
     return tuple((int(run[0]), int(run[-1])) for run in np.split(numbers, breaks))
 

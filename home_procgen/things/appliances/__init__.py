@@ -1,1 +1,1 @@
-"""Kitchen and washing machines."""
+"""Kitchen appliances, washing machines and dishwashers."""

@@ -13,7 +13,7 @@ from home_procgen.things.parts import front_part, marked, panel
 
 
 def fridge(width: float = 0.6, height: float = 1.85, split: float = 0.7, slot: str = "steel") -> Iterator[Solid]:
-    """Two doors, one above the other."""
+    """Build a refrigerator with two doors, one above the other."""
     yield box("black", (width - 0.02, 0.05, 0.56), (0.0, 0.0, -0.03))
     yield rounded(slot, (width, height - 0.05, 0.58), (0.0, 0.05, -0.04), 0.012, 1)
     for low, high, grip in ((0.06, split - 0.004, split - 0.36), (split + 0.004, height, split + 0.06)):
@@ -23,7 +23,7 @@ def fridge(width: float = 0.6, height: float = 1.85, split: float = 0.7, slot: s
 
 
 def side_by_side(width: float = 0.92, height: float = 1.8, dispenser: bool = True) -> Iterator[Solid]:
-    """Two tall doors, one with a water dispenser."""
+    """Build a refrigerator with two tall doors and an optional water dispenser."""
     yield box("black", (width - 0.02, 0.06, 0.6), (0.0, 0.0, -0.03))
     yield rounded("steel", (width, height - 0.06, 0.62), (0.0, 0.06, -0.04), 0.012, 1)
     leaves: list[Solid] = []
@@ -41,7 +41,7 @@ def side_by_side(width: float = 0.92, height: float = 1.8, dispenser: bool = Tru
 
 
 def retro(height: float = 1.5) -> Iterator[Solid]:
-    """A rounded refrigerator of the fifties on short feet."""
+    """Build a rounded 1950s refrigerator on short feet."""
     for x, z in corners(0.44, 0.4):
         yield cylinder("chrome", 0.02, 0.07, (x, 0.0, z), sides=10)
     yield rounded("bright", (0.6, height - 0.06, 0.56), (0.0, 0.06, -0.04), 0.1, 4)
@@ -52,7 +52,7 @@ def retro(height: float = 1.5) -> Iterator[Solid]:
 
 
 def french(width: float = 0.9, height: float = 1.78) -> Iterator[Solid]:
-    """Two doors above a freezer drawer."""
+    """Build a refrigerator with two doors above a freezer drawer."""
     yield box("black", (width - 0.02, 0.05, 0.6), (0.0, 0.0, -0.03))
     yield rounded("gray", (width, height - 0.05, 0.62), (0.0, 0.05, -0.04), 0.012, 1)
     for s in (-1, 1):
@@ -65,7 +65,7 @@ def french(width: float = 0.9, height: float = 1.78) -> Iterator[Solid]:
 
 
 def mini() -> Iterator[Solid]:
-    """A small refrigerator with a magnet or two on its door."""
+    """Build a small refrigerator with magnets and a note on its door."""
     yield rounded("white", (0.5, 0.8, 0.46), (0.0, 0.02, -0.03), 0.015, 2)
     (door,) = panel("left", rounded("white", (0.5, 0.79, 0.05), (0.0, 0.025, 0.225), 0.018, 2))
     yield door
@@ -77,7 +77,7 @@ def mini() -> Iterator[Solid]:
 
 
 def wine_cooler() -> Iterator[Solid]:
-    """A glazed cooler with bottles on shelves."""
+    """Build a wine cooler with a glass door and bottles on shelves."""
     for s in (-1, 1):
         yield box("black", (0.03, 1.2, 0.5), (s * 0.265, 0.03, 0.0))
     for y in (0.0, 1.2):
@@ -107,7 +107,7 @@ def wine_cooler() -> Iterator[Solid]:
 
 
 def integrated(width: float = 0.6, height: float = 1.98) -> Iterator[Solid]:
-    """Behind the fronts of the kitchen, with a grille below."""
+    """Build a refrigerator behind kitchen fronts, with a grille below."""
     yield box("black", (width - 0.02, 0.1, 0.5), (0.0, 0.0, -0.03))
     for i in range(8):
         yield box("steel", (0.02, 0.06, 0.006), ((i - 3.5) * 0.06, 0.02, 0.222))
@@ -120,7 +120,7 @@ def integrated(width: float = 0.6, height: float = 1.98) -> Iterator[Solid]:
 
 
 def display(width: float = 0.7, height: float = 1.95) -> Iterator[Solid]:
-    """A door of glass before lit shelves with food."""
+    """Build a display refrigerator with a glass door and food on its shelves."""
     for s in (-1, 1):
         yield box("black", (0.04, height, 0.58), (s * (width - 0.04) / 2, 0.0, 0.0))
     for y, high in ((0.0, 0.12), (height - 0.16, 0.16)):
@@ -142,7 +142,7 @@ def display(width: float = 0.7, height: float = 1.95) -> Iterator[Solid]:
 
 
 def ice_box(width: float = 0.66, height: float = 1.4) -> Iterator[Solid]:
-    """Of wood, with small doors, brass hinges and latches."""
+    """Build a wooden ice box with small doors, brass hinges and latches."""
     yield from legs("wood", width, 0.5, 0.14, "taper", 0.06)
     yield rounded("wood", (width, height - 0.16, 0.5), (0.0, 0.12, 0.0), 0.012, 1)
     yield rounded("wood", (width + 0.04, 0.03, 0.54), (0.0, height - 0.05, 0.0), 0.01, 2)
@@ -155,7 +155,7 @@ def ice_box(width: float = 0.66, height: float = 1.4) -> Iterator[Solid]:
 
 
 def twin(width: float = 0.96, height: float = 1.86) -> Iterator[Solid]:
-    """A column to cool and one to freeze, with long handles side by side and a screen."""
+    """Build a refrigerator and freezer column side by side, with long handles and a screen."""
     yield box("black", (width - 0.04, 0.08, 0.54), (0.0, 0.0, -0.02))
     leaf: list[Solid] = []
     for s in (-1, 1):

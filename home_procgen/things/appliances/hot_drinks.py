@@ -78,7 +78,7 @@ _COFFEE_KINDS = {
 
 
 def coffee(kind: str = "filter") -> Iterator[Solid]:
-    """A coffee machine: filter, espresso, capsule or percolator."""
+    """Build a coffee machine: filter, espresso, capsule or percolator."""
     yield from _COFFEE_KINDS[kind]()
 
 
@@ -147,7 +147,7 @@ _KETTLE_KINDS = {
 
 
 def kettle(kind: str = "electric") -> Iterator[Solid]:
-    """A kettle: electric, whistling or with a swan's neck."""
+    """Build a kettle: electric, whistling, gooseneck, glass or cast iron."""
     yield from _KETTLE_KINDS[kind]()
 
 

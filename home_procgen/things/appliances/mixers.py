@@ -1,4 +1,4 @@
-"""Mixers, fryers, water dispensers."""
+"""Mixers, air fryers and water dispensers."""
 
 from collections.abc import Iterator
 
@@ -71,12 +71,12 @@ _PROCESSOR_KINDS = {
 
 
 def processor(kind: str = "blender") -> Iterator[Solid]:
-    """A blender, a stand mixer, a chopper or a juicer."""
+    """Build a blender, a stand mixer, a chopper or a juicer."""
     yield from _PROCESSOR_KINDS[kind]()
 
 
 def dispenser() -> Iterator[Solid]:
-    """A water dispenser with a large bottle upside down."""
+    """Build a water dispenser with a large inverted bottle."""
     yield rounded("white", (0.31, 0.95, 0.32), (0.0, 0.02, 0.0), 0.025, 2)
     yield rounded("black", (0.22, 0.2, 0.04), (0.0, 0.66, 0.15), 0.015, 1)
     for x, slot in ((-0.05, "blue"), (0.05, "red")):
@@ -106,7 +106,7 @@ def dispenser() -> Iterator[Solid]:
 
 
 def air_fryer() -> Iterator[Solid]:
-    """A rounded pot with a drawer and a screen."""
+    """Build a rounded air fryer with a drawer and a screen."""
     yield turned("black", [(0.12, 0.0), (0.145, 0.04), (0.15, 0.2), (0.12, 0.29), (0.05, 0.31)], sides=26, steps=3)
     drawer = rounded("black", (0.2, 0.14, 0.06), (0.0, 0.03, 0.12), 0.025, 2)
     yield from panel(0.15, drawer, rounded("gray", (0.035, 0.05, 0.1), (0.0, 0.08, 0.19), 0.014, 2))

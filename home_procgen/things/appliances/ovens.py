@@ -11,7 +11,7 @@ from home_procgen.things.parts import panel
 
 
 def microwave(kind: str = "buttons") -> Iterator[Solid]:
-    """A microwave oven with buttons or dials."""
+    """Build a microwave oven with buttons or dials."""
     slot = "steel" if kind == "buttons" else "bright" if kind == "retro" else "white"
     yield rounded(slot, (0.48, 0.27, 0.36), (0.0, 0.012, 0.0), 0.03 if kind == "retro" else 0.01, 2)
     for x in (-0.18, 0.18):
@@ -30,7 +30,7 @@ def microwave(kind: str = "buttons") -> Iterator[Solid]:
 
 
 def toaster(kind: str = "round", slots_: int = 2) -> Iterator[Solid]:
-    """Two slots, a lever, perhaps bread that has popped up."""
+    """Build a toaster with slots and a lever; the round kind holds bread."""
     long = 0.26 + 0.06 * (slots_ > 2)
     yield rounded(
         "steel" if kind == "box" else "bright",

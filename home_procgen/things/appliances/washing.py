@@ -1,4 +1,4 @@
-"""Machines that wash and dry."""
+"""Dishwashers, washing machines and dryers."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from home_procgen.things.parts import front_part, lid_part, marked, panel
 
 
 def dishwasher(open_: bool = False) -> Iterator[Solid]:
-    """A door with a panel of buttons above."""
+    """Build a dishwasher with a door below a button panel."""
     yield box("black", (0.58, 0.1, 0.46), (0.0, 0.0, -0.05))
     yield box("steel", (0.6, 0.76, 0.54), (0.0, 0.1, -0.02))
     (door,) = panel("bottom", rounded("steel", (0.595, 0.62, 0.03), (0.0, 0.11, 0.265), 0.008, 1))
@@ -27,7 +27,7 @@ def dishwasher(open_: bool = False) -> Iterator[Solid]:
 
 
 def washer(kind: str = "front") -> Iterator[Solid]:
-    """A washing machine with a round window, or one that is loaded from above."""
+    """Build a washing machine, front-loading with a round window or top-loading."""
     if kind == "top":
         yield rounded("white", (0.58, 0.84, 0.6), (0.0, 0.02, 0.0), 0.02, 2)
         yield from marked(lid_part(0.88, -0.15), [rounded("white", (0.5, 0.02, 0.42), (0.0, 0.86, 0.06), 0.008, 1)])

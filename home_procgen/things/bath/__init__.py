@@ -1,1 +1,1 @@
-"""Bathroom fittings and what lies about in bathrooms."""
+"""Bathroom fittings and small objects in bathrooms."""

@@ -74,7 +74,7 @@ _BASIN_KINDS = {
 
 
 def basin(kind: str = "pedestal", width: float = 0.58) -> Iterator[Solid]:
-    """A wash basin: on a column, a bowl on a board, in a cabinet, hung, or two in a row."""
+    """Build a wash basin: pedestal, vessel bowl, cabinet, double, wall-hung or slab."""
     yield from _BASIN_KINDS[kind](width)
 
 

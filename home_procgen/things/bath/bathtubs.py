@@ -65,7 +65,7 @@ def _barrel(width: float) -> Iterator[Solid]:
 
 
 def _slipper(width: float) -> Iterator[Solid]:
-    """Free on a foot, one end higher than the other."""
+    """Build a freestanding bathtub on a foot, with one end higher than the other."""
     yield tub("ceramic", [(0.0, 0.9, 0.4, 0.0), (0.08, 0.8, 0.36, 0.0), (0.13, 1.05, 0.5, 0.0)], 0.03, 2.4, 40)
     loops = []
     for w, d, y, rise in ((1.05, 0.5, 0.13, 0.0), (1.4, 0.68, 0.4, 0.12), (1.62, 0.76, 0.56, 0.28),
@@ -78,7 +78,7 @@ def _slipper(width: float) -> Iterator[Solid]:
 
 
 def _panelled(width: float) -> Iterator[Solid]:
-    """In a box of boards with a broad rim of stone."""
+    """Build a bathtub in a box of boards with a broad stone rim."""
     yield tub("ceramic", [(0.06, width - 0.12, 0.64, 0.0), (0.56, width - 0.12, 0.64, 0.0)], 0.05, 9.0, 44)
     for z in (-0.36, 0.36):
         for i in range(int(width / 0.1)):
@@ -92,7 +92,7 @@ def _panelled(width: float) -> Iterator[Solid]:
 
 
 def _screened(width: float) -> Iterator[Solid]:
-    """Built in, with a pane of glass and a shower above the tap."""
+    """Build a built-in bathtub with a glass pane and a shower above the tap."""
     yield from _builtin(width)
     x = 0.06 - width / 2
     yield box("glass", (0.78, 1.35, 0.008), (x + 0.41, 0.56, 0.35))
@@ -105,7 +105,7 @@ def _screened(width: float) -> Iterator[Solid]:
 
 
 def _whirlpool(width: float) -> Iterator[Solid]:
-    """A wide rectangle around an oval hollow with jets and a headrest."""
+    """Build a wide whirlpool bathtub: a rectangle around an oval basin with jets and a headrest."""
     outer = [np.insert(loop(width, 0.8, 48, 12.0), 1, y, axis=1) for y in (0.0, 0.54, 0.56)]
     inner = [
         np.insert(loop(w, d, 48, 2.6), 1, y, axis=1)
@@ -122,7 +122,7 @@ def _whirlpool(width: float) -> Iterator[Solid]:
 
 
 def _deep(width: float) -> Iterator[Solid]:
-    """A short, deep square of stone with a rim of wood, a bench inside and a step before it."""
+    """Build a short, deep, square stone bathtub with a wooden rim, a bench inside and a step before it."""
     wide = 0.75 * width
     yield tub("stone", [(0.0, wide, 0.9, 0.0), (0.66, wide, 0.9, 0.0)], 0.07, 16.0, 44)
     for s in (-1, 1):
@@ -148,7 +148,7 @@ _BATHTUB_KINDS = {
 
 
 def bathtub(kind: str = "builtin", width: float = 1.7) -> Iterator[Solid]:
-    """Built in, freestanding, on claw feet, for a corner, of wood, with jets, with a pane."""
+    """Build a bathtub: built-in, freestanding, claw-foot, corner, wooden, with jets or with a glass pane."""
     yield from _BATHTUB_KINDS[kind](width)
 
 

@@ -1,4 +1,4 @@
-"""Bowls of any outline."""
+"""Bowls with superelliptic plans."""
 
 import numpy as np
 
@@ -10,14 +10,14 @@ from home_procgen.shapes.rounded import between_loops
 def tub(
     slot: str, levels: list[tuple[float, float, float, float]], wall: float = 0.035, power: float = 4.0, sides: int = 36
 ) -> Solid:
-    """An open hollow of oval plan.
+    """Build an open bowl with a superelliptic plan.
 
     Args:
         slot: Slot name.
-        levels: Height, width (x), depth (z), shift along x of the outside, from the bottom up [m].
-        wall: Thickness [m].
-        power: Squareness of the plan, 2 is an ellipse.
-        sides: Facets around.
+        levels: Height, width (x), depth (z) and shift along x of the outer surface, from the bottom up [m].
+        wall: Wall thickness [m].
+        power: Exponent of the superellipse; 2 is an ellipse, higher is squarer.
+        sides: Number of facets around.
     """
     outer = [np.insert(loop(w, d, sides, power) + np.array([x, 0.0]), 1, y, axis=1) for y, w, d, x in levels]
     inner = [

@@ -111,12 +111,12 @@ _MIRROR_KINDS = {
 
 
 def mirror(width: float = 0.6, height: float = 0.8, kind: str = "frame") -> Iterator[Solid]:
-    """For a wall: framed, oval, round with a strap, a sun, arched, with a shelf, a cabinet; or free-standing."""
+    """Build a wall mirror (frame, ornate, oval, round, sun, arch, shelf, cabinet) or a freestanding mirror."""
     yield from _MIRROR_KINDS[kind](width, height)
 
 
 def mirror_tiles(columns: int = 2, rows: int = 3, size: float = 0.28) -> Iterator[Solid]:
-    """Small square mirrors in rows."""
+    """Build rows of small square mirrors."""
     for i in range(columns):
         for j in range(rows):
             at = ((i - (columns - 1) / 2) * (size + 0.02), j * (size + 0.02), 0.0)

@@ -1,4 +1,4 @@
-"""Paper and soap."""
+"""Toilet paper holders and soap."""
 
 from collections.abc import Iterator
 
@@ -45,12 +45,12 @@ def _paper_basket() -> Iterator[Solid]:
 
 
 def _lying(x: float, y: float, z: float) -> Solid:
-    """A roll whose axis points along x, its middle at (x, y, z) [m]."""
+    """Build a roll whose axis points along x, with its centre at (x, y, z) [m]."""
     return move(rotate(_roll(0.0, -0.05, 0.0), 2, np.pi / 2), (x, y, z))
 
 
 def _paper_covered() -> Iterator[Solid]:
-    """A roll under a bent lid."""
+    """Build a toilet paper roll under a bent lid."""
     yield rounded("steel", (0.15, 0.15, 0.01), (0.0, 0.04, -0.065), 0.004, 1)
     yield _lying(0.0, 0.09, 0.0)
     lid = [(-0.065, 0.178), (0.01, 0.17), (0.06, 0.13), (0.068, 0.1), (0.064, 0.1), (0.056, 0.127), (0.008, 0.164)]
@@ -60,7 +60,7 @@ def _paper_covered() -> Iterator[Solid]:
 
 
 def _paper_shelf() -> Iterator[Solid]:
-    """A wooden shelf for a telephone with a rod below."""
+    """Build a wooden shelf for a telephone with a paper rod below."""
     yield rounded("wood", (0.2, 0.018, 0.12), (0.0, 0.13, -0.01), 0.006, 2)
     yield rounded("wood", (0.2, 0.13, 0.016), (0.0, 0.0, -0.062), 0.005, 1)
     for s in (-1, 1):
@@ -70,7 +70,7 @@ def _paper_shelf() -> Iterator[Solid]:
 
 
 def _paper_rope() -> Iterator[Solid]:
-    """A roll on a rope from a knob."""
+    """Build a toilet paper roll on a rope from a knob."""
     knob = turned("wood", [(0.03, 0.0), (0.014, 0.01), (0.014, 0.04), (0.024, 0.05), (0.016, 0.066)], steps=2)
     yield move(rotate(knob, 0, np.pi / 2), (0.0, 0.26, -0.06))
     loop = [(0.0, 0.25, -0.02), (-0.075, 0.06, 0.0), (0.075, 0.06, 0.0), (0.0, 0.25, -0.02)]
@@ -79,7 +79,7 @@ def _paper_rope() -> Iterator[Solid]:
 
 
 def _paper_double() -> Iterator[Solid]:
-    """Two rolls on a bar between posts."""
+    """Build two toilet paper rolls on a bar between posts."""
     for x in (-0.13, 0.0, 0.13):
         yield rounded("iron", (0.024, 0.08, 0.01), (x, 0.05, -0.066), 0.003, 1)
         yield rod("iron", (x, 0.09, -0.064), (x, 0.09, 0.0), 0.007)
@@ -89,7 +89,7 @@ def _paper_double() -> Iterator[Solid]:
 
 
 def _paper_spindle() -> Iterator[Solid]:
-    """A roll that stands on a bracket."""
+    """Build an upright toilet paper roll on a bracket."""
     yield disc("brass", 0.03, 0.01, (0.0, 0.02, -0.075), 18)
     yield tube("brass", fillet([(0.0, 0.02, -0.07), (0.0, 0.02, 0.0), (0.0, 0.05, 0.0)], 0.015), 0.008)
     yield turned("brass", [(0.045, 0.02), (0.05, 0.026), (0.01, 0.03)], sides=20, steps=1)
@@ -98,7 +98,7 @@ def _paper_spindle() -> Iterator[Solid]:
 
 
 def _paper_cage() -> Iterator[Solid]:
-    """Rolls above one another in a cage of wires."""
+    """Build a wire cage of stacked toilet paper rolls."""
     yield cylinder("wood", 0.085, 0.02, sides=24)
     for a in np.arange(6) * np.pi / 3:
         yield rod(
@@ -111,7 +111,7 @@ def _paper_cage() -> Iterator[Solid]:
 
 
 def _paper_box() -> Iterator[Solid]:
-    """An open box on legs, rolls in it, one on a peg at its side."""
+    """Build an open box on legs with toilet paper rolls inside and one on a side peg."""
     yield from case("paint", 0.2, 0.5, 0.16, (0.16, 0.32), (0.0, 0.04, 0.0), (), "paint")
     yield from legs("paint", 0.2, 0.16, 0.04, "square", 0.025)
     for k in range(3):
@@ -127,12 +127,12 @@ _PAPER_KINDS = {
 
 
 def paper(kind: str = "wall") -> Iterator[Solid]:
-    """Rolls on holders at a wall, on stands, in baskets and cages."""
+    """Build toilet paper on a wall holder, on a stand, or in a basket, cage or box."""
     yield from _PAPER_KINDS[kind]()
 
 
 def soap(kind: str = "pump") -> Iterator[Solid]:
-    """A pump bottle, or a foam one."""
+    """Build a soap dispenser: a tall pump bottle or a round foam bottle."""
     shape = (
         [(0.034, 0.0), (0.037, 0.01), (0.035, 0.1), (0.014, 0.13)]
         if kind == "pump"
@@ -145,7 +145,7 @@ def soap(kind: str = "pump") -> Iterator[Solid]:
 
 
 def soap_dish() -> Iterator[Solid]:
-    """A bar of soap on an oval dish."""
+    """Build a bar of soap on an oval dish."""
     yield vessel("crockery", [(0.035, 0.0), (0.045, 0.008), (0.06, 0.025)], 0.004, sides=26, steps=2, stretch=0.7)
     yield soft("bright", (0.075, 0.026, 0.045), (0.0, 0.01, 0.0), 3.0, 5)
 

@@ -15,7 +15,7 @@ from home_procgen.things.family import Family, design
 
 
 def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]:
-    """A pole with a shower head in a corner at (x, z)."""
+    """Build a pole with a shower head in the corner at (x, z)."""
     sx, sz = -np.sign(x), -np.sign(z)
     yield rod("chrome", (x, 0.9, z), (x, top, z), 0.011)
     for y in (0.95, top - 0.05):
@@ -51,7 +51,7 @@ def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]
     )
 
 
-_TOP = 2.0  # [m], of a cabin
+_TOP = 2.0  # [m], height of a cabin's walls
 
 
 def _tray(size: float) -> Iterator[Solid]:
@@ -138,7 +138,7 @@ def _glass_blocks(size: float) -> Iterator[Solid]:
             yield rounded("glass", (0.08, 0.2, 0.2), (half - 0.04, 0.1 + 0.205 * i, -half + 0.12 + 0.205 * j), 0.02, 1)
 
 
-# Its walls; whether its head is a wide one; the height of that [m].
+# kind -> walls, whether the head is a rain head, height of the head [m]
 _SHOWERS: dict[str, tuple[Callable[[float], Iterator[Solid]], bool, float]] = {
     "square": (_square_cabin, False, 2.05),
     "round": (_round_cabin, True, 2.05),
@@ -149,7 +149,7 @@ _SHOWERS: dict[str, tuple[Callable[[float], Iterator[Solid]], bool, float]] = {
 
 
 def shower(kind: str = "square", size: float = 0.9) -> Iterator[Solid]:
-    """A cabin: square, a quarter circle, a walk-in screen, with a curtain, or between walls of glass blocks."""
+    """Build a shower: square, quarter-round, walk-in screen, curtained or with a glass-block wall."""
     walls, rain, high = _SHOWERS[kind]
     yield from walls(size)
     yield from _head(-size / 2 + 0.06, -size / 2 + 0.06, high, rain)

@@ -1,4 +1,4 @@
-"""Toiletries, brushes, scales, dryers."""
+"""Toiletries, toilet brushes, scales and hair dryers."""
 
 from collections.abc import Iterator
 
@@ -72,12 +72,12 @@ _TOILETRIES_KINDS = {
 
 
 def toiletries(kind: str = "bottles") -> Iterator[Solid]:
-    """Bottles and tubes, tooth brushes in a cup, a tray with perfume, a caddy."""
+    """Build toiletries: bottles, tooth brushes in a cup, a perfume tray or a caddy."""
     yield from _TOILETRIES_KINDS[kind]()
 
 
 def plunger(kind: str = "plunger") -> Iterator[Solid]:
-    """A rubber plunger, or a brush in its holder."""
+    """Build a rubber plunger, or a toilet brush in its holder."""
     if kind == "plunger":
         yield turned("red", [(0.075, 0.0), (0.08, 0.02), (0.06, 0.06), (0.02, 0.09), (0.018, 0.11)], sides=22, steps=2)
         yield rod("wood", (0.0, 0.1, 0.0), (0.0, 0.5, 0.0), 0.012, sides=10)
@@ -89,7 +89,7 @@ def plunger(kind: str = "plunger") -> Iterator[Solid]:
 
 
 def scale() -> Iterator[Solid]:
-    """A flat scale with a dial."""
+    """Build a flat weight scale with a display."""
     yield rounded("glass", (0.31, 0.02, 0.31), (0.0, 0.014, 0.0), 0.01, 2)
     for x, z in corners(0.24, 0.24):
         yield cylinder("chrome", 0.02, 0.016, (x, 0.0, z), sides=14)
@@ -99,7 +99,7 @@ def scale() -> Iterator[Solid]:
 
 
 def dryer() -> Iterator[Solid]:
-    """A hair dryer lying on its side."""
+    """Build a hair dryer lying on its side."""
     yield tube(
         "bright",
         [(-0.09, 0.045, 0.0), (-0.06, 0.045, 0.0), (0.02, 0.045, 0.0), (0.1, 0.045, 0.0), (0.14, 0.045, 0.0)],

@@ -19,7 +19,7 @@ def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[S
     outer = [np.insert(loop(0.36, 0.42, 28, 2.3) + np.array([0.0, z]), 1, h, axis=1) for h in (y, y + 0.02)]
     inner = [np.insert(loop(0.23, 0.28, 28, 2.2) + np.array([0.0, z + 0.01]), 1, h, axis=1) for h in (y, y + 0.02)]
     if lid == "down":
-        # tanks that reach over the back of the lid leave it no room to turn
+        # A tank that overhangs the back of the lid blocks its hinge, so the lid is fixed.
         part = lid_part(y + 0.026, z - 0.215) if free else None
         yield from marked(part, [prism("ceramic", loop(0.37, 0.43, 28, 2.3), 0.026, (0.0, y, z), "top")])
         return
@@ -29,7 +29,7 @@ def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[S
 
 
 def toilet(kind: str = "tank") -> Iterator[Solid]:
-    """With a tank on it, hung from a wall, with a high tank and chain, or all of one piece."""
+    """Build a toilet: close-coupled, wall-hung, with a high tank and chain, or in one piece."""
     if kind == "hung":
         yield tub("ceramic", [(0.08, 0.22, 0.34, 0.0), (0.2, 0.3, 0.48, 0.0), (0.39, 0.36, 0.53, 0.0)], 0.03, 2.4)
         yield from _seat(0.39, 0.02, "down", True)
@@ -62,7 +62,7 @@ def toilet(kind: str = "tank") -> Iterator[Solid]:
 
 
 def skirted(smart: bool = False) -> Iterator[Solid]:
-    """A straight skirt down to the floor; with a panel of buttons beside the seat, or a slim tank."""
+    """Build a toilet with a straight skirt, and a button panel beside the seat or a slim tank."""
     sides = [(0.0, 0.34, 0.52, 0.0), (0.3, 0.35, 0.54, 0.0), (0.4, 0.37, 0.56, 0.0)]
     yield tub("ceramic", sides, 0.045, 3.2)
     yield from _seat(0.4, 0.03, "down", not smart)
@@ -78,7 +78,7 @@ def skirted(smart: bool = False) -> Iterator[Solid]:
 
 
 def low_tank() -> Iterator[Solid]:
-    """A tank on the wall, joined to the bowl by a bent pipe; a wooden seat."""
+    """Build a toilet with a wooden seat and a wall tank joined to the bowl by a bent pipe."""
     foot = [(0.0, 0.22, 0.38, 0.0), (0.12, 0.19, 0.32, 0.0), (0.26, 0.28, 0.4, 0.0), (0.4, 0.36, 0.46, 0.0)]
     yield tub("ceramic", foot, 0.035, 2.4)
     rims = ((0.37, 0.43, 0.4), (0.37, 0.43, 0.422), (0.24, 0.29, 0.422), (0.24, 0.29, 0.4))
@@ -92,7 +92,7 @@ def low_tank() -> Iterator[Solid]:
 
 
 def cornered() -> Iterator[Solid]:
-    """With a three-sided tank that fits a corner."""
+    """Build a toilet with a three-sided tank for a corner."""
     sides = [(0.0, 0.2, 0.34, 0.0), (0.14, 0.2, 0.34, 0.0), (0.28, 0.3, 0.42, 0.0), (0.4, 0.36, 0.46, 0.0)]
     yield tub("ceramic", sides, 0.035, 2.6)
     yield from _seat(0.4, 0.0, "down", True)
@@ -104,7 +104,7 @@ def cornered() -> Iterator[Solid]:
 
 
 def with_rails() -> Iterator[Solid]:
-    """A toilet between two rails to lean on."""
+    """Build a toilet between two support rails."""
     yield from toilet("one")
     for s in (-1, 1):
         path = [(s * 0.25, 0.02, -0.28), (s * 0.25, 0.7, -0.28), (s * 0.25, 0.7, 0.2), (s * 0.25, 0.02, 0.2)]
@@ -115,7 +115,7 @@ def with_rails() -> Iterator[Solid]:
 
 
 def bidet() -> Iterator[Solid]:
-    """A low bowl with a tap."""
+    """Build a bidet: a low bowl with a tap."""
     yield tub("ceramic", [(0.0, 0.2, 0.34, 0.0), (0.16, 0.22, 0.36, 0.0), (0.38, 0.37, 0.54, 0.0)], 0.05, 2.4)
     yield from (move(p, (0.0, 0.0, 0.0)) for p in tap(0.0, 0.385, -0.22, "lever"))
 

@@ -1,4 +1,4 @@
-"""Racks and hooks of towels."""
+"""Towel racks and hooks."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -16,7 +16,7 @@ from home_procgen.things.joinery import disc
 
 
 def draped(slot: str, width: float, x: float, y: float, z: float, front: float, back: float) -> Solid:
-    """A towel folded over a bar along x at height y [m]."""
+    """Build a towel folded over a bar along x at height y [m]."""
     path = [
         (z + 0.018, y - front),
         (z + 0.018, y - 0.4 * front),
@@ -85,7 +85,7 @@ def _stand() -> Iterator[Solid]:
 
 
 def _shelved() -> Iterator[Solid]:
-    """A shelf of rods with folded towels, a bar below."""
+    """Build a rod shelf with folded towels and a bar below."""
     for s in (-1, 1):
         yield rounded("chrome", (0.014, 0.12, 0.22), (s * 0.3, 0.42, 0.0), 0.005, 1)
     for k in range(5):
@@ -103,7 +103,7 @@ def _shelved() -> Iterator[Solid]:
 
 
 def _swinging() -> Iterator[Solid]:
-    """Three arms on a hinge at the wall."""
+    """Build a towel rack of three arms hinged at the wall."""
     yield rounded("chrome", (0.04, 0.22, 0.014), (0.0, 0.4, -0.2), 0.005, 1)
     yield rod("chrome", (0.0, 0.4, -0.18), (0.0, 0.6, -0.18), 0.009)
     for k, turn in enumerate((-0.55, 0.0, 0.55)):
@@ -115,7 +115,7 @@ def _swinging() -> Iterator[Solid]:
 
 
 def _rolls() -> Iterator[Solid]:
-    """A column of rings with rolled towels."""
+    """Build a column of rings with rolled towels."""
     for s in (-1, 1):
         yield rod("brass", (s * 0.09, 0.0, -0.09), (s * 0.09, 0.8, -0.09), 0.007)
     for k in range(4):
@@ -134,7 +134,7 @@ def _rolls() -> Iterator[Solid]:
 
 
 def _pole() -> Iterator[Solid]:
-    """A pole with bent arms around it on a round foot."""
+    """Build a pole with bent arms around it on a round foot."""
     yield turned("iron", [(0.16, 0.0), (0.155, 0.018), (0.02, 0.03)], sides=24, steps=1)
     yield rod("iron", (0.0, 0.02, 0.0), (0.0, 1.05, 0.0), 0.012, sides=10)
     yield ball("iron", 0.022, (0.0, 1.06, 0.0), 12, 8)
@@ -158,7 +158,7 @@ def _pole() -> Iterator[Solid]:
 
 
 def _warmer() -> Iterator[Solid]:
-    """A flat heated plate of glass with a bar before it."""
+    """Build a heated flat plate with bars before it."""
     yield rounded("black", (0.5, 0.95, 0.02), (0.0, 0.0, -0.06), 0.008, 2)
     for y in (0.3, 0.75):
         for s in (-1, 1):
@@ -183,12 +183,12 @@ _TOWEL_RACK_KINDS = {
 
 
 def towel_rack(kind: str = "bar") -> Iterator[Solid]:
-    """A bar with a towel, a ladder, a heated frame, a ring, a free stand."""
+    """Build a towel rack: bars, a heated frame, a ladder, a stand, a shelf, swing arms, rings, a pole or a plate."""
     yield from _TOWEL_RACK_KINDS[kind]()
 
 
 def towel_hook(kind: str = "ring") -> Iterator[Solid]:
-    """Rings, hooks, straps and arms with towels, or a robe on a hook."""
+    """Build towels on rings, hooks, straps or arms, or a robe on a hook."""
     if kind in _HOOKS:
         yield from _HOOKS[kind]()
         return
@@ -216,7 +216,7 @@ def towel_hook(kind: str = "ring") -> Iterator[Solid]:
 
 
 def _strap() -> Iterator[Solid]:
-    """A loop of leather from a knob, a towel through it."""
+    """Build a leather loop on a knob with a towel through it."""
     yield disc("brass", 0.02, 0.02, (0.0, 0.52, -0.02), 18)
     yield tube(
         "leather", fillet([(0.0, 0.53, -0.01), (-0.05, 0.36, 0.0), (0.05, 0.36, 0.0), (0.0, 0.53, -0.01)], 0.03), 0.007
@@ -225,7 +225,7 @@ def _strap() -> Iterator[Solid]:
 
 
 def _knobs() -> Iterator[Solid]:
-    """Four knobs on a board, towels on two."""
+    """Build a board with four knobs, towels on two of them."""
     yield rounded("paint", (0.5, 0.09, 0.02), (0.0, 0.5, -0.05), 0.008, 2)
     for i in range(4):
         knob = turned("ceramic", [(0.012, 0.0), (0.01, 0.02), (0.026, 0.035), (0.018, 0.05)], sides=14, steps=2)
@@ -241,7 +241,7 @@ def _knobs() -> Iterator[Solid]:
 
 
 def _frame() -> Iterator[Solid]:
-    """A square ring of flat bars."""
+    """Build a square ring of flat bars with a towel."""
     yield rounded("black", (0.06, 0.06, 0.012), (0.0, 0.42, -0.05), 0.004, 1)
     yield box("black", (0.02, 0.02, 0.05), (0.0, 0.44, -0.022))
     for y in (0.24, 0.45):
@@ -252,7 +252,7 @@ def _frame() -> Iterator[Solid]:
 
 
 def _arm() -> Iterator[Solid]:
-    """An arm that is open at one end."""
+    """Build a towel arm that is open at one end."""
     yield disc("chrome", 0.03, 0.012, (-0.14, 0.42, -0.06), 20)
     yield tube("chrome", fillet([(-0.14, 0.42, -0.05), (-0.14, 0.42, 0.02), (0.16, 0.42, 0.02)], 0.02), 0.009)
     yield ball("chrome", 0.014, (0.165, 0.42, 0.02), 12, 6)
@@ -260,7 +260,7 @@ def _arm() -> Iterator[Solid]:
 
 
 def _branch() -> Iterator[Solid]:
-    """Hooks like twigs on a bent rod."""
+    """Build twig-like hooks on a bent rod."""
     yield tube("brass", [(-0.24, 0.5, -0.03), (-0.1, 0.53, -0.03), (0.08, 0.5, -0.03), (0.24, 0.54, -0.03)], 0.01)
     for i, x in enumerate((-0.2, -0.06, 0.08, 0.2)):
         yield tube("brass", fillet([(x, 0.5, -0.03), (x, 0.47, 0.01), (x, 0.51, 0.03)], 0.015), 0.006)

@@ -21,17 +21,17 @@ def bedding(
     z: float = 0.0,
     seed: int = 1,
 ) -> Iterator[Solid]:
-    """A mattress from height `base` on, its head at -z, with pillows and a cover.
+    """Build a mattress with its head towards -z, with pillows and a cover.
 
     Args:
-        width: Of the mattress [m].
-        length: Of the mattress [m].
-        base: Height of its underside [m].
-        cover: How the bed was left.
-        pillows: Side by side.
-        thick: Height of the mattress [m].
-        z: Middle of its length [m].
-        seed: Of the folds.
+        width: Width of the mattress [m].
+        length: Length of the mattress [m].
+        base: Height of the underside of the mattress [m].
+        cover: State of the cover.
+        pillows: Number of pillows side by side.
+        thick: Thickness of the mattress [m].
+        z: Centre of the mattress along z [m].
+        seed: Seed of the folds.
     """
     rng = np.random.default_rng(seed)
     yield rounded("linen", (width, thick, length), (0.0, base, z), 0.05, 3)
@@ -55,7 +55,7 @@ def bedding(
 def _cover(
     kind: str, width: float, length: float, top: float, base: float, z: float, rng: np.random.Generator
 ) -> Solid:
-    """A duvet: from below the pillows to the foot, hanging over three sides."""
+    """Build a duvet from below the pillows to the foot, hanging over three sides."""
     start = {"made": 0.62, "folded": 0.78, "rumpled": 0.8, "aside": 0.7, "throw": 0.58}[kind]
     n, m = (22, 26) if kind in ("rumpled", "aside") else (14, 18)
     u, v = np.meshgrid(np.linspace(-1, 1, m + 1), np.linspace(0, 1, n + 1))
@@ -91,7 +91,7 @@ def _cover(
 
 
 def _throw(width: float, top: float, base: float, z: float, deep: float) -> Solid:
-    """A blanket laid across the foot."""
+    """Build a blanket across the foot of the bed."""
     u, v = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(0, 1, 9))
     half = width / 2 + 0.045
     across = u * (half + 0.2)

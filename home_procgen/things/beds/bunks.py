@@ -1,4 +1,4 @@
-"""Beds above one another."""
+"""Bunk beds."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ from home_procgen.things.joinery import drawers
 
 
 def bunk(width: float = 0.95, slide: bool = False, desk: bool = False) -> Iterator[Solid]:
-    """Two storeys with a ladder and guard rails; a desk or a slide instead of the lower bed."""
+    """Build a bunk bed with a ladder and guard rails; optionally a desk below, or a slide."""
     x, z = width / 2 + 0.02, LENGTH / 2 + 0.02
     for sx in (-x, x):
         for sz in (-z, z):

@@ -1,4 +1,4 @@
-"""Beds for babies."""
+"""Cots for babies."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.family import Family, design
 
 
 def crib(width: float = 0.66, length: float = 1.26, kind: str = "bars") -> Iterator[Solid]:
-    """A cot with bars all around, or a sleigh one, or a round one on wheels."""
+    """Build a cot with barred sides and flat or sleigh-shaped ends."""
     x, z, high = width / 2, length / 2, 0.92
     for sx in (-x, x):
         for y in (0.24, high - 0.06):
@@ -44,7 +44,7 @@ def crib(width: float = 0.66, length: float = 1.26, kind: str = "bars") -> Itera
 
 
 def cradle() -> Iterator[Solid]:
-    """A basket on rockers with a hood."""
+    """Build a basket cradle on rockers with a hood."""
 
     def side(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
         angle = 2 * np.pi * u * 0.998

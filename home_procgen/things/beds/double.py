@@ -1,4 +1,4 @@
-"""Beds for two."""
+"""Double beds."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ from home_procgen.things.joinery import drawers
 
 
 def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, canopy: bool = True) -> Iterator[Solid]:
-    """Four tall posts with rails above, and drapes at the head."""
+    """Build a four-poster bed with rails above and drapes at the head."""
     yield from rails(width, 0.26, 0.42)
     x, z = width / 2 + 0.02, LENGTH / 2 + 0.02
     for sx in (-x, x):
@@ -41,7 +41,7 @@ def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, can
 
 
 def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) -> Iterator[Solid]:
-    """A box with drawers below and shelves in its headboard."""
+    """Build a box bed with drawers below and shelves in its headboard."""
     yield rounded("wood", (width + 0.06, 0.36, LENGTH + 0.06), (0.0, 0.02, 0.0), 0.01, 1)
     yield box("black", (width - 0.1, 0.03, LENGTH - 0.1))
     yield from (
@@ -64,7 +64,7 @@ def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) 
 
 
 def round_bed(radius: float = 1.05) -> Iterator[Solid]:
-    """A round mattress in a padded ring with a curved back."""
+    """Build a round mattress in a padded ring with a curved back."""
     yield cylinder("black", radius - 0.1, 0.08, sides=36)
     yield turned(
         "upholstery", [(radius - 0.04, 0.06), (radius, 0.1), (radius, 0.26), (radius - 0.04, 0.3)], sides=40, steps=1

@@ -1,4 +1,4 @@
-"""Frames for one or two."""
+"""Bed frames for single and double beds."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ from home_procgen.things.joinery import LegKind, legs
 def platform(
     width: float = 1.6, cover: Cover = "made", kind: LegKind = "taper", head: str = "panel", pillows: int = 2
 ) -> Iterator[Solid]:
-    """A low frame on legs with a plain, slatted or caned headboard."""
+    """Build a low frame on legs with a plain, slatted or caned headboard."""
     yield from legs("wood", width + 0.04, LENGTH, 0.2, kind, 0.06)
     yield from rails(width, 0.18, 0.34)
     yield from bedding(width, LENGTH, 0.29, cover, pillows)
@@ -39,7 +39,7 @@ def platform(
 
 
 def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted", pillows: int = 2) -> Iterator[Solid]:
-    """Padded all around, with a tall tufted, channelled or winged headboard."""
+    """Build a padded frame with a tall tufted, channelled or winged headboard."""
     yield from legs("wood", width, LENGTH, 0.1, "block", 0.07)
     z = -LENGTH / 2 - 0.07
     for s in (-1, 1):
@@ -69,7 +69,7 @@ def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted
 
 
 def sleigh(width: float = 1.6, cover: Cover = "made", pillows: int = 2) -> Iterator[Solid]:
-    """Scrolled head and foot boards."""
+    """Build a sleigh bed with scrolled head and foot boards."""
     yield from rails(width, 0.16, 0.38)
     for z, high, out in ((-LENGTH / 2 - 0.06, 1.1, -1), (LENGTH / 2 + 0.06, 0.72, 1)):
         profile = fillet(
@@ -87,7 +87,7 @@ def sleigh(width: float = 1.6, cover: Cover = "made", pillows: int = 2) -> Itera
 
 
 def iron(width: float = 1.5, cover: Cover = "throw", pillows: int = 2) -> Iterator[Solid]:
-    """Arched bars between iron posts with brass balls."""
+    """Build an iron bed with arched bars between posts with brass balls."""
     for z, high in ((-LENGTH / 2 - 0.03, 1.12), (LENGTH / 2 + 0.03, 0.8)):
         for s in (-1, 1):
             yield rod("iron", (s * width / 2, 0.0, z), (s * width / 2, high - 0.12, z), 0.018)
@@ -111,7 +111,7 @@ def iron(width: float = 1.5, cover: Cover = "throw", pillows: int = 2) -> Iterat
 
 
 def futon_floor(width: float = 1.4, cover: Cover = "rumpled", pillows: int = 2) -> Iterator[Solid]:
-    """A mattress on a very low slatted frame."""
+    """Build a mattress on a very low slatted frame."""
     for x in np.linspace(-width / 2 - 0.08, width / 2 + 0.08, 4):
         yield box("wood", (0.08, 0.1, LENGTH + 0.24), (float(x), 0.0, 0.0))
     for i in range(13):

@@ -1,4 +1,4 @@
-"""What beds share."""
+"""Side rails and mattress length of beds."""
 
 from collections.abc import Iterator
 
@@ -6,11 +6,11 @@ from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.groups import mirrored
 from home_procgen.shapes.rounded import rounded
 
-LENGTH = 2.0  # [m], of a mattress
+LENGTH = 2.0  # [m], length of a mattress
 
 
 def rails(width: float, low: float, high: float, slot: str = "wood") -> Iterator[Solid]:
-    """A frame around the mattress and the board that carries it."""
+    """Build a frame around the mattress and its base board."""
     z = LENGTH / 2 + 0.02
     yield from mirrored([rounded(slot, (0.035, high - low, 2 * z + 0.03), (width / 2 + 0.02, low, 0.0), 0.008, 1)])
     yield rounded(slot, (width + 0.07, high - low, 0.035), (0.0, low, z), 0.008, 1)

@@ -1,4 +1,4 @@
-"""Beds for one."""
+"""Single beds."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ from home_procgen.things.joinery import drawers, roller
 
 
 def captain(width: float = 0.9, cover: Cover = "made") -> Iterator[Solid]:
-    """A bed of boards with three sides and drawers, against a wall."""
+    """Build a three-sided board bed with drawers, for a wall."""
     yield rounded("wood", (width + 0.06, 0.38, LENGTH + 0.06), (0.0, 0.0, 0.0), 0.01, 1)
     yield from (
         rotate(p, 1, np.pi / 2)
@@ -30,7 +30,7 @@ def captain(width: float = 0.9, cover: Cover = "made") -> Iterator[Solid]:
 
 
 def day_bed(width: float = 0.9) -> Iterator[Solid]:
-    """Rails of spindles on three sides, pillows along the wall."""
+    """Build a day bed with spindle rails on three sides and pillows along the wall."""
     for x, z, w in ((-width / 2 - 0.02, 0.0, LENGTH),):
         yield beam("wood", (x, 0.85, -w / 2), (x, 0.85, w / 2), 0.04)
         for i in range(16):
@@ -55,7 +55,7 @@ def day_bed(width: float = 0.9) -> Iterator[Solid]:
 
 
 def car_bed(width: float = 0.9) -> Iterator[Solid]:
-    """A racing car for a child."""
+    """Build a child's bed shaped like a racing car."""
     side = [
         (-1.1, 0.12),
         (-1.12, 0.5),
@@ -83,7 +83,7 @@ def car_bed(width: float = 0.9) -> Iterator[Solid]:
 
 
 def house_bed(width: float = 0.9) -> Iterator[Solid]:
-    """A child's bed in the frame of a little house."""
+    """Build a child's bed in a house-shaped frame."""
     x, z = width / 2 + 0.02, LENGTH / 2 + 0.02
     for sz in (-z, 0.0, z):
         yield beam("wood", (-x, 1.25, sz), (0.02, 1.68, sz), 0.045)

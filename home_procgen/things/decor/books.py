@@ -61,12 +61,12 @@ _BOOKS_KINDS = {
 
 
 def books(kind: str = "row", seed: int = 1) -> Iterator[Solid]:
-    """Books in a row, in a pile, leaning, between supports, a single one closed or open."""
+    """Build books: a row, with bookends, a pile, one closed or one open."""
     yield from _BOOKS_KINDS[kind](seed)
 
 
 def _book(width: float, thick: float, depth: float, slot: str) -> Iterator[Solid]:
-    """A closed book that lies, its round back towards +z."""
+    """Build a closed book lying flat, with its rounded spine towards +z."""
     turn = np.linspace(-np.pi / 2, np.pi / 2, 7)
     back = [(depth / 2 - 0.006 + 0.006 * np.cos(a), thick / 2 + thick / 2 * np.sin(a)) for a in turn]
     inner = [(z - 0.003, thick / 2 + (y - thick / 2) * (1 - 0.006 / thick)) for z, y in back[::-1]]
@@ -83,7 +83,7 @@ def _book(width: float, thick: float, depth: float, slot: str) -> Iterator[Solid
 
 
 def magazines(kind: str = "fan") -> Iterator[Solid]:
-    """Magazines in a fan or in a rack."""
+    """Build magazines in a fan or in a rack."""
     if kind == "fan":
         for i in range(4):
             page = box(f"picture_{i}", (0.21, 0.005, 0.28), (0.0, 0.005 * i, 0.0))

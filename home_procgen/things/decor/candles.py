@@ -1,4 +1,4 @@
-"""Candles and what holds them."""
+"""Candles and candle holders."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -78,7 +78,7 @@ _CANDLES_KINDS = {
 
 
 def candles(kind: str = "pillar") -> Iterator[Solid]:
-    """Pillars on a tray, a candlestick, a five-armed one, lights in jars, a lantern, tapers."""
+    """Build candles: pillars on a tray, a candlestick, a candelabrum, jars, a lantern or tapers."""
     yield from _CANDLES_KINDS[kind]()
 
 

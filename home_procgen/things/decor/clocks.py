@@ -1,4 +1,4 @@
-"""Clocks for walls, and what all clocks share."""
+"""Wall clocks, and dials shared by all clocks."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -15,7 +15,7 @@ from home_procgen.things.joinery import disc
 
 
 def face(radius: float, y: float, z: float, numbers: int = 12) -> Iterator[Solid]:
-    """A dial with marks and hands, its middle at (y, z) [m]."""
+    """Build a dial with marks and hands, with its centre at (y, z) [m]."""
     yield disc("face", radius, 0.008, (0.0, y, z), 30)
     for i in range(numbers):
         a = 2 * np.pi * i / numbers
@@ -54,7 +54,7 @@ def _square_clock() -> Iterator[Solid]:
 
 
 def pendulum_clock(kind: str) -> Iterator[Solid]:
-    """A clock in a wooden case with a pendulum: tall, or for a wall."""
+    """Build a pendulum clock in a wooden case: tall, or for a wall."""
     base = 1.45 if kind == "tall" else 0.42
     if kind == "tall":
         yield rounded("wood", (0.42, 0.3, 0.28), (0.0, 0.0, 0.0), 0.015, 2)
@@ -88,7 +88,7 @@ def _cuckoo() -> Iterator[Solid]:
 
 
 def _ball_clock() -> Iterator[Solid]:
-    """Twelve balls on rods around a hub."""
+    """Build a clock of twelve balls on rods around a hub."""
     yield disc("brass", 0.05, 0.03, (0.0, 0.2, -0.02), 24)
     for i in range(12):
         c, s = np.cos(np.pi * i / 6), np.sin(np.pi * i / 6)
@@ -100,7 +100,7 @@ def _ball_clock() -> Iterator[Solid]:
 
 
 def _hexagon() -> Iterator[Solid]:
-    """A hexagonal case with a rim, as in kitchens."""
+    """Build a kitchen clock in a hexagonal case with a rim."""
     way = np.pi * (np.arange(6) + 0.5) / 3
     outline = np.stack([0.17 * np.cos(way), 0.16 + 0.17 * np.sin(way)], -1)
     yield prism("bright", outline, 0.04, (0.0, 0.0, -0.02))
@@ -120,7 +120,7 @@ _CLOCK_KINDS = {
 
 
 def clock(kind: str = "round") -> Iterator[Solid]:
-    """A clock on a wall."""
+    """Build a wall clock."""
     yield from _CLOCK_KINDS[kind]()
 
 

@@ -1,4 +1,4 @@
-"""Figures that stand on shelves."""
+"""Figurines for shelves."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -155,12 +155,12 @@ _FIGURE_KINDS = {
 
 
 def figure(kind: str = "cat") -> Iterator[Solid]:
-    """Ornaments: a cat, a bust, a horse, an elephant, an obelisk, a seated figure, a ring, a bird, dancers, a globe."""
+    """Build a figurine: a person, an animal, an obelisk, rings, a globe or a ship."""
     yield from _FIGURE_KINDS[kind]()
 
 
 def foot(radius: float) -> Solid:
-    """A round plate that an ornament stands on."""
+    """Build a round base plate for an ornament."""
     return turned("black", [(radius, 0.0), (radius, 0.012), (0.8 * radius, 0.018)], sides=20, steps=1)
 
 

@@ -122,7 +122,7 @@ def _hourglass() -> Iterator[Solid]:
 
 
 def _letters() -> Iterator[Solid]:
-    """Wooden letters that read HOME."""
+    """Build wooden letters that read HOME."""
     strokes = {
         -0.21: [(-0.05, 0.0, -0.05, 0.14), (0.05, 0.0, 0.05, 0.14), (-0.05, 0.07, 0.05, 0.07)],
         0.08: [(-0.06, 0.0, -0.06, 0.14), (0.06, 0.0, 0.06, 0.14), (-0.06, 0.13, 0.0, 0.05), (0.06, 0.13, 0.0, 0.05)],
@@ -154,7 +154,7 @@ _ORNAMENT_KINDS = {
 
 
 def ornament(kind: str = "bowl") -> Iterator[Solid]:
-    """A bowl of balls, a lantern, a wreath, a box, shells in a jar, a trophy, letters, a globe, a wall plate set."""
+    """Build an ornament: a bowl, wreath, box, jar, trophy, wall plates, lantern, globe, hourglass or letters."""
     yield from _ORNAMENT_KINDS[kind]()
 
 

@@ -15,7 +15,7 @@ from home_procgen.things.family import Family, design
 def picture(
     width: float = 0.6, height: float = 0.45, rim: float = 0.03, mount: float = 0.0, slot: str = "wood"
 ) -> Iterator[Solid]:
-    """A picture in a frame, with a pale mount or none, flat or carved."""
+    """Build a picture in a moulded frame, with an optional pale mount."""
     inner = rim + mount
     if mount:
         yield box("paper", (width - rim, height - rim, 0.01), (0.0, rim / 2, -0.008))
@@ -27,7 +27,7 @@ def picture(
 
 
 def moulding(slot: str, width: float, height: float, rim: float) -> Solid:
-    """A frame with mitred corners and a profile: a step at the picture, a hollow, a rounded rim [m]."""
+    """Build a mitred frame with a profile of a step at the picture, a hollow and a rounded rim [m]."""
     profile = [(0.0, -0.013), (0.0, 0.004), (0.12, 0.011), (0.3, 0.013), (0.45, 0.009), (0.6, 0.004), (0.75, 0.003)]
     profile += [(0.8, 0.006), (0.94, 0.006), (1.0, 0.002), (1.0, -0.013)]
     corner = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
@@ -40,7 +40,7 @@ def moulding(slot: str, width: float, height: float, rim: float) -> Solid:
 
 
 def gallery(count: int = 3) -> Iterator[Solid]:
-    """Several pictures in a group."""
+    """Build a group of pictures."""
     places = {
         3: ((-0.5, 0.0, 0.44, 0.6), (0.0, 0.0, 0.44, 0.6), (0.5, 0.0, 0.44, 0.6)),
         5: (
@@ -58,7 +58,7 @@ def gallery(count: int = 3) -> Iterator[Solid]:
 
 
 def canvas(width: float = 0.9, height: float = 0.6) -> Iterator[Solid]:
-    """A canvas without a frame."""
+    """Build an unframed canvas."""
     yield rounded("paper", (width, height, 0.03), (0.0, 0.0, -0.004), 0.006, 2)
     yield picture_uv(box("picture", (width - 0.006, height - 0.006, 0.006), (0.0, 0.003, 0.01)))
     for s in (-1, 1):
@@ -67,7 +67,7 @@ def canvas(width: float = 0.9, height: float = 0.6) -> Iterator[Solid]:
 
 
 def scroll(width: float = 0.45, height: float = 1.1) -> Iterator[Solid]:
-    """A painting on cloth between two rods."""
+    """Build a cloth painting between two rods."""
     yield box("cream", (width, height, 0.004), (0.0, 0.0, -0.004))
     yield picture_uv(box("picture", (width - 0.1, 0.62 * height, 0.004), (0.0, 0.2 * height, 0.0)))
     for y in (0.0, height):
@@ -77,7 +77,7 @@ def scroll(width: float = 0.45, height: float = 1.1) -> Iterator[Solid]:
 
 
 def triptych(width: float = 1.3, height: float = 0.8) -> Iterator[Solid]:
-    """One picture over three canvases."""
+    """Build one picture over three canvases."""
     for i in range(3):
         third = width / 3
         for piece in canvas(third - 0.03, height):
@@ -87,7 +87,7 @@ def triptych(width: float = 1.3, height: float = 0.8) -> Iterator[Solid]:
 
 
 def poster(width: float = 0.5, height: float = 0.7) -> Iterator[Solid]:
-    """A sheet that hangs between two pairs of laths."""
+    """Build a poster that hangs between two pairs of laths."""
     yield picture_uv(box("picture", (width, height, 0.003)))
     for y in (0.0, height):
         for z in (-0.008, 0.008):
@@ -97,7 +97,7 @@ def poster(width: float = 0.5, height: float = 0.7) -> Iterator[Solid]:
 
 
 def oval_picture(width: float = 0.4, height: float = 0.5) -> Iterator[Solid]:
-    """An oval portrait in a gilded frame."""
+    """Build an oval portrait in a gilded frame."""
     flat = prism("picture", loop(width, height, 32), 0.01, (0.0, height / 2, 0.0))
     yield picture_uv(flat)
     for r, t, slot in ((1.0, 0.02, "gold"), (1.1, 0.012, "gold")):
@@ -111,7 +111,7 @@ def oval_picture(width: float = 0.4, height: float = 0.5) -> Iterator[Solid]:
 
 
 def easel(width: float = 0.18, height: float = 0.24) -> Iterator[Solid]:
-    """A small frame that stands on a table."""
+    """Build a small picture frame for a table."""
     frame = list(picture(width, height, 0.02, 0.015))
     yield from (rotate(p, 0, -0.2) for p in frame)
     yield beam("wood", (0.0, 0.15, -0.06), (0.0, 0.0, -0.13), 0.04, 0.006)

@@ -1,4 +1,4 @@
-"""Clocks that stand: on tables, on mantels, on floors."""
+"""Clocks for tables, mantels and floors."""
 
 from collections.abc import Callable, Iterator
 
@@ -44,7 +44,7 @@ def _digital() -> Iterator[Solid]:
 
 
 def _flip() -> Iterator[Solid]:
-    """Numbers on cards that turn over."""
+    """Build a flip clock with numbers on cards."""
     yield rounded("bright", (0.22, 0.11, 0.1), (0.0, 0.006, -0.005), 0.03, 3)
     for s in (-1, 1):
         yield rounded("black", (0.075, 0.075, 0.012), (s * 0.045, 0.023, 0.042), 0.006, 2)
@@ -57,7 +57,7 @@ def _flip() -> Iterator[Solid]:
 
 
 def _carriage() -> Iterator[Solid]:
-    """A brass frame with glass sides and a handle."""
+    """Build a carriage clock: a brass frame with glass sides and a handle."""
     for y in (0.0, 0.15):
         yield rounded("brass", (0.11, 0.016, 0.1), (0.0, y, 0.0), 0.005, 2)
     for x, z in corners(0.094, 0.084):
@@ -71,7 +71,7 @@ def _carriage() -> Iterator[Solid]:
 
 
 def _dome() -> Iterator[Solid]:
-    """A clock with turning balls under a glass dome."""
+    """Build a clock with turning balls under a glass dome."""
     yield turned("wood", [(0.1, 0.0), (0.1, 0.015), (0.088, 0.025)], sides=24, steps=1)
     for s in (-1, 1):
         yield rod("brass", (s * 0.035, 0.02, 0.0), (s * 0.035, 0.2, 0.0), 0.005)
@@ -90,7 +90,7 @@ _KINDS: dict[str, Callable[[], Iterator[Solid]]] = {
 
 
 def clock(kind: str = "alarm") -> Iterator[Solid]:
-    """An alarm clock, one for a mantel, with digits, with cards, in a brass frame, under a dome; or a tall one."""
+    """Build a table clock (alarm, mantel, digital, flip, carriage or dome) or a tall clock."""
     yield from pendulum_clock(kind) if kind == "tall" else _KINDS[kind]()
 
 

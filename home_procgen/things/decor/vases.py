@@ -1,4 +1,4 @@
-"""Vases, with flowers and without."""
+"""Vases, empty or with flowers."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,7 @@ VASE_SHAPES = {
 
 
 def vase(kind: str = "amphora", slot: str = "glaze", stems: int = 0) -> Iterator[Solid]:
-    """A turned vase, with flowers, grasses or none."""
+    """Build a turned vase, empty or with flowers."""
     shape = VASE_SHAPES[kind]
     yield vessel(slot, shape, 0.005, sides=24, steps=1 if kind == "cylinder" else 4)
     if slot in ("glass", "tint"):
@@ -37,7 +37,7 @@ def vase(kind: str = "amphora", slot: str = "glaze", stems: int = 0) -> Iterator
 
 
 def flowers(stems: int, top: float, mouth: float) -> Iterator[Solid]:
-    """Stems with blossoms and leaves that rise from a vase's mouth."""
+    """Build stems with blossoms and leaves that rise from a vase's mouth."""
     for i in range(stems):
         a, r = 2.4 * i, 0.045 * np.sqrt(i) + 0.02
         tip = (r * np.cos(a) * 1.6, top + 0.26 - 0.35 * r, r * np.sin(a) * 1.6)
@@ -61,7 +61,7 @@ def flowers(stems: int, top: float, mouth: float) -> Iterator[Solid]:
 
 
 def twigs(kind: str = "floor") -> Iterator[Solid]:
-    """A tall vase with branches or pampas grass."""
+    """Build a tall vase with branches or pampas grass."""
     yield from vase(kind)
     top = VASE_SHAPES[kind][-1][1]
     for i in range(9):
@@ -78,7 +78,7 @@ def twigs(kind: str = "floor") -> Iterator[Solid]:
 
 
 def ribbed(square: bool = False) -> Iterator[Solid]:
-    """A vase with flutes, or a twisted square one."""
+    """Build a fluted vase, or a twisted square one."""
     if square:
         base = loop(0.16, 0.16, 16, 5.0)
         loops = []
@@ -98,7 +98,7 @@ def ribbed(square: bool = False) -> Iterator[Solid]:
 
 
 def twin_handles() -> Iterator[Solid]:
-    """An urn with two handles on a foot."""
+    """Build an urn on a foot with two handles."""
     yield vessel(
         "terracotta",
         [(0.07, 0.0), (0.03, 0.04), (0.1, 0.16), (0.11, 0.24), (0.05, 0.32), (0.06, 0.36)],

@@ -1,1 +1,1 @@
-"""Screens, sound, telephones, cleaning."""
+"""Screens, sound, telephones, cleaning devices."""

@@ -12,7 +12,7 @@ from home_procgen.things.joinery import disc, roller
 
 
 def vacuum(kind: str = "canister") -> Iterator[Solid]:
-    """A vacuum cleaner: on wheels, upright, a robot."""
+    """Build a vacuum cleaner: canister, upright or robot."""
     if kind == "robot":
         yield turned("black", [(0.16, 0.0), (0.17, 0.015), (0.17, 0.07), (0.155, 0.085)], sides=36, steps=1)
         yield cylinder("gray", 0.13, 0.003, (0.0, 0.084, 0.0), sides=30)
@@ -45,7 +45,7 @@ def vacuum(kind: str = "canister") -> Iterator[Solid]:
 
 
 def ironing() -> Iterator[Solid]:
-    """An ironing board on crossed legs."""
+    """Build an ironing board on crossed legs."""
     shape = fillet([(-0.6, -0.17), (0.35, -0.17), (0.66, 0.0), (0.35, 0.17), (-0.6, 0.17)], 0.14, 5, True)
     yield prism("patterned", shape, 0.03, (0.0, 0.86, 0.0), "top")
     yield prism("gray", 0.94 * shape, 0.012, (0.0, 0.85, 0.0), "top")
@@ -58,7 +58,7 @@ def ironing() -> Iterator[Solid]:
 
 
 def iron() -> Iterator[Solid]:
-    """A flat iron."""
+    """Build an iron."""
     sole = fillet([(-0.12, -0.055), (0.02, -0.055), (0.13, 0.0), (0.02, 0.055), (-0.12, 0.055)], 0.06, 4, True)
     yield prism("steel", sole, 0.012, plane="top")
     for k, (y, size) in enumerate(((0.012, 0.94), (0.03, 0.85), (0.048, 0.7))):

@@ -14,7 +14,7 @@ from home_procgen.things.joinery import disc
 
 
 def headphones() -> Iterator[Solid]:
-    """Headphones on a stand."""
+    """Build headphones on a stand."""
     yield turned("wood", [(0.07, 0.0), (0.065, 0.015), (0.02, 0.02)], sides=20, steps=1)
     yield rod("wood", (0.0, 0.01, 0.0), (0.0, 0.26, 0.0), 0.01)
     yield tube("wood", [(-0.03, 0.262, 0.0), (0.0, 0.27, 0.0), (0.03, 0.262, 0.0)], 0.016, 10)
@@ -30,7 +30,7 @@ def headphones() -> Iterator[Solid]:
 
 
 def camera(kind: str = "camera") -> Iterator[Solid]:
-    """A camera, or a tripod with a telescope."""
+    """Build a camera, or a telescope on a tripod."""
     if kind == "camera":
         yield rounded("black", (0.13, 0.08, 0.06), (0.0, 0.0, 0.0), 0.015, 2)
         yield prism("black", [(-0.03, 0.08), (0.03, 0.08), (0.02, 0.105), (-0.02, 0.105)], 0.05)

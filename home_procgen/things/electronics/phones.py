@@ -68,12 +68,12 @@ _TELEPHONE_KINDS = {
 
 
 def telephone(kind: str = "dial") -> Iterator[Solid]:
-    """An old telephone with a dial, a cordless one, a desk set."""
+    """Build a telephone: rotary dial, cordless or desk."""
     yield from _TELEPHONE_KINDS[kind]()
 
 
 def slab(kind: str = "phone") -> Iterator[Solid]:
-    """A telephone or a tablet lying face up."""
+    """Build a mobile phone or a tablet lying face up."""
     wide, deep = (0.075, 0.155) if kind == "phone" else (0.19, 0.26)
     yield rounded("black", (wide, 0.008, deep), (0.0, 0.0, 0.0), 0.0035, 3)
     yield rounded("screen", (wide - 0.006, 0.002, deep - 0.014), (0.0, 0.0068, 0.0), 0.0008, 1)

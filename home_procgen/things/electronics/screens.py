@@ -1,4 +1,4 @@
-"""Computers."""
+"""Laptops and computers."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from home_procgen.things.joinery import disc
 
 
 def laptop(open_: float = 1.85, width: float = 0.34) -> Iterator[Solid]:
-    """An open laptop with keys."""
+    """Build an open laptop with keys."""
     deep = 0.66 * width
     yield rounded("gray", (width, 0.014, deep), (0.0, 0.0, 0.0), 0.005, 2)
     for row in range(5):
@@ -28,7 +28,7 @@ def laptop(open_: float = 1.85, width: float = 0.34) -> Iterator[Solid]:
 
 
 def computer(kind: str = "desk") -> Iterator[Solid]:
-    """A screen with keyboard and mouse, one of a piece, or a tower."""
+    """Build a screen with keyboard and mouse, an all-in-one computer, or a tower."""
     if kind == "tower":
         yield rounded("black", (0.2, 0.44, 0.44), (0.0, 0.01, 0.0), 0.012, 1)
         yield box("glass", (0.004, 0.36, 0.36), (0.102, 0.05, 0.0))

@@ -1,4 +1,4 @@
-"""Loudspeakers, radios, consoles."""
+"""Loudspeakers, radios, game consoles."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -62,7 +62,7 @@ def _smart_speaker() -> Iterator[Solid]:
 
 
 def _flat_tower() -> Iterator[Solid]:
-    """A tall panel of cloth in a frame on a broad foot."""
+    """Build a tall flat loudspeaker: a framed cloth panel on a broad foot."""
     yield rounded("black", (0.34, 0.03, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
     yield rounded("wood", (0.32, 1.2, 0.04), (0.0, 0.03, -0.02), 0.012, 2)
     yield soft("textile", (0.27, 1.12, 0.02), (0.0, 0.07, 0.004), 9.0, 6)
@@ -78,7 +78,7 @@ def _pillar() -> Iterator[Solid]:
 
 
 def _boom_box() -> Iterator[Solid]:
-    """Two cones, a cassette deck between them, a handle."""
+    """Build a boom box: two cones, a cassette deck between them and a handle."""
     yield rounded("plastic", (0.5, 0.2, 0.12), (0.0, 0.01, 0.0), 0.02, 3)
     for s in (-1, 1):
         yield from _cone(0.07, s * 0.16, 0.1, 0.062)
@@ -90,7 +90,7 @@ def _boom_box() -> Iterator[Solid]:
 
 
 def _horn() -> Iterator[Solid]:
-    """A gramophone: a wooden box, a turning plate, a horn of brass."""
+    """Build a gramophone: a wooden box, a turntable and a brass horn."""
     yield rounded("wood", (0.34, 0.14, 0.34), (0.0, 0.0, 0.0), 0.01, 1)
     yield rounded("wood", (0.37, 0.02, 0.37), (0.0, 0.0, 0.0), 0.006, 1)
     yield cylinder("black", 0.14, 0.01, (0.0, 0.145, 0.02), sides=28)
@@ -116,12 +116,12 @@ _SPEAKER_KINDS = {
 
 
 def speaker(kind: str = "tower") -> Iterator[Solid]:
-    """A loudspeaker: tall, flat, small, a bar, a ball, a radio, a smart one, one with a cassette deck, with a horn."""
+    """Build a loudspeaker, a sound bar, a radio, a smart speaker, a boom box or a gramophone."""
     yield from _SPEAKER_KINDS[kind]()
 
 
 def stereo(kind: str = "rack") -> Iterator[Solid]:
-    """A tower of sound machines with a record player, or a turntable."""
+    """Build a hi-fi rack with a record player, or a turntable alone."""
     if kind == "rack":
         for i, high in enumerate((0.14, 0.1, 0.12)):
             y = 0.01 + sum((0.15, 0.11, 0.13)[:i])
@@ -141,7 +141,7 @@ def stereo(kind: str = "rack") -> Iterator[Solid]:
 
 
 def console(kind: str = "upright") -> Iterator[Solid]:
-    """A games console with its pad."""
+    """Build a game console with its pad."""
     slot = "black" if kind == "upright" else "white"
     if kind == "upright":
         yield rounded(slot, (0.1, 0.32, 0.22), (0.0, 0.01, 0.0), 0.02, 2)

@@ -12,11 +12,11 @@ from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.family import Family, design
 from home_procgen.things.joinery import bow, disc
 
-LOW = 0.08  # [m], of a screen above what it stands on
+LOW = 0.08  # [m], height of a screen above its support
 
 
 def _panel(width: float, low: float) -> Iterator[Solid]:
-    """A flat screen with its rim, its back, slots for air and a light."""
+    """Build a flat screen with its rim, back, vents and indicator light."""
     high = width * 9 / 16
     yield rounded("black", (width, high, 0.03), (0.0, low, 0.0), 0.008, 2)
     yield box("screen", (width - 0.02, high - 0.02, 0.004), (0.0, low + 0.01, 0.014))
@@ -85,7 +85,7 @@ def _tube_set(width: float) -> Iterator[Solid]:
 
 
 def _portable(width: float) -> Iterator[Solid]:
-    """Of the seventies: a bright case with two dials beside the tube, a grille and a handle."""
+    """Build a 1970s portable television: a bright case with two dials, a grille and a handle."""
     yield soft("bright", (0.5, 0.36, 0.32), (0.0, 0.03, 0.0), 7.0, 6)
     yield rounded("cream", (0.46, 0.3, 0.02), (0.0, 0.06, 0.148), 0.02, 2)
     yield soft("screen", (0.3, 0.25, 0.03), (-0.06, 0.085, 0.15), 8.0, 5)
@@ -107,7 +107,7 @@ def _on_wall(width: float) -> Iterator[Solid]:
 
 
 def _framed(width: float) -> Iterator[Solid]:
-    """Hung as a picture, in a wooden frame with a mount."""
+    """Build a wall-hung television in a wooden frame with a mount."""
     high = width * 9 / 16
     yield box("black", (width, high, 0.02), (0.0, 0.0, -0.01))
     yield box("paper", (width - 0.03, high - 0.03, 0.004), (0.0, 0.015, 0.001))
@@ -118,7 +118,7 @@ def _framed(width: float) -> Iterator[Solid]:
 
 
 def _on_arm(width: float) -> Iterator[Solid]:
-    """On a folded arm that holds it off the wall, tilted to whoever looks up."""
+    """Build a television on a folded wall arm, tilted downwards."""
     for piece in _panel(width, 0.0):
         yield rotate(move(piece, (0.0, 0.0, 0.12)), 0, 0.12, (0.0, width * 9 / 32, 0.12))
     y = 0.3 * width
@@ -139,7 +139,7 @@ _KINDS: dict[str, Callable[[float], Iterator[Solid]]] = {
 
 
 def television(width: float = 1.1, kind: str = "feet") -> Iterator[Solid]:
-    """A flat screen on feet of many kinds, or for a wall; an old tube set, or a portable one."""
+    """Build a television: flat on a foot, flat for a wall, a tube set or a portable set."""
     yield from _KINDS[kind](width)
 
 

@@ -1,1 +1,1 @@
-"""Plants, curtains, rugs, pillows, pictures, vases: what makes a room a home."""
+"""Plants and their pots."""

@@ -1,4 +1,4 @@
-"""Plants that flower, and those of dry places."""
+"""Flowering plants, cacti and succulents."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.green.pots import GOLDEN, pot
 
 
 def cactus(kind: str = "clay", arms: int = 2) -> Iterator[Solid]:
-    """A ribbed column with arms and a flower, or a ball."""
+    """Build a ribbed cactus, as a ball or as a column with arms and a flower."""
     yield from pot(kind, 0.09, 0.14)
     angle = 2 * np.pi * np.arange(24) / 24
     section = np.stack([np.cos(angle), np.sin(angle)], -1) * (1 + 0.13 * (np.arange(24) % 2 * 2 - 1))[:, None]
@@ -44,7 +44,7 @@ def cactus(kind: str = "clay", arms: int = 2) -> Iterator[Solid]:
 
 
 def succulents() -> Iterator[Solid]:
-    """Three rosettes in a long trough."""
+    """Build three succulent rosettes in a long trough."""
     yield rounded("concrete", (0.34, 0.09, 0.12), (0.0, 0.0, 0.0), 0.012, 2)
     yield box("soil", (0.3, 0.006, 0.09), (0.0, 0.088, 0.0))
     for k in range(3):
@@ -63,7 +63,7 @@ def succulents() -> Iterator[Solid]:
 
 
 def orchid(kind: str = "cylinder", stems: int = 2) -> Iterator[Solid]:
-    """Bent stems with flowers above broad leaves."""
+    """Build an orchid with bent stems and flowers above broad leaves."""
     yield from pot(kind, 0.07, 0.12)
     for i in range(6):
         yield leaf("leaf", 0.2, 0.06, (0.0, 0.1, 0.0), GOLDEN * i, 0.6, 1.0, 1.2, 4)
@@ -89,7 +89,7 @@ def orchid(kind: str = "cylinder", stems: int = 2) -> Iterator[Solid]:
 
 
 def flowers(kind: str = "round", count: int = 14) -> Iterator[Solid]:
-    """A bush of flowers in a pot."""
+    """Build a bush of flowers in a pot."""
     yield from pot(kind, 0.11, 0.17)
     for i in range(count):
         a, r = GOLDEN * i, 0.035 * np.sqrt(i)

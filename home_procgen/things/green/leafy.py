@@ -1,4 +1,4 @@
-"""Plants of large leaves."""
+"""Plants with large leaves."""
 
 from collections.abc import Iterator
 
@@ -21,7 +21,7 @@ def rosette(
     rise: float = 1.3,
     droop: float = 1.4,
 ) -> Iterator[Solid]:
-    """Leaves that spring from the soil in a spiral: ferns, grasses, lilies."""
+    """Build a spiral of leaves that rise from the soil: ferns, grasses, lilies."""
     high = 1.7 * radius
     yield from pot(kind, radius, high)
     for i in range(count):
@@ -39,7 +39,7 @@ def rosette(
 
 
 def snake(kind: str = "square", count: int = 12) -> Iterator[Solid]:
-    """Stiff upright blades."""
+    """Build a snake plant with stiff upright blades."""
     yield from pot(kind, 0.14, 0.26)
     for i in range(count):
         a, r = GOLDEN * i, 0.018 * np.sqrt(i)
@@ -49,7 +49,7 @@ def snake(kind: str = "square", count: int = 12) -> Iterator[Solid]:
 def tree(
     kind: str = "basket", height: float = 1.6, leaves: int = 60, size: float = 0.22, stems: int = 1
 ) -> Iterator[Solid]:
-    """A trunk with a crown of leaves: figs, rubber trees."""
+    """Build a small tree with a trunk and a crown of leaves, such as a fig or a rubber tree."""
     radius = 0.19
     yield from pot(kind, radius, 0.34)
     for k in range(stems):
@@ -87,7 +87,7 @@ def tree(
 
 
 def palm(kind: str = "round", fronds: int = 11, height: float = 0.9) -> Iterator[Solid]:
-    """Feathered fronds on a ringed trunk."""
+    """Build a palm with feathered fronds on a ringed trunk."""
     yield from pot(kind, 0.2, 0.34)
     rings = [
         (0.045 - 0.012 * t + 0.006 * (i % 2), 0.28 + (height - 0.28) * t) for i, t in enumerate(np.linspace(0, 1, 15))
@@ -110,7 +110,7 @@ def palm(kind: str = "round", fronds: int = 11, height: float = 0.9) -> Iterator
 
 
 def monstera(kind: str = "cylinder", count: int = 13) -> Iterator[Solid]:
-    """Broad notched leaves on long stalks."""
+    """Build a monstera with broad notched leaves on long stalks."""
     yield from pot(kind, 0.17, 0.3)
     angle = np.linspace(0, 2 * np.pi, 29)[:-1]
     notch = 1 - 0.34 * (np.cos(9 * angle) > 0.72) * (np.abs(np.sin(angle)) > 0.3)

@@ -1,4 +1,4 @@
-"""Every plant."""
+"""Families of all plants."""
 
 from home_procgen.things.family import Family, design
 from home_procgen.things.green.flowering import cactus, flowers, orchid, succulents

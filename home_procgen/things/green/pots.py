@@ -1,4 +1,4 @@
-"""Pots."""
+"""Plant pots."""
 
 from collections.abc import Iterator
 
@@ -7,11 +7,11 @@ from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.things.joinery import legs
 
-GOLDEN = 2.399963  # [rad], angle between one leaf and the next
+GOLDEN = 2.399963  # [rad], golden angle between successive leaves
 
 
 def pot(kind: str = "clay", radius: float = 0.15, height: float = 0.26) -> Iterator[Solid]:
-    """A pot with soil, whose rim is at `height` [m]."""
+    """Build a pot with soil and its rim at `height` [m]."""
     shapes = {
         "clay": [(0.68, 0.0), (0.9, 0.78), (1.0, 0.8), (1.0, 1.0)],
         "round": [(0.6, 0.0), (1.0, 0.35), (0.98, 0.7), (0.8, 1.0)],

@@ -1,4 +1,4 @@
-"""Plants that are cut and bound, and herbs."""
+"""Topiary, bamboo, bonsai and herbs."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ from home_procgen.things.green.pots import GOLDEN, pot
 
 
 def topiary(kind: str = "square", balls: int = 2) -> Iterator[Solid]:
-    """Clipped balls of small leaves on a stem."""
+    """Build clipped balls of small leaves on a stem."""
     yield from pot(kind, 0.16, 0.3)
     yield rod("bark", (0.0, 0.25, 0.0), (0.0, 0.6 + 0.36 * balls, 0.0), 0.018)
     for k in range(balls):
@@ -37,7 +37,7 @@ def topiary(kind: str = "square", balls: int = 2) -> Iterator[Solid]:
 
 
 def bamboo(kind: str = "cylinder") -> Iterator[Solid]:
-    """Canes with joints in a pot of stones."""
+    """Build jointed bamboo canes in a pot of stones."""
     yield from pot(kind, 0.14, 0.3)
     for i in range(7):
         a, r = GOLDEN * i, 0.03 * np.sqrt(i)
@@ -59,7 +59,7 @@ def bamboo(kind: str = "cylinder") -> Iterator[Solid]:
 
 
 def herbs() -> Iterator[Solid]:
-    """Three small pots of herbs on a tray."""
+    """Build three small pots of herbs on a tray."""
     yield rounded("wood", (0.42, 0.02, 0.15), (0.0, 0.0, 0.0), 0.006, 1)
     for k in range(3):
         x = (k - 1) * 0.13
@@ -71,7 +71,7 @@ def herbs() -> Iterator[Solid]:
 
 
 def bonsai() -> Iterator[Solid]:
-    """A small bent tree with flat clouds of leaves in a dish."""
+    """Build a small bent tree with flat clouds of leaves in a dish."""
     yield rounded("glaze", (0.3, 0.06, 0.2), (0.0, 0.0, 0.0), 0.015, 2)
     yield rounded("soil", (0.26, 0.02, 0.16), (0.0, 0.05, 0.0), 0.01, 2)
     yield tube(

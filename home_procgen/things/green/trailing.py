@@ -1,4 +1,4 @@
-"""Plants that hang."""
+"""Hanging and trailing plants."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.green.pots import GOLDEN, pot
 
 
 def hanging(kind: str = "round") -> Iterator[Solid]:
-    """Trailing vines in a pot on cords, for a ceiling."""
+    """Build trailing vines in a pot on cords, for a ceiling."""
     for piece in pot(kind, 0.14, 0.2):
         yield move(piece, (0.0, 0.62, 0.0))
     for i in range(4):
@@ -40,7 +40,7 @@ def hanging(kind: str = "round") -> Iterator[Solid]:
 
 
 def trailing(kind: str = "cylinder") -> Iterator[Solid]:
-    """Vines that hang over the rim of a pot on a shelf or a stand."""
+    """Build vines that hang over the rim of a pot on a stand."""
     yield turned("wood", [(0.14, 0.0), (0.03, 0.03), (0.025, 0.5), (0.13, 0.53), (0.13, 0.55)], sides=18, steps=1)
     for piece in pot(kind, 0.12, 0.18):
         yield move(piece, (0.0, 0.55, 0.0))

@@ -1,1 +1,1 @@
-"""Kitchen units, appliances, crockery and food."""
+"""Kitchen cabinets, sinks, cookers and hoods."""

@@ -1,4 +1,4 @@
-"""Cabinets on the floor."""
+"""Kitchen base cabinets, islands and pantries."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.family import Family, design
 from home_procgen.things.joinery import case, doors, drawers
 from home_procgen.things.kitchen.cases import DEPTH, FACE, WORKTOP, body, worktop
 
-REACH = 0.45  # [m], of drawers
+REACH = 0.45  # [m], travel of drawers
 
 
 def base_unit(
@@ -24,7 +24,7 @@ def base_unit(
     grip: tuple = ("chrome", "bar"),
     top: str = "stone",
 ) -> Iterator[Solid]:
-    """Doors, or drawers, or a drawer above doors."""
+    """Build a base cabinet with doors, with drawers, or with a drawer above doors."""
     yield from body(width)
     high, x = WORKTOP - 0.15, 0.003 - width / 2
     if rows == 1:
@@ -38,7 +38,7 @@ def base_unit(
 
 
 def open_unit(width: float = 0.4) -> Iterator[Solid]:
-    """Open shelves with bowls and jars."""
+    """Build open base shelves with bowls and jars."""
     yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
     yield from case("wood", width, WORKTOP - 0.14, DEPTH - 0.04, (0.24, 0.48), (0.0, 0.1, -0.02), (), "wood")
     for k, y in enumerate((0.12, 0.36, 0.6)):
@@ -50,7 +50,7 @@ def open_unit(width: float = 0.4) -> Iterator[Solid]:
 
 
 def curtained(width: float = 0.8) -> Iterator[Solid]:
-    """A curtain on a rod instead of doors."""
+    """Build a base cabinet with a curtain on a rod instead of doors."""
     yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
     yield from case("paint", width, WORKTOP - 0.14, DEPTH - 0.06, (0.36,), (0.0, 0.1, -0.03), (), "paint")
     yield rod("chrome", (-width / 2, WORKTOP - 0.08, FACE + 0.01), (width / 2, WORKTOP - 0.08, FACE + 0.01), 0.007)
@@ -65,7 +65,7 @@ def curtained(width: float = 0.8) -> Iterator[Solid]:
 
 
 def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
-    """Panels all around, an overhanging top to sit at, a towel rail."""
+    """Build a kitchen island with drawers, an overhanging top and towel rails."""
     yield box("black", (width - 0.1, 0.1, depth - 0.4))
     yield box("paint", (width - 0.06, WORKTOP - 0.14, depth - 0.36), (0.0, 0.1, 0.0))
     yield rounded("stone", (width, 0.045, depth), (0.0, WORKTOP - 0.04, 0.05), 0.01, 2)
@@ -78,7 +78,7 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
         2,
         "shaker",
         ("brass", "cup"),
-        opens=0.12,  # then the posts of the top are in the way
+        opens=0.12,  # [m], limited by the posts of the top
     )
     for s in (-1, 1):
         yield rounded("wood", (0.06, WORKTOP - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1)
@@ -86,7 +86,7 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
 
 
 def pantry(width: float = 0.6, height: float = 2.1, style: str = "shaker") -> Iterator[Solid]:
-    """A tall cupboard of the depth of a kitchen."""
+    """Build a tall cupboard of kitchen cabinet depth."""
     yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
     yield box("paint", (width, height - 0.1, DEPTH - 0.04), (0.0, 0.1, -0.02))
     yield from doors("paint", width - 0.006, 1.2, (0.003 - width / 2, 0.105, FACE), 1, style, ("brass", "bar"), 0.8)

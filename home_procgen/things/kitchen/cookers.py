@@ -35,7 +35,7 @@ def _burner(x: float, z: float, radius: float, gas: bool) -> Iterator[Solid]:
 
 
 def _oven_door(slot: str, x: float, wide: float) -> Iterator[Solid]:
-    """A board with a pane and a handle."""
+    """Build an oven door with a pane and a handle."""
     yield rounded(slot, (wide - 0.03, 0.56, 0.035), (x, 0.12, DEPTH / 2 - 0.035), 0.008, 1)
     yield box("screen", (wide - 0.14, 0.32, 0.006), (x, 0.22, DEPTH / 2 - 0.017))
     left, right, z = x - wide / 2, x + wide / 2, DEPTH / 2
@@ -46,7 +46,7 @@ def _oven_door(slot: str, x: float, wide: float) -> Iterator[Solid]:
 
 
 def cooker(width: float = 0.6, gas: bool = False, doors_: int = 1, slot: str = "steel") -> Iterator[Solid]:
-    """A hob above one or two ovens with glass doors and knobs."""
+    """Build a hob above one or two ovens with glass doors and knobs."""
     yield box("black", (width - 0.02, 0.08, DEPTH - 0.1), (0.0, 0.0, -0.05))
     yield box(slot, (width, WORKTOP - 0.1, DEPTH - 0.04), (0.0, 0.08, -0.02))
     yield rounded("screen" if not gas else slot, (width, 0.02, DEPTH - 0.01), (0.0, WORKTOP - 0.02, 0.0), 0.004, 1)
@@ -67,7 +67,7 @@ def cooker(width: float = 0.6, gas: bool = False, doors_: int = 1, slot: str = "
 
 
 def oven_column(width: float = 0.6, height: float = 2.1) -> Iterator[Solid]:
-    """A tall unit with an oven and a microwave at hand height."""
+    """Build a tall unit with an oven and a microwave at hand height."""
     yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
     yield box("paint", (width, height - 0.1, DEPTH - 0.04), (0.0, 0.1, -0.02))
     yield from doors("paint", width - 0.006, 0.6, (0.003 - width / 2, 0.105, FACE), 1, "flat", ("chrome", "bar"), 0.85)
@@ -84,7 +84,7 @@ def oven_column(width: float = 0.6, height: float = 2.1) -> Iterator[Solid]:
 
 
 def range_stove(width: float = 1.0) -> Iterator[Solid]:
-    """A cast range with four doors, lidded plates and a rail."""
+    """Build a cast-iron range with four doors, lidded plates and a rail."""
     yield rounded("glaze", (width, 0.78, DEPTH), (0.0, 0.06, 0.0), 0.015, 2)
     yield box("black", (width - 0.06, 0.06, DEPTH - 0.06))
     yield rounded("glaze", (width + 0.02, 0.045, DEPTH + 0.02), (0.0, WORKTOP - 0.045, 0.0), 0.015, 2)
@@ -103,7 +103,7 @@ def range_stove(width: float = 1.0) -> Iterator[Solid]:
 
 
 def backed_range(width: float = 0.76) -> Iterator[Solid]:
-    """A hob above an oven and a drawer, its knobs and clock on a panel at the wall."""
+    """Build a hob above an oven and a drawer, with knobs and a clock on a back panel."""
     yield from cooker(width, True, 1, "white")
     yield rounded("white", (width, 0.2, 0.07), (0.0, WORKTOP, -DEPTH / 2 + 0.035), 0.02, 2)
     yield box("screen", (0.18, 0.06, 0.006), (0.0, WORKTOP + 0.09, 0.072 - DEPTH / 2))
@@ -112,7 +112,7 @@ def backed_range(width: float = 0.76) -> Iterator[Solid]:
 
 
 def lidded(width: float = 0.6) -> Iterator[Solid]:
-    """An enamelled stove of the fifties on legs, its lid folded up."""
+    """Build a 1950s enamelled stove on legs with its lid folded up."""
     for x in (-0.24, 0.24):
         for z in (-0.2, 0.2):
             yield turned("chrome", [(0.014, 0.0), (0.02, 0.06), (0.026, 0.14)], (x, 0.0, z), 12, 1)
@@ -129,7 +129,7 @@ def lidded(width: float = 0.6) -> Iterator[Solid]:
 
 
 def wood_stove(width: float = 0.7) -> Iterator[Solid]:
-    """Of cast iron, fired with wood: a fire door, rings, a pot rail, curved feet."""
+    """Build a cast-iron wood stove with a fire door, rings, a pot rail and curved feet."""
     for x in (-0.28, 0.28):
         for z in (-0.2, 0.2):
             yield tube("iron", fillet([(x, 0.16, z), (1.1 * x, 0.1, 1.1 * z), (1.16 * x, 0.01, 1.2 * z)], 0.05), 0.022)
@@ -150,7 +150,7 @@ def wood_stove(width: float = 0.7) -> Iterator[Solid]:
 
 
 def built_under(width: float = 0.6) -> Iterator[Solid]:
-    """A hob of glass in a worktop over an oven with a drawer, all behind one panel with a display."""
+    """Build a glass hob in a worktop over an oven with a drawer, behind one panel with a display."""
     yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
     yield box("paint", (width, WORKTOP - 0.14, DEPTH - 0.04), (0.0, 0.1, -0.02))
     yield rounded("stone", (width, 0.04, DEPTH), (0.0, WORKTOP - 0.04, 0.0), 0.008, 2)
@@ -169,7 +169,7 @@ def built_under(width: float = 0.6) -> Iterator[Solid]:
 
 
 def big_range(width: float = 0.9) -> Iterator[Solid]:
-    """As in restaurants: a wide oven and a narrow one, a plate between the burners, red knobs, a rail."""
+    """Build a restaurant range: a wide and a narrow oven, a plate between burners, red knobs, a rail."""
     for x in (-0.4, 0.4):
         for z in (-0.22, 0.2):
             yield cylinder("steel", 0.025, 0.12, (x, 0.0, z), sides=14)

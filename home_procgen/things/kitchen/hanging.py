@@ -1,4 +1,4 @@
-"""Cabinets on the wall."""
+"""Kitchen wall cabinets."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ from home_procgen.things.kitchen.wall_units import bifold, crossed, plate_rack, 
 def hanging(
     width: float = 0.6, height: float = 0.68, style: str = "flat", count: int = 1, grip: tuple = ("chrome", "bar")
 ) -> Iterator[Solid]:
-    """A wall cabinet with doors, a strip that hides lights below and hinges at its side."""
+    """Build a wall cabinet with doors, side hinges and a light pelmet below."""
     yield rounded("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
     yield rounded("white", (width - 0.08, 0.012, 0.05), (0.0, -0.01, 0.06), 0.005, 1)
     for y in (0.12, height - 0.16):
@@ -43,7 +43,7 @@ def hanging(
 
 
 def hanging_open(width: float = 0.6, height: float = 0.68) -> Iterator[Solid]:
-    """Open wall shelves with crockery, and hooks with cups below."""
+    """Build open wall shelves with crockery and hooks with cups below."""
     yield from case("wood", width, height - 0.08, 0.32, (0.3,), (0.0, 0.08, 0.0), (), "wood")
     for i in range(7):
         yield disc("crockery", 0.1, 0.01, (-0.2 + 0.03 * i, 0.205, -0.05 + 0.02 * i), 18)
@@ -58,7 +58,7 @@ def hanging_open(width: float = 0.6, height: float = 0.68) -> Iterator[Solid]:
 
 
 def corner_hanging(height: float = 0.68) -> Iterator[Solid]:
-    """A five-sided wall cabinet for a corner, its door across it."""
+    """Build a five-sided corner wall cabinet with a door across it."""
     outline = [(-0.3, -0.3), (0.3, -0.3), (0.3, 0.0), (0.0, 0.3), (-0.3, 0.3)]
     yield prism("paint", outline, height, (0.0, 0.0, 0.0), "top")
     wide = [(1.02 * x, 1.02 * z) for x, z in outline]
@@ -71,7 +71,7 @@ def corner_hanging(height: float = 0.68) -> Iterator[Solid]:
 
 
 def flap(width: float = 0.9, height: float = 0.4) -> Iterator[Solid]:
-    """A wide low wall cabinet whose front lifts."""
+    """Build a wide, low wall cabinet with a lift-up front."""
     yield rounded("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
     size, corner = (width - 0.006, height - 0.006), (0.003 - width / 2, 0.003, 0.15)
     yield from front("paint", size, corner, "grooves", ("chrome", "bar", 0.5, 0.12), False, "top")

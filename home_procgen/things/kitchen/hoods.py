@@ -63,7 +63,7 @@ def _mantel(width: float) -> Iterator[Solid]:
 
 
 def _drum(width: float) -> Iterator[Solid]:
-    """A drum of steel with a ring of light below."""
+    """Build a steel drum hood with a ring of light below."""
     yield turned("steel", [(0.17, 0.0), (0.18, 0.02), (0.18, 0.7), (0.17, 0.72)], sides=28, steps=1)
     yield ring("bulb", 0.13, 0.02, (0.0, -0.002, 0.0), 1, 24)
     yield rounded("steel", (0.12, 0.6, 0.03), (0.0, 0.06, -0.185), 0.006, 1)
@@ -71,7 +71,7 @@ def _drum(width: float) -> Iterator[Solid]:
 
 
 def _slab(width: float) -> Iterator[Solid]:
-    """A flat slab under a slim shaft, as the letter T."""
+    """Build a flat slab under a slim shaft, T-shaped."""
     yield rounded("steel", (width + 0.1, 0.045, 0.46), (0.0, 0.0, 0.0), 0.008, 2)
     yield box("black", (width - 0.04, 0.004, 0.32), (0.0, -0.003, 0.02))
     yield rounded("steel", (0.2, 0.62, 0.2), (0.0, 0.045, -0.13), 0.006, 1)
@@ -81,7 +81,7 @@ def _slab(width: float) -> Iterator[Solid]:
 
 
 def _pyramid(width: float) -> Iterator[Solid]:
-    """A skirt of four sloping sides with a rim, and a shaft."""
+    """Build a hood of four sloping sides with a rim, and a shaft."""
     rim = fillet([(x * width / 2, z * 0.24) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))], 0.01, 1, True)
     loops = []
     for share, y in ((1.0, 0.0), (1.0, 0.05), (0.94, 0.06), (0.36, 0.34), (0.36, 0.36)):
@@ -94,7 +94,7 @@ def _pyramid(width: float) -> Iterator[Solid]:
 
 
 def _visor(width: float) -> Iterator[Solid]:
-    """A slim body with a visor of glass that is pulled out, below a cupboard."""
+    """Build a slim hood with a pull-out glass visor below a cupboard."""
     yield rounded("paint", (width, 0.4, 0.3), (0.0, 0.04, -0.08), 0.006, 1)
     yield from front(
         "paint",
@@ -110,7 +110,7 @@ def _visor(width: float) -> Iterator[Solid]:
 
 
 def _dome(width: float) -> Iterator[Solid]:
-    """A dome of beaten metal with bands, and a pipe."""
+    """Build a hammered metal dome with bands, and a pipe."""
     ring_of = [(np.cos(a), np.sin(a)) for a in np.linspace(0, 2 * np.pi, 28, endpoint=False)]
     shape = ((1.0, 0.0), (1.0, 0.03), (0.94, 0.1), (0.8, 0.19), (0.55, 0.29), (0.34, 0.36), (0.3, 0.4))
     yield between_loops("brass", [np.array([(r * 0.42 * x, y, r * 0.24 * z) for x, z in ring_of]) for r, y in shape])
@@ -129,7 +129,7 @@ _HOOD_KINDS = {
 
 
 def hood(width: float = 0.6, kind: str = "chimney") -> Iterator[Solid]:
-    """Collects vapour above a cooker."""
+    """Build a range hood above a cooker."""
     yield from _HOOD_KINDS[kind](width)
 
 

@@ -13,7 +13,7 @@ from home_procgen.things.kitchen.taps import tap
 def basin(
     slot: str, width: float, depth: float, deep: float, at: tuple[float, float, float], rim: float = 0.025
 ) -> Iterator[Solid]:
-    """An open box whose rim is at `at` (the middle of its opening) [m]."""
+    """Build an open box basin; `at` is the centre of its opening at rim height [m]."""
     x, y, z = at
     yield box(slot, (width, 0.01, depth), (x, y - deep, z))
     for s in (-1, 1):
@@ -23,7 +23,7 @@ def basin(
 
 
 def _frame_top(width: float, hole: tuple[float, float], x: float, slot: str) -> Iterator[Solid]:
-    """A worktop around a hole whose middle is at x."""
+    """Build a worktop around a hole centred at x."""
     y, (w, d) = WORKTOP - 0.04, hole
     left, right = x - w / 2 + width / 2, width / 2 - x - w / 2
     yield rounded(slot, (left, 0.04, DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
@@ -42,7 +42,7 @@ def _hollow_body(width: float) -> Iterator[Solid]:
 
 
 def sink_unit(width: float = 0.8, bowls: int = 1, kind: str = "arc", slot: str = "steel") -> Iterator[Solid]:
-    """One or two bowls under a worktop, a tap, doors."""
+    """Build a sink cabinet with one or two bowls, a tap and doors."""
     yield from _hollow_body(width)
     wide = width - 0.2
     yield from _frame_top(width, (wide, 0.42), 0.0, "stone")
@@ -63,7 +63,7 @@ def sink_unit(width: float = 0.8, bowls: int = 1, kind: str = "arc", slot: str =
 
 
 def farmhouse_sink(width: float = 0.8) -> Iterator[Solid]:
-    """A deep white bowl with a front of its own, under a bridge tap."""
+    """Build a deep white apron-front sink under a bridge tap."""
     yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
     yield box("paint", (width, 0.5, DEPTH - 0.04), (0.0, 0.1, -0.02))
     yield from doors(
@@ -76,7 +76,7 @@ def farmhouse_sink(width: float = 0.8) -> Iterator[Solid]:
 
 
 def drainer_sink(width: float = 1.0) -> Iterator[Solid]:
-    """A bowl beside a ribbed drainer of pressed steel."""
+    """Build a sink beside a ribbed drainer of pressed steel."""
     yield from _hollow_body(width)
     yield from _frame_top(width, (0.42, 0.42), -0.22, "steel")
     yield from basin("steel", 0.36, 0.36, 0.17, (-0.22, WORKTOP - 0.002, 0.0))

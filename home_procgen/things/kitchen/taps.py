@@ -1,4 +1,4 @@
-"""Taps and basins of kitchens."""
+"""Kitchen taps."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from home_procgen.shapes.sweep import rod, tube
 
 
 def tap(x: float, y: float, z: float, kind: str = "arc") -> Iterator[Solid]:
-    """A mixer tap that reaches forward."""
+    """Build a mixer tap with its spout towards +z."""
     if kind == "arc":
         path = fillet([(x, y, z), (x, y + 0.3, z), (x, y + 0.3, z + 0.17), (x, y + 0.2, z + 0.18)], 0.09, 6)
         yield tube("chrome", path, 0.011)

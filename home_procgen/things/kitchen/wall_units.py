@@ -1,4 +1,4 @@
-"""Wall cabinets without common doors: with flaps, shutters, sliding panes, racks."""
+"""Wall cabinets with flaps, shutters, sliding panes or racks."""
 
 from collections.abc import Iterator
 
@@ -11,11 +11,11 @@ from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.joinery import BOARD, case, front
 from home_procgen.things.parts import marked
 
-DEEP = 0.32  # [m]
+DEEP = 0.32  # [m], depth of wall cabinets
 
 
 def bifold(width: float = 0.8, height: float = 0.68) -> Iterator[Solid]:
-    """Two flaps above each other that fold up; rails with grips below each."""
+    """Build a wall cabinet with two lift-up flaps, one above the other, with grip rails."""
     yield rounded("paint", (width, height, DEEP - 0.02), (0.0, 0.0, -0.01), 0.006, 1)
     for k in (0, 1):
         at = (0.003 - width / 2, 0.003 + k * height / 2, 0.145)
@@ -27,7 +27,7 @@ def bifold(width: float = 0.8, height: float = 0.68) -> Iterator[Solid]:
 
 
 def tambour(width: float = 0.6, height: float = 0.7) -> Iterator[Solid]:
-    """A shutter of slats that rolls up, half open."""
+    """Build a wall cabinet with a half-open roll-up shutter of slats."""
     yield from case("wood", width, height, DEEP, (0.36,), (0.0, 0.0, 0.0), (), "wood")
     for i in range(11):
         yield rounded("paint", (width - 0.05, 0.026, 0.014), (0.0, height - 0.06 - 0.03 * i, 0.145), 0.005, 1)
@@ -38,7 +38,7 @@ def tambour(width: float = 0.6, height: float = 0.7) -> Iterator[Solid]:
 
 
 def plate_rack(width: float = 0.7, height: float = 0.6) -> Iterator[Solid]:
-    """An open rack in which plates stand on edge, cups on hooks below."""
+    """Build an open rack with plates on edge and cups on hooks below."""
     for s in (-1, 1):
         yield rounded("wood", (0.022, height - 0.08, 0.28), (s * (width / 2 - 0.011), 0.08, 0.0), 0.005, 1)
     for y in (0.1, height - 0.022):
@@ -57,7 +57,7 @@ def plate_rack(width: float = 0.7, height: float = 0.6) -> Iterator[Solid]:
 
 
 def sliding_panes(width: float = 0.9, height: float = 0.5) -> Iterator[Solid]:
-    """Two panes of glass before each other in grooves, with crockery behind."""
+    """Build a wall cabinet with two overlapping glass panes before crockery."""
     yield from case("wood", width, height, DEEP, (0.23,), (0.0, 0.0, 0.0), (0.5,), "wood")
     for s in (-1, 1):
         yield box("glass", (width / 2 + 0.02, height - 0.05, 0.006), (s * (width / 4 - 0.02), 0.022, 0.14 + 0.006 * s))
@@ -69,7 +69,7 @@ def sliding_panes(width: float = 0.9, height: float = 0.5) -> Iterator[Solid]:
 
 
 def rounded_end(width: float = 0.34, height: float = 0.68) -> Iterator[Solid]:
-    """Open shelves that end a row: quarters of a circle, with jars."""
+    """Build quarter-round open end shelves with jars."""
     turn = np.linspace(0.0, np.pi / 2, 10)
     outline = [
         (-width / 2, -DEEP / 2),
@@ -86,7 +86,7 @@ def rounded_end(width: float = 0.34, height: float = 0.68) -> Iterator[Solid]:
 
 
 def crossed(width: float = 0.6, height: float = 0.6) -> Iterator[Solid]:
-    """A cross of boards with bottles of wine, a row of drawers below."""
+    """Build a cross of boards with wine bottles above a row of drawers."""
     yield from case("wood", width, height, DEEP, (0.15,), (0.0, 0.0, 0.0), (), "wood")
     for s in (-1, 1):
         yield beam(

@@ -1,1 +1,1 @@
-"""Lamps, candles, fans."""
+"""Lamps and their bulbs."""

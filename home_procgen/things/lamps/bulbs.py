@@ -1,4 +1,4 @@
-"""A bulb and its light."""
+"""Light bulbs with their light sources."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned
 def bulb(
     y: float, power: float, x: float = 0.0, z: float = 0.0, radius: float = 0.03, light: float | None = None
 ) -> Iterator[Piece]:
-    """A bulb at height y; its light comes from `light`, by default just above it [m]."""
+    """Build a bulb at height y; its light source is at height `light`, by default just above it [m]."""
     yield turned(
         "bulb",
         [

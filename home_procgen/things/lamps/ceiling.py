@@ -1,4 +1,4 @@
-"""Lamps close under the ceiling."""
+"""Ceiling-mounted lamps."""
 
 from collections.abc import Iterator
 
@@ -64,7 +64,7 @@ _CEILING_KINDS = {
 
 
 def ceiling(kind: str = "bowl") -> Iterator[Piece]:
-    """Close under the ceiling: a bowl, a square, a ring, a rail with spots, a cluster."""
+    """Build a ceiling-mounted lamp: a bowl, a square, a disc, a rail with spots or a cluster."""
     yield from _CEILING_KINDS[kind]()
 
 

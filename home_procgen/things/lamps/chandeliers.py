@@ -1,4 +1,4 @@
-"""Lamps of several lights."""
+"""Chandeliers with several lights."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ from home_procgen.things.lamps.bulbs import bulb
 
 
 def chandelier(kind: str = "arms", drop: float = 0.9, count: int = 6) -> Iterator[Piece]:
-    """Several lights: arms with candles, crystal drops, a wheel, branches with balls, a row of domes."""
+    """Build a chandelier: candle arms, crystal drops, a wheel, branches with balls, a row of domes or shades."""
     yield turned("brass", [(0.02, drop - 0.04), (0.06, drop - 0.02), (0.06, drop)], sides=18, steps=1)
     if kind == "row":
         yield beam("wood", (-0.5, drop - 0.06, 0.0), (0.5, drop - 0.06, 0.0), 0.05, 0.04)

@@ -162,7 +162,7 @@ _FLOOR_LAMP_KINDS = {
 
 
 def floor_lamp(kind: str = "pole") -> Iterator[Piece]:
-    """Pole, tripod, arc, torch, tray, paper column, spots, reading arm, balls on stems, basket, urn."""
+    """Build a floor lamp: pole, tripod, arc, torch, tray, paper column, spots, reading arm, balls, basket or urn."""
     yield from _FLOOR_LAMP_KINDS[kind]()
 
 

@@ -1,4 +1,4 @@
-"""Lamps of a garden."""
+"""Garden lamps."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -49,7 +49,7 @@ _OUTDOOR_KINDS = {
 
 
 def outdoor(kind: str = "post") -> Iterator[Piece]:
-    """In a garden: a post with a lantern, a bollard, a ball on the ground, a row of two, a torch."""
+    """Build a garden lamp: a post with one or two lanterns, a bollard or a ball on the ground."""
     yield from _OUTDOOR_KINDS[kind]()
 
 

@@ -1,4 +1,4 @@
-"""Lamps that hang from a cord."""
+"""Pendant lamps."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ from home_procgen.things.lamps.bulbs import bulb
 
 
 def _hang(drop: float, slot: str = "black") -> Iterator[Solid]:
-    """A ceiling rose at height `drop` and a cord down to 0.2."""
+    """Build a ceiling rose at height `drop` and a cord down to 0.2 [m]."""
     yield turned(slot, [(0.02, drop - 0.035), (0.055, drop - 0.02), (0.055, drop)], sides=18, steps=1)
     yield cylinder(slot, 0.005, drop - 0.22, (0.0, 0.2, 0.0), sides=6)
 
@@ -139,7 +139,7 @@ _PENDANT_KINDS = {
 
 
 def pendant(kind: str = "dome", drop: float = 0.75) -> Iterator[Piece]:
-    """A lamp that hangs from a cord: dome, globe, drum, cone, cage, basket, lantern, artichoke, paper ball, ring."""
+    """Build a pendant lamp: dome, globe, drum, cone, cage, basket, lantern, artichoke, paper ball or ring."""
     yield from _hang(drop, "brass" if kind in ("globe", "ring", "cage") else "black")
     yield from _PENDANT_KINDS[kind]()
 

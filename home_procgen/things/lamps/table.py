@@ -17,7 +17,7 @@ from home_procgen.things.lamps.bulbs import bulb
 
 
 def _table_foot(kind: str, high: float) -> Iterator[Solid]:
-    """What carries a table lamp's shade, up to a height."""
+    """Build the foot of a table lamp up to height `high` [m]."""
     shapes = {
         "gourd": [(0.07, 0.0), (0.08, 0.02), (0.1, 0.1), (0.05, 0.18), (0.065, 0.23), (0.03, 0.28)],
         "urn": [(0.06, 0.0), (0.06, 0.015), (0.025, 0.03), (0.085, 0.14), (0.06, 0.24), (0.03, 0.28)],
@@ -61,7 +61,7 @@ def _table_foot(kind: str, high: float) -> Iterator[Solid]:
 
 
 def table_lamp(foot: str = "gourd", top: str = "drum", high: float = 0.28) -> Iterator[Piece]:
-    """A foot, a shade and a bulb."""
+    """Build a table lamp from a foot, a shade and a bulb."""
     yield from _table_foot(foot, high)
     profiles = {
         "drum": [(0.15, 0.0), (0.15, 0.2)],
@@ -138,7 +138,7 @@ _DESK_LAMP_KINDS = {
 
 
 def desk_lamp(kind: str = "arm") -> Iterator[Piece]:
-    """A jointed arm, a banker's lamp, a mushroom, a glowing ball, a bent tube."""
+    """Build a desk lamp: a jointed arm, a banker's lamp, a mushroom, a glowing ball or a bent tube."""
     yield from _DESK_LAMP_KINDS[kind]()
 
 

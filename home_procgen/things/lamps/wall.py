@@ -1,4 +1,4 @@
-"""Lamps on walls."""
+"""Wall lamps."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -16,7 +16,7 @@ from home_procgen.things.family import Family, kinds_of
 from home_procgen.things.joinery import disc
 from home_procgen.things.lamps.bulbs import bulb
 
-_BACK = -0.09  # [m], where a wall lamp meets its wall
+_BACK = -0.09  # [m], z of the wall surface
 
 
 def _cone_wall_lamp() -> Iterator[Piece]:
@@ -128,7 +128,7 @@ _WALL_LAMP_KINDS = {
 
 
 def wall_lamp(kind: str = "cone") -> Iterator[Piece]:
-    """Up-light, shade, candles, bulkhead, swing arm, half bowl, picture lamp, globe, lantern, tube, block."""
+    """Build a wall lamp: cone, shade, candles, bulkhead, swing, half bowl, picture, globe, lantern, tube or block."""
     yield from _WALL_LAMP_KINDS[kind]()
 
 

@@ -1,1 +1,1 @@
-"""Sport, music, garage and garden."""
+"""Gym equipment, pianos and other musical instruments."""

@@ -136,7 +136,7 @@ _GYM_KINDS = {
 
 
 def gym(kind: str = "treadmill") -> Iterator[Solid]:
-    """Treadmill, bench press, bikes, rower, dumbbells, mat, punch bag, cross trainer, rack, kettlebells."""
+    """Build gym equipment: a treadmill, bench, bike, rower, cross trainer, punch bag, mat, weights or a rack."""
     yield from _GYM_KINDS[kind]()
 
 

@@ -1,4 +1,4 @@
-"""Machines of a gym."""
+"""Gym machines."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.vehicles.wheels import wheel
 
 
 def treadmill() -> Iterator[Solid]:
-    """A belt to run on, with a console."""
+    """Build a treadmill with a console."""
     yield rounded("black", (0.72, 0.14, 1.6), (0.0, 0.02, 0.0), 0.03, 2)
     yield rounded("gray", (0.46, 0.02, 1.46), (0.0, 0.15, 0.02), 0.008, 1)
     for s in (-1, 1):
@@ -25,7 +25,7 @@ def treadmill() -> Iterator[Solid]:
 
 
 def bike() -> Iterator[Solid]:
-    """A bicycle without a road."""
+    """Build an exercise bike."""
     for z in (-0.45, 0.45):
         yield rod("gray", (-0.26, 0.03, z), (0.26, 0.03, z), 0.03, sides=10)
     yield beam("gray", (0.0, 0.06, -0.45), (0.0, 0.06, 0.45), 0.08, 0.05)
@@ -46,7 +46,7 @@ def bike() -> Iterator[Solid]:
 
 
 def rower() -> Iterator[Solid]:
-    """A rowing machine."""
+    """Build a rowing machine."""
     yield beam("gray", (0.0, 0.18, -0.9), (0.0, 0.3, 0.8), 0.09, 0.06)
     for z in (-0.85, 0.75):
         yield beam("gray", (-0.26, 0.03, z), (0.26, 0.03, z), 0.06)
@@ -65,7 +65,7 @@ def rower() -> Iterator[Solid]:
 
 
 def cross() -> Iterator[Solid]:
-    """A cross trainer."""
+    """Build a cross trainer."""
     for z in (-0.75, 0.65):
         yield beam("gray", (-0.28, 0.03, z), (0.28, 0.03, z), 0.06)
     yield beam("gray", (0.0, 0.06, -0.75), (0.0, 0.06, 0.65), 0.1, 0.06)

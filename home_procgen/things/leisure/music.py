@@ -14,7 +14,7 @@ from home_procgen.things.joinery import disc
 
 
 def guitar(kind: str = "folk") -> Iterator[Solid]:
-    """On a stand: with a round hole, or electric."""
+    """Build a guitar on a stand, acoustic or electric."""
     electric = kind == "electric"
     right = (
         [(0.0, -0.24), (0.13, -0.22), (0.18, -0.1), (0.12, 0.02), (0.13, 0.1), (0.11, 0.2), (0.04, 0.22)]
@@ -59,7 +59,7 @@ def guitar(kind: str = "folk") -> Iterator[Solid]:
 
 
 def drums() -> Iterator[Solid]:
-    """A drum set with cymbals."""
+    """Build a drum set with cymbals."""
 
     def drum(
         radius: float, high: float, at: tuple[float, float, float], tilt: float = 0.0, turn: float = 0.0
@@ -112,7 +112,7 @@ def drums() -> Iterator[Solid]:
 
 
 def microphone() -> Iterator[Solid]:
-    """A microphone on a stand."""
+    """Build a microphone on a stand."""
     yield turned("black", [(0.14, 0.0), (0.13, 0.02), (0.02, 0.03)], sides=24, steps=1)
     yield rod("black", (0.0, 0.02, 0.0), (0.0, 1.3, 0.0), 0.009)
     yield rod("black", (0.0, 1.3, 0.0), (0.0, 1.4, 0.1), 0.014, 0.02)

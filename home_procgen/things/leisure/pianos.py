@@ -11,7 +11,7 @@ from home_procgen.things.family import Family, design
 
 
 def keys(width: float, y: float, z: float, deep: float = 0.14) -> Iterator[Solid]:
-    """White and black keys."""
+    """Build white and black keys."""
     count = int(width / 0.0235)
     yield box("white", (count * 0.0235, 0.018, deep), (0.0, y, z))
     for i in range(1, count):
@@ -83,7 +83,7 @@ _PIANO_KINDS = {
 
 
 def piano(kind: str = "upright") -> Iterator[Solid]:
-    """An upright piano, a grand, or an electric one, with its stool."""
+    """Build an upright, grand or electric piano with its stool."""
     yield from _PIANO_KINDS[kind]()
 
 

@@ -12,7 +12,7 @@ from home_procgen.things.openings.frames import DEEP
 
 
 def garage(width: float = 2.5, height: float = 2.15, lift: float = 1.0, style: str = "panels") -> Iterator[Solid]:
-    """A frame and a door of sections; `lift` 0 is closed, 1 is open: flat below the ceiling, towards -z."""
+    """Build a frame and a sectional door; `lift` 0 is closed, 1 is open and flat below the ceiling, towards -z."""
     for s in (-1, 1):
         yield box("white", (0.06, height, DEEP), (s * (width - 0.06) / 2, 0.0, 0.0))
     yield box("white", (width - 0.12, 0.06, DEEP), (0.0, height - 0.06, 0.0))
@@ -22,7 +22,7 @@ def garage(width: float = 2.5, height: float = 2.15, lift: float = 1.0, style: s
 
 
 def _sections(width: float, height: float, style: str) -> Iterator[Solid]:
-    """Four rows of panels, one of them glazed perhaps."""
+    """Build four rows of panels; style "glass" glazes the third."""
     high = height / 4
     for i in range(4):
         y = 0.01 + i * high
@@ -35,7 +35,7 @@ def _sections(width: float, height: float, style: str) -> Iterator[Solid]:
 
 
 def arch(width: float = 1.2, height: float = 2.2, kind: str = "round") -> Iterator[Solid]:
-    """A lined opening without a door: round-headed or square with pilasters."""
+    """Build a lined opening without a door: a round arch, or a square head on pilasters."""
     post = 0.09
     for s in (-1, 1):
         yield rounded(

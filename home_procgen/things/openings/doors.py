@@ -1,4 +1,4 @@
-"""Doors: placed on a wall's centre-line, they carve its hole by their bounding box."""
+"""Doors, placed on a wall's centre line; their bounding box defines the hole in the wall."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ from home_procgen.things.openings.leaves import LEAF, leaf
 
 
 def _handles(x: float, kind: str, direction: float) -> Iterator[Solid]:
-    """On both sides of a leaf around z = 0, 1 m above its foot."""
+    """Build handles on both sides of a leaf around z = 0, about 1 m above its foot."""
     for s in (-1, 1):
         z = s * (LEAF / 2)
         if kind == "lever":
@@ -45,15 +45,15 @@ def door(
     grip: str = "lever",
     entry: bool = False,
 ) -> Iterator[Solid]:
-    """A frame and a leaf hinged at -x that swings to -z.
+    """Build a frame and a leaf hinged at -x that swings to -z.
 
     Args:
-        width: Over the frame [m].
-        height: Over the frame [m].
-        angle: Of the leaf [rad]; 0 is closed.
-        style: Of the leaf.
+        width: Width over the frame [m].
+        height: Height over the frame [m].
+        angle: Angle of the leaf [rad]; 0 is closed.
+        style: Style of the leaf.
         grip: Kind of handle.
-        entry: A front door, with a letter slot, a knocker and a spy-hole.
+        entry: Make a front door with a letter slot, a knocker and a spy-hole.
     """
     yield from frame(width, height)
     pivot = (JAMB - width / 2, 0.0, -DEEP / 2)
@@ -70,7 +70,7 @@ def door(
 def double_door(
     width: float = 1.5, height: float = 2.1, angle: float = np.pi / 2, style: str = "lattice"
 ) -> Iterator[Solid]:
-    """Two leaves that swing to -z."""
+    """Build a frame with two leaves that swing to -z."""
     yield from frame(width, height)
     wide, high = (width - 2 * JAMB) / 2 - 0.005, height - JAMB - 0.04
     for s in (-1, 1):

@@ -1,4 +1,4 @@
-"""What doors and windows share: frames, and their measures."""
+"""Door and window frames and their dimensions."""
 
 from collections.abc import Iterator
 
@@ -6,11 +6,11 @@ from home_procgen.primitives.solids import Solid, box
 
 JAMB = 0.05  # [m], width of a door's frame posts
 
-DEEP = 0.14  # [m], of a frame
+DEEP = 0.14  # [m], depth of a frame
 
 
 def frame(width: float, height: float, slot: str = "wood", trim: bool = True) -> Iterator[Solid]:
-    """Posts and a lintel around an opening."""
+    """Build posts and a lintel around an opening."""
     for s in (-1, 1):
         yield box(slot, (JAMB, height, DEEP), (s * (width - JAMB) / 2, 0.0, 0.0))
         if trim:

@@ -1,4 +1,4 @@
-"""Leaves of doors."""
+"""Door leaves."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -13,7 +13,7 @@ from home_procgen.things.joinery import disc
 
 LEAF = 0.04  # [m], thickness of a door's leaf
 
-RAIL = 0.11  # [m], width of the wood around a pane
+RAIL = 0.11  # [m], width of the rails around a pane
 
 
 def _panelled(columns: int, rows: int, width: float, height: float) -> Iterator[Solid]:
@@ -102,7 +102,7 @@ def _louvred(width: float, height: float) -> Iterator[Solid]:
 
 
 def _ladder(width: float, height: float) -> Iterator[Solid]:
-    """Five panels above one another."""
+    """Build a leaf with five panels, one above the other."""
     yield box("wood_1", (width, height, LEAF))
     high = (height - 0.2 - 0.09 * 5) / 5
     for k in range(5):
@@ -110,7 +110,7 @@ def _ladder(width: float, height: float) -> Iterator[Solid]:
 
 
 def _oval(width: float, height: float) -> Iterator[Solid]:
-    """An oval pane with a moulded rim above a panel."""
+    """Build a leaf with an oval pane in a moulded rim above a panel."""
     yield box("wood_1", (width, height, LEAF))
     yield rounded("wood_1", (width - 0.24, 0.5, LEAF + 0.014), (0.0, 0.14, 0.0), 0.012, 2)
     outline = loop(0.36, 0.9, 28)
@@ -122,7 +122,7 @@ def _oval(width: float, height: float) -> Iterator[Solid]:
 
 
 def _chevron(width: float, height: float) -> Iterator[Solid]:
-    """Boards that meet at an angle along the middle."""
+    """Build a leaf of boards that meet at an angle along the centre line."""
     yield box("wood_1", (width, height, LEAF - 0.012))
     count = int(height / 0.16)
     for side in (-1, 1):
@@ -153,5 +153,5 @@ _LEAVES: dict[str, Callable[[float, float], Iterator[Solid]]] = {
 
 
 def leaf(width: float, height: float, style: str) -> Iterator[Solid]:
-    """A door's leaf, upright at the origin."""
+    """Build an upright door leaf at the origin."""
     yield from _LEAVES[style](width, height)

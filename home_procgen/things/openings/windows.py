@@ -13,7 +13,7 @@ from home_procgen.things.family import Family, design
 def window(
     width: float = 1.4, height: float = 1.4, sashes: int = 2, style: str = "plain", slot: str = "color"
 ) -> Iterator[Solid]:
-    """A frame with glazed sashes: plain, with glazing bars, with a transom, arched bars, sliding, or to the floor."""
+    """Build a window with glazed sashes: plain, barred, diamond, sliding, or with a transom."""
     rim, deep = 0.06, 0.12
     yield box(slot, (width, rim, deep))
     yield box(slot, (width, rim, deep), (0.0, height - rim, 0.0))
@@ -35,7 +35,7 @@ def window(
 def _sash(
     width: float, height: float, at: tuple[float, float, float], style: str, slot: str, z: float = 0.0
 ) -> Iterator[Solid]:
-    """A glazed sash with its lower middle at `at`."""
+    """Build a glazed sash with its bottom centre at `at`."""
     rail, (x, y, _) = 0.045, at
     for s in (-1, 1):
         yield box(slot, (rail, height, 0.06), (x + s * (width - rail) / 2, y, z))
@@ -70,7 +70,7 @@ def _sash(
 
 
 def _sliding(width: float, height: float, y: float, slot: str) -> Iterator[Solid]:
-    """Two sashes, one above the other, in tracks of their own."""
+    """Build a sliding sash window: an upper and a lower sash in separate tracks."""
     for i, z in ((0, 0.031), (1, -0.031)):
         for piece in _sash(
             width, height / 2 + 0.02, (0.0, y + i * (height / 2 - 0.02), 0.0), "bars" if i else "plain", slot, z
@@ -81,7 +81,7 @@ def _sliding(width: float, height: float, y: float, slot: str) -> Iterator[Solid
 
 
 def arched_window(width: float = 1.0, height: float = 1.5) -> Iterator[Solid]:
-    """A rectangular frame filled in above a round arch of glass."""
+    """Build a rectangular frame, filled in above a round arch of glass."""
     yield from window(width, height, 1, "plain", "color")
     inner, spring = width - 0.21, height - width / 2 - 0.06
     for s in (-1, 1):
@@ -104,7 +104,7 @@ def arched_window(width: float = 1.0, height: float = 1.5) -> Iterator[Solid]:
 
 
 def louvred_window(width: float = 0.9, height: float = 1.3) -> Iterator[Solid]:
-    """Strips of glass one above the other that tilt together."""
+    """Build a window of tilted glass louvres."""
     yield from window(width, height, 0, "plain")
     inner, count = width - 0.16, int((height - 0.16) / 0.11)
     for s in (-1, 1):

@@ -1,1 +1,1 @@
-"""Tools and garden things."""
+"""Tools and garden equipment."""

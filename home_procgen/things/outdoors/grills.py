@@ -1,4 +1,4 @@
-"""Grills."""
+"""Barbecue grills."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.parts import lid_part, marked, panel
 
 
 def round_grill() -> Iterator[Solid]:
-    """A round grill on three legs."""
+    """Build a round grill on three legs."""
     yield turned("iron", [(0.05, 0.5), (0.22, 0.56), (0.28, 0.7)], sides=26, steps=3)
     yield turned("iron", [(0.285, 0.71), (0.24, 0.84), (0.1, 0.92), (0.01, 0.93)], sides=26, steps=3)
     yield bow("wood", 0.06, (0.92, 0.97), 0.0, 0.02, 0.012)
@@ -22,7 +22,7 @@ def round_grill() -> Iterator[Solid]:
 
 
 def gas_grill() -> Iterator[Solid]:
-    """A gas grill with a lid."""
+    """Build a gas grill with a lid."""
     yield rounded("steel", (0.75, 0.6, 0.45), (0.0, 0.14, 0.0), 0.012, 1)
     for s in (-1, 1):
         door = rounded("steel", (0.36, 0.5, 0.02), (s * 0.185, 0.17, 0.23), 0.006, 1)
@@ -40,7 +40,7 @@ def gas_grill() -> Iterator[Solid]:
 
 
 def stone_grill() -> Iterator[Solid]:
-    """A built grill with a chimney."""
+    """Build a masonry grill with a chimney."""
     for s in (-1, 1):
         yield box("masonry", (0.22, 1.0, 0.6), (s * 0.48, 0.0, 0.0))
     yield box("masonry", (0.74, 1.0, 0.14), (0.0, 0.0, -0.23))

@@ -1,4 +1,4 @@
-"""Things of a garage: ladders, mowers, tools."""
+"""Garage objects: ladders, mowers, tools."""
 
 from collections.abc import Iterator
 
@@ -118,7 +118,7 @@ _TOOLS_KINDS = {
 
 
 def tools(kind: str = "ladder") -> Iterator[Solid]:
-    """A step ladder, a long ladder, a mower, a tool box, a helmet, a wheelbarrow, a paint set."""
+    """Build a step or extension ladder, a mower, a tool box, a helmet, a wheelbarrow or a paint set."""
     yield from _TOOLS_KINDS[kind]()
 
 

@@ -1,4 +1,4 @@
-"""Things of a garden: grills, parasols, pools, letter boxes."""
+"""Garden objects: grills, parasols, pools, letter boxes, basketball hoops."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -119,7 +119,7 @@ _GARDEN_KINDS = {
 
 
 def garden(kind: str = "kettle") -> Iterator[Solid]:
-    """A round grill, a gas grill, a stone grill; parasols; a pool; a letter box; a hoop."""
+    """Build a round, gas or stone grill, a parasol, a pool, a letter box or a basketball hoop."""
     yield from _GARDEN_KINDS[kind]()
 
 

@@ -16,7 +16,7 @@ from home_procgen.things.joinery import LegKind, legs
 
 
 def club(width: float = 0.86, depth: float = 0.84) -> Iterator[Solid]:
-    """Low and round, its arms and back of one height."""
+    """Build a low, rounded club chair whose arms are as high as its back."""
     yield from legs("wood", 0.54, 0.5, 0.12, "taper", 0.05)
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -30,7 +30,7 @@ def club(width: float = 0.86, depth: float = 0.84) -> Iterator[Solid]:
 
 
 def wing(width: float = 0.78, tufts: bool = True) -> Iterator[Solid]:
-    """A high back with side wings above rolled arms."""
+    """Build a wing chair with a high back, side wings and rolled arms."""
     yield from legs("wood", 0.68, 0.66, 0.2, "turned", 0.055)
     yield soft("upholstery", (0.64, 0.2, 0.66), (0.0, 0.19, 0.02), 9.0, 4)
     yield soft("upholstery", (0.54, 0.14, 0.58), (0.0, 0.36, 0.06), 6.0, 6)
@@ -55,7 +55,7 @@ def wing(width: float = 0.78, tufts: bool = True) -> Iterator[Solid]:
 
 
 def lounge(width: float = 0.7) -> Iterator[Solid]:
-    """A wooden frame with open arms and two loose cushions."""
+    """Build a lounge chair: a wooden frame with open arms and two loose cushions."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.025)
         yield rod("wood", (x, 0.0, 0.36), (x, 0.56, 0.26), 0.018, 0.024, 10)
@@ -71,7 +71,7 @@ def lounge(width: float = 0.7) -> Iterator[Solid]:
 
 
 def track_arm(width: float = 0.84, kind: LegKind = "block") -> Iterator[Solid]:
-    """A box of straight arms and back with two thick cushions."""
+    """Build a boxy armchair with straight arms and two thick cushions."""
     yield from legs("wood", width - 0.06, 0.76, 0.12, kind, 0.05)
     yield soft("upholstery", (width - 0.26, 0.2, 0.8), (0.0, 0.11, 0.02), 12.0, 4)
     yield from mirrored([rounded("upholstery", (0.14, 0.5, 0.84), ((width - 0.14) / 2, 0.11, 0.0), 0.03, 2)])
@@ -86,7 +86,7 @@ def _leaning(width: float) -> Solid:
 
 
 def egg(width: float = 0.82) -> Iterator[Solid]:
-    """A moulded shell around the sitter, on a swivel star."""
+    """Build an egg chair: a moulded shell on a swivel star base."""
     profile = spline([(0.3, 0.4), (0.18, 0.34), (-0.1, 0.34), (-0.28, 0.5), (-0.36, 0.8), (-0.34, 1.06)], 4)
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -104,7 +104,7 @@ def egg(width: float = 0.82) -> Iterator[Solid]:
 
 
 def rocker(width: float = 0.62) -> Iterator[Solid]:
-    """A slatted rocking chair on curved runners."""
+    """Build a slatted rocking chair on curved runners."""
     for s in (-1, 1):
         x = s * width / 2
         runner = [(x, 0.02 + 0.28 * (z / 0.62) ** 2 * 0.55, z) for z in np.linspace(-0.5, 0.4, 11)]
@@ -123,7 +123,7 @@ def rocker(width: float = 0.62) -> Iterator[Solid]:
 
 
 def sling(width: float = 0.66) -> Iterator[Solid]:
-    """A leather sling between steel hoops."""
+    """Build a leather sling chair between steel hoops."""
     for s in (-1, 1):
         x = s * width / 2
         path = [(x, 0.012, 0.34), (x, 0.58, 0.3), (x, 0.58, -0.38), (x, 0.012, -0.3)]
@@ -142,7 +142,7 @@ def sling(width: float = 0.66) -> Iterator[Solid]:
 
 
 def barrel(width: float = 0.74) -> Iterator[Solid]:
-    """A round tub with upright channels on a round plinth."""
+    """Build a barrel chair: a round tub with upright channels on a round plinth."""
     yield cylinder("black", 0.26, 0.06, sides=24)
     yield turned("upholstery", [(0.3, 0.06), (0.34, 0.1), (0.34, 0.3), (0.3, 0.34)], sides=24, steps=1)
     yield turned("upholstery", [(0.27, 0.33), (0.3, 0.36), (0.3, 0.42), (0.24, 0.45)], (0.0, 0.0, 0.03), 24, 2)
@@ -155,7 +155,7 @@ def barrel(width: float = 0.74) -> Iterator[Solid]:
 
 
 def bergere(width: float = 0.7) -> Iterator[Solid]:
-    """A carved wooden frame with upholstered back, seat and arm pads."""
+    """Build a carved wooden frame with an upholstered back, seat and arm pads."""
     yield from legs("wood", 0.62, 0.58, 0.34, "cabriole", 0.05)
     yield rounded("wood", (0.66, 0.06, 0.6), (0.0, 0.33, 0.0), 0.02, 2)
     yield soft("patterned", (0.58, 0.14, 0.56), (0.0, 0.37, 0.02), 5.0, 6)
@@ -177,7 +177,7 @@ def bergere(width: float = 0.7) -> Iterator[Solid]:
 
 
 def recliner(width: float = 0.9) -> Iterator[Solid]:
-    """An overstuffed chair with a raised footrest."""
+    """Build an overstuffed recliner with a raised footrest."""
     yield box("black", (0.7, 0.08, 0.6))
     yield from mirrored(
         [
@@ -193,7 +193,7 @@ def recliner(width: float = 0.9) -> Iterator[Solid]:
 
 
 def bean_bag(width: float = 0.85) -> Iterator[Solid]:
-    """A soft sack with a dent to sit in."""
+    """Build a bean bag with a seat dent."""
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
         angle, lift = 2 * np.pi * u, np.pi * (v - 0.5)
@@ -213,7 +213,7 @@ def bean_bag(width: float = 0.85) -> Iterator[Solid]:
 
 
 def _closed_skin(material: str, points: np.ndarray) -> Solid:
-    """Columns of points around the vertical axis that all meet at their first and last points."""
+    """Build a closed solid from columns of points around the vertical axis that share their first and last points."""
     from home_procgen.shapes.rounded import welded
 
     n, m = points.shape[:2]

@@ -1,4 +1,4 @@
-"""Benches and chests to sit on."""
+"""Benches and storage chests with seats."""
 
 from collections.abc import Iterator
 
@@ -16,20 +16,20 @@ from home_procgen.things.seats.patio import park_bench
 
 
 def plank(width: float = 1.2, kind: LegKind = "square") -> Iterator[Solid]:
-    """A thick board on legs."""
+    """Build a thick board on legs."""
     yield from legs("wood", width - 0.1, 0.32, 0.42, kind, 0.055)
     yield rounded("wood_1", (width, 0.045, 0.36), (0.0, 0.41, 0.0), 0.015, 2)
 
 
 def padded(width: float = 1.15, kind: LegKind = "hairpin") -> Iterator[Solid]:
-    """A long padded seat on legs."""
+    """Build a long padded seat on legs."""
     yield from legs("iron", width - 0.06, 0.36, 0.4, kind, 0.05)
     yield rounded("wood", (width - 0.02, 0.03, 0.38), (0.0, 0.38, 0.0), 0.01, 1)
     yield soft("upholstery", (width, 0.1, 0.4), (0.0, 0.39, 0.0), 14.0, 6)
 
 
 def scroll_bench(width: float = 1.2) -> Iterator[Solid]:
-    """An upholstered bench whose ends curl up."""
+    """Build an upholstered bench with scrolled ends."""
     path = fillet(
         [(-width / 2, 0.62, 0.0), (-width / 2 + 0.08, 0.4, 0.0), (width / 2 - 0.08, 0.4, 0.0), (width / 2, 0.62, 0.0)],
         0.16,
@@ -43,7 +43,7 @@ def scroll_bench(width: float = 1.2) -> Iterator[Solid]:
 
 
 def hall_bench(width: float = 1.1) -> Iterator[Solid]:
-    """A seat with a slatted back and arms."""
+    """Build a bench with a slatted back and arms."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.025)
         yield beam("wood", (x, 0.0, 0.19), (x, 0.64, 0.19), 0.045)
@@ -58,7 +58,7 @@ def hall_bench(width: float = 1.1) -> Iterator[Solid]:
 
 
 def chest_bench(width: float = 1.1, style: str = "panels", back: bool = False) -> Iterator[Solid]:
-    """A chest to sit on, with a cushion on its lid."""
+    """Build a chest with a seat cushion on its lid."""
     yield rounded("wood", (width, 0.38, 0.42), (0.0, 0.03, 0.0), 0.01, 1)
     yield box("wood", (width - 0.06, 0.04, 0.36))
     if style == "panels":

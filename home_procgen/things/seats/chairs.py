@@ -13,13 +13,13 @@ from home_procgen.shapes.sweep import band, beam, prism, ring, rod, tube
 from home_procgen.things.family import Family, design
 from home_procgen.things.joinery import LegKind, corners, legs
 
-SEAT = 0.45  # [m], height
+SEAT = 0.45  # [m], height of the seat
 
 
 def _posts(
     material: str, width: float, depth: float, top: float, lean: float = 0.1, bar: float = 0.036
 ) -> Iterator[Solid]:
-    """Front legs, and back legs that go on as posts and lean back above the seat."""
+    """Build front legs, and back legs that continue as reclined posts above the seat."""
     x, z = (width - bar) / 2, (depth - bar) / 2
     for side in (-x, x):
         yield beam(material, (side, 0.0, z), (side, SEAT - 0.02, z), bar)
@@ -28,7 +28,7 @@ def _posts(
 
 
 def ladder_back(width: float = 0.44, depth: float = 0.44, top: float = 0.95, slats: int = 4) -> Iterator[Solid]:
-    """Curved slats between two posts, a rush seat, stretchers."""
+    """Build a ladder-back chair with curved slats, a rush seat and stretchers."""
     yield from _posts("wood", width, depth, top)
     yield soft("cane", (width - 0.01, 0.05, depth), (0.0, SEAT - 0.04, 0.0), 9.0, 4)
     for i in range(slats):
@@ -44,7 +44,7 @@ def ladder_back(width: float = 0.44, depth: float = 0.44, top: float = 0.95, sla
 
 
 def windsor(width: float = 0.46, top: float = 0.98, spindles: int = 7) -> Iterator[Solid]:
-    """A saddle seat on splayed turned legs; spindles inside a bent hoop."""
+    """Build a Windsor chair: a saddle seat on splayed turned legs, with spindles inside a bent hoop."""
     yield soft("wood", (width, 0.045, 0.44), (0.0, SEAT - 0.045, 0.0), 4.0, 6)
     for x, z in corners(0.28, 0.28):
         yield rod("wood", (1.45 * x, 0.0, 1.45 * z), (x, SEAT - 0.02, z), 0.012, 0.019, 10)
@@ -61,7 +61,7 @@ def windsor(width: float = 0.46, top: float = 0.98, spindles: int = 7) -> Iterat
 
 
 def parsons(width: float = 0.48, top: float = 1.0) -> Iterator[Solid]:
-    """Upholstered all over, on square legs."""
+    """Build a fully upholstered chair on square legs."""
     yield from legs("wood", width, 0.5, 0.36, "square", 0.045)
     yield soft("upholstery", (width, 0.15, 0.54), (0.0, 0.33, 0.0), 9.0, 6)
     yield rotate(
@@ -70,7 +70,7 @@ def parsons(width: float = 0.48, top: float = 1.0) -> Iterator[Solid]:
 
 
 def shell(width: float = 0.48, base: str = "dowel", padded: bool = False) -> Iterator[Solid]:
-    """A moulded seat and back in one piece, on dowels, a wire frame or a column."""
+    """Build a moulded one-piece seat and back on dowels, a wire frame or a column."""
     profile = spline(
         [(0.21, 0.43), (0.17, 0.455), (0.0, 0.43), (-0.15, 0.44), (-0.2, 0.52), (-0.23, 0.66), (-0.25, 0.82)], 3
     )
@@ -107,7 +107,7 @@ def _shell_base(base: str) -> Iterator[Solid]:
 
 
 def cantilever(width: float = 0.46) -> Iterator[Solid]:
-    """One bent tube without back legs, with a caned seat and back."""
+    """Build a cantilever chair of one bent tube, with a caned seat and back."""
     x = width / 2
     side = [(0.2, 0.86, -0.24), (x, 0.5, -0.2), (x, 0.44, 0.22), (x, 0.012, 0.26), (x, 0.012, -0.24)]
     path = [*side, *[(-a, b, c) for a, b, c in side[::-1]]]
@@ -120,7 +120,7 @@ def cantilever(width: float = 0.46) -> Iterator[Solid]:
 
 
 def wishbone(width: float = 0.54) -> Iterator[Solid]:
-    """A round top rail carried by curved back legs and a Y-shaped splat."""
+    """Build a chair with a round top rail on curved back legs and a Y-shaped splat."""
     yield rounded("cane", (0.48, 0.035, 0.42), (0.0, SEAT - 0.03, 0.02), 0.015, 2)
     rail = [(a, 0.75, b - 0.05) for a, b in arc(1.0, np.pi * 1.02, np.pi * 1.98, 14) * (width / 2, 0.2)]
     rail = [(a, 0.72 + 0.04 * np.sin(np.pi * i / 14), b) for i, (a, _, b) in enumerate(rail)]
@@ -134,7 +134,7 @@ def wishbone(width: float = 0.54) -> Iterator[Solid]:
 
 
 def bentwood(width: float = 0.42) -> Iterator[Solid]:
-    """A café chair: round seat, two nested hoops for a back, a ring between the legs."""
+    """Build a café chair: a round seat, two nested back hoops and a ring between the legs."""
     yield cylinder("wood", width / 2, 0.03, (0.0, SEAT - 0.03, 0.0), sides=24)
     yield cylinder("cane", 0.17, 0.008, (0.0, SEAT - 0.004, 0.0), sides=24)
     yield ring("wood", 0.165, 0.018, (0.0, 0.22, 0.0), 1, 24)
@@ -157,7 +157,7 @@ def bentwood(width: float = 0.42) -> Iterator[Solid]:
 
 
 def folding(width: float = 0.44) -> Iterator[Solid]:
-    """Crossed legs on each side and slats."""
+    """Build a slatted folding chair with crossed legs."""
     for s in (-1, 1):
         x = s * width / 2
         yield beam("wood_1", (x, 0.0, 0.22), (x, 0.82, -0.24), 0.02, 0.035)
@@ -172,7 +172,7 @@ def folding(width: float = 0.44) -> Iterator[Solid]:
 
 
 def medallion(width: float = 0.5) -> Iterator[Solid]:
-    """An oval padded back in a carved frame, on turned legs."""
+    """Build a chair with an oval padded back in a carved frame, on turned legs."""
     yield from legs("wood", 0.48, 0.46, SEAT - 0.1, "turned", 0.055)
     yield rounded("wood", (width, 0.06, 0.48), (0.0, SEAT - 0.11, 0.0), 0.02, 2)
     yield soft("patterned", (width - 0.03, 0.11, 0.45), (0.0, SEAT - 0.06, 0.01), 5.0, 6)
@@ -185,7 +185,7 @@ def medallion(width: float = 0.5) -> Iterator[Solid]:
 
 
 def industrial(width: float = 0.42) -> Iterator[Solid]:
-    """Pressed sheet metal with spread legs."""
+    """Build a pressed sheet metal chair with splayed legs."""
     yield rounded("paint", (0.36, 0.025, 0.36), (0.0, SEAT - 0.025, 0.0), 0.01, 2)
     yield rounded("paint", (0.37, 0.05, 0.37), (0.0, SEAT - 0.07, 0.0), 0.01, 1)
     for x, z in corners(0.32, 0.32):
@@ -199,7 +199,7 @@ def industrial(width: float = 0.42) -> Iterator[Solid]:
 
 
 def plywood(width: float = 0.42) -> Iterator[Solid]:
-    """A steel frame with two bent panels, as schools have them."""
+    """Build a school chair: a steel frame with two bent plywood panels."""
     for s in (-1, 1):
         x = s * 0.19
         yield tube("iron", fillet([(x, 0.0, 0.2), (x, 0.43, 0.17), (x, 0.43, -0.17), (x, 0.82, -0.24)], 0.05), 0.011)
@@ -222,7 +222,7 @@ def plywood(width: float = 0.42) -> Iterator[Solid]:
 
 
 def slipper(width: float = 0.5, kind: LegKind = "taper", top: float = 0.86) -> Iterator[Solid]:
-    """A padded seat and a curved padded back that embraces it."""
+    """Build a chair with a padded seat and a curved, wrap-around padded back."""
     yield from legs("wood", 0.46, 0.44, 0.34, kind, 0.045)
     yield soft("upholstery", (width, 0.13, 0.5), (0.0, 0.33, 0.0), 5.0, 6)
 

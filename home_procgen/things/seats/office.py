@@ -1,4 +1,4 @@
-"""Chairs of offices."""
+"""Office chairs."""
 
 from collections.abc import Iterator
 
@@ -23,7 +23,7 @@ def _star(material: str, reach: float = 0.3, casters: bool = True) -> Iterator[S
 
 
 def task(width: float = 0.5, mesh_back: bool = False, arms: bool = True, high: bool = False) -> Iterator[Solid]:
-    """A swivel chair on casters with a padded or a netted back."""
+    """Build a swivel chair on castors with a padded or mesh back."""
     yield from _star("black")
     yield cylinder("chrome", 0.025, 0.34, (0.0, 0.08, 0.0), sides=12)
     yield rounded("black", (0.2, 0.05, 0.2), (0.0, 0.4, 0.0), 0.02, 1)
@@ -55,7 +55,7 @@ def task(width: float = 0.5, mesh_back: bool = False, arms: bool = True, high: b
 
 
 def executive() -> Iterator[Solid]:
-    """A tall leather chair with quilted back and padded arms."""
+    """Build a tall leather chair with a quilted back and padded arms."""
     yield from _star("wood", 0.32)
     yield cylinder("chrome", 0.03, 0.3, (0.0, 0.08, 0.0), sides=12)
     yield soft("leather", (0.54, 0.14, 0.54), (0.0, 0.38, 0.02), 5.0, 6)
@@ -75,7 +75,7 @@ def executive() -> Iterator[Solid]:
 
 
 def gamer() -> Iterator[Solid]:
-    """A racing seat with side bolsters, headrest and stripes."""
+    """Build a racing seat with side bolsters, a headrest and stripes."""
     yield from _star("black", 0.33)
     yield cylinder("chrome", 0.028, 0.32, (0.0, 0.08, 0.0), sides=12)
     yield soft("black", (0.4, 0.1, 0.5), (0.0, 0.4, 0.02), 6.0, 5)
@@ -96,7 +96,7 @@ def gamer() -> Iterator[Solid]:
 
 
 def banker() -> Iterator[Solid]:
-    """A wooden swivel chair with a bent arm rail and slats."""
+    """Build a wooden swivel chair with a bent arm rail and slats."""
     yield from _star("wood", 0.3)
     yield turned("wood", [(0.035, 0.08), (0.05, 0.14), (0.03, 0.22), (0.03, 0.4)], sides=12)
     yield soft("wood", (0.5, 0.05, 0.46), (0.0, 0.42, 0.02), 4.0, 6)
@@ -113,7 +113,7 @@ def banker() -> Iterator[Solid]:
 
 
 def stool_on_wheels() -> Iterator[Solid]:
-    """A round swivel stool with a foot ring."""
+    """Build a round swivel stool with a foot ring."""
     yield from _star("chrome", 0.24)
     yield cylinder("chrome", 0.025, 0.38, (0.0, 0.08, 0.0), sides=12)
     yield ring("chrome", 0.17, 0.02, (0.0, 0.2, 0.0))
@@ -121,7 +121,7 @@ def stool_on_wheels() -> Iterator[Solid]:
 
 
 def shell_on_wheels() -> Iterator[Solid]:
-    """A moulded shell with arms on a star of wood."""
+    """Build a moulded shell with arms on a wooden star base."""
     yield from _star("wood", 0.28)
     yield cylinder("chrome", 0.024, 0.34, (0.0, 0.08, 0.0), sides=12)
 
@@ -137,7 +137,7 @@ def shell_on_wheels() -> Iterator[Solid]:
 
 
 def saddle() -> Iterator[Solid]:
-    """A high stool with a seat like a saddle and a low back."""
+    """Build a high stool with a saddle-shaped seat and a low back."""
     yield from _star("chrome", 0.26)
     yield cylinder("chrome", 0.026, 0.44, (0.0, 0.08, 0.0), sides=12)
 
@@ -151,7 +151,7 @@ def saddle() -> Iterator[Solid]:
 
 
 def ribbed() -> Iterator[Solid]:
-    """Thin cushions with ribs in an aluminium frame, of the fifties."""
+    """Build a 1950s chair with thin ribbed cushions in an aluminium frame."""
     yield from _star("chrome", 0.3)
     yield cylinder("chrome", 0.024, 0.34, (0.0, 0.08, 0.0), sides=12)
     yield beam("chrome", (-0.2, 0.42, 0.0), (0.2, 0.42, 0.0), 0.05, 0.025)

@@ -1,4 +1,4 @@
-"""Ottomans, stools and poufs."""
+"""Ottomans, footstools and poufs."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ from home_procgen.things.joinery import LegKind, legs
 
 
 def cube() -> Iterator[Solid]:
-    """A padded cube with piped edges."""
+    """Build a padded cube with piped edges."""
     yield box("black", (0.4, 0.02, 0.4))
     yield rounded("upholstery", (0.46, 0.42, 0.46), (0.0, 0.015, 0.0), 0.03, 3)
     for y in (0.05, 0.42):
@@ -31,7 +31,7 @@ def cube() -> Iterator[Solid]:
 
 
 def pouf(radius: float = 0.3, ribs: int = 12) -> Iterator[Solid]:
-    """A round knitted cushion with gores."""
+    """Build a round knitted pouf with gores."""
     for i in range(ribs):
         angle = 2 * np.pi * i / ribs
         x, z = np.cos(angle), np.sin(angle)
@@ -47,20 +47,20 @@ def pouf(radius: float = 0.3, ribs: int = 12) -> Iterator[Solid]:
 
 
 def footstool(kind: LegKind = "turned", width: float = 0.6, fabric: str = "patterned") -> Iterator[Solid]:
-    """A padded top on four legs."""
+    """Build a padded top on four legs."""
     yield from legs("wood", width - 0.06, 0.38, 0.26, kind, 0.05)
     yield rounded("wood", (width - 0.02, 0.05, 0.42), (0.0, 0.23, 0.0), 0.01, 1)
     yield soft(fabric, (width, 0.15, 0.44), (0.0, 0.27, 0.0), 6.0, 6)
 
 
 def drum() -> Iterator[Solid]:
-    """A round padded drum with a metal foot ring."""
+    """Build a round padded drum with a metal foot ring."""
     yield cylinder("brass", 0.27, 0.04, sides=28)
     yield turned("upholstery", [(0.26, 0.04), (0.28, 0.08), (0.28, 0.36), (0.25, 0.41)], sides=28, steps=2)
 
 
 def tufted(width: float = 0.9) -> Iterator[Solid]:
-    """A large square with a grid of pads."""
+    """Build a large square ottoman with a grid of pads."""
     yield from legs("wood", width - 0.1, width - 0.1, 0.12, "block", 0.06)
     yield rounded("leather", (width, 0.2, width), (0.0, 0.11, 0.0), 0.03, 1)
     step = width / 4
@@ -70,7 +70,7 @@ def tufted(width: float = 0.9) -> Iterator[Solid]:
 
 
 def x_stool() -> Iterator[Solid]:
-    """A cushion on crossed legs."""
+    """Build a cushion on crossed legs."""
     for s in (-1, 1):
         for a in (-1, 1):
             yield beam("brass", (a * 0.24, 0.0, s * 0.16), (-a * 0.24, 0.4, s * 0.16), 0.022)
@@ -79,7 +79,7 @@ def x_stool() -> Iterator[Solid]:
 
 
 def storage_pouf() -> Iterator[Solid]:
-    """A round tub whose padded lid is set off by a gap."""
+    """Build a round tub with a padded lid above a gap."""
     yield cylinder("cane", 0.24, 0.3, (0.0, 0.02, 0.0), 0.26, 24)
     yield cylinder("black", 0.24, 0.03, (0.0, 0.31, 0.0), sides=24)
     yield turned("upholstery", [(0.25, 0.0), (0.27, 0.02), (0.26, 0.07), (0.2, 0.1)], (0.0, 0.335, 0.0), 24, 2)
@@ -88,7 +88,7 @@ def storage_pouf() -> Iterator[Solid]:
 
 
 def saddle() -> Iterator[Solid]:
-    """A seat that sags between two ends, on splayed legs."""
+    """Build a saddle-shaped seat on splayed legs."""
     yield from legs("wood", 0.5, 0.34, 0.36, "splay", 0.05)
     yield surface("wood", lambda u, v: ((u - 0.5) * 0.56, 0.36 + 0.1 * (2 * u - 1) ** 2, (v - 0.5) * 0.38), 12, 3, 0.03)
     yield surface(

@@ -1,4 +1,4 @@
-"""Seats of a garden."""
+"""Garden seats."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ from home_procgen.things.seats.sofas import standing
 
 
 def park_bench(width: float = 1.5) -> Iterator[Solid]:
-    """Boards on cast-iron ends."""
+    """Build a board bench with cast-iron ends."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.1)
         side = [(0.26, 0.0), (0.2, 0.4), (-0.2, 0.42), (-0.36, 0.84)]
@@ -39,7 +39,7 @@ def park_bench(width: float = 1.5) -> Iterator[Solid]:
 
 
 def adirondack(width: float = 0.74) -> Iterator[Solid]:
-    """A garden chair of broad boards with a fanned back."""
+    """Build a garden chair of broad boards with a fanned back."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.06)
         yield beam("wood", (x, 0.36, 0.3), (x, 0.04, -0.5), 0.03, 0.1)
@@ -56,7 +56,7 @@ def adirondack(width: float = 0.74) -> Iterator[Solid]:
 
 
 def wicker_chair(seats: int = 1) -> Iterator[Solid]:
-    """A woven tub with a cushion; a loveseat if it has two seats."""
+    """Build a woven tub with a cushion; two seats make a loveseat."""
     width = 0.3 + 0.5 * seats
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -77,7 +77,7 @@ def wicker_chair(seats: int = 1) -> Iterator[Solid]:
 
 
 def sunbed(width: float = 0.66) -> Iterator[Solid]:
-    """A lounger with slats, a raised back, a mat and wheels."""
+    """Build a slatted lounger with a raised back, a mat and wheels."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.02)
         yield beam("wood", (x, 0.3, -0.45), (x, 0.3, 0.98), 0.035, 0.06)
@@ -98,7 +98,7 @@ def _wheel(x: float) -> Solid:
 
 
 def swing(width: float = 1.5) -> Iterator[Solid]:
-    """A bench that hangs from a frame with a canopy."""
+    """Build a swing bench that hangs from a frame with a canopy."""
     for s in (-1, 1):
         x = s * (width / 2 + 0.15)
         yield rod("iron", (x, 0.0, 0.55), (x, 1.8, 0.0), 0.025)
@@ -119,7 +119,7 @@ def swing(width: float = 1.5) -> Iterator[Solid]:
 
 
 def picnic_table(width: float = 1.7) -> Iterator[Solid]:
-    """A table and two benches in one."""
+    """Build a picnic table with two attached benches."""
     for x in (-0.6, 0.6):
         for s in (-1, 1):
             yield beam("wood", (x, 0.0, s * 0.62), (x, 0.72, s * 0.25), 0.04, 0.1)
@@ -133,7 +133,7 @@ def picnic_table(width: float = 1.7) -> Iterator[Solid]:
 
 
 def plastic_chair() -> Iterator[Solid]:
-    """A stackable garden chair of one moulding with slots in its back."""
+    """Build a stackable one-piece garden chair with slots in its back."""
     for x, z in corners(0.46, 0.44):
         yield beam("white", (1.12 * x, 0.0, 1.15 * z), (x, 0.62 if z > 0 else 0.44, z), 0.05, 0.035)
     yield surface(

@@ -15,7 +15,7 @@ from home_procgen.things.joinery import LegKind, legs
 
 
 def standing(material: str, size: tuple[float, float, float], at: Vector, lean: float = 0.25) -> Solid:
-    """A pillow that stands on its edge at `at` and leans back [m]."""
+    """Build a pillow on its edge at `at` [m], tilted back by `lean` [rad]."""
     upright = rotate(pillow(material, (size[0], size[2], size[1]), (0.0, -size[2] / 2, 0.0), 6), 0, np.pi / 2 - lean)
     lift = np.asarray(at) - (0.0, float(upright.box[0, 1]), 0.0)
     return move(upright, lift)
@@ -41,7 +41,7 @@ def _rests(
 def track(
     width: float = 2.1, seats: int = 3, kind: LegKind = "square", arm: float = 0.14, throw: bool = True
 ) -> Iterator[Solid]:
-    """Straight arms, as many back cushions as seats, loose pillows."""
+    """Build a straight-armed sofa with one back cushion per seat and loose pillows."""
     yield from legs("wood", width - 0.1, 0.78, 0.13, kind, 0.05)
     yield rounded("upholstery", (width - 0.04, 0.2, 0.86), (0.0, 0.12, 0.0), 0.03, 1)
     yield from mirrored([rounded("upholstery", (arm, 0.5, 0.9), ((width - arm) / 2, 0.12, 0.0), 0.035, 2)])
@@ -55,7 +55,7 @@ def track(
 
 
 def chesterfield(width: float = 2.1) -> Iterator[Solid]:
-    """Rolled arms as high as the back, buttons in rows."""
+    """Build a sofa with rolled arms as high as the back and rows of buttons."""
     yield from legs("wood", width - 0.16, 0.72, 0.1, "turned", 0.07)
     yield rounded("leather", (width - 0.1, 0.22, 0.82), (0.0, 0.09, 0.0), 0.03, 2)
     yield rounded("leather", (width - 0.16, 0.52, 0.16), (0.0, 0.2, -0.34), 0.03, 2)
@@ -77,7 +77,7 @@ def _buttons(width: float) -> Iterator[Solid]:
 
 
 def camelback(width: float = 1.9) -> Iterator[Solid]:
-    """One seat pad, a back with a humped outline, exposed carved legs."""
+    """Build a sofa with one seat pad, a humped back and exposed carved legs."""
     yield from legs("wood", width - 0.1, 0.7, 0.22, "cabriole", 0.06)
     yield rounded("upholstery", (width - 0.06, 0.16, 0.76), (0.0, 0.2, 0.0), 0.03, 2)
     yield soft("upholstery", (width - 0.3, 0.14, 0.66), (0.0, 0.34, 0.05), 12.0, 6)
@@ -94,7 +94,7 @@ def camelback(width: float = 1.9) -> Iterator[Solid]:
 
 
 def sectional(width: float = 2.5, chaise: float = 0.75) -> Iterator[Solid]:
-    """An L of seats with a long end, low arms, many cushions."""
+    """Build an L-shaped sofa with a chaise end, low arms and many cushions."""
     yield box("black", (width - 0.1, 0.06, 0.8))
     yield rounded("upholstery", (width, 0.26, 0.95), (0.0, 0.05, 0.0), 0.03, 2)
     left = width / 2 - 0.46
@@ -118,7 +118,7 @@ def sectional(width: float = 2.5, chaise: float = 0.75) -> Iterator[Solid]:
 
 
 def corner(size: float = 2.3) -> Iterator[Solid]:
-    """Seats along two walls, without arms, on a plinth."""
+    """Build an armless corner sofa on a plinth."""
     deep, mid = 0.86, size / 2
     yield rounded("upholstery", (size, 0.3, deep), (0.0, 0.04, deep / 2 - mid), 0.03, 2)
     yield rounded("upholstery", (deep, 0.3, size - deep), (deep / 2 - mid, 0.04, deep / 2), 0.03, 2)
@@ -138,7 +138,7 @@ def corner(size: float = 2.3) -> Iterator[Solid]:
 
 
 def mid_century(width: float = 1.85) -> Iterator[Solid]:
-    """A slim tufted bench on a wooden rail with tapered legs."""
+    """Build a slim tufted sofa on a wooden rail with tapered legs."""
     yield from legs("wood", width - 0.3, 0.68, 0.24, "splay", 0.05)
     yield rounded("wood", (width - 0.06, 0.04, 0.74), (0.0, 0.23, 0.0), 0.01, 1)
     count = 3
@@ -163,7 +163,7 @@ def mid_century(width: float = 1.85) -> Iterator[Solid]:
 
 
 def rounded_sofa(width: float = 2.2) -> Iterator[Solid]:
-    """A kidney of one thick seat with a back that bends around it."""
+    """Build a kidney-shaped sofa with a back that curves around it."""
 
     def back(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
         angle = np.pi * (0.97 + 1.06 * u)
@@ -182,7 +182,7 @@ def rounded_sofa(width: float = 2.2) -> Iterator[Solid]:
 
 
 def futon(width: float = 1.9) -> Iterator[Solid]:
-    """A folded mattress on a slatted wooden frame."""
+    """Build a folded mattress on a slatted wooden frame."""
     yield from mirrored(
         [
             beam("wood", (width / 2 - 0.03, 0.05, -0.42), (width / 2 - 0.03, 0.05, 0.42), 0.05, 0.1),
@@ -199,7 +199,7 @@ def futon(width: float = 1.9) -> Iterator[Solid]:
 
 
 def settee(width: float = 1.3) -> Iterator[Solid]:
-    """A small wooden bench with spindles, a padded seat and back."""
+    """Build a small wooden bench with spindles, a padded seat and a padded back."""
     yield from legs("wood", width, 0.58, 0.4, "taper", 0.06)
     yield rounded("wood", (width, 0.06, 0.58), (0.0, 0.34, 0.0), 0.015, 1)
     yield soft("patterned", (width - 0.1, 0.13, 0.54), (0.0, 0.39, 0.02), 12.0, 6)
@@ -215,7 +215,7 @@ def settee(width: float = 1.3) -> Iterator[Solid]:
 
 
 def chaise_longue(length: float = 1.7) -> Iterator[Solid]:
-    """One long seat with a scrolled end to lean on."""
+    """Build a long seat with one scrolled end."""
     yield from legs("wood", 1.5, 0.6, 0.22, "turned", 0.06)
     yield rounded("wood", (length - 0.1, 0.06, 0.66), (0.0, 0.2, 0.0), 0.02, 1)
     yield soft("upholstery", (length - 0.12, 0.18, 0.66), (0.02, 0.25, 0.0), 10.0, 6)
@@ -229,7 +229,7 @@ def chaise_longue(length: float = 1.7) -> Iterator[Solid]:
 
 
 def modular(seats: int = 3) -> Iterator[Solid]:
-    """Low blocks side by side, one of them a footstool, with thick pillows."""
+    """Build low blocks side by side with thick pillows; one block is a footstool."""
     wide = 0.82
     for i in range(seats):
         x = (i - (seats - 1) / 2) * wide

@@ -15,7 +15,7 @@ from home_procgen.things.joinery import corners, foot_plate
 
 
 def bar_stool(height: float = 0.72, base: str = "legs", back: bool = False) -> Iterator[Solid]:
-    """A high stool on four legs or on one column with a footrest."""
+    """Build a high stool on four legs, or on one column with a footrest."""
     yield soft("upholstery", (0.38, 0.08, 0.38), (0.0, height - 0.07, 0.0), 3.0, 5)
     if base == "legs":
         for x, z in corners(0.24, 0.24):
@@ -44,7 +44,7 @@ def bar_stool(height: float = 0.72, base: str = "legs", back: bool = False) -> I
 
 
 def milking_stool() -> Iterator[Solid]:
-    """A round wooden top on three splayed legs."""
+    """Build a round wooden top on three splayed legs."""
     yield turned("wood", [(0.15, 0.0), (0.17, 0.01), (0.17, 0.03), (0.155, 0.04)], (0.0, 0.41, 0.0), 24, 1)
     yield from around([rod("wood", (0.0, 0.0, 0.19), (0.0, 0.42, 0.1), 0.013, 0.019, 10)], 3)
     yield ring("wood", 0.14, 0.016, (0.0, 0.17, 0.0), 1, 18)

@@ -15,7 +15,7 @@ from home_procgen.things.parts import panel
 
 
 def filled(width: float, bottom: float, height: float, z: float, seed: int, x: float = 0.0) -> Iterator[Solid]:
-    """What may stand on a shelf of this width around x: books, a basket, a vase, a box, a plant."""
+    """Build random contents of a shelf section centred at x: books, a basket, a vase, a pile or a plant."""
     rng = np.random.default_rng(seed)
     kind = int(rng.integers(0, 6))
     left = x - width / 2 + 0.01
@@ -45,7 +45,7 @@ def filled(width: float, bottom: float, height: float, z: float, seed: int, x: f
 def bookcase(
     width: float = 0.8, height: float = 2.0, depth: float = 0.3, shelves: int = 4, columns: int = 1, seed: int = 1
 ) -> Iterator[Solid]:
-    """An open case full of books and things."""
+    """Build an open case full of books and ornaments."""
     pitch = (height - 0.08) / (shelves + 1)
     yield box("wood", (width - 0.02, 0.06, depth - 0.04), (0.0, 0.0, -0.01))
     yield from case(
@@ -67,7 +67,7 @@ def bookcase(
 
 
 def glazed(width: float = 1.0, height: float = 2.0, depth: float = 0.36) -> Iterator[Solid]:
-    """Books behind glass above a closed base."""
+    """Build glazed bookshelves above a closed base."""
     yield box("wood", (width, 0.62, depth - 0.02), (0.0, 0.06, -0.01))
     yield box("black", (width - 0.04, 0.06, depth - 0.06))
     yield from doors(
@@ -84,7 +84,7 @@ def glazed(width: float = 1.0, height: float = 2.0, depth: float = 0.36) -> Iter
 
 
 def ladder(width: float = 0.7, height: float = 1.8) -> Iterator[Solid]:
-    """Shelves that grow deeper towards the floor between leaning rails."""
+    """Build shelves between leaning rails, deeper towards the floor."""
     for s in (-1, 1):
         yield beam("wood", (s * width / 2, 0.0, 0.24), (s * width / 2, height, -0.17), 0.03, 0.045)
     for i in range(5):
@@ -96,7 +96,7 @@ def ladder(width: float = 0.7, height: float = 1.8) -> Iterator[Solid]:
 
 
 def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
-    """A grid of square boxes, some with doors or baskets."""
+    """Build a grid of square boxes, some with doors or baskets."""
     size, thick = 0.36, 0.03
     width, height = columns * size + thick, rows * size + thick
     for i in range(columns + 1):
@@ -117,7 +117,7 @@ def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
 
 
 def zigzag(width: float = 0.8, height: float = 1.7) -> Iterator[Solid]:
-    """Boards joined by uprights that alternate from side to side."""
+    """Build boards on uprights that alternate from side to side."""
     for i in range(6):
         y = i * (height - 0.02) / 5
         yield box("wood", (width, 0.022, 0.28), (0.0, y, 0.0))
@@ -128,7 +128,7 @@ def zigzag(width: float = 0.8, height: float = 1.7) -> Iterator[Solid]:
 
 
 def pipes(width: float = 1.0, height: float = 1.9) -> Iterator[Solid]:
-    """Boards on iron pipes."""
+    """Build boards on iron pipes."""
     for x in (-width / 2 + 0.08, width / 2 - 0.08):
         for z in (-0.11, 0.11):
             yield rod("iron", (x, 0.0, z), (x, height, z), 0.014, sides=8)
@@ -141,7 +141,7 @@ def pipes(width: float = 1.0, height: float = 1.9) -> Iterator[Solid]:
 
 
 def revolving(height: float = 1.3) -> Iterator[Solid]:
-    """A square tower of books that turns on its foot."""
+    """Build a square book tower on a revolving foot."""
     yield foot_plate("wood", 0.26, 0.04)
     for i in range(5):
         yield rounded("wood", (0.46, 0.022, 0.46), (0.0, 0.06 + i * 0.3, 0.0), 0.006, 1)
@@ -153,7 +153,7 @@ def revolving(height: float = 1.3) -> Iterator[Solid]:
 
 
 def spine(height: float = 1.5) -> Iterator[Solid]:
-    """A column with books lying on short blades."""
+    """Build a column with books lying on short blades."""
     yield rounded("iron", (0.3, 0.02, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
     yield box("iron", (0.08, height, 0.02), (0.0, 0.02, -0.1))
     rng = np.random.default_rng(8)
@@ -169,7 +169,7 @@ def spine(height: float = 1.5) -> Iterator[Solid]:
 
 
 def children(width: float = 1.0) -> Iterator[Solid]:
-    """A low shelf shaped like a house with boxes of toys."""
+    """Build a low house-shaped shelf with boxes of toys."""
     for s in (-1, 1):
         yield box("wood", (0.025, 0.95, 0.3), (s * width / 2, 0.0, 0.0))
         yield prism("wood", [(s * width / 2, 0.95), (s * width / 2, 0.925), (0.0, 1.255), (0.0, 1.28)], 0.3)

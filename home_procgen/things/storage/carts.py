@@ -39,7 +39,7 @@ def _trolley(slot: str, board: str, wide: float, deep: float, levels: tuple[floa
 
 
 def bar_trolley() -> Iterator[Solid]:
-    """A serving trolley with bottles and glasses."""
+    """Build a serving trolley with bottles and glasses."""
     yield from _trolley("brass", "glass", 0.7, 0.42, (0.2, 0.72))
     top = 0.72 + 0.015
     for i in range(4):
@@ -62,7 +62,7 @@ def bar_trolley() -> Iterator[Solid]:
 
 
 def tea_trolley() -> Iterator[Solid]:
-    """A serving trolley with a pot and cups."""
+    """Build a serving trolley with a pot and cups."""
     yield from _trolley("wood", "wood", 0.7, 0.42, (0.2, 0.72))
     top = 0.72 + 0.015
     for i in range(2):
@@ -79,7 +79,7 @@ def tea_trolley() -> Iterator[Solid]:
 
 
 def basket_trolley() -> Iterator[Solid]:
-    """A trolley of plastic baskets."""
+    """Build a trolley of plastic baskets."""
     levels = (0.12, 0.42, 0.72)
     yield from _trolley("paint", "paint", 0.42, 0.34, levels)
     for k, y in enumerate(levels):
@@ -87,7 +87,7 @@ def basket_trolley() -> Iterator[Solid]:
 
 
 def _lock(height: float) -> Iterator[Solid]:
-    """The dial and the handle of a safe."""
+    """Build the dial and handle of a safe."""
     yield disc("chrome", 0.05, 0.03, (-0.06, 0.58 * height, 0.215), 24)
     yield disc("black", 0.03, 0.03, (-0.06, 0.58 * height, 0.23), 20)
     for a in range(3):
@@ -97,7 +97,7 @@ def _lock(height: float) -> Iterator[Solid]:
 
 
 def safe(height: float = 0.5) -> Iterator[Solid]:
-    """A steel box with a thick door, a dial and a handle."""
+    """Build a steel box with a thick door, a dial and a handle."""
     yield rounded("gray", (0.46, height - 0.03, 0.42), (0.0, 0.03, 0.0), 0.015, 2)
     for x, z in corners(0.36, 0.32):
         yield cylinder("black", 0.03, 0.035, (x, 0.0, z), sides=12)

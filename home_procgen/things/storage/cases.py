@@ -1,4 +1,4 @@
-"""What cabinets share."""
+"""Bodies of cabinets, and garments on hangers."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ def carcass(
     wood: str = "wood",
     overhang: float = 0.0,
 ) -> Iterator[Solid]:
-    """A closed body with a top board on a plinth or on legs; fronts are to cover its face at depth / 2 - 2 cm."""
+    """Build a closed body with a top board, on a plinth or legs; fronts attach at z = depth / 2 - 2 cm."""
     if kind == "plinth":
         yield box("black" if overhang == 0 else wood, (width - 0.04, foot, depth - 0.08), (0.0, 0.0, -0.02))
     else:
@@ -27,7 +27,7 @@ def carcass(
 
 
 def garment(slot: str, x: float, y: float, long: float) -> Iterator[Solid]:
-    """A shirt or coat on a hanger, seen from its side, below a rail at height y."""
+    """Build a shirt or coat on a hanger below a rail at height y, with its side towards +z [m]."""
     yield rod("chrome", (x, y, 0.0), (x, y - 0.08, 0.0), 0.003, sides=5)
     shape = [
         (0.0, -0.06),

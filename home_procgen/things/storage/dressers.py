@@ -26,7 +26,7 @@ def dresser(
     graded: bool = False,
     foot: float = 0.14,
 ) -> Iterator[Solid]:
-    """Drawers over the whole face."""
+    """Build a chest of drawers over its whole face."""
     yield from carcass(width, height, depth, foot if kind != "plinth" else 0.06, kind, "wood", 0.02)
     low = foot if kind != "plinth" else 0.06
     yield from drawers(
@@ -44,7 +44,7 @@ def dresser(
 
 
 def bow_front(width: float = 1.0, height: float = 0.85, depth: float = 0.5) -> Iterator[Solid]:
-    """A swelling front on curved feet, with brass fittings."""
+    """Build a bow-front chest on curved feet with brass fittings."""
     xs = np.linspace(-width / 2, width / 2, 13)
     bow = [(float(x), depth / 2 - 0.1 + 0.12 * float(np.cos(np.pi * x / width))) for x in xs]
     outline = [(-width / 2, -depth / 2), (width / 2, -depth / 2), *bow[::-1]]
@@ -75,7 +75,7 @@ def _pull(at: Vector) -> Iterator[Solid]:
 
 
 def basket_chest(width: float = 0.9, height: float = 0.9, depth: float = 0.4) -> Iterator[Solid]:
-    """A frame with woven baskets for drawers."""
+    """Build a frame with woven baskets as drawers."""
     yield from case("wood", width, height - 0.06, depth, (0.28, 0.56), (0.0, 0.06, 0.0), (0.5,), "wood_1")
     yield from legs("wood", width, depth, 0.07, "block", 0.05)
     for row in range(3):
@@ -86,7 +86,7 @@ def basket_chest(width: float = 0.9, height: float = 0.9, depth: float = 0.4) ->
 
 
 def apothecary(width: float = 0.95, height: float = 1.05, depth: float = 0.36) -> Iterator[Solid]:
-    """Many small drawers with label holders."""
+    """Build a chest of many small drawers with label holders."""
     yield from carcass(width, height, depth, 0.1, "block", "wood", 0.03)
     yield from drawers(
         "wood_1",
@@ -102,7 +102,7 @@ def apothecary(width: float = 0.95, height: float = 1.05, depth: float = 0.36) -
 
 
 def tallboy(width: float = 0.55, height: float = 1.3, depth: float = 0.42) -> Iterator[Solid]:
-    """A tower of shallow drawers."""
+    """Build a tower of shallow drawers."""
     yield from dresser(width, height, depth, 1, 6, "flat", "plinth", ("black", "slot"))
 
 

@@ -1,4 +1,4 @@
-"""Places for coats: stands, hooks, pegs, panels, a valet."""
+"""Coat stands, hooks, pegs, panels and valets."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ from home_procgen.things.storage.cases import garment
 
 
 def clothes_rail() -> Iterator[Solid]:
-    """A rail with clothes on hangers."""
+    """Build a rail with clothes on hangers."""
     for s in (-1, 1):
         yield tube("iron", fillet([(s * 0.45, 0.03, -0.22), (s * 0.45, 0.03, 0.22)], 0.01), 0.014)
         yield rod("iron", (s * 0.45, 0.03, 0.0), (s * 0.45, 1.5, 0.0), 0.014)
@@ -27,7 +27,7 @@ def clothes_rail() -> Iterator[Solid]:
 
 
 def coat_tree() -> Iterator[Solid]:
-    """A post with bent hooks and a coat."""
+    """Build a post with bent hooks and a coat."""
     yield turned(
         "wood",
         [(0.2, 0.0), (0.19, 0.03), (0.04, 0.06), (0.025, 0.2), (0.022, 1.6), (0.03, 1.68), (0.005, 1.74)],
@@ -45,7 +45,7 @@ def coat_tree() -> Iterator[Solid]:
 
 
 def coat_tripod() -> Iterator[Solid]:
-    """Three crossed poles and a coat."""
+    """Build three crossed poles and a coat."""
     yield from around([rod("wood", (0.0, 0.0, 0.26), (0.1, 1.72, -0.12), 0.018, 0.013)], 3)
     yield from around(
         [
@@ -75,7 +75,7 @@ def _coat() -> Solid:
 
 
 def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
-    """A board with hooks that hangs on a wall, with a hat, a bag and a scarf."""
+    """Build a wall board with hooks, a hat, a bag and a scarf."""
     yield rounded("wood", (width, 0.12, 0.02), (0.0, 0.62, -0.08), 0.006, 1)
     for i in range(5):
         x = (i - 2) * width / 5.5
@@ -100,7 +100,7 @@ def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
 
 
 def valet() -> Iterator[Solid]:
-    """A stand for one suit, with a bar for trousers and a tray."""
+    """Build a valet stand for one suit, with a trouser bar and a tray."""
     for s in (-1, 1):
         yield beam("wood", (s * 0.2, 0.02, -0.16), (s * 0.2, 0.02, 0.16), 0.03, 0.04)
         yield rod("wood", (s * 0.2, 0.02, 0.0), (s * 0.12, 1.05, 0.0), 0.016, 0.013, 10)
@@ -125,7 +125,7 @@ def valet() -> Iterator[Solid]:
 
 
 def branches() -> Iterator[Solid]:
-    """A trunk with branches on a round foot, a scarf and a hat on them."""
+    """Build a trunk with branches on a round foot, with a scarf and a hat."""
     yield turned("wood", [(0.2, 0.0), (0.2, 0.02), (0.16, 0.035)], sides=26, steps=1)
     yield tube(
         "wood", [(0.0, 0.03, 0.0), (0.01, 0.6, 0.0), (0.0, 1.2, 0.01), (0.01, 1.7, 0.0)], [0.03, 0.026, 0.02, 0.012], 10
@@ -142,7 +142,7 @@ def branches() -> Iterator[Solid]:
 
 
 def peg_rail(width: float = 0.9) -> Iterator[Solid]:
-    """A rail with turned pegs, a straw hat and a bag."""
+    """Build a rail with turned pegs, a straw hat and a bag."""
     yield rounded("wood", (width, 0.09, 0.022), (0.0, 0.5, -0.06), 0.008, 2)
     for i in range(6):
         x = (i - 2.5) * width / 6.4
@@ -157,7 +157,7 @@ def peg_rail(width: float = 0.9) -> Iterator[Solid]:
 
 
 def scissors(width: float = 0.8) -> Iterator[Solid]:
-    """Crossed laths that draw apart, with a knob at each joint."""
+    """Build an expanding rack of crossed laths with a knob at each joint."""
     step, half = width / 4, 0.14
     for i in range(4):
         x = (i + 0.5) * step - width / 2
@@ -173,7 +173,7 @@ def scissors(width: float = 0.8) -> Iterator[Solid]:
 
 
 def panel(width: float = 0.9) -> Iterator[Solid]:
-    """A padded panel with a shelf for hats, hooks of brass and an umbrella."""
+    """Build a padded panel with a hat shelf, brass hooks and an umbrella."""
     for i in range(5):
         wide = width / 5
         yield rounded("upholstery", (wide - 0.006, 0.95, 0.035), ((i - 2) * wide, 0.0, -0.1), 0.014, 2)
@@ -194,7 +194,7 @@ def panel(width: float = 0.9) -> Iterator[Solid]:
 
 
 def ringed() -> Iterator[Solid]:
-    """A post with rings of hooks above and for umbrellas below."""
+    """Build a post with a ring of hooks above and an umbrella ring below."""
     yield turned("iron", [(0.19, 0.0), (0.18, 0.025), (0.03, 0.04)], sides=24, steps=1)
     yield rod("iron", (0.0, 0.03, 0.0), (0.0, 1.72, 0.0), 0.014, sides=12)
     for y, r in ((1.66, 0.15), (1.42, 0.12), (0.55, 0.15)):

@@ -1,4 +1,4 @@
-"""Boards for televisions."""
+"""TV stands."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ from home_procgen.things.joinery import BOARD, book_row, case, corners, drawers,
 def tv_low(
     width: float = 1.6, height: float = 0.5, depth: float = 0.42, layout: str = "doors", kind: str = "taper"
 ) -> Iterator[Solid]:
-    """A low board with doors, drawers, open niches or slats."""
+    """Build a low TV stand with doors, drawers, open niches or slats."""
     foot = 0.14 if kind != "plinth" else 0.05
     if kind == "plinth":
         yield box("black", (width - 0.06, foot, depth - 0.08), (0.0, 0.0, -0.02))
@@ -61,7 +61,7 @@ def tv_low(
 
 
 def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
-    """A low board with a shelf tower at each end and a bridge above."""
+    """Build a low TV stand with a shelf tower at each end and a bridge above."""
     yield from tv_low(width, 0.48, 0.42, "doors", "plinth")
     for s in (-1, 1):
         yield from case(
@@ -75,7 +75,7 @@ def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
 
 
 def glass_media(width: float = 1.2) -> Iterator[Solid]:
-    """Glass shelves on chrome tubes."""
+    """Build glass shelves on chrome tubes."""
     for y in (0.1, 0.3, 0.5):
         yield rounded("glass", (width, 0.012, 0.42), (0.0, y, 0.0), 0.004, 1)
     for x, z in corners(width - 0.16, 0.32):
@@ -85,7 +85,7 @@ def glass_media(width: float = 1.2) -> Iterator[Solid]:
 
 
 def corner_tv(width: float = 1.2) -> Iterator[Solid]:
-    """A five-sided low cabinet for a corner."""
+    """Build a five-sided low corner cabinet."""
     outline = [(-0.6, 0.22), (-0.35, -0.26), (0.35, -0.26), (0.6, 0.22), (0.6, 0.28), (-0.6, 0.28)]
     for y, t in ((0.05, 0.03), (0.28, 0.02), (0.5, 0.03)):
         yield prism("wood", outline, t, (0.0, y, 0.0), "top")
@@ -98,7 +98,7 @@ def corner_tv(width: float = 1.2) -> Iterator[Solid]:
 
 
 def pipe_media(width: float = 1.4) -> Iterator[Solid]:
-    """Boards on a frame of iron pipes."""
+    """Build boards on an iron pipe frame."""
     for y in (0.14, 0.46):
         yield rounded("wood", (width, 0.04, 0.4), (0.0, y, 0.0), 0.008, 1)
     for x in (-width / 2 + 0.12, 0.0, width / 2 - 0.12):
@@ -111,7 +111,7 @@ def pipe_media(width: float = 1.4) -> Iterator[Solid]:
 
 
 def shuttered(width: float = 1.7, height: float = 0.52) -> Iterator[Solid]:
-    """A board with round ends and sliding shutters of slats on slim legs."""
+    """Build a round-ended TV stand with sliding slatted shutters on slim legs."""
     foot, deep = 0.18, 0.42
     yield from legs("wood", width - 0.3, deep - 0.08, foot, "taper", 0.04)
     for y in (foot, height - 0.024):
@@ -127,7 +127,7 @@ def shuttered(width: float = 1.7, height: float = 0.52) -> Iterator[Solid]:
 
 
 def cubes(width: float = 1.2) -> Iterator[Solid]:
-    """Crates of different heights side by side, one with books, one with a basket."""
+    """Build crates of different heights side by side, one with books, one with a basket."""
     third = width / 3
     for i, high in enumerate((0.38, 0.5, 0.38)):
         x = (i - 1) * third

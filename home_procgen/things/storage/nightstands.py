@@ -25,14 +25,14 @@ def nightstand(
     grip: tuple = ("brass", "knob"),
     foot: float = 0.14,
 ) -> Iterator[Solid]:
-    """A small chest of drawers."""
+    """Build a small chest of drawers."""
     yield from dresser(width, height, depth, 1, rows, style, kind, grip, False, foot)
 
 
 def open_stand(
     width: float = 0.45, height: float = 0.55, depth: float = 0.38, kind: LegKind = "square"
 ) -> Iterator[Solid]:
-    """A drawer above an open shelf with books."""
+    """Build a drawer above an open shelf with books."""
     yield from legs("wood", width, depth, height - 0.02, kind, 0.04)
     yield rounded("wood", (width + 0.02, 0.022, depth + 0.02), (0.0, height - 0.022, 0.0), 0.007, 1)
     yield box("wood", (width - 0.03, 0.14, depth - 0.04), (0.0, height - 0.165, -0.01))
@@ -53,7 +53,7 @@ def open_stand(
 
 
 def round_stand(radius: float = 0.22, height: float = 0.55) -> Iterator[Solid]:
-    """A cylinder with a curved door."""
+    """Build a cylindrical nightstand with a curved door."""
     yield cylinder("black", radius - 0.03, 0.05, sides=24)
     yield cylinder("wood", radius, height - 0.08, (0.0, 0.05, 0.0), sides=32)
     yield turned(
@@ -69,12 +69,12 @@ def round_stand(radius: float = 0.22, height: float = 0.55) -> Iterator[Solid]:
         x, z = radius * np.cos(a), radius * np.sin(a)
         staves.append(rod("wood_1", (x, 0.07, z), (x, height - 0.05, z), 0.012, sides=6))
     grip = rod("brass", (0.03, 0.3, radius + 0.02), (0.03, 0.42, radius + 0.02), 0.006)
-    hinge = (float(x), 0.07, float(z))  # the last stave is the leftmost
+    hinge = (float(x), 0.07, float(z))  # [m], at the last stave, the leftmost one
     yield from marked(Part("door", "hinge", (0.0, -1.0, 0.0), hinge, QUARTER), [*staves, grip])
 
 
 def crate_stand() -> Iterator[Solid]:
-    """Two slatted crates, one on the other."""
+    """Build two stacked slatted crates."""
     for k in range(2):
         for s in (-1, 1):
             for i in range(3):
@@ -92,7 +92,7 @@ def crate_stand() -> Iterator[Solid]:
 
 
 def barley(width: float = 0.42) -> Iterator[Solid]:
-    """A tripod stand with a drawer in a round top."""
+    """Build a tripod stand with a drawer in a round top."""
     yield cylinder("wood", 0.21, 0.11, (0.0, 0.44, 0.0), sides=28)
     yield turned("wood", [(0.22, 0.0), (0.235, 0.012), (0.22, 0.024)], (0.0, 0.55, 0.0), 28, 1)
     yield disc("brass", 0.014, 0.03, (0.0, 0.495, 0.2), 10)
@@ -110,7 +110,7 @@ def barley(width: float = 0.42) -> Iterator[Solid]:
 
 
 def floating(width: float = 0.48) -> Iterator[Solid]:
-    """A drawer box on a wall bracket post."""
+    """Build a drawer box on a wall bracket post."""
     yield rounded("wood", (width, 0.2, 0.34), (0.0, 0.34, 0.0), 0.012, 2)
     yield from drawers(
         "wood_1", width - 0.03, 0.16, (0.015 - width / 2, 0.36, 0.165), 1, 1, "flat", ("black", "slot"), opens=0.24

@@ -14,7 +14,7 @@ from home_procgen.things.storage.bookshelves import filled, zigzag
 
 
 def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Iterator[Solid]:
-    """Boards on brackets, ropes or in a box, with things on them; it hangs on a wall."""
+    """Build wall-mounted boards on brackets or ropes, with objects on them."""
     for i in range(count):
         y = 0.36 * i + 0.12
         yield rounded("wood", (width, 0.026, 0.22), (0.0, y, 0.0), 0.006, 1)
@@ -30,7 +30,7 @@ def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Ite
 
 
 def wall_cubes(count: int = 3) -> Iterator[Solid]:
-    """Open boxes on a wall, at different heights."""
+    """Build open wall boxes at different heights."""
     for i in range(count):
         x, y = (i - (count - 1) / 2) * 0.42, 0.14 * (i % 2)
         yield from case("wood", 0.34, 0.34, 0.22, (), (x, y, 0.0), (), "wood_1")
@@ -38,7 +38,7 @@ def wall_cubes(count: int = 3) -> Iterator[Solid]:
 
 
 def metal_rack(width: float = 0.9, height: float = 1.8, depth: float = 0.42) -> Iterator[Solid]:
-    """Perforated posts and steel shelves with boxes and tins, for a store."""
+    """Build a storeroom rack: perforated posts and steel shelves with boxes and tins."""
     for x, z in corners(width - 0.03, depth - 0.03):
         yield box("steel", (0.03, height, 0.03), (x, 0.0, z))
     for i in range(5):
@@ -51,7 +51,7 @@ def metal_rack(width: float = 0.9, height: float = 1.8, depth: float = 0.42) -> 
 
 
 def wire_rack(width: float = 0.6, height: float = 1.3) -> Iterator[Solid]:
-    """Chrome wire shelves."""
+    """Build chrome wire shelves."""
     for x, z in corners(width, 0.34):
         yield rod("chrome", (x, 0.0, z), (x, height, z), 0.012)
     for y in (0.12, 0.5, 0.88, 1.22):
@@ -68,7 +68,7 @@ def wire_rack(width: float = 0.6, height: float = 1.3) -> Iterator[Solid]:
 
 
 def corner_etagere(height: float = 1.6) -> Iterator[Solid]:
-    """Quarter-round shelves for a corner on turned posts."""
+    """Build quarter-round corner shelves on turned posts."""
     arc = [(0.36 * np.cos(a) - 0.16, 0.36 * np.sin(a) - 0.16) for a in np.linspace(0, np.pi / 2, 10)]
     for i in range(5):
         y = 0.06 + i * (height - 0.1) / 4
@@ -88,7 +88,7 @@ def corner_etagere(height: float = 1.6) -> Iterator[Solid]:
 
 
 def pegboard(width: float = 1.2) -> Iterator[Solid]:
-    """A board with tools; it hangs on a wall."""
+    """Build a wall board with tools."""
     yield rounded("wood", (width, 0.8, 0.02), (0.0, 0.0, -0.06), 0.006, 1)
     for i in range(4):
         x = -0.48 + 0.13 * i
@@ -106,7 +106,7 @@ def pegboard(width: float = 1.2) -> Iterator[Solid]:
 
 
 def wine_rack(columns: int = 4, rows: int = 5) -> Iterator[Solid]:
-    """A lattice with bottles."""
+    """Build a lattice with bottles."""
     size = 0.12
     for s in (-1, 1):
         for i in range(columns + 1):

@@ -1,4 +1,4 @@
-"""Cabinets for shoes."""
+"""Shoe cabinets."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.textiles.wear import shoe
 
 
 def shoe_flaps(width: float = 0.75, count: int = 3, grip: HandleKind = "slot") -> Iterator[Solid]:
-    """A narrow cabinet whose fronts tip out."""
+    """Build a narrow cabinet with tip-out fronts."""
     height = 0.1 + 0.36 * count
     yield from carcass(width, height, 0.24, 0.06)
     corner = (0.005 - width / 2, 0.065, 0.1)
@@ -21,7 +21,7 @@ def shoe_flaps(width: float = 0.75, count: int = 3, grip: HandleKind = "slot") -
 
 
 def shoe_rack(width: float = 0.8, cushioned: bool = False) -> Iterator[Solid]:
-    """Slatted shelves with pairs of shoes, perhaps with a cushion to sit on."""
+    """Build slatted shelves with pairs of shoes and an optional seat cushion."""
     for s in (-1, 1):
         for z in (-0.13, 0.13):
             yield beam("wood", (s * (width / 2 - 0.02), 0.0, z), (s * (width / 2 - 0.02), 0.48, z), 0.032)
@@ -37,7 +37,7 @@ def shoe_rack(width: float = 0.8, cushioned: bool = False) -> Iterator[Solid]:
 
 
 def louvred(width: float = 0.8, height: float = 0.95) -> Iterator[Solid]:
-    """A shoe cabinet with louvred doors."""
+    """Build a shoe cabinet with louvred doors."""
     yield from carcass(width, height, 0.34, 0.1, "taper", "wood", 0.03)
     corner = (0.01 - width / 2, 0.105, 0.15)
     leaves = list(doors("wood_1", width - 0.02, height - 0.13, corner, 2, "shaker", ("brass", "knob")))
@@ -49,7 +49,7 @@ def louvred(width: float = 0.8, height: float = 0.95) -> Iterator[Solid]:
 
 
 def cubbies(width: float = 0.9) -> Iterator[Solid]:
-    """A grid of open boxes with shoes in some, a bench above."""
+    """Build a grid of open boxes, some with shoes, below a bench."""
     yield from case("wood", width, 0.46, 0.34, (0.22,), (0.0, 0.02, 0.0), (0.25, 0.5, 0.75), "wood_1")
     yield soft("textile", (width, 0.07, 0.34), (0.0, 0.475, 0.0), 9.0, 6)
     for i, (column, y) in enumerate(((0, 0.04), (1, 0.26), (2, 0.04), (3, 0.26))):
@@ -59,7 +59,7 @@ def cubbies(width: float = 0.9) -> Iterator[Solid]:
 
 
 def wire_tiers(width: float = 0.7, tiers: int = 4) -> Iterator[Solid]:
-    """Sloping tiers of rods between ladders of tube, with shoes."""
+    """Build sloping tiers of rods with shoes between ladders of tube."""
     for s in (-1, 1):
         for z in (-0.13, 0.13):
             yield rod("chrome", (s * width / 2, 0.0, z), (s * width / 2, 0.2 * tiers, z), 0.011, sides=10)
@@ -75,7 +75,7 @@ def wire_tiers(width: float = 0.7, tiers: int = 4) -> Iterator[Solid]:
 
 
 def lifted_bench(width: float = 0.9) -> Iterator[Solid]:
-    """A chest on legs with a lid, two flaps below and a back to lean on."""
+    """Build a chest on legs with a lid, two flaps below and a backrest."""
     yield from carcass(width, 0.48, 0.36, 0.1, "block", "wood", 0.02)
     corner = (0.015 - width / 2, 0.12, 0.16)
     yield from drawers("paint", width - 0.03, 0.32, corner, 2, 1, "shaker", ("brass", "cup"), opens="tips")
@@ -86,7 +86,7 @@ def lifted_bench(width: float = 0.9) -> Iterator[Solid]:
 
 
 def tall_flaps(width: float = 0.6, height: float = 1.7) -> Iterator[Solid]:
-    """A slim tower of flaps behind mirrors."""
+    """Build a slim tower of mirrored flaps."""
     yield from carcass(width, height, 0.22, 0.06)
     high = (height - 0.09) / 4
     for k in range(4):

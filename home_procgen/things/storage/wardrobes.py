@@ -24,7 +24,7 @@ def wardrobe(
     low: int = 0,
     mirror: bool = False,
 ) -> Iterator[Solid]:
-    """Doors over the whole face, or above drawers."""
+    """Build a wardrobe with doors over the whole face or above drawers."""
     yield from carcass(width, height, depth)
     rise, z = 0.07 + 0.24 * (low > 0) * max(low, 1), depth / 2 - BOARD
     if low:
@@ -49,7 +49,7 @@ def wardrobe(
 
 
 def sliding(width: float = 1.8, height: float = 2.1, depth: float = 0.62) -> Iterator[Solid]:
-    """Two or three panels, one behind another, on rails, one of them a mirror."""
+    """Build a wardrobe with two overlapping sliding panels on rails, one of them a mirror."""
     yield from case("wood", width, height, depth, (), (0.0, 0.0, 0.0), (0.5,), "wood")
     panel = width / 2 + 0.02
     for i, slot in enumerate(("wood_1", "mirror")):
@@ -61,7 +61,7 @@ def sliding(width: float = 1.8, height: float = 2.1, depth: float = 0.62) -> Ite
 
 
 def armoire(width: float = 1.1, height: float = 2.05, depth: float = 0.6) -> Iterator[Solid]:
-    """An old wardrobe with a cornice, arched panels and bun feet."""
+    """Build an antique wardrobe with a cornice, arched panels and bun feet."""
     for x, z in corners(width - 0.1, depth - 0.1):
         yield turned("wood", [(0.03, 0.0), (0.055, 0.04), (0.035, 0.09)], (x, 0.0, z), 12, 2)
     yield rounded("wood", (width + 0.04, 0.08, depth + 0.03), (0.0, 0.08, 0.0), 0.02, 2)
@@ -85,7 +85,7 @@ def armoire(width: float = 1.1, height: float = 2.05, depth: float = 0.6) -> Ite
 
 
 def open_wardrobe(width: float = 1.2, height: float = 1.95, depth: float = 0.5) -> Iterator[Solid]:
-    """Rails with clothes between shelves."""
+    """Build rails with clothes between shelves."""
     yield from case("wood", width, height, depth, (0.3, height - 0.36), (0.0, 0.0, 0.0), (), "wood_1")
     yield rod("chrome", (0.02 - width / 2, height - 0.45, 0.0), (width / 2 - 0.02, height - 0.45, 0.0), 0.012)
     rng = np.random.default_rng(5)
@@ -98,7 +98,7 @@ def open_wardrobe(width: float = 1.2, height: float = 1.95, depth: float = 0.5) 
 
 
 def corner_wardrobe(size: float = 1.0, height: float = 2.0) -> Iterator[Solid]:
-    """A five-sided cabinet for a corner with a slanted door."""
+    """Build a five-sided corner wardrobe with a slanted door."""
     half, short = size / 2, size / 2 - 0.45
     outline = [(-half, -half), (half, -half), (half, -short), (-short, half), (-half, half)]
     yield prism("wood", outline, height - 0.1, (0.0, 0.06, 0.0), "top")
@@ -119,7 +119,7 @@ def corner_wardrobe(size: float = 1.0, height: float = 2.0) -> Iterator[Solid]:
 
 
 def cupboard_top(width: float = 1.0, height: float = 2.0, depth: float = 0.42) -> Iterator[Solid]:
-    """A dresser: glazed doors with plates above, solid doors below."""
+    """Build a dresser: glazed doors with plates above, solid doors below."""
     yield from carcass(width, 0.86, depth, 0.07, "plinth", "wood", 0.03)
     yield from doors(
         "wood_1", width - 0.02, 0.52, (0.01 - width / 2, 0.08, depth / 2 - BOARD), 2, "shaker", ("brass", "knob"), 0.8

@@ -1,1 +1,1 @@
-"""Tables to eat, work, play and dress at."""
+"""Dining tables, coffee tables, game tables, desks and dressing tables."""

@@ -1,4 +1,4 @@
-"""Tops and undersides that tables of several kinds share."""
+"""Table tops and bases shared by several kinds of table."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -19,7 +19,7 @@ TopKind = Literal["board", "round", "oval", "pill", "edge"]
 def top(
     material: str, width: float, depth: float, height: float, kind: TopKind = "board", thick: float = 0.03
 ) -> Iterator[Solid]:
-    """A table top whose upper side is at `height` [m]."""
+    """Build a table top with its upper surface at `height` [m]."""
     at = (0.0, height - thick, 0.0)
     if kind == "board":
         yield rounded(material, (width, thick, depth), at, 0.35 * thick, 2)
@@ -54,7 +54,7 @@ def four_legs(
     apron: float = 0.08,
     material: str = "wood",
 ) -> Iterator[Solid]:
-    """Legs at the corners, and boards between them under the top."""
+    """Build corner legs and the apron boards between them under the top."""
     yield from legs(material, width - 0.08, depth - 0.08, height, kind, thick)
     if apron:
         for s in (-1, 1):
@@ -63,7 +63,7 @@ def four_legs(
 
 
 def trestle(width: float, depth: float, height: float) -> Iterator[Solid]:
-    """Two ends of a post between two beams, joined by a bar with wedges."""
+    """Build two end posts between beams, joined by a wedged bar."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.25)
         yield rounded("wood", (0.09, 0.07, depth - 0.12), (x, 0.0, 0.0), 0.02, 1)
@@ -74,7 +74,7 @@ def trestle(width: float, depth: float, height: float) -> Iterator[Solid]:
 
 
 def crossed(width: float, depth: float, height: float, material: str = "iron") -> Iterator[Solid]:
-    """Two X-shaped ends and a rail."""
+    """Build two X-shaped ends and a rail."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.16)
         for a in (-1, 1):
@@ -85,7 +85,7 @@ def crossed(width: float, depth: float, height: float, material: str = "iron") -
 
 
 def pedestal(radius: float, height: float, material: str = "wood", feet: int = 0) -> Iterator[Solid]:
-    """A turned column on a round plate or on curved feet."""
+    """Build a turned column on a round plate or curved feet."""
     if feet:
         shape = [(0.05, 0.1), (0.06, 0.2), (0.035, 0.3), (0.06, 0.45), (0.04, 0.8), (0.07, 1.0)]
         yield turned(material, [(r, h * height) for r, h in shape], sides=16, steps=2)
@@ -100,14 +100,14 @@ def pedestal(radius: float, height: float, material: str = "wood", feet: int = 0
 
 
 def panels(width: float, depth: float, height: float, material: str = "wood") -> Iterator[Solid]:
-    """Two full ends and a long board between them."""
+    """Build two full end panels and a long board between them."""
     for s in (-1, 1):
         yield rounded(material, (0.045, height, depth - 0.08), (s * (width / 2 - 0.1), 0.0, 0.0), 0.01, 1)
     yield box(material, (width - 0.22, 0.2, 0.025), (0.0, height - 0.24, 0.0))
 
 
 def drum_base(radius: float, height: float, slats: int = 20) -> Iterator[Solid]:
-    """A ring of slats."""
+    """Build a ring of slats."""
     for a in 2 * np.pi * np.arange(slats) / slats:
         yield rod(
             "wood",
@@ -120,7 +120,7 @@ def drum_base(radius: float, height: float, slats: int = 20) -> Iterator[Solid]:
 
 
 def wire_base(radius: float, height: float, count: int = 14) -> Iterator[Solid]:
-    """Rods that lean around a waist."""
+    """Build rods that lean around a waist."""
     for i in range(count):
         a, b = 2 * np.pi * i / count, 2 * np.pi * (i + 4) / count
         yield rod(

@@ -1,4 +1,4 @@
-"""Coffee tables and side tables."""
+"""Coffee tables, side tables and consoles."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_l
 
 
 def shelved(width: float = 1.1, depth: float = 0.6, height: float = 0.44, kind: LegKind = "square") -> Iterator[Solid]:
-    """A top and a slatted shelf between four legs."""
+    """Build a top and a slatted shelf between four legs."""
     yield from top("wood", width, depth, height, "board", 0.03)
     yield from four_legs(width, depth, height - 0.03, kind, 0.055, 0.05)
     for i in range(6):
@@ -27,7 +27,7 @@ def shelved(width: float = 1.1, depth: float = 0.6, height: float = 0.44, kind: 
 
 
 def glass_top(width: float = 1.15, depth: float = 0.65, shape: TopKind = "board") -> Iterator[Solid]:
-    """Glass on a brass frame with a lower glass shelf."""
+    """Build a glass top on a brass frame with a lower glass shelf."""
     yield from top("glass", width, depth, 0.42, shape, 0.012)
     if shape == "round":
         width, depth = 0.72 * width, 0.72 * depth
@@ -41,7 +41,7 @@ def glass_top(width: float = 1.15, depth: float = 0.65, shape: TopKind = "board"
 
 
 def waterfall(width: float = 1.0, depth: float = 0.55, height: float = 0.4) -> Iterator[Solid]:
-    """One sheet bent at both ends."""
+    """Build a top and both ends from one bent sheet, with a shelf."""
     path = fillet(
         [(-width / 2, 0.0, 0.0), (-width / 2, height, 0.0), (width / 2, height, 0.0), (width / 2, 0.0, 0.0)], 0.09, 10
     )
@@ -50,7 +50,7 @@ def waterfall(width: float = 1.0, depth: float = 0.55, height: float = 0.4) -> I
 
 
 def freeform(width: float = 1.25, depth: float = 0.85) -> Iterator[Solid]:
-    """A three-cornered glass plate on two interlocked pieces of wood."""
+    """Build a three-cornered glass plate on two interlocked pieces of wood."""
     angle = 2 * np.pi * np.arange(36) / 36
     reach = 0.5 * (1 + 0.16 * np.cos(3 * angle))
     yield prism(
@@ -66,7 +66,7 @@ def freeform(width: float = 1.25, depth: float = 0.85) -> Iterator[Solid]:
 
 
 def nest(count: int = 3) -> Iterator[Solid]:
-    """Tables of falling size, one before the other."""
+    """Build a nest of tables of decreasing size."""
     for i in range(count):
         size, height, z = 0.56 - 0.1 * i, 0.48 - 0.06 * i, 0.1 * i
         yield rounded("wood", (size, 0.022, 0.4), (0.0, height - 0.022, z), 0.008, 1)
@@ -78,7 +78,7 @@ def nest(count: int = 3) -> Iterator[Solid]:
 
 
 def chest(width: float = 1.0, depth: float = 0.55) -> Iterator[Solid]:
-    """An old trunk with iron bands."""
+    """Build an old trunk with iron bands."""
     yield rounded("wood", (width, 0.3, depth), (0.0, 0.03, 0.0), 0.015, 1)
     lid = lid_part(0.33, -depth / 2 - 0.01)
     yield from marked(lid, [rounded("wood", (width + 0.02, 0.12, depth + 0.02), (0.0, 0.33, 0.0), 0.04, 3)])
@@ -92,7 +92,7 @@ def chest(width: float = 1.0, depth: float = 0.55) -> Iterator[Solid]:
 
 
 def drawer_table(width: float = 1.1, depth: float = 0.6, kind: LegKind = "taper") -> Iterator[Solid]:
-    """A shallow body with drawers on thin legs."""
+    """Build a shallow body with drawers on thin legs."""
     yield from legs("wood_1", width - 0.1, depth - 0.1, 0.26, kind, 0.045)
     yield box("wood", (width - 0.02, 0.14, depth - 0.06), (0.0, 0.25, -0.01))
     yield from drawers(
@@ -110,7 +110,7 @@ def drawer_table(width: float = 1.1, depth: float = 0.6, kind: LegKind = "taper"
 
 
 def plinth(width: float = 0.9, depth: float = 0.9) -> Iterator[Solid]:
-    """A heavy block with a shadow gap."""
+    """Build a heavy block with a shadow gap."""
     yield box("black", (width - 0.12, 0.05, depth - 0.12))
     yield rounded("stone", (width, 0.24, depth), (0.0, 0.05, 0.0), 0.012, 2)
     yield box("black", (width - 0.06, 0.012, depth - 0.06), (0.0, 0.29, 0.0))
@@ -118,7 +118,7 @@ def plinth(width: float = 0.9, depth: float = 0.9) -> Iterator[Solid]:
 
 
 def round_coffee(width: float = 0.9, base: str = "legs") -> Iterator[Solid]:
-    """A round top on legs, slats or wires."""
+    """Build a round top on legs, slats or wires."""
     yield from top("wood" if base != "wire" else "marble", width, width, 0.42, "round", 0.03)
     if base == "legs":
         yield from around([rod("wood", (0.0, 0.0, 0.42 * width), (0.0, 0.39, 0.3 * width), 0.013, 0.02, 10)], 3)
@@ -130,7 +130,7 @@ def round_coffee(width: float = 0.9, base: str = "legs") -> Iterator[Solid]:
 
 
 def tray_table(width: float = 0.7) -> Iterator[Solid]:
-    """A tray with handles on a folding stand."""
+    """Build a tray with handles on a folding stand."""
     yield vessel(
         "brass", [(width / 2 - 0.03, 0.0), (width / 2 - 0.005, 0.01), (width / 2, 0.05)], 0.006, (0.0, 0.44, 0.0), 32, 1
     )
@@ -150,20 +150,20 @@ def tray_table(width: float = 0.7) -> Iterator[Solid]:
 
 
 def x_coffee(width: float = 1.0, depth: float = 0.6) -> Iterator[Solid]:
-    """A thick top on crossed iron ends."""
+    """Build a thick top on crossed iron ends."""
     yield from top("wood", width, depth, 0.44, "board", 0.045)
     yield from crossed(width, depth, 0.395)
 
 
 def oval_coffee(width: float = 1.2, depth: float = 0.65, kind: LegKind = "splay") -> Iterator[Solid]:
-    """An oval top over a magazine shelf."""
+    """Build an oval top over a magazine shelf."""
     yield from top("wood", width, depth, 0.43, "oval", 0.024)
     yield from legs("wood", width - 0.34, depth - 0.16, 0.41, kind, 0.045)
     yield prism("wood_1", loop(width - 0.4, depth - 0.24, 28), 0.014, (0.0, 0.22, 0.0), "top")
 
 
 def lift_box(width: float = 1.05, depth: float = 0.6) -> Iterator[Solid]:
-    """A box with open niches and a thick top."""
+    """Build a box with open niches and a thick top."""
     yield box("wood", (width - 0.06, 0.03, depth - 0.06), (0.0, 0.03, 0.0))
     for x in (-0.5, 0.0, 0.5):
         yield box("wood", (0.025, 0.3, depth - 0.06), (x * (width - 0.1), 0.05, 0.0))
@@ -174,13 +174,13 @@ def lift_box(width: float = 1.05, depth: float = 0.6) -> Iterator[Solid]:
 
 
 def side_column(width: float = 0.42, feet: int = 3) -> Iterator[Solid]:
-    """A small round top on a turned column."""
+    """Build a small round top on a turned column."""
     yield from top("wood", width, width, 0.55, "round", 0.022)
     yield from pedestal(width / 2, 0.53, "wood", feet)
 
 
 def c_table(width: float = 0.42) -> Iterator[Solid]:
-    """A top that reaches over a sofa on a C-shaped frame."""
+    """Build a C-shaped side table that reaches over a sofa."""
     yield from top("wood", width, 0.36, 0.6, "board", 0.02)
     for z in (-0.15, 0.15):
         path = [(0.16, 0.588, z), (-0.18, 0.588, z), (-0.18, 0.012, z), (0.18, 0.012, z)]
@@ -189,7 +189,7 @@ def c_table(width: float = 0.42) -> Iterator[Solid]:
 
 
 def garden_stool() -> Iterator[Solid]:
-    """A glazed barrel with round openings."""
+    """Build a glazed barrel with round openings."""
     yield turned("glaze", [(0.14, 0.0), (0.17, 0.04), (0.2, 0.22), (0.17, 0.41), (0.13, 0.45)], sides=24, steps=3)
     for y in (0.06, 0.39):
         yield ring("glaze", 0.174, 0.014, (0.0, y, 0.0), 1, 24)
@@ -201,7 +201,7 @@ def garden_stool() -> Iterator[Solid]:
 
 
 def stump() -> Iterator[Solid]:
-    """A log on its end."""
+    """Build an upright log."""
     angle = 2 * np.pi * np.arange(26) / 26
     reach = 0.18 * (1 + 0.06 * np.sin(3 * angle) + 0.03 * np.sin(7 * angle + 1))
     outline = np.stack([reach * np.cos(angle), reach * np.sin(angle)], -1)
@@ -210,7 +210,7 @@ def stump() -> Iterator[Solid]:
 
 
 def demilune(width: float = 0.9, depth: float = 0.4) -> Iterator[Solid]:
-    """A half-round console for a wall."""
+    """Build a half-round wall console."""
     half = [(width / 2 * np.cos(a), -0.18 + depth * np.sin(a)) for a in np.linspace(0, np.pi, 19)]
     yield prism("wood", half, 0.028, (0.0, 0.77, 0.0), "top")
     yield prism("wood", [(0.9 * x, -0.17 + 0.88 * (z + 0.18)) for x, z in half], 0.09, (0.0, 0.68, 0.0), "top")
@@ -221,7 +221,7 @@ def demilune(width: float = 0.9, depth: float = 0.4) -> Iterator[Solid]:
 
 
 def console(width: float = 1.1, depth: float = 0.34, base: str = "iron") -> Iterator[Solid]:
-    """A long narrow table behind a sofa or in a hall."""
+    """Build a long, narrow table for a hall or the back of a sofa."""
     yield from top("wood", width, depth, 0.8, "board", 0.035)
     if base == "iron":
         for s in (-1, 1):

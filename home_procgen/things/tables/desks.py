@@ -10,7 +10,7 @@ from home_procgen.things.family import Family, design
 from home_procgen.things.joinery import LegKind, book_row, case, drawers, legs
 from home_procgen.things.tables.bases import top
 
-HEIGHT = 0.75  # [m]
+HEIGHT = 0.75  # [m], height of desks
 
 
 def unit(
@@ -22,7 +22,7 @@ def unit(
     grip: tuple = ("chrome", "bar"),
     foot: float = 0.05,
 ) -> Iterator[Solid]:
-    """A drawer unit under a desk."""
+    """Build a drawer unit under a desk."""
     yield box("wood", (width, HEIGHT - 0.03 - foot, depth - 0.08), (x, foot, -0.02))
     yield box("black", (width - 0.04, foot, depth - 0.14), (x, 0.0, -0.02))
     yield from drawers(
@@ -39,7 +39,7 @@ def unit(
 
 
 def pedestal_desk(width: float = 1.4, depth: float = 0.7, both: bool = False) -> Iterator[Solid]:
-    """A top on one or two drawer units."""
+    """Build a top on one or two drawer units."""
     yield from top("wood_1", width, depth, HEIGHT, "board", 0.03)
     yield from unit(width / 2 - 0.23, 0.42, depth, 3)
     if both:
@@ -50,7 +50,7 @@ def pedestal_desk(width: float = 1.4, depth: float = 0.7, both: bool = False) ->
 
 
 def writing(width: float = 1.2, depth: float = 0.6, kind: LegKind = "taper") -> Iterator[Solid]:
-    """A light desk with a shallow drawer."""
+    """Build a light desk with a shallow drawer."""
     yield from legs("wood", width - 0.06, depth - 0.06, HEIGHT - 0.13, kind, 0.05)
     yield box("wood", (width - 0.04, 0.1, depth - 0.08), (0.0, HEIGHT - 0.125, -0.01))
     yield from drawers(
@@ -68,7 +68,7 @@ def writing(width: float = 1.2, depth: float = 0.6, kind: LegKind = "taper") -> 
 
 
 def hutch(width: float = 1.2, depth: float = 0.62) -> Iterator[Solid]:
-    """A desk with shelves above its back edge."""
+    """Build a desk with shelves above its back edge."""
     yield from pedestal_desk(width, depth)
     yield from case("wood", width, 0.62, 0.24, (0.3,), (0.0, HEIGHT, 0.12 - depth / 2), (0.35, 0.7), "wood_1")
     yield from book_row(-width / 2 + 0.03, HEIGHT + 0.32, 0.34, 0.26, 0.12 - depth / 2, 3)
@@ -76,7 +76,7 @@ def hutch(width: float = 1.2, depth: float = 0.62) -> Iterator[Solid]:
 
 
 def secretary(width: float = 0.9, depth: float = 0.45) -> Iterator[Solid]:
-    """A chest of drawers whose flap folds down to write on, with pigeonholes."""
+    """Build a chest of drawers with a fold-down writing flap and pigeonholes."""
     yield box("wood", (width, 0.7, depth - 0.03), (0.0, 0.06, -0.015))
     yield from legs("wood", width, depth, 0.07, "block", 0.07)
     yield from drawers(
@@ -99,7 +99,7 @@ def secretary(width: float = 0.9, depth: float = 0.45) -> Iterator[Solid]:
 
 
 def corner_desk(size: float = 1.5, depth: float = 0.6) -> Iterator[Solid]:
-    """An L around a corner."""
+    """Build an L-shaped corner desk."""
     half = size / 2
     inner, y = depth - half, HEIGHT - 0.03
     yield rounded("wood_1", (size, 0.03, depth), (0.0, y, depth / 2 - half), 0.006, 2)
@@ -118,7 +118,7 @@ def corner_desk(size: float = 1.5, depth: float = 0.6) -> Iterator[Solid]:
 
 
 def standing_desk(width: float = 1.4, depth: float = 0.7, height: float = 0.98) -> Iterator[Solid]:
-    """A top on two telescopic columns."""
+    """Build a top on two telescopic columns."""
     yield from top("wood", width, depth, height, "board", 0.026)
     for s in (-1, 1):
         x = s * (width / 2 - 0.24)
@@ -131,7 +131,7 @@ def standing_desk(width: float = 1.4, depth: float = 0.7, height: float = 0.98) 
 
 
 def sawhorse(width: float = 1.5, depth: float = 0.7) -> Iterator[Solid]:
-    """A loose top on two sawhorses."""
+    """Build a loose top on two sawhorses."""
     yield from top("wood_1", width, depth, HEIGHT, "board", 0.03)
     for s in (-1, 1):
         x = s * (width / 2 - 0.28)
@@ -151,7 +151,7 @@ def sawhorse(width: float = 1.5, depth: float = 0.7) -> Iterator[Solid]:
 
 
 def ladder_desk(width: float = 0.8) -> Iterator[Solid]:
-    """Leaning side rails that carry a desk and two shelves."""
+    """Build leaning side rails with a desk and two shelves."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.02)
         yield beam("wood", (x, 0.0, 0.28), (x, 1.8, -0.24), 0.03, 0.05)
@@ -165,7 +165,7 @@ def ladder_desk(width: float = 0.8) -> Iterator[Solid]:
 
 
 def executive_desk(width: float = 1.7, depth: float = 0.85) -> Iterator[Solid]:
-    """Two panelled units under a leather-covered top."""
+    """Build two panelled units under a leather-covered top."""
     yield from top("wood", width, depth, HEIGHT + 0.03, "edge", 0.06)
     yield box("leather", (width - 0.3, 0.002, depth - 0.3), (0.0, HEIGHT + 0.03, 0.0))
     for s in (-1, 1):
@@ -180,7 +180,7 @@ def executive_desk(width: float = 1.7, depth: float = 0.85) -> Iterator[Solid]:
 
 
 def glass_desk(width: float = 1.3, depth: float = 0.65) -> Iterator[Solid]:
-    """A glass plate on a bent tube frame."""
+    """Build a glass plate on a bent tube frame."""
     yield from top("glass", width, depth, HEIGHT, "board", 0.012)
     for s in (-1, 1):
         x = s * (width / 2 - 0.08)
@@ -192,7 +192,7 @@ def glass_desk(width: float = 1.3, depth: float = 0.65) -> Iterator[Solid]:
 
 
 def wall_desk(width: float = 0.9) -> Iterator[Solid]:
-    """A shallow box that hangs on a wall, its front folded down to write on."""
+    """Build a shallow wall box with a fold-down writing front."""
     yield from case("wood", width, 0.5, 0.2, (0.16, 0.32), (0.0, 0.72, -0.2), (0.5,), "wood_1")
     yield box("wood_1", (width - 0.03, 0.022, 0.44), (0.0, 0.725, 0.12))
     yield from mirrored([rod("iron", (width / 2 - 0.03, 0.74, 0.2), (width / 2 - 0.03, 1.0, -0.1), 0.004, sides=5)])

@@ -1,4 +1,4 @@
-"""Dining tables, small tables, and tables for games."""
+"""Dining tables, small tables and game tables."""
 
 import itertools
 from collections.abc import Iterator
@@ -14,11 +14,11 @@ from home_procgen.things.family import Family, design
 from home_procgen.things.joinery import LegKind, corners, legs
 from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_legs, panels, pedestal, top, trestle
 
-HEIGHT = 0.75  # [m]
+HEIGHT = 0.75  # [m], height of dining tables
 
 
 def farmhouse(width: float = 1.6, depth: float = 0.9, kind: LegKind = "turned") -> Iterator[Solid]:
-    """Planks on an apron with four legs."""
+    """Build a plank top on an apron with four legs."""
     count = 5
     for i in range(count):
         yield rounded(
@@ -33,39 +33,39 @@ def farmhouse(width: float = 1.6, depth: float = 0.9, kind: LegKind = "turned") 
 
 
 def slim(width: float = 1.4, depth: float = 0.8, kind: LegKind = "taper", shape: TopKind = "board") -> Iterator[Solid]:
-    """A thin top on light legs."""
+    """Build a thin top on light legs."""
     yield from top("wood_1", width, depth, HEIGHT, shape, 0.026)
     inside = 0.7 if shape == "round" else 1.0
     yield from four_legs(inside * width - 0.1, inside * depth - 0.06, HEIGHT - 0.026, kind, 0.05, 0.06)
 
 
 def trestle_table(width: float = 1.8, depth: float = 0.9) -> Iterator[Solid]:
-    """A thick top on trestles."""
+    """Build a thick top on trestles."""
     yield from top("wood", width, depth, HEIGHT, "board", 0.05)
     yield from trestle(width, depth, HEIGHT - 0.05)
 
 
 def steel_frame(width: float = 1.7, depth: float = 0.9) -> Iterator[Solid]:
-    """A thick wooden top on crossed steel ends."""
+    """Build a thick wooden top on crossed steel ends."""
     yield from top("wood_1", width, depth, HEIGHT, "board", 0.045)
     yield from crossed(width, depth, HEIGHT - 0.045)
 
 
 def tulip(radius: float = 0.55, material: str = "marble") -> Iterator[Solid]:
-    """A round top on one flowing foot."""
+    """Build a round top on one flared foot."""
     yield from top(material, 2 * radius, 2 * radius, HEIGHT, "round", 0.025)
     yield from pedestal(radius, HEIGHT - 0.025, "white")
 
 
 def claw_foot(width: float = 1.15) -> Iterator[Solid]:
-    """A round wooden top on a turned column with four feet."""
+    """Build a round wooden top on a turned column with four feet."""
     yield from top("wood", width, width, HEIGHT, "round", 0.03)
     yield cylinder("wood", 0.25, 0.03, (0.0, HEIGHT - 0.06, 0.0), sides=24)
     yield from pedestal(width / 2, HEIGHT - 0.06, "wood", 4)
 
 
 def double_pedestal(width: float = 1.9, depth: float = 1.0) -> Iterator[Solid]:
-    """An oval top on two columns."""
+    """Build an oval top on two columns."""
     yield from top("wood", width, depth, HEIGHT, "oval", 0.035)
     yield box("wood", (width - 0.6, 0.06, 0.1), (0.0, HEIGHT - 0.095, 0.0))
     for x in (-0.42, 0.42):
@@ -73,13 +73,13 @@ def double_pedestal(width: float = 1.9, depth: float = 1.0) -> Iterator[Solid]:
 
 
 def panel_table(width: float = 1.6, depth: float = 0.85) -> Iterator[Solid]:
-    """A top between two full ends."""
+    """Build a top between two full ends."""
     yield from top("wood", width, depth, HEIGHT, "board", 0.04)
     yield from panels(width, depth, HEIGHT - 0.04)
 
 
 def glass_dining(width: float = 1.5, depth: float = 0.9) -> Iterator[Solid]:
-    """A glass plate on two loops of steel."""
+    """Build a glass plate on two steel loops."""
     yield from top("glass", width, depth, HEIGHT, "board", 0.014)
     for x in (-0.4, 0.4):
         path = fillet(
@@ -94,13 +94,13 @@ def glass_dining(width: float = 1.5, depth: float = 0.9) -> Iterator[Solid]:
 
 
 def slatted_drum(width: float = 1.2) -> Iterator[Solid]:
-    """A round top on a ring of slats."""
+    """Build a round top on a ring of slats."""
     yield from top("wood", width, width, HEIGHT, "round", 0.035)
     yield from drum_base(0.3, HEIGHT - 0.03)
 
 
 def drop_leaf(width: float = 1.0, depth: float = 0.9) -> Iterator[Solid]:
-    """A narrow middle with one leaf up on a gate leg and one hanging."""
+    """Build a narrow drop-leaf table, one leaf up on a gate leg and one hanging."""
     yield from top("wood", 0.42, depth, HEIGHT, "board", 0.024)
     yield rounded("wood", (0.4, 0.024, depth), (0.415, HEIGHT - 0.024, 0.0), 0.008, 1)
     yield rounded("wood", (0.024, 0.42, depth), (-0.225, HEIGHT - 0.45, 0.0), 0.008, 1)
@@ -110,7 +110,7 @@ def drop_leaf(width: float = 1.0, depth: float = 0.9) -> Iterator[Solid]:
 
 
 def live_edge(width: float = 1.8, depth: float = 0.9) -> Iterator[Solid]:
-    """A slab with a natural edge on steel frames."""
+    """Build a slab with a natural edge on steel frames."""
     t = np.linspace(-1, 1, 15)
     wave = 0.03 * np.sin(7 * t) + 0.02 * np.sin(17 * t + 1)
     outline = [
@@ -126,7 +126,7 @@ def live_edge(width: float = 1.8, depth: float = 0.9) -> Iterator[Solid]:
 
 
 def bistro(width: float = 0.65, height: float = 0.74, shape: TopKind = "round") -> Iterator[Solid]:
-    """A small top on an iron column with three feet."""
+    """Build a small top on an iron column with three feet, or four under a square top."""
     yield from top("marble" if shape == "round" else "wood", width, width, height, shape, 0.024)
     yield cylinder("iron", 0.03, height - 0.06, (0.0, 0.04, 0.0), sides=12)
     yield cylinder("iron", 0.14, 0.02, (0.0, height - 0.044, 0.0), sides=16)
@@ -138,7 +138,7 @@ def bistro(width: float = 0.65, height: float = 0.74, shape: TopKind = "round") 
 
 
 def folding_table(width: float = 1.2, depth: float = 0.6) -> Iterator[Solid]:
-    """A light top on crossed tubes."""
+    """Build a light top on crossed tubes."""
     yield from top("white", width, depth, 0.73, "board", 0.04)
     for x in (-0.42, 0.42):
         for s in (-1, 1):
@@ -148,7 +148,7 @@ def folding_table(width: float = 1.2, depth: float = 0.6) -> Iterator[Solid]:
 
 
 def billiards(width: float = 2.4, depth: float = 1.35) -> Iterator[Solid]:
-    """A felted table with cushions, pockets, balls and turned legs."""
+    """Build a billiard table with cushions, pockets, balls and turned legs."""
     yield box("felt", (width - 0.2, 0.03, depth - 0.2), (0.0, 0.76, 0.0))
     for s in (-1, 1):
         yield rounded("wood", (width, 0.09, 0.13), (0.0, 0.74, s * (depth / 2 - 0.065)), 0.02, 2)
@@ -168,7 +168,7 @@ def billiards(width: float = 2.4, depth: float = 1.35) -> Iterator[Solid]:
 
 
 def ping_pong(width: float = 2.74, depth: float = 1.52) -> Iterator[Solid]:
-    """A table with white lines, a net and bats."""
+    """Build a table tennis table with white lines, a net and bats."""
     yield rounded("blue", (width, 0.03, depth), (0.0, 0.73, 0.0), 0.008, 1)
     for s in (-1, 1):
         yield box("white", (width, 0.002, 0.02), (0.0, 0.7595, s * (depth / 2 - 0.012)))
@@ -186,7 +186,7 @@ def ping_pong(width: float = 2.74, depth: float = 1.52) -> Iterator[Solid]:
 
 
 def foosball(width: float = 1.4, depth: float = 0.75) -> Iterator[Solid]:
-    """A football box with rods of players."""
+    """Build a table football box with rods of players."""
     yield box("green", (width - 0.06, 0.02, depth - 0.06), (0.0, 0.76, 0.0))
     for s in (-1, 1):
         yield rounded("wood", (width, 0.28, 0.035), (0.0, 0.62, s * (depth / 2 - 0.018)), 0.008, 1)

@@ -22,7 +22,7 @@ def _oval_mirror(y: float, z: float, width: float, height: float) -> Iterator[So
 
 
 def vanity(width: float = 1.0, depth: float = 0.42, kind: LegKind = "cabriole") -> Iterator[Solid]:
-    """Drawers beside the knees and an oval mirror."""
+    """Build a dressing table with drawers beside the knees and an oval mirror."""
     yield from legs("wood", width, depth, 0.6, kind, 0.055)
     yield box("wood", (width - 0.02, 0.14, depth - 0.04), (0.0, 0.6, -0.01))
     yield from drawers(
@@ -35,7 +35,7 @@ def vanity(width: float = 1.0, depth: float = 0.42, kind: LegKind = "cabriole") 
 
 
 def tri_mirror(width: float = 1.1, depth: float = 0.44) -> Iterator[Solid]:
-    """Two drawer towers and a mirror with wings."""
+    """Build two drawer towers and a three-part mirror."""
     for s in (-1, 1):
         yield box("wood", (0.3, 0.66, depth - 0.04), (s * (width / 2 - 0.15), 0.04, -0.01))
         yield from drawers(
@@ -62,7 +62,7 @@ def tri_mirror(width: float = 1.1, depth: float = 0.44) -> Iterator[Solid]:
 
 
 def hollywood(width: float = 1.1, depth: float = 0.42) -> Iterator[Solid]:
-    """A large mirror framed with round bulbs, on a white table."""
+    """Build a white table with a large mirror framed by round bulbs."""
     yield from legs("white", width, depth, 0.62, "square", 0.05)
     yield box("white", (width, 0.13, depth - 0.03), (0.0, 0.61, -0.01))
     yield from drawers(
@@ -78,7 +78,7 @@ def hollywood(width: float = 1.1, depth: float = 0.42) -> Iterator[Solid]:
 
 
 def skirted(width: float = 0.95, depth: float = 0.45) -> Iterator[Solid]:
-    """A kidney top with a pleated skirt and a round mirror."""
+    """Build a kidney-shaped top with a pleated skirt and a round mirror."""
     yield prism("wood", loop(width, depth, 32, 2.6), 0.03, (0.0, 0.72, 0.0), "top")
 
     def skirt(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:

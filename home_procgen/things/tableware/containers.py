@@ -73,7 +73,7 @@ _CONTAINERS_KINDS = {
 
 
 def containers(kind: str = "jars") -> Iterator[Solid]:
-    """Three jars with lids, tins, or boxes for bread."""
+    """Build three jars with lids, tins, a spice rack or a bread box."""
     yield from _CONTAINERS_KINDS[kind]()
 
 

@@ -11,7 +11,7 @@ from home_procgen.things.family import Family, kinds_of
 
 
 def _ear(slot: str, radius: float, low: float, high: float, bar: float = 0.005) -> Solid:
-    """A handle on the +x side of a cup."""
+    """Build a handle on the +x side of a cup."""
     path = fillet(
         [(radius, high, 0.0), (radius + 0.032, high, 0.0), (radius + 0.03, low, 0.0), (radius, low, 0.0)], 0.018, 4
     )
@@ -101,7 +101,7 @@ _CUP_KINDS = {
 
 
 def cup(kind: str = "mug") -> Iterator[Solid]:
-    """A mug, a tea cup with its saucer, an enamel beaker, a bowl-shaped or a footed cup."""
+    """Build a cup of one of ten kinds, such as a mug, a tea cup with its saucer, a stack or a pen cup."""
     yield from _CUP_KINDS[kind]()
 
 

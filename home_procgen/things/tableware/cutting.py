@@ -1,4 +1,4 @@
-"""Knives, boards, utensils."""
+"""Knives, chopping boards, utensils."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from home_procgen.things.family import Family, kinds_of
 
 
 def knives(kind: str = "block") -> Iterator[Solid]:
-    """A block of knives, a magnet bar, or a fan of knives in a stand."""
+    """Build knives in a block, on a magnet bar or in a holder."""
     if kind == "bar":
         yield rounded("wood", (0.42, 0.05, 0.02), (0.0, 0.2, -0.02), 0.005, 1)
         for i in range(5):
@@ -42,7 +42,7 @@ def knives(kind: str = "block") -> Iterator[Solid]:
 
 
 def board(kind: str = "plain") -> Iterator[Solid]:
-    """A chopping board with bread, with vegetables, or boards on edge in a stand."""
+    """Build a chopping board with bread or with vegetables, or boards on edge in a stand."""
     if kind == "stand":
         for i in range(3):
             piece = rounded(
@@ -80,7 +80,7 @@ def board(kind: str = "plain") -> Iterator[Solid]:
 
 
 def utensils(kind: str = "jar") -> Iterator[Solid]:
-    """Spoons, a whisk and a spatula in a jar, or hanging from a rail."""
+    """Build spoons, a whisk and a spatula, in a jar or on a rail."""
     base = 0.16 if kind == "jar" else 0.02
     if kind == "jar":
         yield vessel("glaze", [(0.05, 0.0), (0.058, 0.02), (0.055, 0.1), (0.06, 0.15)], 0.005, sides=20, steps=2)

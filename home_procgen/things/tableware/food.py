@@ -12,7 +12,7 @@ from home_procgen.things.family import Family, kinds_of
 
 
 def cake(kind: str = "whole") -> Iterator[Solid]:
-    """A cake on a stand, muffins on a plate, or a cake under a glass bell."""
+    """Build a cake or muffins on a stand, or a cake under a glass bell."""
     yield turned(
         "crockery",
         [(0.06, 0.0), (0.02, 0.015), (0.018, 0.06), (0.04, 0.075), (0.14, 0.08), (0.145, 0.09)],
@@ -37,7 +37,7 @@ def cake(kind: str = "whole") -> Iterator[Solid]:
 
 
 def bread(kind: str = "loaf") -> Iterator[Solid]:
-    """A loaf, baguettes in a basket, rolls."""
+    """Build a loaf, or rolls in a basket."""
     if kind == "loaf":
         yield soft("crust", (0.28, 0.11, 0.13), (0.0, 0.0, 0.0), 2.8, 7)
         for i in range(4):
@@ -103,7 +103,7 @@ _MEAL_KINDS = {
 
 
 def meal(kind: str = "pizza") -> Iterator[Solid]:
-    """A pizza, a salad, or a tray of sushi."""
+    """Build a pizza, a salad or a tray of sushi."""
     yield from _MEAL_KINDS[kind]()
 
 

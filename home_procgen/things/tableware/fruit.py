@@ -12,7 +12,7 @@ from home_procgen.things.family import Family, kinds_of
 
 
 def fruit(kind: str = "bowl") -> Iterator[Solid]:
-    """Apples, oranges, pears, bananas in a bowl, a basket, on a stand, in a wire bowl."""
+    """Build fruit in a bowl, in a basket, on a stand or in a wire bowl."""
     low = {"bowl": 0.02, "basket": 0.03, "stand": 0.17, "wire": 0.03}[kind]
     if kind == "bowl":
         yield vessel("glaze", [(0.06, 0.0), (0.065, 0.01), (0.12, 0.04), (0.15, 0.085)], 0.006, sides=28, steps=3)

@@ -11,7 +11,7 @@ from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import Family, kinds_of
 
-PROFILES = {  # radius and height [m]
+PROFILES = {  # kind -> (radius, height) [m]
     "wine": [
         (0.035, 0.0),
         (0.03, 0.003),
@@ -42,7 +42,7 @@ PROFILES = {  # radius and height [m]
 
 
 def glass(kind: str = "wine") -> Iterator[Solid]:
-    """A drinking glass: for wine, water, champagne, beer, cocktails, brandy."""
+    """Build a drinking glass with a profile of `PROFILES`."""
     yield vessel("glass" if kind != "goblet" else "tint", PROFILES[kind], 0.002, sides=22, steps=3)
     if kind == "mug":
         yield cylinder("yellow", 0.036, 0.1, (0.0, 0.008, 0.0), sides=22)
@@ -142,7 +142,7 @@ _BOTTLE_KINDS = {
 
 
 def bottle(kind: str = "wine") -> Iterator[Solid]:
-    """A bottle of wine, water, oil, milk, or a jar."""
+    """Build a bottle of wine, water, oil or milk, or a jar."""
     yield from _BOTTLE_KINDS[kind]()
 
 

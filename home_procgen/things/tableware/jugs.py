@@ -44,12 +44,12 @@ _JUG_KINDS = {
 
 
 def jug(kind: str = "pitcher") -> Iterator[Solid]:
-    """A pitcher, a carafe, a milk can, a thermos."""
+    """Build a pitcher, a carafe or a thermos."""
     yield from _JUG_KINDS[kind]()
 
 
 def teapot(kind: str = "round") -> Iterator[Solid]:
-    """A round, a tall or a glass teapot."""
+    """Build a round, tall or glass teapot."""
     slot = "tint" if kind == "glass" else "glaze"
     body = (
         [(0.05, 0.0), (0.085, 0.05), (0.07, 0.1), (0.035, 0.118)]

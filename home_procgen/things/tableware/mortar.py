@@ -1,4 +1,4 @@
-"""A mortar."""
+"""Mortar and pestle."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from home_procgen.things.family import Family, design
 
 
 def mortar() -> Iterator[Solid]:
-    """A stone mortar with its pestle."""
+    """Build a stone mortar with its pestle."""
     yield vessel(
         "stone", [(0.05, 0.0), (0.055, 0.015), (0.045, 0.03), (0.07, 0.06), (0.075, 0.1)], 0.014, sides=24, steps=2
     )

@@ -62,7 +62,7 @@ _PAN_KINDS = {
 
 
 def pan(kind: str = "frying") -> Iterator[Solid]:
-    """A frying pan, a pot with a lid, a wok, a casserole."""
+    """Build a frying pan, a pot with a lid, a wok or a casserole."""
     yield from _PAN_KINDS[kind]()
 
 

@@ -1,4 +1,4 @@
-"""Plates and laid places."""
+"""Plates and place settings."""
 
 from collections.abc import Iterator
 
@@ -73,12 +73,12 @@ _PLATES_KINDS = {
 
 
 def plates(kind: str = "stack") -> Iterator[Solid]:
-    """A pile of plates, a laid place, bowls, a plate in a rack, a platter."""
+    """Build a stack of plates, a stack of bowls, plates in a rack, a platter or a plate set with cutlery."""
     yield from _PLATES_KINDS[kind]()
 
 
 def _cutlery(left: float, right: float) -> Iterator[Solid]:
-    """A fork to the left, a knife and a spoon to the right."""
+    """Build a fork to the left, and a knife and a spoon to the right."""
     yield rounded("steel", (0.011, 0.003, 0.12), (left, 0.0, 0.03), 0.001, 1)
     yield rounded("steel", (0.024, 0.003, 0.03), (left, 0.0, -0.045), 0.001, 1)
     for i in range(4):
@@ -95,7 +95,7 @@ def _cutlery(left: float, right: float) -> Iterator[Solid]:
 
 
 def setting(mat: str = "round") -> Iterator[Solid]:
-    """A mat with plates, cutlery, a glass and a napkin."""
+    """Build a place setting: a mat with plates, cutlery, a glass and a napkin."""
     if mat == "round":
         yield cylinder("cane", 0.19, 0.004, sides=30)
     else:

@@ -22,7 +22,7 @@ def _fall(
     tie: float = 0.0,
     side: int = 0,
 ) -> Solid:
-    """Cloth in folds between two edges; `tie` gathers it towards `side` at a third of its height."""
+    """Build folded cloth between two edges; `tie` gathers it towards `side` at 0.62 of its drop."""
     width = right - left
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -51,7 +51,7 @@ def _pole(width: float, y: float, slot: str = "wood", ends: str = "ball") -> Ite
 def drapes(
     width: float = 2.0, height: float = 2.3, open_: float = 0.27, tied: bool = False, sheers: bool = False
 ) -> Iterator[Solid]:
-    """Two lengths of cloth on a pole, to the floor, drawn aside or tied, perhaps with sheers between."""
+    """Build two lengths of cloth on a pole to the floor, open or tied, with optional sheers between."""
     yield from _pole(width, height - 0.03)
     for s in (-1, 1):
         inner, outer = s * width / 2 * (1 - 2 * open_) if not tied else s * 0.04, s * width / 2
@@ -73,20 +73,20 @@ def drapes(
 
 
 def portiere(width: float = 1.0, height: float = 2.1) -> Iterator[Solid]:
-    """One length of cloth, drawn to one side."""
+    """Build one length of cloth drawn to one side."""
     yield from _pole(width, height - 0.03, "iron", "block")
     yield _fall("curtain", -width / 2, -0.05, height - 0.05, 0.01, 6, 0.04)
 
 
 def cafe(width: float = 1.3, height: float = 0.75) -> Iterator[Solid]:
-    """Short curtains on a rod across the lower half of a window."""
+    """Build short curtains on a rod across the lower half of a window."""
     yield from _pole(width, height - 0.02, "brass", "ball")
     for s in (-1, 1):
         yield _fall("curtain", min(s * 0.03, s * width / 2), max(s * 0.03, s * width / 2), height - 0.04, 0.0, 6, 0.022)
 
 
 def valance(width: float = 1.7, height: float = 1.6) -> Iterator[Solid]:
-    """A box with a scalloped cloth above short curtains."""
+    """Build a box with a scalloped cloth above short curtains."""
     yield rounded("wood", (width + 0.1, 0.05, 0.16), (0.0, height - 0.05, -0.01), 0.008, 1)
     t = np.linspace(-1, 1, 41)
     edge = [(x * (width / 2 + 0.03), height - 0.26 - 0.07 * abs(np.sin(2.5 * np.pi * x))) for x in t]
@@ -102,7 +102,7 @@ def valance(width: float = 1.7, height: float = 1.6) -> Iterator[Solid]:
 
 
 def roman(width: float = 1.2, height: float = 1.5, drawn: float = 0.55) -> Iterator[Solid]:
-    """A blind that folds up in broad pleats."""
+    """Build a Roman blind that folds up in broad pleats."""
     yield rounded("wood", (width, 0.04, 0.05), (0.0, height - 0.04, 0.0), 0.006, 1)
     low, folds = height * (1 - drawn), 4
     yield surface(
@@ -119,7 +119,7 @@ def roman(width: float = 1.2, height: float = 1.5, drawn: float = 0.55) -> Itera
 
 
 def roller(width: float = 1.1, height: float = 1.5, drawn: float = 0.6) -> Iterator[Solid]:
-    """A blind on a roll."""
+    """Build a roller blind."""
     yield tube("white", [(-width / 2, height - 0.04, 0.0), (width / 2, height - 0.04, 0.0)], 0.035, 14)
     low = height * (1 - drawn)
     yield surface(
@@ -136,7 +136,7 @@ def roller(width: float = 1.1, height: float = 1.5, drawn: float = 0.6) -> Itera
 
 
 def slats(width: float = 1.2, height: float = 1.5, upright: bool = False) -> Iterator[Solid]:
-    """A Venetian blind, or upright slats on a rail."""
+    """Build a Venetian blind, or vertical slats on a rail."""
     yield rounded("white", (width, 0.05, 0.06), (0.0, height - 0.05, 0.0), 0.008, 1)
     if upright:
         count = int(width / 0.09)

@@ -63,7 +63,7 @@ _CUSHION_KINDS = {
 
 
 def cushion(kind: str = "square") -> Iterator[Solid]:
-    """Loose pillows: square, oblong, a roll, a ball, a heart, a pile."""
+    """Build loose pillows: square, oblong, a roll, a ball, a heart or a pile."""
     yield from _CUSHION_KINDS[kind]()
 
 

@@ -1,4 +1,4 @@
-"""Shoes of other make: tall boots, clogs, sandals."""
+"""More shoes: rain boots, clogs, ballerinas, high-tops, sandals."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from home_procgen.things.textiles.soles import SOLE
 
 
 def rain_boots() -> Iterator[Solid]:
-    """High boots of rubber, wide at the top."""
+    """Build high rubber boots, wide at the top."""
     for s in (-1, 1):
         x = s * 0.07
         yield prism("black", SOLE, 0.022, (x, 0.0, 0.0), "top")
@@ -25,7 +25,7 @@ def rain_boots() -> Iterator[Solid]:
 
 
 def clogs() -> Iterator[Solid]:
-    """Of wood, with a strap of leather."""
+    """Build wooden clogs with a leather strap."""
     for s in (-1, 1):
         x = s * 0.065
         yield prism("wood", SOLE, 0.035, (x, 0.0, 0.0), "top")
@@ -37,7 +37,7 @@ def clogs() -> Iterator[Solid]:
 
 
 def ballerinas() -> Iterator[Solid]:
-    """Flat shoes with a bow, open above."""
+    """Build flat, open-topped shoes with a bow."""
     section = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.2], [0.9, 0.5], [-0.9, 0.5], [-1.0, 0.2]])
     for s in (-1, 1):
         x = s * 0.06
@@ -51,7 +51,7 @@ def ballerinas() -> Iterator[Solid]:
 
 
 def high_tops() -> Iterator[Solid]:
-    """Canvas shoes over the ankle, with white toes and laces."""
+    """Build ankle-high canvas shoes with white toes and laces."""
     for s in (-1, 1):
         x = s * 0.065
         yield prism("white", SOLE, 0.03, (x, 0.0, 0.0), "top")
@@ -66,7 +66,7 @@ def high_tops() -> Iterator[Solid]:
 
 
 def sandals() -> Iterator[Solid]:
-    """A footbed of cork with two straps and buckles."""
+    """Build sandals: a cork footbed with two straps and buckles."""
     for s in (-1, 1):
         x = s * 0.062
         yield prism("rubber", SOLE, 0.01, (x, 0.0, 0.0), "top")

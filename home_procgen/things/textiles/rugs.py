@@ -12,14 +12,14 @@ from home_procgen.things.family import Family, design
 
 
 def _once(piece: Solid) -> Solid:
-    """Shows a texture exactly once on the upper side of a piece."""
+    """Map the texture exactly once onto the upper side of a piece."""
     low, high = piece.box[:, [0, 2]]
     uv = (piece.vertices[piece.faces][..., [0, 2]] - low) / (high - low)
     return replace(piece, uv=uv)
 
 
 def rug(width: float = 2.0, depth: float = 1.4, fringe: bool = False) -> Iterator[Solid]:
-    """A woven rug, perhaps with fringes at its short ends."""
+    """Build a woven rug with optional fringes at its short ends."""
     yield _once(rounded("carpet", (width, 0.01, depth), (0.0, 0.0, 0.0), 0.004, 2))
     if fringe:
         for s in (-1, 1):
@@ -35,7 +35,7 @@ def rug(width: float = 2.0, depth: float = 1.4, fringe: bool = False) -> Iterato
 
 
 def round_rug(radius: float = 0.8, braided: bool = False) -> Iterator[Solid]:
-    """A round rug, or one of plaits."""
+    """Build a round rug, plain or braided."""
     if not braided:
         yield _once(cylinder("carpet_round", radius, 0.01, sides=48))
         return
@@ -59,7 +59,7 @@ def _flat_ring(slot: str, inner: float, outer: float) -> Solid:
 
 
 def hide(length: float = 1.9) -> Iterator[Solid]:
-    """A skin with four legs."""
+    """Build an animal skin with four legs."""
     angle = np.linspace(0, 2 * np.pi, 61)[:-1]
     reach = (
         0.62
@@ -79,7 +79,7 @@ def hide(length: float = 1.9) -> Iterator[Solid]:
 
 
 def tasselled(width: float = 1.9, depth: float = 1.3) -> Iterator[Solid]:
-    """A rug whose corners are cut off, with a border and a tassel at each corner."""
+    """Build a rug with cut corners, a border and tassels."""
     cut, corner = 0.22, np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
     outline = [
         (float(x * (width / 2 - a)), float(z * (depth / 2 - b)))
@@ -93,7 +93,7 @@ def tasselled(width: float = 1.9, depth: float = 1.3) -> Iterator[Solid]:
 
 
 def mat(kind: str = "bath") -> Iterator[Solid]:
-    """A bath mat, a doormat, or a half-round one."""
+    """Build a bath mat, a doormat or a half-round mat."""
     if kind == "bath":
         yield rounded("towel", (0.75, 0.016, 0.5), (0.0, 0.0, 0.0), 0.007, 2)
         for i in range(5):

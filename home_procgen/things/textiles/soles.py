@@ -1,4 +1,4 @@
-"""Outline of a shoe's sole (x, z) [m], its toe towards +z."""
+"""Outline of a shoe sole (x, z) [m] with its toe towards +z."""
 
 from home_procgen.shapes.curves import spline
 

@@ -16,7 +16,7 @@ from home_procgen.things.textiles.soles import SOLE
 
 
 def shoe(slot: str = "leather", kind: str = "low") -> Iterator[Solid]:
-    """One shoe, its toe towards +z, 0.27 m long."""
+    """Build one shoe, 0.27 m long with its toe towards +z."""
     yield prism(
         "white" if kind == "trainer" else "rubber", SOLE, 0.026 if kind == "trainer" else 0.014, (0.0, 0.0, 0.0), "top"
     )
@@ -40,7 +40,7 @@ def shoe(slot: str = "leather", kind: str = "low") -> Iterator[Solid]:
 
 
 def pair(kind: str = "low", slot: str = "leather", astray: float = 0.0) -> Iterator[Solid]:
-    """Two shoes side by side, or one askew."""
+    """Build two shoes side by side, one turned by `astray` [rad]."""
     for s in (-1, 1):
         one = turned_about(shoe(slot, kind), 1, astray * (s > 0) + 0.06 * s)
         yield from (
@@ -49,7 +49,7 @@ def pair(kind: str = "low", slot: str = "leather", astray: float = 0.0) -> Itera
 
 
 def slippers() -> Iterator[Solid]:
-    """Soft open slippers."""
+    """Build soft open slippers."""
     for s in (-1, 1):
         sole = prism("textile", SOLE, 0.02, (s * 0.06, 0.0, 0.0), "top")
         yield sole
@@ -67,7 +67,7 @@ def slippers() -> Iterator[Solid]:
 
 
 def flip_flops() -> Iterator[Solid]:
-    """Sandals with two straps."""
+    """Build sandals with two straps."""
     for s in (-1, 1):
         yield prism("bright", SOLE, 0.016, (s * 0.06, 0.0, 0.0), "top")
         for k in (-1, 1):
@@ -87,13 +87,13 @@ def flip_flops() -> Iterator[Solid]:
 
 
 def folded(count: int = 3) -> Iterator[Solid]:
-    """A pile of folded clothes."""
+    """Build a pile of folded clothes."""
     for i in range(count):
         yield soft(f"textile_{i}", (0.32 - 0.01 * (i % 2), 0.05, 0.26), (0.005 * (i % 2), 0.045 * i, 0.0), 5.0, 5)
 
 
 def heap() -> Iterator[Solid]:
-    """A garment thrown on the floor."""
+    """Build a crumpled garment on the floor."""
     rng = np.random.default_rng(3)
     shift = rng.uniform(0, 6.28, (4, 2))
 

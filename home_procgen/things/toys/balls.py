@@ -75,5 +75,5 @@ _BALL_PIT_KINDS = {
 
 
 def ball_pit(kind: str = "ball") -> Iterator[Solid]:
-    """A ball, stacking rings, a xylophone, a robot, a kite, a playpen full of balls."""
+    """Build a ball, stacking rings, a xylophone, a robot or a playpen full of balls."""
     yield from _BALL_PIT_KINDS[kind]()

@@ -1,4 +1,4 @@
-"""Baskets, chests and what they hold."""
+"""Baskets and chests with their contents."""
 
 from collections.abc import Iterator
 
@@ -85,7 +85,7 @@ def _chest() -> Iterator[Solid]:
 
 
 def _crate() -> Iterator[Solid]:
-    """A crate of slats with rolled blankets."""
+    """Build a slatted crate with rolled blankets."""
     for x, z in corners(0.46, 0.3):
         yield box("wood", (0.03, 0.28, 0.03), (x, 0.0, z))
     for y in (0.02, 0.1, 0.18):
@@ -99,7 +99,7 @@ def _crate() -> Iterator[Solid]:
 
 
 def _wires() -> Iterator[Solid]:
-    """A basket of wires with wooden grips."""
+    """Build a wire basket with wooden grips."""
     for y, half in ((0.01, 0.15), (0.11, 0.165), (0.21, 0.18), (0.31, 0.195)):
         outline = fillet([(-half, y, -half), (half, y, -half), (half, y, half), (-half, y, half)], 0.05, 3, True)
         yield tube("iron", outline, 0.005, 6, closed=True)
@@ -115,7 +115,7 @@ def _wires() -> Iterator[Solid]:
 
 
 def _belly() -> Iterator[Solid]:
-    """A bellied basket of grass with two loops, the rim turned down."""
+    """Build a bellied grass basket with two loops and a turned-down rim."""
     shape = [(0.13, 0.0), (0.2, 0.1), (0.21, 0.18), (0.17, 0.3), (0.18, 0.36)]
     yield vessel("cane", shape, 0.01, sides=26, steps=3)
     for y, r in ((0.06, 0.178), (0.14, 0.208), (0.22, 0.206), (0.36, 0.18)):
@@ -127,7 +127,7 @@ def _belly() -> Iterator[Solid]:
 
 
 def _sack() -> Iterator[Solid]:
-    """A sack of cloth in a frame of crossed poles."""
+    """Build a cloth sack in a frame of crossed poles."""
     for z in (-0.17, 0.17):
         for s in (-1, 1):
             yield rod("wood", (-s * 0.2, 0.0, z + 0.012 * s), (s * 0.2, 0.62, z + 0.012 * s), 0.013, sides=8)
@@ -149,7 +149,7 @@ _BASKET_KINDS = {
 
 
 def basket(kind: str = "laundry") -> Iterator[Solid]:
-    """A laundry basket full of clothes, a log basket, a toy chest, an umbrella stand, a box of papers."""
+    """Build a basket: laundry, hamper, logs, umbrella stand, toy chest, crate, wire, grass or sack."""
     yield from _BASKET_KINDS[kind]()
 
 

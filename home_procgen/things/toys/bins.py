@@ -103,7 +103,7 @@ def _dome() -> Iterator[Solid]:
 
 
 def _bag() -> Iterator[Solid]:
-    """A bag that hangs in a frame of rods, a lid above."""
+    """Build a bag in a rod frame below a lid."""
     for x in (-0.16, 0.16):
         for z in (-0.13, 0.13):
             yield rod("iron", (x, 0.0, z), (x, 0.66, z), 0.009)
@@ -129,7 +129,7 @@ _BIN_KINDS = {
 
 
 def bin_(kind: str = "pedal") -> Iterator[Solid]:
-    """A bin: with a pedal, of wire, woven, swinging, for paper, for two kinds, a barrel, a dome, a bag in a frame."""
+    """Build a bin: pedal, wire, woven, swing lid, twin, barrel, paper, tall pedal, dome or bag."""
     yield from _BIN_KINDS[kind]()
 
 

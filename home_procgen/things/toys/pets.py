@@ -97,7 +97,7 @@ _PET_KINDS = {
 
 
 def pet(kind: str = "cat") -> Iterator[Solid]:
-    """A sitting cat, a standing dog, a dog in its basket, a bird cage."""
+    """Build a sitting cat, a standing dog, a dog in its basket or a bird cage."""
     yield from _PET_KINDS[kind]()
 
 
@@ -112,7 +112,7 @@ def _one(x: float, y: float, z: float, slot: str, size: float = 1.0) -> Iterator
 
 
 def fish(kind: str = "tank") -> Iterator[Solid]:
-    """A fish tank on a cabinet, or a bowl with a goldfish."""
+    """Build a fish tank on a cabinet, or a bowl with a goldfish."""
     if kind == "bowl":
         yield vessel("glass", [(0.08, 0.0), (0.14, 0.08), (0.13, 0.16), (0.09, 0.2)], 0.003, sides=26, steps=3)
         yield turned("water", [(0.08, 0.006), (0.134, 0.08), (0.128, 0.15)], sides=24, steps=2)

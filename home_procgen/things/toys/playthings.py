@@ -1,4 +1,4 @@
-"""Bears, blocks, trains, cars."""
+"""Teddy bears, building blocks, toy trains and cars."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from home_procgen.things.joinery import roller
 
 
 def teddy(slot: str = "fur_coat", ears: str = "round") -> Iterator[Solid]:
-    """A sitting bear or rabbit."""
+    """Build a sitting teddy bear or rabbit."""
     yield ball(slot, (0.11, 0.12, 0.1), (0.0, 0.12, 0.0), 18, 10)
     yield ball("cream", (0.07, 0.08, 0.03), (0.0, 0.12, 0.08), 14, 8)
     yield ball(slot, 0.085, (0.0, 0.29, 0.02), 18, 10)
@@ -33,7 +33,7 @@ def teddy(slot: str = "fur_coat", ears: str = "round") -> Iterator[Solid]:
 
 
 def blocks() -> Iterator[Solid]:
-    """A tower of building blocks and some beside it."""
+    """Build a tower of building blocks with some beside it."""
     for i, (x, y, z, turn) in enumerate(
         (
             (0.0, 0.0, 0.0, 0.1),
@@ -50,7 +50,7 @@ def blocks() -> Iterator[Solid]:
 
 
 def train() -> Iterator[Solid]:
-    """A wooden train of three cars."""
+    """Build a wooden train of three cars."""
     for k in range(3):
         z = -0.17 * k
         yield rounded(f"bright_{k}", (0.07, 0.025, 0.14), (0.0, 0.03, z), 0.008, 1)
@@ -70,7 +70,7 @@ def train() -> Iterator[Solid]:
 
 
 def toy_car(kind: str = "car") -> Iterator[Solid]:
-    """A car, a lorry or a fire engine."""
+    """Build a toy car, lorry or fire engine."""
     if kind == "car":
         side = fillet(
             [

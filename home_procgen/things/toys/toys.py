@@ -17,7 +17,7 @@ from home_procgen.things.toys.playthings import blocks, teddy, toy_car, train
 
 
 def rocking_horse() -> Iterator[Solid]:
-    """A horse on rockers."""
+    """Build a rocking horse."""
     for s in (-1, 1):
         x = s * 0.13
         yield tube("wood", [(x, 0.02 + 0.22 * z * z, z) for z in np.linspace(-0.5, 0.5, 11)], 0.018, 8)
@@ -41,7 +41,7 @@ def rocking_horse() -> Iterator[Solid]:
 
 
 def doll_house() -> Iterator[Solid]:
-    """A house of two storeys with an open front."""
+    """Build a two-storey doll's house with an open front."""
     for s in (-1, 1):
         yield box("white", (0.02, 0.5, 0.28), (s * 0.34, 0.0, 0.0))
         yield prism("red", [(0.0, 0.74), (s * 0.4, 0.49), (s * 0.4, 0.465), (0.0, 0.715)], 0.34)
@@ -58,7 +58,7 @@ def doll_house() -> Iterator[Solid]:
 
 
 def play_tent() -> Iterator[Solid]:
-    """A pointed tent of cloth on poles."""
+    """Build a pointed cloth tent on poles."""
     for a in np.arange(4) * np.pi / 2 + np.pi / 4:
         yield rod("wood", (0.75 * np.cos(a), 0.0, 0.75 * np.sin(a)), (-0.06 * np.cos(a), 1.6, -0.06 * np.sin(a)), 0.014)
     for k in range(4):
@@ -76,7 +76,7 @@ def play_tent() -> Iterator[Solid]:
 
 
 def chess() -> Iterator[Solid]:
-    """A chessboard with men."""
+    """Build a chessboard with pieces."""
     yield rounded("wood", (0.44, 0.025, 0.44), (0.0, 0.0, 0.0), 0.006, 1)
     for i in range(8):
         for j in range(8):

@@ -76,7 +76,7 @@ def _bumpers(half: float) -> Iterator[Solid]:
     yield rounded("white", (0.5, 0.1, 0.01), (0.0, 0.37, half + 0.052), 0.004, 1)
 
 
-# Length, height, and from where to where its roof reaches [m].
+# kind -> length, height, z range of the roof [m]
 _CARS = {
     "saloon": (4.4, 1.42, (-0.95, 0.62)),
     "hatch": (3.8, 1.48, (-1.45, 0.5)),
@@ -86,7 +86,7 @@ _CARS = {
 
 
 def car(kind: str = "saloon") -> Iterator[Solid]:
-    """A saloon, a hatchback, an estate or a jeep."""
+    """Build a saloon, a hatchback, a jeep or a van."""
     long, high, roof = _CARS[kind]
     half, belt = long / 2, 0.88 if high < 1.6 else 1.05
     back = max(roof[0] - (0.55 if kind == "saloon" else 0.15), 0.05 - half)

@@ -75,7 +75,7 @@ _MOTORCYCLE_KINDS = {
 
 
 def motorcycle(kind: str = "road") -> Iterator[Solid]:
-    """A road machine or a scooter."""
+    """Build a motorcycle or a scooter."""
     yield from _MOTORCYCLE_KINDS[kind]()
     yield tube(
         "chrome", fillet([(-0.36, 1.02, 0.24), (-0.2, 1.04, 0.38), (0.2, 1.04, 0.38), (0.36, 1.02, 0.24)], 0.1), 0.013
@@ -88,7 +88,7 @@ def motorcycle(kind: str = "road") -> Iterator[Solid]:
 
 
 def bicycle(kind: str = "bike") -> Iterator[Solid]:
-    """A bicycle or a tricycle."""
+    """Build a bicycle or a tricycle."""
     if kind == "tricycle":
         yield from wheel(0.0, 0.16, 0.3, 0.16, 0.035, hub="white")
         for s in (-1, 1):

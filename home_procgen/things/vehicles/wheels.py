@@ -12,7 +12,7 @@ from home_procgen.shapes.sweep import ring, rod
 def wheel(
     x: float, y: float, z: float, radius: float, wide: float, spokes: int = 0, hub: str = "chrome"
 ) -> Iterator[Solid]:
-    """A wheel whose axle points along x; with spokes it is a ring."""
+    """Build a wheel whose axle points along x; with spokes it is a ring."""
     if spokes:
         yield ring("rubber", radius - wide / 2, wide, (x, y, z), 0, 30)
         yield ring("chrome", radius - 1.2 * wide, 0.3 * wide, (x, y, z), 0, 28)

@@ -1,1 +1,1 @@
-"""Heaters, fences, fans and other things of walls."""
+"""Heaters, fences, fans and other fixed equipment."""

@@ -50,7 +50,7 @@ _COOLER_KINDS = {
 
 
 def cooler(kind: str = "split") -> Iterator[Solid]:
-    """An air conditioner on a wall, in a window, or on wheels."""
+    """Build an air conditioner for a wall or a window, or on wheels."""
     yield from _COOLER_KINDS[kind]()
 
 

@@ -85,12 +85,12 @@ _FAN_KINDS = {
 
 
 def fan(kind: str = "ceiling") -> Iterator[Solid]:
-    """A fan under a ceiling, on a tall stand, or on a table."""
+    """Build a ceiling fan, a stand fan or a table fan."""
     yield from _FAN_KINDS[kind]()
 
 
 def whiteboard() -> Iterator[Solid]:
-    """A board with a tray of pens and some writing."""
+    """Build a whiteboard with writing and a pen tray."""
     yield rounded("white", (1.2, 0.8, 0.018), (0.0, 0.05, -0.006), 0.004, 1)
     for s in (-1, 1):
         yield box("gray", (0.02, 0.84, 0.026), (s * 0.61, 0.03, -0.004))

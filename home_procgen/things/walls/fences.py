@@ -10,7 +10,7 @@ from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import Family, kinds_of
 
-HIGH = 1.0  # [m], of a rail
+HIGH = 1.0  # [m], height of a rail
 
 
 def _planks(kind: str, width: float) -> Iterator[Solid]:
@@ -86,12 +86,12 @@ def _railing(kind: str, width: float) -> Iterator[Solid]:
 
 
 def fence(kind: str = "pickets", width: float = 2.0) -> Iterator[Solid]:
-    """Rails and fences: pickets, iron bars, glass, ropes of steel, turned balusters, boards."""
+    """Build a fence or railing: balusters, iron bars, glass, steel ropes, pickets or boards."""
     yield from (_railing if kind in _BETWEEN_POSTS else _planks)(kind, width)
 
 
 def column(kind: str = "round", height: float = 2.6) -> Iterator[Solid]:
-    """A post that carries a ceiling: round with a capital, fluted, or square."""
+    """Build a structural column: round with a capital, fluted or square."""
     yield rounded("white", (0.36, 0.12, 0.36), (0.0, 0.0, 0.0), 0.01, 1)
     yield rounded("white", (0.36, 0.1, 0.36), (0.0, height - 0.1, 0.0), 0.01, 1)
     if kind == "square":

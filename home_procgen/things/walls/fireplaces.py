@@ -11,7 +11,7 @@ from home_procgen.things.joinery import corners
 
 
 def fireplace(kind: str = "mantel") -> Iterator[Solid]:
-    """A mantelpiece, a brick hearth, an iron stove, a modern slot."""
+    """Build a fireplace: a mantelpiece, a brick hearth, an iron stove or a modern slot."""
     if kind == "stove":
         for x, z in corners(0.42, 0.34):
             yield tube("iron", [(1.15 * x, 0.0, 1.15 * z), (x, 0.14, z)], [0.02, 0.03], 8)

@@ -1,4 +1,4 @@
-"""Radiators."""
+"""Heaters."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -51,7 +51,7 @@ def _oil(width: float, height: float) -> Iterator[Solid]:
 
 
 def _smooth(width: float, height: float) -> Iterator[Solid]:
-    """A plain plate before ribs, a grille above."""
+    """Build a radiator with a plain plate before ribs and a grille above."""
     yield rounded("white", (width, height - 0.1, 0.014), (0.0, 0.1, 0.045), 0.004, 1)
     yield rounded("white", (width, height - 0.1, 0.014), (0.0, 0.1, -0.045), 0.004, 1)
     for i in range(int(width / 0.06)):
@@ -61,7 +61,7 @@ def _smooth(width: float, height: float) -> Iterator[Solid]:
 
 
 def _tubes(width: float, height: float) -> Iterator[Solid]:
-    """Flat tubes lying above one another before two posts."""
+    """Build a radiator of horizontal flat tubes before two posts."""
     for i in range(int((height - 0.12) / 0.07)):
         yield rounded("white", (width, 0.055, 0.03), (0.0, 0.12 + 0.07 * i, 0.02), 0.014, 3)
     for s in (-1, 1):
@@ -69,7 +69,7 @@ def _tubes(width: float, height: float) -> Iterator[Solid]:
 
 
 def _baseboard(width: float, height: float) -> Iterator[Solid]:
-    """A long low case with fins inside, open below."""
+    """Build a long, low case with fins inside, open below."""
     low = 0.2
     over = [(-0.04, low), (0.02, low), (0.04, low - 0.03), (0.04, 0.05), (0.03, 0.05), (0.03, low - 0.03)]
     case = [*over, (0.016, low - 0.01), (-0.03, low - 0.01), (-0.03, 0.0), (-0.04, 0.0)]
@@ -82,7 +82,7 @@ def _baseboard(width: float, height: float) -> Iterator[Solid]:
 
 
 def _electric(width: float, height: float) -> Iterator[Solid]:
-    """A slim case with outlets for warm air, a dial and a lamp."""
+    """Build a slim electric heater with air outlets, a dial and a lamp."""
     yield rounded("white", (width, height - 0.12, 0.08), (0.0, 0.12, 0.0), 0.02, 3)
     for i in range(5):
         yield box("black", (width - 0.16, 0.008, 0.004), (0.0, height - 0.12 + 0.018 * i, 0.039))
@@ -94,7 +94,7 @@ def _electric(width: float, height: float) -> Iterator[Solid]:
 
 
 def _fan_heater(width: float, height: float) -> Iterator[Solid]:
-    """A small heater with a fan behind a grille."""
+    """Build a small heater with a fan behind a grille."""
     yield rounded("white", (0.26, 0.26, 0.16), (0.0, 0.02, 0.0), 0.05, 4)
     for r in (0.03, 0.055, 0.08, 0.105):
         yield ring("gray", r, 0.006, (0.0, 0.15, 0.081), 2, 26)
@@ -121,7 +121,7 @@ PIPED = ("panel", "double", "columns", "smooth", "tubes")
 
 
 def radiator(kind: str = "panel", width: float = 1.0, height: float = 0.6) -> Iterator[Solid]:
-    """A heater for a wall, with or without pipes, or one that is carried about."""
+    """Build a heater: a wall radiator with or without pipes, or a portable one."""
     yield from _RADIATOR_KINDS[kind](width, height)
     if kind in PIPED:
         for s in (-1, 1):

@@ -1,4 +1,4 @@
-"""Folding screens."""
+"""Room dividers."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -61,7 +61,7 @@ _SCREEN_KINDS = {
 
 
 def screen(kind: str = "folding") -> Iterator[Solid]:
-    """A room divider: folding panels, slats, an open shelf, paper panels, beads."""
+    """Build a room divider: folding panels of wood, paper or cane, slats or rings."""
     yield from _SCREEN_KINDS[kind]()
 
 

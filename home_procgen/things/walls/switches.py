@@ -49,7 +49,7 @@ def _toggle() -> Iterator[Solid]:
 
 
 def _turning() -> Iterator[Solid]:
-    """As in old houses: a round base and a wing to turn."""
+    """Build an old-fashioned rotary switch: a round base and a wing knob."""
     yield disc("cream", 0.036, 0.014, (0.0, 0.041, -0.004), 28)
     yield disc("black", 0.014, 0.008, (0.0, 0.041, 0.01), 18)
     yield rotate(rounded("black", (0.01, 0.034, 0.02), (0.0, 0.024, 0.02), 0.004, 2), 2, 0.6, (0.0, 0.041, 0.02))
@@ -79,7 +79,7 @@ _KINDS: dict[str, Callable[[], Iterator[Solid]]] = {
 
 
 def switch(kind: str = "switch") -> Iterator[Solid]:
-    """Switches by one, two, three; a dimmer, a thermostat, one to flip, to turn, to touch; sockets."""
+    """Build switches, a dimmer, a thermostat, or sockets and chargers, on a plate."""
     if kind != "turning":
         yield rounded("white", (_WIDE.get(kind, 0.082), 0.082, 0.01), (0.0, 0.0, -0.003), 0.004, 2)
     yield from _KINDS[kind]()
