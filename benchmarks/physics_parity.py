@@ -130,7 +130,7 @@ def cases(args: argparse.Namespace, count: int) -> Iterator[Case]:
 
 
 def draw(bank: HouseBank, args: argparse.Namespace) -> States:
-    """Return every `stride`-th state of the environments' rollouts, on the CPU."""
+    """Return every `step_length`-th state of the environments' rollouts, on the CPU."""
     envs, cpu = args.num_envs, jax.devices("cpu")[0]
     kind, house = np.arange(envs) % len(KINDS), np.arange(envs) // len(KINDS) % bank.num_houses
     template = template_of(bank, PhysicsConfig(), args.num_agents)
@@ -151,7 +151,7 @@ def draw(bank: HouseBank, args: argparse.Namespace) -> States:
 
 def advance(template: Template, bank: HouseBank, house: jax.Array, state: PhysicsState, action: jax.Array):
     """Apply a control step."""
-    return physics.settle(template, bank, house, physics.step(template, bank, house, state, action))
+    return physics.update_hands(template, bank, house, physics.step(template, bank, house, state, action))
 
 
 def template_of(bank: HouseBank, config: PhysicsConfig, num_agents: int) -> Template:

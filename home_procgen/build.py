@@ -7,7 +7,7 @@ from pathlib import Path
 
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.storeys import stack_levels
-from home_mjx.schema.house import House, Level, Mesh, Room
+from home_mjx.schema.house import House, Level, Mesh, RoomNode
 from home_procgen.design import HomeDesign, draw_design
 from home_procgen.meshes import room_parts
 from home_procgen.outside import Outside, draw_outside
@@ -65,7 +65,7 @@ def _level(design: HomeDesign, number: int, folder: Path) -> Level:
     return Level(id="0", index=0, rooms=rooms, objects=objects, boxes=(), grounds=())
 
 
-def _room(design: HomeDesign, number: int, index: int, folder: Path) -> Room:
+def _room(design: HomeDesign, number: int, index: int, folder: Path) -> RoomNode:
     plan, storey = design.plan.levels[number], design.plan.storeys[number]
     openings = [opening.placed for opening in plan.openings]
     opened = index == 0 and storey.well is not None, index == 0 and storey.stairs is not None
@@ -74,7 +74,7 @@ def _room(design: HomeDesign, number: int, index: int, folder: Path) -> Room:
         stem, plan.rooms[index], plan.height, openings, design.surfaces[number][index], *opened
     )
     owned = enumerate(design.objects[number], len(plan.rooms))
-    return Room(
+    return RoomNode(
         id=f"0_{index}",
         index=index,
         path=f"levels[0].nodes[{index}]",

@@ -11,7 +11,7 @@ from PIL import Image
 from home_mjx.core.files import read_text
 from home_mjx.datasets.suncg.write.house import (
     JOINTS_DIGEST,
-    is_whole_folder,
+    is_folder_complete,
     write_joints,
     write_model,
     write_tables,
@@ -45,7 +45,7 @@ def write_shared(root: Path) -> None:
     Tables that are as they were written are kept: making them means building all models.
     """
     folder = root / "metadata"
-    if is_whole_folder(folder) and is_whole_folder(folder, JOINTS_DIGEST):
+    if is_folder_complete(folder) and is_folder_complete(folder, JOINTS_DIGEST):
         return
     models = [library_model(model, CLASSES) for model in (*things().values(), *_others().values())]
     write_tables(root, models, digests=True)
@@ -91,7 +91,7 @@ def _stamp(path: Path) -> tuple[int, ...]:
 
 @lru_cache(maxsize=4096)
 def _is_whole(folder: Path, stamp: tuple[int, ...]) -> bool:
-    return bool(stamp) and is_whole_folder(folder)
+    return bool(stamp) and is_folder_complete(folder)
 
 
 @lru_cache(maxsize=4096)

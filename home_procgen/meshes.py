@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.geometry.pieces import CUT, Piece, join_pieces, wall_pieces
+from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import slab
-from home_mjx.geometry.wall_prisms import Hole, Wall
+from home_mjx.geometry.wall_prisms import Hole, WallSegment
 from home_mjx.schema.house import Material, Mesh
 from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.floor_plan.rooms import RoomPlan
@@ -50,25 +50,25 @@ def room_parts(
     ceiling = _slab(stem, "Ceiling", less if open_ceiling else room, (low, low + FLOOR_TOP), surfaces.ceiling)
     boards = () if surfaces.skirting is None else (surfaces.skirting,)
     pieces = list(_wall_pieces(room, number, height, openings, bool(boards)))
-    cladding = (surfaces.inside, CUT, surfaces.outside, *boards) * len(room.polygon)
+    cladding = (surfaces.inside, CUT_MATERIAL, surfaces.outside, *boards) * len(room.polygon)
     return floor, ceiling, _rounded(join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, cladding))
 
 
 def _slab(stem: Path, kind: str, room: RoomPlan, span: tuple[float, float], material: Material) -> Mesh:
     vertices, faces, uv = slab([room.polygon], *span, OUTSET)
-    piece = Piece(f"{kind}#0_{stem.name.rpartition('_')[2]}", vertices, faces, uv, np.zeros(len(faces), int))
+    piece = MeshPiece(f"{kind}#0_{stem.name.rpartition('_')[2]}", vertices, faces, uv, np.zeros(len(faces), int))
     return _rounded(join_pieces(stem.with_name(f"{stem.name}{kind[0].lower()}.obj"), [piece], [material]))
 
 
 def _wall_pieces(
     room: RoomPlan, number: str, height: float, openings: Sequence[PlacedFurniture], boards: bool
-) -> Iterator[Piece]:
+) -> Iterator[MeshPiece]:
     """The inner and the outer prism of every wall; with `boards`, the foot of the inner one is of a fourth slot."""
     for k, side in enumerate(sides(room)):
         holes = tuple(hole for opening in openings if (hole := _hole(side, opening)) is not None)
         start, end = (np.array([x, 0.0, z]) for x, z in side)
         lines = (SKIRTING,) if boards else ()
-        for piece in wall_pieces(Wall(start, end, height, holes, lines=lines), f"0_{number}_{k}"):
+        for piece in wall_pieces(WallSegment(start, end, height, holes, split_heights=lines), f"0_{number}_{k}"):
             foot = boards & (piece.slot == 0) & (piece.vertices[piece.faces][..., 1].max(axis=1) < SKIRTING + 1e-6)
             yield replace(piece, slot=np.where(foot, 3, piece.slot) + (3 + boards) * k)
 

@@ -1,4 +1,4 @@
-"""What this package plugs into `home_mjx`: houses by a name such as `procedural:16?seed=100`, and fallback models.
+"""What this package plugs into `home_mjx`: houses by a name such as `procedural:16?parse_seed=100`, and fallback models.
 
 Importing this module is cheap: generators are imported when a house is written.
 """
@@ -16,20 +16,20 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.seeds import MAX_KNOWN, house_id, seeds_of
+from home_mjx.datasets.seeds import MAX_LOOKUP_SEED, find_seeds, house_id
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
 
 SCHEME = "procedural"
-FORM = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers."
+FORM = "Write `procedural:N` or `procedural:N?parse_seed=S&version=V`, all whole numbers."
 VERSIONS = (1, 2)  # of generators, see `home_procgen.generate`
 DEFAULT_VERSION = 1
 
 
 @dataclass(frozen=True)
 class ProceduralName:
-    """Parts of a name such as `procedural:16?seed=100&version=2`.
+    """Parts of a name such as `procedural:16?parse_seed=100&version=2`.
 
     Attributes:
         count: Number of houses.
@@ -45,8 +45,8 @@ class ProceduralName:
     version: int = DEFAULT_VERSION
 
     def __post_init__(self) -> None:
-        check_number("N", self.count, 1, whole=True)
-        check_number("seed", self.seed, 0, whole=True)
+        check_number("N", self.count, 1, integer=True)
+        check_number("seed", self.seed, 0, integer=True)
         if isinstance(self.version, bool) or self.version not in VERSIONS:
             raise ConfigError(
                 f"there is no generator of version {self.version!r}", hint=f"There are {sorted(VERSIONS)}."
@@ -98,7 +98,7 @@ class ProceduralDataset(SuncgDataset):
     They are kept in the cache folder, one dataset for each version of the generator.
 
     Args:
-        text: What follows the scheme, such as `16?seed=100`.
+        text: What follows the scheme, such as `16?parse_seed=100`.
 
     Raises:
         ConfigError: The text is not valid.
@@ -159,8 +159,8 @@ class ProceduralDataset(SuncgDataset):
             self._by_id[house_id(seed)] = seed
         missing = [name for name in ids if name not in self._by_id]
         if missing:
-            if self.parsed.count == MAX_KNOWN:
-                seeds_of(missing)  # raises with its hint
+            if self.parsed.count == MAX_LOOKUP_SEED:
+                find_seeds(missing)  # raises with its hint
             raise UnknownIdError(f"`{self.name}` has no house `{missing[0]:.100}`")
         return [self._by_id[name] for name in ids]
 

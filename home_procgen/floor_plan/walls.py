@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.geometry import wall_prisms as wall_prism
-from home_mjx.geometry.wall_prisms import DEPTH, Hole, extrude, wall_prisms
+from home_mjx.geometry.wall_prisms import WALL_DEPTH, Hole, extrude_grid, wall_prisms
 from home_mjx.schema.house import Material, Mesh
 from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.floor_plan.rooms import RoomPlan, Wall
@@ -19,7 +19,7 @@ from home_procgen.primitives.palette import CUT
 from home_procgen.primitives.solids import Solid, to_mesh
 
 # All in metres.
-HALF = DEPTH / 2  # thickness of one prism
+HALF = WALL_DEPTH / 2  # thickness of one prism
 SHRINK = 0.02  # of a hole against the opening's bounding box
 FLOOR_TOP = 0.05  # also the thickness of floors and ceilings
 OUTSET = 0.02  # of floors and ceilings beyond the centre-lines
@@ -66,9 +66,9 @@ def _prisms(wall: Wall, number: int, node: int, height: float, openings: Sequenc
     """The inner and the outer prism of one wall."""
     holes = tuple(hole for opening in openings if (hole := carve(wall, opening)) is not None)
     start, end = (np.array([x, 0.0, z]) for x, z in (wall.start, wall.end))
-    both = wall_prisms(wall_prism.Wall(start, end, height, holes))
+    both = wall_prisms(wall_prism.WallSegment(start, end, height, holes))
     for name, prism, slot in zip(("Inside", "Outside"), both, (3 * number, 3 * number + 2), strict=True):
-        slots = tuple(np.where(prism.large, slot, 3 * number + 1).tolist())
+        slots = tuple(np.where(prism.is_large_face, slot, 3 * number + 1).tolist())
         yield Solid(prism.vertices, prism.faces, prism.uv, slots, f"Wall{name}#0_{node}_{number}")
 
 
@@ -92,7 +92,7 @@ def _slab(room: RoomPlan, depth: tuple[float, float], group: str) -> Solid:
     keep = np.zeros(z.shape, bool)
     for x0, z0, x1, z1 in grown:
         keep |= (x0 < x) & (x < x1) & (z0 < z) & (z < z1)
-    points, faces, _ = extrude(zs, xs, keep, depth)
+    points, faces, _ = extrude_grid(zs, xs, keep, depth)
     vertices = points[:, [1, 2, 0]]
     uv = vertices[faces][..., [0, 2]] - room.polygon.min(0)
     return Solid(vertices, faces, uv, (0,) * len(faces), group)

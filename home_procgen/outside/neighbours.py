@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from home_mjx.schema.house import Box, Material
+from home_mjx.schema.house import BoxNode, Material
 from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.outside.roof import gable
@@ -83,7 +83,7 @@ def _roof(rng: np.random.Generator, block: Block, tiles: Sequence[Material]) -> 
     return gable((x0 + x1) / 2, (z0 + z1) / 2, block.rect.sides, block.height, float(rng.uniform(0.5, 0.8)), materials)
 
 
-def block_node(block: Block, index: int) -> Box:
+def block_node(block: Block, index: int) -> BoxNode:
     """The node of a block on the lowest level."""
     x0, z0, x1, z1 = block.rect
     transform = np.eye(4)
@@ -92,6 +92,6 @@ def block_node(block: Block, index: int) -> Box:
     # By GAPS's order: above, below, then the four walls.
     materials = (FLAT, FLAT, block.front)
     path = f"levels[0].nodes[{index}]"
-    return Box(
+    return BoxNode(
         id=f"0_{index}", index=index, path=path, bbox=None, dimensions=size, transform=transform, materials=materials
     )

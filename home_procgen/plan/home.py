@@ -18,7 +18,7 @@ from home_procgen.plan.shape.storeys import Stairwell, Storey, draw_storeys
 from home_procgen.plan.slants import add_slants
 from home_procgen.primitives.palette import choose
 from home_procgen.structure import structure_models
-from home_procgen.things import model_of
+from home_procgen.things import get_model
 
 TRIES = 6000  # of drawing storeys; a few dozen is usual
 PATIENCE = 1500  # tries, after which another program is drawn where none was given
@@ -64,8 +64,8 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
         True
     """
     wanted = draw_program(rng) if program is None else program
-    solid, glazed = (model_of("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
-    entry, double = (model_of(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
+    solid, glazed = (get_model("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
+    entry, double = (get_model(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
     models = Models(solid, glazed, choose(structure_models()["garage_door"], rng), entry, double)
     for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)

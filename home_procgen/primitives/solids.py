@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull
 
-from home_mjx.geometry.wall_prisms import extrude
+from home_mjx.geometry.wall_prisms import extrude_grid
 from home_mjx.schema.house import Material, Mesh
 from home_procgen.primitives.parts import Part
 
@@ -91,7 +91,7 @@ def box(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
     """
     low, high = np.array([-0.5, 0.0, -0.5]), np.array([0.5, 1.0, 0.5])
     ends = np.stack([low, high]) * size + at
-    points, faces = extrude(ends[:, 2], ends[:, 0], np.ones((1, 1), bool), (ends[0, 1], ends[1, 1]))[:2]
+    points, faces = extrude_grid(ends[:, 2], ends[:, 0], np.ones((1, 1), bool), (ends[0, 1], ends[1, 1]))[:2]
     return solid(material, points[:, [1, 2, 0]], faces)
 
 

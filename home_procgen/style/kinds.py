@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from home_procgen.primitives.family import Furniture
-from home_procgen.things import families, model_of
+from home_procgen.things import families, get_model
 
 # Name: family, and the numbers of its models.
 _PARTS: Mapping[str, tuple[str, str]] = {
@@ -133,4 +133,4 @@ def models_of(kind: str) -> list[Furniture]:
         ['home_stool_5']
     """
     family, numbers = choices(kind)
-    return sorted((model_of(family, n) for n in numbers), key=lambda model: float(model.size[0] * model.size[2]))
+    return sorted((get_model(family, n) for n in numbers), key=lambda model: float(model.size[0] * model.size[2]))

@@ -10,7 +10,7 @@ from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.primitives.family import Furniture
 from home_procgen.primitives.palette import choose
 from home_procgen.style.kinds import choices, models_of
-from home_procgen.things import model_of
+from home_procgen.things import get_model
 from home_procgen.things.finishes import FINISHES
 
 HANDED = ("sofa", "desk", "refrigerator", "kitchen_cabinet", "shower", "bathtub", "kitchen_sink")
@@ -67,7 +67,7 @@ class Style:
         if kind not in self._favourites:
             self._favourites[kind] = tuple(self.rng.permutation(numbers)[:FAVOURITES].tolist())
         usual = self.rng.random() < USUAL
-        return self.instance(model_of(family, choose(self._favourites[kind] if usual else numbers, self.rng)), look)
+        return self.instance(get_model(family, choose(self._favourites[kind] if usual else numbers, self.rng)), look)
 
     def options(self, kind: str, look: Look | None = None) -> Iterator[PlacedFurniture]:
         """A thing as by `object`, then some of the smallest models of the kind."""
@@ -113,4 +113,4 @@ class Style:
 def _named(material: Material, slot: str) -> Material:
     """The material of a slot, opaque; made field by field, which takes a fifth of the time of `replace`."""
     m = material
-    return Material(slot, m.diffuse, m.texture, None, m.specular, m.shininess, m.lacking)
+    return Material(slot, m.diffuse, m.texture, None, m.specular, m.shininess, m.missing_file)

@@ -10,7 +10,7 @@ one gave. Programs are compiled once. Needs nothing but the package, so that it 
 each array of a call has an allocation of its own then, so that nothing beside one is read unseen.
 
 One JSON object a line for each part. Exits with 1 if a call gives something else, by a signal, or after `--stuck`
-seconds if one does not end; `garbage.<part>` in the folder `--out` names the call then, and `--first` repeats it.
+seconds if one does not end; `garbage.<part>` in the folder `--outward` names the call then, and `--first` repeats it.
 """
 
 import argparse
@@ -37,7 +37,7 @@ from odd_numbers import garbled  # noqa: E402
 from home_mjx import HouseBank, physics  # noqa: E402
 from home_mjx.bank.records.gpu_geometry import gpu_geometry  # noqa: E402
 from home_mjx.raycast_render import Scene, cast, make_scene, occluded  # noqa: E402
-from home_mjx.raycast_render.casting.cast import cast_through  # noqa: E402
+from home_mjx.raycast_render.casting.cast import cast_multi_hit  # noqa: E402
 
 SCENES = 16  # of a call
 INTACT = 20  # every so many calls one has no garbage
@@ -144,8 +144,8 @@ def rays(backend: str) -> tuple[Callable[..., Tree], Tree, Tree]:
     def run(shared: Tree, own: Tree) -> Tree:
         def one(house: jax.Array, moving: Tree, beam: dict[str, jax.Array]) -> Tree:
             scene = Scene(bank=rest.replace(geometry=shared), house=house, moving=moving)
-            every = cast_through(scene, **beam, steps=4, skin=1e-4, executor=backend)
-            return cast(scene, **beam, executor=backend), occluded(scene, **beam, executor=backend), every
+            every = cast_multi_hit(scene, **beam, num_hits=4, hit_epsilon=1e-4, backend=backend)
+            return cast(scene, **beam, backend=backend), occluded(scene, **beam, backend=backend), every
 
         return jax.vmap(one)(*own)
 

@@ -102,11 +102,11 @@ def test_another_configuration_is_refused_by_name(tmp_path: Path):
     others = {
         "`ppo.num_envs` is 64 there, 32 here": with_ppo(num_envs=32),
         "`ppo.network.memory` is 128 there, 64 here": with_ppo(network=network),
-        "`seed` is 3 there, 4 here": dataclasses.replace(CONFIG, seed=4),
+        "`parse_seed` is 3 there, 4 here": dataclasses.replace(CONFIG, seed=4),
         "`env.num_houses` is 2 there, 8 here": dataclasses.replace(
             CONFIG, env=dataclasses.replace(CONFIG.env, num_houses=8)
         ),
-        "`env.options.sensors.__tuple__.1` is goal there, None here": dataclasses.replace(
+        "`env.options.sensor_states.__tuple__.1` is goal there, None here": dataclasses.replace(
             CONFIG, env=dataclasses.replace(CONFIG.env, options=OPTIONS | {"sensors": ("state",)})
         ),
     }

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit, types
 
-from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.core.native.numba_cache import verify_cache
 
 _BOXES = types.Array(types.float64, 3, "A", readonly=True)  # any strides
 _ROWS = types.Array(types.float64, 2, "C", readonly=True)
@@ -32,7 +32,7 @@ class Touching(NamedTuple):
 
 
 @cache
-@with_checked_cache
+@verify_cache
 def touching() -> Touching:
     """The functions, compiled once for all processes."""
     return Touching(

@@ -11,7 +11,7 @@ from home_procgen.plan.needs.room_program import WET, WINDOWLESS
 from home_procgen.plan.openings.sites import outer_sites
 from home_procgen.plan.openings.turned import slanted_windows
 from home_procgen.primitives.palette import choose
-from home_procgen.things import model_of
+from home_procgen.things import get_model
 
 SMALL = 1  # number of the model of small windows
 SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # of models that go together, narrow ones first
@@ -35,7 +35,7 @@ def draw_windows(
     for room, plan in enumerate(rooms):
         if plan.type in WINDOWLESS or (plan.type == "Garage" and rng.random() < 0.5):
             continue
-        bays = list(slanted_windows(room, plan, model_of("window", SMALL)))
+        bays = list(slanted_windows(room, plan, get_model("window", SMALL)))
         found += bays
         count = len(bays)
         for site in sorted(outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
@@ -62,7 +62,7 @@ def _fit(
     small = kind in (*WET, "Garage")
     count = 1 if small else max(1, round((high - low) / EACH))
     numbers = (SMALL,) if small else alike
-    models = [model_of("window", number) for number in numbers]
+    models = [get_model("window", number) for number in numbers]
     fitting = [m for m in models if m.size[0] + 2 * MARGIN <= (high - low) / count]
     if not fitting:
         return

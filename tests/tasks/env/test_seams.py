@@ -15,7 +15,7 @@ from handmade import shoebox
 import home_mjx
 from home_mjx import EnvSpec, HouseBank, HouseFilter
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render import Lens, Lit
+from home_mjx.raycast_render import Lens, LitShader
 from home_mjx.tasks import AgentCamera, ArraySpec, PointNav, Task, make_config
 from home_mjx.tasks.base import sensor as sensor_seam
 from home_mjx.tasks.base.task import check_task_class
@@ -197,8 +197,8 @@ def test_a_spec_makes_the_same_environment_again(tmp_path, bank):
     generate_dataset(tmp_path, [0])
     options = {
         "sensors": ("depth", "goal"),
-        "rgb_preset": Lit(num_lights=2),
-        "cameras": (AgentCamera("scan", ("depth",), Lens(8, 4, "lidar"), looks=False),),
+        "rgb_preset": LitShader(num_lights=2),
+        "cameras": (AgentCamera("scan", ("depth",), Lens(8, 4, "lidar"), follow_pitch=False),),
         "task.success_radius": 0.5,
         "body.radius": 0.12,
     }
@@ -327,7 +327,7 @@ def test_names_that_two_sensors_or_the_task_use_are_refused(only_here, sensors, 
         home_mjx.register_sensor(sensor(*args)())
     with pytest.raises(ConfigError) as caught:
         home_mjx.HouseholdEnv(make_config(sensors=names))
-    assert str(caught.value) == f"{words}, or leave one of the two out of `sensors`."
+    assert str(caught.value) == f"{words}, or leave one of the two out of `sensor_states`."
     home_mjx.HouseholdEnv(make_config(sensors=names[:1]))  # one of them alone may use it
 
 

@@ -12,7 +12,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.tasks import EnvConfig, Exploration, HouseholdEnv, expert_action
-from home_mjx.tasks.scripted_agents.exploration import tiles_of
+from home_mjx.tasks.scripted_agents.exploration import divide_in_tiles
 
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 NUM, HORIZON = 8, 500
@@ -48,7 +48,7 @@ def home_cells(bank, house: int) -> np.ndarray:
 
 def test_tiles_hold_the_free_cells_and_the_room_of_their_middle(bank):
     for house in range(2):
-        tiles = jax.tree.map(np.asarray, jax.jit(tiles_of)(bank, jnp.int32(house)))
+        tiles = jax.tree.map(np.asarray, jax.jit(divide_in_tiles)(bank, jnp.int32(house)))
         cells, rooms = home_cells(bank, house), np.asarray(bank.navigation.room[house])
         expected = np.zeros_like(tiles.free)
         np.add.at(expected, (cells[:, 0], cells[:, 1] // 5, cells[:, 2] // 5), 1)
@@ -146,6 +146,6 @@ def test_the_expert_covers_the_house_and_chance_does_not(env):
 
     expert = run(lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0])
     assert np.asarray(expert.metrics["success"]).mean() >= 0.99
-    random = run(lambda _, key: jax.random.randint(key, (), 1, 6))  # without `stop`, which would end it sooner
+    random = run(lambda _, key: jax.random.randint(key, (), 1, 6))  # without `stopped`, which would end it sooner
     assert np.asarray(random.metrics["success"]).mean() < 0.1
     assert np.asarray(random.metrics["coverage"]).mean() < 0.5
