@@ -1,4 +1,4 @@
-"""Meshes that replace missing models: a model of the generator of the same category, else a box."""
+"""Meshes that replace missing models: a generator model of the same category, else a box."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -16,10 +16,10 @@ from home_procgen.v1.furniture import library
 from home_procgen.v1.furniture.openings import JAMB, door
 
 Bounds = Float[np.ndarray, "2 3"]
-UNKNOWN = np.array([[-0.25, 0.0, -0.25], [0.25, 0.5, 0.25]])  # [m]: box of a model of which nothing is known
-FRAME = 3  # solids of a door's frame, the first ones
-BEHIND = 0.07  # [m] from the middle of a door to the hinge of its leaf
-SAME_AS = {  # fine category -> one that the generator has
+UNKNOWN = np.array([[-0.25, 0.0, -0.25], [0.25, 0.5, 0.25]])  # [m], box if neither bounds nor category are known
+FRAME = 3  # number of leading solids of a door that form its frame
+BEHIND = 0.07  # [m], from a door's middle plane to its hinge
+SAME_AS = {  # fine category -> fine category of a generator model
     "amplifier": "loudspeaker",
     "bunker_bed": "single_bed",
     "computer": "laptop",
@@ -36,7 +36,7 @@ SAME_AS = {  # fine category -> one that the generator has
     "whiteboard": "picture_frame",
     "workplace": "desk",
 }
-PLAIN = {  # sRGB of finishes that are textures in generated datasets
+PLAIN = {  # sRGB of finishes that are textured in generated datasets
     "wood": (0.55, 0.4, 0.27),
     "textile": (0.5, 0.52, 0.56),
     "upholstery": (0.5, 0.52, 0.56),
@@ -48,12 +48,12 @@ BOX = Material("material_0", (0.7, 0.7, 0.7), None, 1.0)
 
 
 def generated_model(path: Path, fine: str, bounds: Bounds | None, closed: bool) -> tuple[Mesh, str]:
-    """Return a mesh of this generator that replaces a missing model, and its description.
+    """Return a generator mesh that replaces a missing model, and its description.
 
     Args:
         path: Path of the missing OBJ file.
         fine: Fine category of the model.
-        bounds: Its bounding box, of a door that of its open state [m, Y up]; None if unknown.
+        bounds: Bounding box of the missing model; of a door, in its open state [m, Y up]; None if unknown.
         closed: Whether the mesh shows a door closed.
 
     Example:
@@ -84,7 +84,7 @@ def _sizes(bounds: Bounds) -> str:
 
 
 def _misfit(size: Float[np.ndarray, " 3"], bounds: Bounds) -> float:
-    """By how much a model must be stretched to fill a box: the sum of the logarithms of its factors."""
+    """Return the stretch that fills a box: the sum of the absolute logarithms of the three scale factors."""
     return round(float(abs(np.log((bounds[1] - bounds[0]) / size)).sum()), 9)
 
 
@@ -95,7 +95,7 @@ def _boxed(path: Path, bounds: Bounds) -> Mesh:
 
 
 def _fitted(path: Path, mesh: Mesh, model: Furniture, bounds: Bounds) -> Mesh:
-    """A mesh of the generator stretched into a box."""
+    """Stretch a generator mesh to a bounding box."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     scale = (bounds[1] - bounds[0]) / np.maximum(high - low, 1e-9)
     return replace(
@@ -108,13 +108,13 @@ def _fitted(path: Path, mesh: Mesh, model: Furniture, bounds: Bounds) -> Mesh:
 
 
 def _plain(materials: Sequence[Material], slots: Mapping[str, str]) -> tuple[Material, ...]:
-    """The materials without the images of a generated dataset."""
+    """Return the materials without images, with plain colours for textured finishes."""
     finishes = zip(materials, slots.values(), strict=True)
     return tuple(replace(m, texture=None, diffuse=PLAIN.get(finish, m.diffuse)) for m, finish in finishes)
 
 
 def _opening(path: Path, fine: str, bounds: Bounds, closed: bool) -> Mesh:
-    """A door in its box, whose leaf swings as far to -z as the box reaches, or the frame alone of an arch."""
+    """Return a door whose leaf opens towards -z as far as the box reaches, or only the frame for an arch."""
     (x0, y0, z0), (x1, y1, _) = bounds.tolist()
     width, height = max(x1 - x0, 3 * JAMB), max(y1 - y0, 0.5)
     reach = np.clip((-z0 - BEHIND) / (width - 2 * JAMB), 0.0, 1.0)

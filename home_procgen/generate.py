@@ -1,4 +1,4 @@
-"""Generated houses by the version of their generator."""
+"""Dispatch of house generation by generator version."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,23 +14,23 @@ VERSIONS: Mapping[int, Any] = {procedural.VERSION: procedural.generate_dataset, 
 def generate_dataset(
     root: str | Path, seeds: Sequence[int], progress: bool = False, version: int = procedural.VERSION
 ) -> tuple[str, ...]:
-    """Writes one house per seed, and the shared library, in SUNCG's on-disk format.
+    """Write one house per seed, and the shared library, in SUNCG's on-disk format.
 
-    A seed always gives the same files, byte for byte. Existing files are kept, so an interrupted call can be
-    repeated and a dataset can grow; only what differs from what was written is written again. Many houses are
-    written by worker processes: a script that asks for them needs the usual `if __name__ == "__main__":`.
+    The same seed always produces the same files, byte for byte. Existing intact files are kept, and changed ones are
+    written again, so an interrupted call can be repeated and a dataset can grow. Many houses are written by worker
+    processes: a calling script needs the usual `if __name__ == "__main__":`.
 
     Args:
-        root: Folder of the dataset; made if missing.
+        root: Folder of the dataset; created if missing.
         seeds: Non-negative integers.
         progress: Show a progress bar.
-        version: Of the generator. 1: flats on one floor; 2: homes of up to three storeys.
+        version: Version of the generator. 1: flats on one floor; 2: homes of up to three storeys.
 
     Returns:
         The house ids, in the order of the seeds.
 
     Raises:
-        ConfigError: A seed is not an integer from 0 to 2**63 - 1, or there is no such version.
+        ConfigError: A seed is not an integer from 0 to 2**63 - 1, or no generator has this version.
         DatasetError: `root` cannot be written, or holds something else.
 
     Example:
@@ -41,6 +41,6 @@ def generate_dataset(
 
 
 def check_version(version: object) -> None:
-    """Raises `ConfigError` if there is no generator of this version."""
+    """Raise `ConfigError` if no generator has this version."""
     if isinstance(version, bool) or version not in VERSIONS:
         raise ConfigError(f"there is no generator of version {version!r}", hint=f"There are {sorted(VERSIONS)}.")
