@@ -28,7 +28,7 @@ def draw_windows(
         rng: Source of randomness.
         rooms: Rooms of the storey.
         doors: Doors of the storey.
-        shut: Rectangle of the stairs; its walls have no windows, since these would belong to no room. None without stairs.
+        shut: Rectangle of the stairs, whose walls have no windows, as these would belong to no room; None if none.
     """
     found: list[Opening] = []
     alike = choose(SETS, rng)
