@@ -14,7 +14,7 @@ from home_procgen.style import Style
 
 TRIES = 3  # maximum attempts to furnish one room
 WASHING = ("bathtub", "shower")
-LAMPS = ((0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))  # [m], offsets of a lamp from the middle of a room
+LAMPS = ((0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))  # [m], offsets from the middle of a room
 LONG = ("Hallway", "Hall", "Lobby")
 GRAND = ("Living_Room", "Bedroom", "Dining_Room", "Hall", "Lobby", "Guest_Room")  # may have chandeliers and fans
 RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoes_cabinet", "coffee_table")
@@ -25,8 +25,8 @@ Furnished = tuple[tuple[tuple[PlacedFurniture, ...], ...], ...]  # by storey and
 def furnish_home(home: HomePlan, style: Style) -> Furnished | None:
     """Return the furniture of every room of every storey; None if the plan cannot be furnished.
 
-    The plan fails if a room has no place for its essential objects, if no bathroom has a tub or a shower, or if there is
-    no place for a radio.
+    The plan fails if a room has no place for its essential objects, if no bathroom has a tub or a shower, or if no
+    object can take a radio.
     """
     levels: list[list[Room]] = []
     for number in range(len(home.levels)):

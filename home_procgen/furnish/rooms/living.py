@@ -203,7 +203,10 @@ def _group(
 def _opposite(
     room: Room, stand: PlacedFurniture, sofa: PlacedFurniture, table: PlacedFurniture, back: float, shift: float
 ) -> tuple[PlacedFurniture, PlacedFurniture | None]:
-    """Return a sofa whose back is `back` metres from a stand, and a table as close to it as its shape allows, if any."""
+    """Return a sofa whose back is `back` metres from a stand, and a table as close to it as its shape allows.
+
+    The table is None if the sofa or every place for the table is blocked.
+    """
     x, z = stand.beside(shift, back - float(sofa.size[2]) / 2)
     spot = sofa.at(x, FLOOR_TOP, z, stand.quarter + 2)
     if room.solid.meets(hull(spot)):

@@ -61,7 +61,7 @@ def _on(
 def at(
     room: Room, anchor: PlacedFurniture, kind: str | PlacedFurniture, x: float, z: float, angle: float = 0.0
 ) -> PlacedFurniture | None:
-    """Place an object on another at a point (x, z) [m], its front towards (sin angle, cos angle); None without a fit."""
+    """Place an object on another at a point (x, z) [m], its front towards (sin angle, cos angle); None if it fails."""
     item = room.object(kind) if isinstance(kind, str) else kind
     for top in tops_of(anchor.model.id)[:1]:
         spot = askew(item.at(x, anchor.position[1] + top.height * anchor.scale[1], z), angle)

@@ -129,7 +129,7 @@ class Room:
 
 
 def _thin(item: PlacedFurniture) -> PlacedFurniture:
-    """Scale rugs and mats to the thickness that lets objects stand on them."""
+    """Scale rugs and mats to the thickness at which other objects can be placed on them."""
     if item.model.fine != "rug":
         return item
     return PlacedFurniture(
