@@ -25,8 +25,7 @@ Furnished = tuple[tuple[tuple[PlacedFurniture, ...], ...], ...]  # by storey and
 def furnish_home(home: HomePlan, style: Style) -> Furnished | None:
     """Return the furniture of every room of every storey; None if the plan cannot be furnished.
 
-    The plan fails if a room has no place for its essential objects, if no bathroom has a tub or a shower, or if no
-    object can take a radio.
+    Every room needs its essential objects. The home needs a tub or a shower, and a radio or a loudspeaker.
     """
     levels: list[list[Room]] = []
     for number in range(len(home.levels)):
