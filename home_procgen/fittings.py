@@ -27,7 +27,7 @@ Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the inde
 def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:
     """Generate the stairs that begin on a level and its railings, each with the index of its room.
 
-    Railings stand at stairwells whose stairs end on the level, and around its open rooms.
+    Stairwells with stairs that end on the level have railings, and so have its open rooms.
     """
     storey = home.storeys[level]
     models = structure_models()
