@@ -1,4 +1,4 @@
-"""Meshes of rooms: walls with holes, floors and ceilings with openings for stairs."""
+"""Room meshes: walls with holes, and floors and ceilings with openings for stairs."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,7 +18,7 @@ from home_procgen.plan.needs.room_program import OUTDOORS
 from home_procgen.plan.openings.turned import TurnedWindow
 from home_procgen.plan.shape.cut_rooms import Point, sides
 
-SKIRTING = FLOOR_TOP + 0.09  # [m], where skirting boards end
+SKIRTING = FLOOR_TOP + 0.09  # [m], height of the top of skirting boards
 Parts = tuple[Mesh, Mesh | None, Mesh | None]  # floor, ceiling, walls
 
 
@@ -31,16 +31,16 @@ def room_parts(
     open_floor: bool = False,
     open_ceiling: bool = False,
 ) -> Parts:
-    """Floor, ceiling and walls of a room on the lowest level; open rooms have a floor alone.
+    """Return floor, ceiling and walls of a room on the lowest level; outdoor rooms have only a floor.
 
     Args:
-        stem: Path of the OBJs without the letter of the part.
-        room: The room; where it is open, its last rectangle is the place of stairs.
+        stem: Path of the OBJ files without the letter of the part.
+        room: The room; if its floor or ceiling is open, its last rectangle is the stairwell.
         height: Nominal height of the walls [m].
         openings: Doors and windows of the storey.
         surfaces: The materials.
-        open_floor: Stairs come up here.
-        open_ceiling: Stairs go up from here.
+        open_floor: Whether stairs come up here, so that the floor has an opening.
+        open_ceiling: Whether stairs go up from here, so that the ceiling has an opening.
     """
     low, number = height - CEILING_LOW, stem.name.rpartition("_")[2]
     less = RoomPlan(room.type, room.rects[:-1]) if open_floor or open_ceiling else room
@@ -63,7 +63,7 @@ def _slab(stem: Path, kind: str, room: RoomPlan, span: tuple[float, float], mate
 def _wall_pieces(
     room: RoomPlan, number: str, height: float, openings: Sequence[PlacedFurniture], boards: bool
 ) -> Iterator[MeshPiece]:
-    """The inner and the outer prism of every wall; with `boards`, the foot of the inner one is of a fourth slot."""
+    """Generate the inner and outer prism of every wall; with `boards`, the foot of the inner one has a fourth slot."""
     for k, side in enumerate(sides(room)):
         holes = tuple(hole for opening in openings if (hole := _hole(side, opening)) is not None)
         start, end = (np.array([x, 0.0, z]) for x, z in side)
@@ -74,7 +74,7 @@ def _wall_pieces(
 
 
 def _hole(side: tuple[Point, Point], opening: PlacedFurniture) -> Hole | None:
-    """The hole that an opening makes in a wall, or None if it is not in this wall."""
+    """Return the hole of an opening in a wall; None if the opening is not in this wall."""
     start, end = side
     if start[0] == end[0] or start[1] == end[1]:
         return None if isinstance(opening, TurnedWindow) else carve(PlanWall(start, end), opening)
@@ -89,5 +89,5 @@ def _hole(side: tuple[Point, Point], opening: PlacedFurniture) -> Hole | None:
 
 
 def _rounded(mesh: Mesh) -> Mesh:
-    """To a micrometre, so that files are the same wherever they are made."""
+    """Round to a micrometre, so that files are identical on every machine."""
     return replace(mesh, vertices=np.round(mesh.vertices, 6) + 0.0, uv=np.round(mesh.uv, 6) + 0.0)

@@ -10,7 +10,7 @@ from home_mjx.geometry.slabs import slab
 from home_mjx.schema.house import GroundNode, Material
 from home_procgen.floor_plan.rooms import Rect
 
-UNDER = -0.1  # [m], of all slabs
+UNDER = -0.1  # [m], height of the undersides of all slabs
 
 
 @dataclass(frozen=True)
@@ -18,9 +18,9 @@ class Patch:
     """A rectangle of ground.
 
     Attributes:
-        rect: Where [m].
-        top: Height [m]; walls begin at 0.
-        material: Of its surface.
+        rect: The rectangle [m].
+        top: Height of its surface [m]; walls begin at 0.
+        material: Material of its surface.
     """
 
     rect: Rect
@@ -29,12 +29,12 @@ class Patch:
 
 
 def ground_node(patch: Patch, index: int, folder: Path) -> GroundNode:
-    """The node of a patch on the lowest level.
+    """Return the node of a patch on the lowest level.
 
     Args:
-        patch: Where and of what.
-        index: Of the node in its level.
-        folder: Of the house's meshes.
+        patch: The patch.
+        index: Index of the node in its level.
+        folder: Folder of the house's meshes.
     """
     x0, z0, x1, z1 = patch.rect
     outline = np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
