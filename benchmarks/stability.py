@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.houses.house_cache import HouseCache
+from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.mjcf.export import OVERLAPS_FILE, to_mjcf
 from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
 from home_mjx.schema.choices import COLLISIONS
@@ -28,7 +29,7 @@ def houses(root: Path | None, count: int) -> Iterator[CompiledHouse]:
     if root is not None:
         dataset = open_dataset(root)
         yield from map(HouseCache(dataset).load, dataset.house_ids)
-    yield from house_set(f"procedural:{count}").load(progress=True)
+    yield from HouseSet(f"procedural:{count}").load(progress=True)
 
 
 def main() -> None:

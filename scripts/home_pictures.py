@@ -43,7 +43,7 @@ def picture_of(model: Furniture) -> Image.Image:
     shade = 0.5 + 0.5 * np.clip(normal @ LIGHT, 0, 1)
     colors = np.stack([color_of(m) for m in model.mesh.materials])[model.mesh.slot] * shade[:, None]
     image = Image.new("RGB", (size, size), "white")
-    draw = ImageDraw.NoiseDraw(image)
+    draw = ImageDraw.Draw(image)
     for k in np.argsort(corners[..., 2].mean(axis=1)).tolist():
         if normal[k, 2] > 0:
             draw.polygon([(x, y) for x, y in flat[k].tolist()], tuple((255 * colors[k]).astype(int).tolist()))
@@ -57,7 +57,7 @@ def sheet_of_things() -> Image.Image:
         shapes[model.fine].append(model)
     cells = [cell for fine in sorted(shapes) for cell in (fine, *shapes[fine])]
     page = Image.new("RGB", (COLUMNS * CELL, -(-len(cells) // COLUMNS) * CELL), "white")
-    draw = ImageDraw.NoiseDraw(page)
+    draw = ImageDraw.Draw(page)
     for k, cell in enumerate(cells):
         x, y = k % COLUMNS * CELL, k // COLUMNS * CELL
         if isinstance(cell, str):
@@ -72,7 +72,7 @@ def plan_of(design: HomeDesign) -> Image.Image:
     """Draw the lowest storey of a home from above: rooms with their furniture."""
     size = PLAN * SHARP
     image = Image.new("RGB", (size, size), "white")
-    draw, level = ImageDraw.NoiseDraw(image), design.plan.levels[0]
+    draw, level = ImageDraw.Draw(image), design.plan.levels[0]
     corners = np.concatenate([room.polygon for room in level.rooms])
     low, high = corners.min(axis=0), corners.max(axis=0)
     scale, middle = 0.92 * size / (high - low).max(), (low + high) / 2

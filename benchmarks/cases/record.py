@@ -78,7 +78,7 @@ class BenchSettings:
     @cached_property
     def house_set(self) -> HouseSet:
         """Houses of the benchmark."""
-        return house_set(self.dataset or f"procedural:{self.num_houses}", num_houses=self.num_houses)
+        return HouseSet(self.dataset or f"procedural:{self.num_houses}", num_houses=self.num_houses)
 
     @property
     def root(self) -> Path:

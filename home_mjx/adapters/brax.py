@@ -26,13 +26,14 @@ from home_mjx.tasks.env.household import HouseholdEnv
 
 try:
     from brax.envs import register_environment
-    from brax.envs.base import Env, Wrapper
+    from brax.envs.base import Env as BraxBaseEnv
     from brax.envs.base import State as BraxState
+    from brax.envs.base import Wrapper
 except ModuleNotFoundError as error:
     raise ConfigError("this adapter needs the package `brax`", hint=install_hint("train")) from error
 
 
-class BraxEnv(Env):
+class BraxEnv(BraxBaseEnv):
     """Household environment for Brax: pixels for its CNNs and one vector `state`.
 
     Observations are `pixels/<camera>_<kind>` (rgb as float in [0, 1], depth divided by `max_depth`) and `state`, the

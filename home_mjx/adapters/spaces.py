@@ -24,7 +24,7 @@ def action_space(env: Env) -> gymnasium.Space:
 def agent_action_space(env: Env) -> gymnasium.Space:
     """Return the action space of one agent: a box, or discrete actions."""
     if env.config.discrete is not None:
-        return gymnasium.spaces.DiscreteSpace(env.action_size)
+        return gymnasium.spaces.Discrete(env.action_size)
     return make_gym_box(env.action_spec.for_one_agent(env.num_agents))
 
 

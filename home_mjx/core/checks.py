@@ -60,9 +60,9 @@ def check_number(
     Args:
         name: Name of the option, for the message.
         value: Its value.
-        least: Minimum allowed value.
-        most: Maximum allowed value.
-        whole: Require an integer.
+        minimum: Minimum allowed value.
+        maximum: Maximum allowed value.
+        integer: Require an integer.
 
     Example:
         >>> check_number("width", 64, 1, whole=True)

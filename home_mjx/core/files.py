@@ -41,7 +41,7 @@ def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None)
     Args:
         path: The file.
         hint: Remedy if the file is missing.
-        most: Maximum accepted size [bytes]; `MAX_BYTES` by default.
+        max_bytes: Maximum accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
@@ -61,9 +61,9 @@ def read_json_lines(
 
     Args:
         path: The file.
-        what: Name of the content of a line, for messages.
+        content: Name of the content of a line, for messages.
         parse: Converts the JSON value of a line to a row.
-        most: Maximum accepted size [bytes]; `MAX_BYTES` by default.
+        max_bytes: Maximum accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
@@ -102,7 +102,7 @@ def write_json_lines(path: Path, rows: Iterable[Any], content: str) -> None:
     Args:
         path: The file.
         rows: JSON-serializable values.
-        what: Name of the rows, for messages.
+        content: Name of the rows, for messages.
 
     Raises:
         ConfigError: The file cannot be written.
@@ -140,7 +140,7 @@ def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> li
     Args:
         path: The file.
         names: Names of the arrays.
-        what: Name of the file's content, for messages.
+        content: Name of the file's content, for messages.
         hint: Remedy if the file is missing or is not such a file.
 
     Raises:
@@ -285,7 +285,7 @@ def write_durably(path: Path, content: str, hint: str | None = None) -> Iterator
 
     Args:
         path: The file, in an existing folder.
-        what: Name of the content, for messages.
+        content: Name of the content, for messages.
         hint: Remedy if it cannot be written.
 
     Raises:
@@ -354,7 +354,7 @@ def write_all_or_none(folder: Path, content: str) -> Iterator[Path]:
 
     Args:
         folder: Destination; created if missing.
-        what: Name of the files, for messages.
+        content: Name of the files, for messages.
 
     Raises:
         ConfigError: The files cannot be written.
@@ -390,7 +390,7 @@ def as_path(path: object, content: str) -> Path:
 
     Args:
         path: Text or a path.
-        what: Name of the file's content, for messages.
+        content: Name of the file's content, for messages.
 
     Raises:
         ConfigError: `path` is neither.

@@ -20,7 +20,7 @@ def find_exposed_edges(
 
     Args:
         center: Box centres [m].
-        turn: Rotations from box to world.
+        rotation: Rotations from box to world.
         half: Half extents [m].
         heights: Floor and ceiling of each room [m].
 

@@ -29,7 +29,7 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
     Args:
         triangles: Corners of the mesh [m].
         yaw: Yaw of the boxes [rad].
-        most: Maximum number of boxes.
+        max_boxes: Maximum number of boxes.
     """
     turn = yaw_matrix(yaw)
     points = triangles @ turn
@@ -137,8 +137,8 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
 
     Args:
         boxes: Minimum and maximum corners.
-        most: Maximum number of boxes in the result.
-        waste: Maximum empty volume that each further merge may add.
+        max_boxes: Maximum number of boxes in the result.
+        max_waste: Maximum empty volume that each further merge may add.
     """
     boxes = boxes.copy()
     while len(boxes) > 1:

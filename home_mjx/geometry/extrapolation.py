@@ -31,7 +31,7 @@ def extrapolate_fields(
 
     Args:
         home: Mask of the home region.
-        around: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
+        extensions: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
             in earlier ones, so distances next to a movable object ignore the shortcut through its position.
         standable: Cells where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
         room: Room of each cell.

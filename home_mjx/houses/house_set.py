@@ -29,7 +29,7 @@ class HouseSet:
             that `SUNCG_DATA_DIR` names.
         ids: House ids, in this order; None: all, in the order of the dataset.
         split: Restrict to `train`, `val` or `test_triangle`; None: all.
-        where: Restrict to houses that this filter accepts; None: all.
+        filter: Restrict to houses that this filter accepts; None: all.
         num_houses: Maximum number of houses, taken from the start of the selection; None: all.
         options: Compile options.
 

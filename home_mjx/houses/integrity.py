@@ -61,7 +61,7 @@ def check_trees(trees: Sequence[BVH], num_primitives: Sequence[int]) -> None:
 
     Args:
         trees: Trees with arrays of the right shapes.
-        primitives: Number of primitives of each tree.
+        num_primitives: Number of primitives of each tree.
 
     Raises:
         ValueError: A tree is invalid.

@@ -25,7 +25,7 @@ def run_jobs(
         task: Compiles a house; it never raises.
         ids: The houses.
         workers: Number of processes on this machine.
-        scheduler: Address of a Dask scheduler whose workers are used instead.
+        scheduler_address: Address of a Dask scheduler whose workers are used instead.
 
     Raises:
         ConfigError: The scheduler does not answer, or the extra is not installed.
@@ -57,8 +57,8 @@ def _dask(scheduler: str) -> Iterator[Any]:
     try:
         client = Client(scheduler, timeout=CONNECT_TIMEOUT)
     except (OSError, ValueError) as error:
-        hint = "Start one with `dask scheduler_address` and workers with `dask worker ADDRESS`."
-        raise ConfigError(f"no Dask scheduler answers at `{scheduler_address}`: {error}", hint=hint) from error
+        hint = "Start one with `dask scheduler` and workers with `dask worker ADDRESS`."
+        raise ConfigError(f"no Dask scheduler answers at `{scheduler}`: {error}", hint=hint) from error
     with client, client.get_executor(pure=False) as executor:
         yield executor
 

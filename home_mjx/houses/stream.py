@@ -58,19 +58,19 @@ class HouseStream:
         root: Folder of the dataset, an open `Dataset`, or a `HouseSet`; None: the dataset of `SUNCG_DATA_DIR`.
         ids: House ids; all by default.
         num_slots: Number of houses in the bank at a time.
-        spare: Number of slots that are retired at a time.
-        headroom: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see `skipped`.
+        num_retiring: Number of slots that are retired at a time.
+        capacity_factor: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see `skipped`.
         split: Restrict to houses of this split.
         seed: Seed of the order of houses, which differs in every pass over the dataset.
         options: Compiler options.
         progress: Show a progress bar while models and textures of all houses are collected.
-        where: Restrict to houses that meet this filter.
+        filter: Restrict to houses that meet this filter.
         num_houses: Maximum number of houses; the first are taken.
 
     Attributes:
         bank: The current bank. Earlier banks are invalid after `advance`, since their memory is overwritten.
         skipped: Reason for each skipped house, by id.
-        swaps: Number of houses exchanged so far.
+        num_swaps: Number of houses exchanged so far.
 
     Raises:
         ConfigError: There are fewer houses than slots.
@@ -207,7 +207,9 @@ class HouseStream:
     def _retire(self) -> None:
         """Retire the slot that was filled first and start to prepare the next house for it."""
         house_slot = self._active.pop(0)
-        self.bank = self.bank.replace(reset_houses=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32))
+        self.bank = self.bank.replace(
+            reset_houses=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32)
+        )
         self._retiring.append(_Retiring(house_slot, self._calls, self._worker.submit(self._next, house_slot)))
 
     def _exchange(self, item: _Retiring) -> None:

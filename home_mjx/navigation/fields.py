@@ -23,7 +23,7 @@ def distance_field(
         free: Cells that a path may cross.
         source: Cells with distance 0; cells that are not free are ignored.
         cell: Cell size [m].
-        slow: Factor on the length of steps between cells, per cell; positive.
+        step_factor: Factor on the length of steps between cells, per cell; positive.
 
     Returns:
         Distances [m]; inf if there is no path. Equal to `scene_compile.navigation.geodesic.distance_fields` up to

@@ -18,9 +18,9 @@ class AgentBody:
         forward_speed: Forward speed at action 1 [m/s].
         strafe_speed: Sideways speed at action 1 [m/s].
         turn_rate: Turn rate at action 1 [rad/s].
-        push_force: Maximum force of the motors, in any horizontal direction [N].
+        max_push_force: Maximum force of the motors, in any horizontal direction [N].
         reach: Reach of the hand from the body's axis [m].
-        lift: Maximum mass of an object that the hand lifts [kg].
+        max_lift_mass: Maximum mass of an object that the hand lifts [kg].
 
     Raises:
         ConfigError: A value is out of range.

@@ -86,7 +86,7 @@ def evaluate(
 
     Args:
         env: Houses and task; use held-out houses, `split="val"`, to measure generalisation.
-        policy_of: Function from parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
+        make_policy: Function from parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
         net: The parameters.
         num_episodes: Number of episodes, at most `MAX_EPISODES`.
         seed: Seed of episodes and actions.

@@ -69,7 +69,7 @@ class PPO:
         batch: The environments, with automatic resets.
         update: Compiled function from `(params, state)` to the next state and metrics. On several devices, `params`
             should first be put there: `jax.device_put(params, ppo.replicated)`.
-        whole: Sharding of replicated values.
+        replicated: Sharding of replicated values.
 
     Raises:
         ConfigError: Batch sizes do not divide evenly, or the environment's observations or actions have no network.

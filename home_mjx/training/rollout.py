@@ -43,7 +43,7 @@ class Policy(NamedTuple):
         act: Function from `(initial_memory, obs, is_first, keys)` to memory, actions, and other outputs to store; R rows each.
         value: Function from `(initial_memory, obs, outputs)` to the values (R,) of observations after truncated steps; None: 0.
         clip: Function from actions to valid actions of the environment.
-        memory: Function from a number of rows to their memory before the first step.
+        initial_memory: Function from a number of rows to their memory before the first step.
     """
 
     act: Callable[[Any, dict[str, Array], Array, Array], tuple[Any, Array, dict[str, Array]]]
@@ -138,7 +138,7 @@ def compute_advantages(
 
     Args:
         steps: The steps; `outputs` contain `value`.
-        last_value: Values of the observations after the last step.
+        bootstrap_value: Values of the observations after the last step.
         discount: γ.
         gae_lambda: λ.
 

@@ -60,7 +60,7 @@ def train(
         out: The folder, which exists.
         resume: Continue from the folder's checkpoint if there is one; the result equals that of an uninterrupted run.
         progress: Show a progress bar; None: in a terminal.
-        turn: Context entered after compilation and left at the end, such as a lock of the device, so that measured
+        device_lock: Context entered after compilation and left at the end, such as a lock of the device, so that measured
             training time excludes other processes that compile.
 
     Returns:

@@ -29,7 +29,7 @@ def test_check_env_where_the_task_leads_the_other_agents(generated_bank):
     """There is one agent for whoever learns: no axis of agents, no reward per agent."""
     options = {"impl": "kinematic", "num_tasks": 2, "sensors": ("state",), "episode_length": 5, "follow_steps": 3}
     env = GymEnv("PiedPiper-v0", houses=generated_bank, **options)
-    assert env.action_space == gymnasium.spaces.DiscreteSpace(6)
+    assert env.action_space == gymnasium.spaces.Discrete(6)
     assert env.observation_space["state"].shape == (10,)
     check_env(env, skip_render_check=True)
     env.reset(seed=0)

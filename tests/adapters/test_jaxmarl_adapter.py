@@ -88,7 +88,7 @@ def test_the_wrapper_of_q_learning_trainers(pair):
 
 def test_spaces_actions_and_classes(pair):
     assert isinstance(pair.observation_space("agent_0"), spaces.Box)
-    assert isinstance(pair.action_space("agent_1"), spaces.DiscreteSpace)
+    assert isinstance(pair.action_space("agent_1"), spaces.Discrete)
     _, state = pair.reset(jax.random.key(0))
     assert {agent: mask.tolist() for agent, mask in pair.get_avail_actions(state).items()} == {
         "agent_0": [True] * 6,

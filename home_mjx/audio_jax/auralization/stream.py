@@ -58,7 +58,7 @@ def emitted_signal(
     Args:
         clips: All clips.
         sounds: The sources.
-        row: Index of the clip that each source plays; -1 silent.
+        clip_index: Index of the clip that each source plays; -1 silent.
         phase: Index of the clips' sample emitted at the frame's first sample.
         time: Number of the frame's first sample, counted from the start of the schedules.
         config: Options; provides the lengths.
@@ -86,7 +86,7 @@ def convolve_frame(
     """Convolve an emitted signal with two responses and cross-fade, as in `convolve_clip_frame`.
 
     Args:
-        heard: Signal emitted up to the frame's end, from `emitted_signal`.
+        emitted: Signal emitted up to the frame's end, from `emitted_signal`.
         response_old: Response per channel at the frame's start.
         response_new: Response per channel at its end.
         config: Options; provides the lengths.
@@ -116,8 +116,8 @@ def schedule_gain(
 
     Args:
         time: Samples since the start; negative before it.
-        every: Period, see `SoundSources` [s].
-        lasts: Duration, see `SoundSources` [s].
+        interval: Period, see `SoundSources` [s].
+        duration: Duration, see `SoundSources` [s].
         sample_rate: [Hz].
 
     Example:

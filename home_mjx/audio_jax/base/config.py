@@ -69,7 +69,7 @@ class AudioConfig:
             delays and its own air table; no diffraction, transmission or late reverberation.
         motion: Whether early paths move within a frame (Doppler effect at every frequency) and reverberation continues
             for `tail_seconds`. False: whole responses are cross-faded, see `convolve_clip_frame`.
-        num_heard: With `motion`, maximum number of audible early paths: the direct path and the strongest others. The
+        max_audible_paths: With `motion`, maximum number of audible early paths: the direct path and the strongest others. The
             cost of a frame grows with it; of 21 candidates in houses at most 7 are audible. None: all.
         tail_seconds: With `motion`, reverberation beyond `response_seconds` [s], each octave at its last decay rate;
             rounded up to half responses.

@@ -17,8 +17,8 @@ class ContactSoundConfig:
         scrapes: Sounds of movable bodies that slide; needs physics with contacts, too.
         doors: Creaks of moving leaves and thuds where they stop.
         step_length: Distance between footsteps [m].
-        num_strikes: Maximum number of simultaneous transient sounds, each traced as a source.
-        num_rubs: Maximum number of simultaneous sustained sounds, each traced as a source.
+        num_transients: Maximum number of simultaneous transient sounds, each traced as a source.
+        num_sustained: Maximum number of simultaneous sustained sounds, each traced as a source.
 
     Raises:
         ConfigError: A value is out of range.

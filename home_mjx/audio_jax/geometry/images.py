@@ -58,7 +58,7 @@ def find_image_sources(
         mirrors: m mirrors; there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
         source: [m].
         listener: [m].
-        highest: Maximum order.
+        max_order: Maximum order.
 
     Returns:
         One row per sequence, ordered by order; occlusion is not tested.

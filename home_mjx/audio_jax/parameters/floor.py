@@ -33,7 +33,7 @@ def survey_floor(
     Args:
         scene: Scene of the environment.
         source: Sound source.
-        places: Positions of omnidirectional microphones [m].
+        positions: Positions of omnidirectional microphones [m].
         key: Random key, shared by all places; unused if late sound is baked.
         config: Options; the receiver is ignored.
 

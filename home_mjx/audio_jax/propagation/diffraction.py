@@ -97,8 +97,8 @@ def assemble_paths(
 
     Args:
         straight: Surfaces on the straight line.
-        found: Strings.
-        heard: Whether source and listener see the string's ends.
+        edge_paths: Strings.
+        is_visible: Whether source and listener see the string's ends.
         ears: Position of the listener [m].
         config: Options.
     """

@@ -22,10 +22,10 @@ class Axis:
     """An axis of a bank's arrays that is padded to one length for all houses.
 
     Attributes:
-        count: Returns the length that a house needs.
+        required: Returns the length that a house needs.
         smallest: Lengths are multiples of this by a power of two.
         block: If set, lengths are multiples of this instead.
-        drawn: A compiler option determines the length, not the house.
+        set_by_compiler: A compiler option determines the length, not the house.
         optional: The length is 0 if no house needs any; programs then contain no code for its items.
     """
 

@@ -79,9 +79,7 @@ class Physics(Pytree):
     """Static boxes, movable bodies, door leaves and ramps over stairs of every house."""
 
     floor: Float[Array, " h"] = array("[m], top of the ground floor", source="ground_floor")
-    fence_rectangle: Float[Array, "h 2 2"] = array(
-        "[m], minimum and maximum x and y inside the fence", source="lot"
-    )
+    fence_rectangle: Float[Array, "h 2 2"] = array("[m], minimum and maximum x and y inside the fence", source="lot")
     collider_pos: Float[Array, "h colliders 3"] = array(
         "[m]; padding is parked far below", source="colliders.pos", fill=PADDING_POS
     )

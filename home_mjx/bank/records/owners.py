@@ -46,8 +46,8 @@ class HouseOwner:
     Attributes:
         record: The house; or the agents' rows, for the tables of materials and semantics.
         start: First row of each kind.
-        model: Index of each library model, by key.
-        layer: Layer of each texture, by path; -1 for "".
+        model_index: Index of each library model, by key.
+        texture_layer: Layer of each texture, by path; -1 for "".
         sizes: Lengths of the bank's axes, by name.
     """
 

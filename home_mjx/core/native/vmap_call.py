@@ -22,8 +22,8 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
     Args:
         run: Step function. All environments share its first operands; the other operands and the results have a
                 leading environment axis.
-        shared: Number of shared operands.
-        results: Number of results.
+        num_shared: Number of shared operands.
+        num_results: Number of results.
     """
     spread = _partitioned(run, num_shared)
 

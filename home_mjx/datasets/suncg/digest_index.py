@@ -72,7 +72,7 @@ class DigestIndex:
         Args:
             name: Name of the file, in a constant form.
             stamp: Stamp of the file, taken before this call.
-            look: Reads the file.
+            read: Reads the file.
         """
         found = self._known.get(name)
         if found is not None and found[0] == stamp:

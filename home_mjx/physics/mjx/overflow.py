@@ -59,7 +59,7 @@ class GeomPairs:
 
     Attributes:
         groups: Geoms of the pairs (p, 2), one array per kind.
-        most: Maximum number of pairs of a kind that MJX tests.
+        max_tested: Maximum number of pairs of a kind that MJX tests.
         capsules: Geoms that are capsules.
     """
 

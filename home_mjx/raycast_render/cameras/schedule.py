@@ -20,7 +20,7 @@ def render_every(interval: int, step: Int[Array, ""], render_images: Callable[[]
     Args:
         interval: Steps between images, at least 1.
         step: Step number, from 0.
-        draw: Renders the images.
+        render_images: Renders the images.
         last: Images of the last step.
 
     Raises:
@@ -40,8 +40,8 @@ def render_some(envs: Int[Array, " n"], render_images: Callable[..., T], last: T
     """Render images of some environments of a batch; the others keep their last images at no cost.
 
     Args:
-        chosen: Indices of the environments; indices out of range are ignored, so that the list can be padded.
-        draw: Renders the images of one environment.
+        envs: Indices of the environments; indices out of range are ignored, so that the list can be padded.
+        render_images: Renders the images of one environment.
         last: Images of all environments, with a leading axis.
         batched: Arguments of `render_images`, with the same leading axis.
 

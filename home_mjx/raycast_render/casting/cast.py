@@ -42,7 +42,7 @@ def cast(
         t_max: End of the ray interval; rays with t_max < t_min have no hit and no cost.
         exclude: Object id that the ray ignores, or I + a for agent a; -1 none.
         mask: `RayKind` bits; the ray ignores materials that match none of them.
-        executor: "xla", "cpu" or "cuda". None selects the scene's; if that is None too, the fastest one of the platform
+        backend: "xla", "cpu" or "cuda". None selects the scene's; if that is None too, the fastest one of the platform
             for which the program is compiled.
 
     Returns:
@@ -106,13 +106,13 @@ def cast_multi_hit(
         scene: Scene of one environment.
         origin: [m], world; a single origin for all rays is read once, which is faster.
         direction: World; t is in units of its length.
-        steps: Number of hits, at least 1.
-        skin: Offset behind a hit at which the next cast begins, in units of t.
+        num_hits: Number of hits, at least 1.
+        hit_epsilon: Offset behind a hit at which the next cast begins, in units of t.
         t_min: Start of the ray interval, as in `cast`.
         t_max: End of the ray interval.
         exclude: Object id that the ray ignores until it hits another object; -1 none.
         mask: `RayKind` bits.
-        executor: As in `cast`.
+        backend: As in `cast`.
 
     Returns:
         The hits, with the leading shape of the rays and a last axis of `num_hits`. All entries from a ray's first miss on

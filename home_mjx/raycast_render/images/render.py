@@ -59,7 +59,7 @@ def render(
         camera: Pose and field of view.
         lens: Projection model and resolution.
         kinds: Kinds of images to render.
-        preset: Shading of rgb.
+        shader: Shading of rgb.
         exclude: Object id hidden from the camera, such as its own agent; -1 none.
         depth_max: Maximum value of depth and distance images [m]; None disables clipping.
 

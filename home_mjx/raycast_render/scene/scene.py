@@ -41,11 +41,11 @@ def make_scene(
             invalid.
         agent_pos: Centre of every agent's capsule [m].
         agent_quat: Orientation of every agent as unit quaternion (w, x, y, z).
-        executor: Executor of all rays in the scene, see `cast`.
+        backend: Executor of all rays in the scene, see `cast`.
         door_angle: Rotation of every door about +z from its authored pose [rad], or displacement of a sliding door [m].
             None: the authored pose.
         agent_size: Radius and height of every agent [m]; None: those of a default `AgentBody`.
-        look: Appearance overrides of the episode; None: none.
+        appearance: Appearance overrides of the episode; None: none.
 
     Returns:
         The scene; its moving instances are the bodies, then the doors, then the agents.

@@ -58,7 +58,7 @@ class Scene(Pytree):
         """Return `in_axes` or `out_axes` of a batch of scenes that share one bank.
 
         Args:
-            executor: Executor of the scenes.
+            backend: Executor of the scenes.
 
         Example:
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP

@@ -59,9 +59,9 @@ def radiance(
 
     Args:
         scene: Scene of one environment.
-        sight: Camera rays and their first hits.
-        growth: Increase of the footprint's width per unit of t [m].
-        spread: Emitting positions on linear lights, rectangular lights and the sun.
+        path: Camera rays and their first hits.
+        footprint_growth: Increase of the footprint's width per unit of t [m].
+        light_sample: Emitting positions on linear lights, rectangular lights and the sun.
         options: Options of the preset.
         exclude: Object id hidden from the camera, except in mirrors.
     """

@@ -47,9 +47,9 @@ def trace_specular(
 
     Args:
         scene: Scene of one environment.
-        sight: Camera rays and their first hits.
-        growth: Increase of the footprint's width per unit of t [m].
-        bounces: Maximum number of casts.
+        path: Camera rays and their first hits.
+        footprint_growth: Increase of the footprint's width per unit of t [m].
+        max_specular_depth: Maximum number of casts.
         exclude: Object id hidden from the camera, except in mirrors.
     """
     for _ in range(max_specular_depth):

@@ -18,13 +18,13 @@ class LitShader:
     Attributes:
         num_lights: Lights per point, those with the highest unoccluded irradiance; lights of other rooms are weighted
             by 0.1. A shadow ray tests each light, so none shines through walls.
-        bounces: Maximum number of specular events: glass, cut-out textures and mirrors.
+        max_specular_depth: Maximum number of specular events: glass, cut-out textures and mirrors.
         sun: Normal irradiance of the sun [W/m^2]; 0 disables the sun and its rays.
         sun_azimuth: Direction to the sun from +x towards +y [degrees].
         sun_elevation: Elevation of the sun above the horizon [degrees]; below 18 sunlight and horizon are redder.
         sky: Radiance of the sky [W/m^2/sr], outdoors and through windows; 0: night.
         ambient: Factor of the interreflected light.
-        corners: Ambient-occlusion radius [m]; 0 disables ambient occlusion. Noisy unless the lens takes several samples
+        ao_radius: Ambient-occlusion radius [m]; 0 disables ambient occlusion. Noisy unless the lens takes several samples
             per pixel.
         exposure: Factor of all light before tone mapping. None: auto exposure, which maps the mean luminance of each
             image to middle grey.

@@ -32,7 +32,7 @@ def build_reflection_planes(shell: BuildingShell, rooms: RoomTable) -> Planes:
     """Build the reflection planes of a house.
 
     Args:
-        house: Its architecture, whose slots are the first rows of the house's material table.
+        shell: Its architecture, whose slots are the first rows of the house's material table.
         rooms: Its rooms.
     """
     walls = [(i, p) for i, p in enumerate(shell.parts) if isinstance(p, WallPart)]

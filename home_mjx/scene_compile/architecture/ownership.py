@@ -31,7 +31,7 @@ class ClippedSurface:
     Attributes:
         triangles: Corners [m].
         uv: Texture coordinates of the corners.
-        source: Index of the original triangle.
+        triangle_index: Index of the original triangle.
     """
 
     triangles: Float[np.ndarray, "t 3 3"]
@@ -120,7 +120,7 @@ def clip_surface(
     Args:
         triangles: Corners of the slab [m].
         uv: Their texture coordinates.
-        toward: 1 if the slab is seen from above, -1 from below.
+        side: 1 if the slab is seen from above, -1 from below.
         owners: Output of `find_owner_outlines`.
     """
     cutters = [triangle for owner in owners for triangle in owner]

@@ -85,7 +85,7 @@ def wall_boxes(slabs: Sequence[Slab], max_length: float) -> BoxSet:
 
     Args:
         slabs: Prisms of the wall: copies in neighbouring rooms, inner and outer layers.
-        longest: Maximum length of a box [m].
+        max_length: Maximum length of a box [m].
     """
     main = max(slabs, key=lambda s: s.length)
     turn = yaw_matrix(main.yaw)

@@ -45,7 +45,7 @@ def find_barriers(
         level: Level index.
         static: Boxes that do not move, including shut doors.
         passages: Footprints of ways between rooms, and of stairs [m]; these are indoors.
-        longest: Maximum length of a barrier [m].
+        max_length: Maximum length of a barrier [m].
     """
     here = np.flatnonzero(rooms.level == level)
     points = np.concatenate([rooms.polygon[r] for r in here])

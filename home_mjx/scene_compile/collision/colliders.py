@@ -33,10 +33,10 @@ class ColliderOptions:
     """Options of collision boxes.
 
     Attributes:
-        height: Boxes that begin higher above the level's floor are omitted [m].
-        step: Boxes that end lower above the level's floor are omitted [m].
-        wall_length: Maximum length of one piece of a wall [m].
-        boxes_per_object: Maximum number of boxes per object.
+        max_bottom_height: Boxes that begin higher above the level's floor are omitted [m].
+        min_top_height: Boxes that end lower above the level's floor are omitted [m].
+        max_wall_length: Maximum length of one piece of a wall [m].
+        max_boxes_per_object: Maximum number of boxes per object.
 
     Raises:
         ConfigError: A value is out of range.
@@ -122,7 +122,7 @@ def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, max_boxes: in
     Args:
         triangles: The door, its wall along x [m].
         sill: Triangles that end lower are omitted [m].
-        most: Maximum number of boxes for the frame.
+        max_boxes: Maximum number of boxes for the frame.
     """
     part = triangle_components(triangles)
     frame, leaves = [], []
@@ -158,7 +158,7 @@ def select_passable_leaves(
     Args:
         leaves: One box each.
         free_area: Function from leaf boxes to the area of the largest free region [m^2].
-        gain: Minimum area that a leaf must cut off to be omitted [m^2].
+        min_gain: Minimum area that a leaf must cut off to be omitted [m^2].
     """
     if not leaves:
         return []

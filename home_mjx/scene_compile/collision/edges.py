@@ -27,7 +27,7 @@ class FloorEdge:
     Attributes:
         start: First end [m].
         end: Second end [m].
-        out: Unit direction away from the floor.
+        outward: Unit direction away from the floor.
         height: Height of the floor [m].
     """
 
@@ -68,7 +68,7 @@ def build_drop_barriers(
         floors: Boxes of these floors.
         stairs: Stairs, which close the drop at their head.
         walls: Boxes that close an edge: walls, windows, existing barriers.
-        ground: Height of the plane below everything [m].
+        ground_height: Height of the plane below everything [m].
     """
     found = []
     for plan in plans:

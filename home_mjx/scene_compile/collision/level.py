@@ -33,7 +33,7 @@ class LevelBoxes:
     Attributes:
         walls: Boxes of the architecture.
         objects: Boxes of each object while it is fixed, by object id.
-        loose: Open leaves without a known hinge.
+        unhinged: Open leaves without a known hinge.
         hinged: Boxes of leaves that turn, in their initial pose.
     """
 
@@ -73,8 +73,8 @@ class Obstacles:
 
     Attributes:
         boxes: All possible obstacles.
-        moving: Movable objects; their boxes are in their initial pose.
-        felt: Leaves without a known hinge that keep their colliders, since they leave the way free.
+        movable: Movable objects; their boxes are in their initial pose.
+        solid_leaves: Leaves without a known hinge that keep their colliders, since they leave the way free.
         barriers: Invisible boxes that keep agents in the rooms.
     """
 
@@ -128,7 +128,7 @@ def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, invisible: Box
     Args:
         levels: Obstacles of each level.
         floors: Floor boxes of all levels.
-        unseen: Fences, railings and guards; the levels' barriers precede them.
+        invisible: Fences, railings and guards; the levels' barriers precede them.
     """
     objects, loose = (
         merge_by_object([level.fixed_objects for level in levels]),

@@ -24,10 +24,10 @@ class NavigationOptions:
         agent_radius: Radius of the agent [m].
         agent_height: Height of the agent [m].
         margin: Clearance beyond the radius [m]; starts are jittered by up to half of it from their cell's centre.
-        step: Obstacles that end lower above the floor are ignored [m].
+        max_step_height: Obstacles that end lower above the floor are ignored [m].
         num_starts: Number of sampled start points.
         num_goals: Number of goals, each with a distance field.
-        climb: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False, stairs
+        use_stairs: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False, stairs
             are obstacles, and starts and goals are on the ground floor.
     """
 
@@ -189,7 +189,7 @@ def compute_clearance(
         x: x of the cell centres [m].
         y: y of the cell centres [m].
         heights: Height range above the floor in which obstacles count [m].
-        reach: Distances up to this are exact; greater ones are only at least this [m].
+        max_distance: Distances up to this are exact; greater ones are only at least this [m].
     """
     found = np.full((len(y), len(x)), np.inf)
     low, high = obstacles.bottom, obstacles.top

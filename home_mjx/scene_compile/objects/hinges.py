@@ -34,7 +34,7 @@ class Hinge:
     Attributes:
         leaf: Mask of the model's triangles.
         pivot: Intersection of the axis with the plan, in the model's frame [m]; any point of a sliding leaf.
-        turn: Rotation about +z, or sliding distance, to the other variant's position [rad] or [m].
+        displacement: Rotation about +z, or sliding distance, to the other variant's position [rad] or [m].
         slide: Unit direction in the plan to that position; 0: the leaf turns.
     """
 

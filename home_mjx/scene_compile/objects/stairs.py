@@ -32,7 +32,7 @@ class Staircase:
         upper: Index of the grid at the head.
         room: Rooms at foot and head.
         slopes: From the foot to the head; landings are flat.
-        top: Remaining polygons of the top tread beyond the last slope, at the height of the upper floor [m].
+        top_tread: Remaining polygons of the top tread beyond the last slope, at the height of the upper floor [m].
         well: Polygons of the opening in the upper level's floor [m].
         level_floor: Height of the lowest floor of the upper level [m].
         object_ids: Ids of all objects that form the stairs.

@@ -218,7 +218,7 @@ def find_stair_path(
 
     Args:
         triangles: All triangles of the stairs; straight flights are along x or y [m].
-        treads: Triangles on which an agent can stand.
+        upward: Triangles on which an agent can stand.
     """
     if not len(upward):
         return None

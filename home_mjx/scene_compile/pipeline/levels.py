@@ -41,7 +41,7 @@ class LevelSite:
 
     Attributes:
         grid: Index among the levels that have rooms, lowest first.
-        number: Level index.
+        level: Level index.
         plan: Floor plan.
         objects: Objects that may extend into the level, without stairs that agents climb.
         doorways: Doorways of its doors.
@@ -83,7 +83,7 @@ class LevelGeometry:
         ramps: Slopes of the stairs.
         bodies: Movable objects.
         doors: Leaves that turn, of all levels.
-        stuck: Ids of objects of movable categories that are not free to move.
+        stuck_objects: Ids of objects of movable categories that are not free to move.
         report: Counts.
     """
 

@@ -112,7 +112,7 @@ def observer_relations(
         ids: Object ids.
         boxes: Their upright boxes.
         places: Level and room of each object.
-        viewpoint: The observer.
+        observer: The observer.
 
     Example:
         >>> boxes = box_set([[2.0, 1.0, 0.0], [2.0, -1.0, 0.0]], [0.2, 0.2, 0.2])  # doctest: +SKIP

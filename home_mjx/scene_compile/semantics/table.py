@@ -22,7 +22,7 @@ def build_semantic_rows(
         shell: Walls, floors and ceilings.
         objects: Objects in the world frame.
         bodies: Movable bodies.
-        meaning: Output of the semantic engine, in the same order.
+        semantics: Output of the semantic engine, in the same order.
     """
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     rows = [shell.semantics, *(_object_row(o, body.get(o.instance, -1))[None] for o in objects)]

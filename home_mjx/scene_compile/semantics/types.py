@@ -42,7 +42,7 @@ class PartSemantics:
         room_type: First label of the room, or `unknown`.
         level: Level index.
         partition: Physical wall or slab.
-        look: Colours and materials of the side that faces its room.
+        appearance: Colours and materials of the side that faces its room.
         area: Area of that side [m^2].
         description: Short text, such as `white wall made of wallpaper`.
     """
@@ -73,7 +73,7 @@ class ObjectSemantics:
         room_type: First label of the room, or `unknown`.
         level: Level index.
         box: Upright box around it, in the world [m, rad].
-        look: Colours and materials.
+        appearance: Colours and materials.
         size: One of `SIZES` within its category; "" without models to compare with.
         support: Support of the object.
         description: Short text, such as `pack_field linen coffee table made of wood`.

@@ -38,10 +38,10 @@ class ArrangementCounts:
 
     Attributes:
         moved: Objects at a new pose.
-        kept: Selected objects at their initial pose: no candidate was free, or they did not come to rest there.
+        unmoved: Selected objects at their initial pose: no candidate was free, or they did not come to rest there.
         shifted: Other bodies that settling moved by more than `rest.MAX_SHIFT`, or turned by more than
             `rest.MAX_TURN`.
-        restless: Bodies of any size that are still moving after the last round.
+        unsettled: Bodies of any size that are still moving after the last round.
     """
 
     moved: Int[np.ndarray, "h p"]

@@ -28,18 +28,18 @@ class HouseLayout:
     Attributes:
         static: Boxes of static colliders; tilted ones (ramps) are replaced by upright bounding boxes.
         bodies: Upright boxes of the bodies.
-        drawn: Whether each body is selected for a new pose: it is small and supports no others.
-        lies: Whether each body is on furniture; the others are on a floor.
+        is_selected: Whether each body is selected for a new pose: it is small and supports no others.
+        on_furniture: Whether each body is on furniture; the others are on a floor.
         room: Room of each body; -1 none.
-        doors: Horizontal position of the hinge of each leaf, and the radius that the leaf sweeps [m].
+        door_sweeps: Horizontal position of the hinge of each leaf, and the radius that the leaf sweeps [m].
         portals: Centres of portals [m].
         goals: Navigation goals [m].
-        grid: Room of each cell; -1 none.
-        home: Whether each cell is in the home region.
+        room_grid: Room of each cell; -1 none.
+        home_region: Whether each cell is in the home region.
         floor: Height of the floor of each level [m].
         origin: Corner of cell (0, 0) [m].
         cell: Cell size [m].
-        reach: Minimum distance of an agent's centre from objects, including `AGENT_MARGIN` [m].
+        agent_clearance: Minimum distance of an agent's centre from objects, including `AGENT_MARGIN` [m].
     """
 
     static: BoxSet
@@ -71,7 +71,7 @@ class HouseLayout:
         return cls(
             static=_boxes(physics.collider_pos[there], physics.collider_quat[there], physics.collider_size[there]),
             bodies=bodies,
-            drawn=small & known & (room >= 0) & ~_is_support(bodies),
+            is_selected=small & known & (room >= 0) & ~_is_support(bodies),
             on_furniture=rows[:, Semantic.SUPPORT] == SUPPORTS.index("object"),
             room=room,
             door_sweeps=_door_sweeps(physics),
@@ -82,7 +82,7 @@ class HouseLayout:
             floor=navigation["floor"],
             origin=navigation["origin"].astype(float),
             cell=bank.spec.cell,
-            reach=bank.spec.agent_radius + AGENT_MARGIN,
+            agent_clearance=bank.spec.agent_radius + AGENT_MARGIN,
         )
 
     def room_at(self, points: Float[np.ndarray, "n 2"], level: int) -> Int[np.ndarray, " n"]:

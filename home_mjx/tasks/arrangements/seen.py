@@ -33,8 +33,8 @@ def find_level_candidates(
     Args:
         bank: The houses.
         house: Index of the house.
-        furnished: The same house on the host.
-        many: Candidates of each arrangement.
+        layout: The same house on the host.
+        candidates: Candidates of each arrangement.
     """
     used = np.flatnonzero(bank.physics.body_valid[house])
     gone = np.zeros(bank.spec.num_bodies, bool)

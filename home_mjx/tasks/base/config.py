@@ -45,7 +45,7 @@ class AgentCamera:
         offset: Position relative to the eyes [m]: forward, left and up in the body frame.
         yaw: Rotation to the left of straight ahead [degrees].
         pitch: Upward rotation [degrees].
-        looks: If True, the camera pitches with the agent's head.
+        follow_pitch: If True, the camera pitches with the agent's head.
 
     Example:
         >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), looks=False).lens.shape
@@ -90,16 +90,16 @@ class EnvConfig:
         height: Image height of the head camera [px].
         fovy: Vertical field of view of the head camera [degrees].
         samples: Rays per pixel of the colour image.
-        rgb_preset: Shading of colour images: "fast", "lit", or a `LitShader` with options.
+        shader: Shading of colour images: "fast", "lit", or a `LitShader` with options.
         cameras: Further cameras, in addition to the `head` camera of the sensors.
-        depth_max: Maximum observed depth; larger values are clipped [m].
-        look_rate: Maximum rate of change of pitch [rad/s].
-        pitch_max: Maximum pitch, up or down [rad].
+        max_depth: Maximum observed depth; larger values are clipped [m].
+        max_pitch_rate: Maximum rate of change of pitch [rad/s].
+        max_pitch: Maximum pitch, up or down [rad].
         episode_length: Steps until truncation.
         actions: "continuous": numbers in [-1, 1], as fractions of the maximum rates. "discrete", or a `DiscreteActions`
             with options: the index of a move. If a move does not fit into the default `ctrl_dt`, that becomes 0.3 s.
         hands: If True, there are actions to pick up, put down, drop and throw objects and to turn doors.
-        aim_angle: Maximum horizontal and vertical angle between the view centre and a hand's target [degrees]. The
+        max_aim_angle: Maximum horizontal and vertical angle between the view centre and a hand's target [degrees]. The
             target nearest to the centre that can be reached and lifted, or placed on, is used. 0 uses the centre ray.
         speech: Further discrete actions that speak a word, in addition to the task's own. Each is `say:` or `answer:`
             and a word of the tasks' language, such as "say:yes". See `Snapshot.said`.
@@ -113,8 +113,8 @@ class EnvConfig:
         num_sources: Maximum number of simultaneous sound sources, at most 256; each is traced separately. Raised to the
             number that the task needs.
         clips: Further sounds that may be played; those of the task are added.
-        noises: Contact sounds: footsteps, impacts, scrapes, doors; see `ContactSoundConfig`. None: bodies are silent.
-        executor: Ray-casting backend; None: the fastest on this platform.
+        contact_sounds: Contact sounds: footsteps, impacts, scrapes, doors; see `ContactSoundConfig`. None: bodies are silent.
+        backend: Ray-casting backend; None: the fastest on this platform.
         body: Size, mass and eye height of every agent, shared with physics, cameras and ears.
         timing: Time steps, shared with physics and sound.
         physics: Agents, bodies and solver.

@@ -61,7 +61,7 @@ def override_options(records: Records, given: Mapping[str, Any], accepted: Itera
         records: By prefix; "" is the environment's, whose own fields need no prefix.
         given: Values by name: `width`, `physics.friction_corner`, or a whole record as in `physics=PhysicsConfig()`. A flat
             name matches a field at any depth if only one field has that name.
-        others: Further names that the caller accepts, as suggestions for unknown names.
+        accepted: Further names that the caller accepts, as suggestions for unknown names.
 
     Raises:
         ConfigError: A name is unknown (with the closest known one) or matches several fields, or no move fits into the

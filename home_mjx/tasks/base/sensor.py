@@ -19,8 +19,8 @@ class Sensor:
 
     Attributes:
         name: Name in `sensor_states=`.
-        costly: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
-        keeper: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is updated once
+        casts_rays: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
+        state_owner: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is updated once
             for all its readers. The keeper's own observation is computed only if it is in `sensor_states=` as well.
 
     Example:

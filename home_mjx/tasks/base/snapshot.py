@@ -26,9 +26,11 @@ MAX_FLOOR_BOX_HEIGHT = (
 class BodyContacts(Pytree):
     """Contacts of each dynamic body in the last step: agents, then movable bodies, then doors; see `PhysicsState`."""
 
-    impulse: Float[Array, " m"]  # [N s], sum over all contacts
+    contact_impulse: Float[Array, " m"]  # [N s], sum over all contacts
     contact_pos: Float[Array, "m 3"]  # [m], position of the strongest contact
-    other: Int[Array, " m"]  # the other body of the strongest contact; -1 none, -2 the floor, -3 - c static box c
+    contact_partner: Int[
+        Array, " m"
+    ]  # the other body of the strongest contact; -1 none, -2 the floor, -3 - c static box c
 
 
 class Snapshot(Pytree):
@@ -122,7 +124,7 @@ def contact_semantics(scene: Scene, contacts: BodyContacts | PhysicsState) -> Co
 
     Args:
         scene: House and poses.
-        touch: Contacts of each dynamic body.
+        contacts: Contacts of each dynamic body.
 
     Example:
         >>> meaning = touch_meaning(snapshot.scene, snapshot.touch)  # doctest: +SKIP

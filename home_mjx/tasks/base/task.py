@@ -219,9 +219,9 @@ def path_scores(
 
     Args:
         success: 1 or 0.
-        length: Length of the shortest path [m].
-        walked: Length of the agent's path [m].
-        left: Current distance of the agent to the goal [m].
+        shortest_length: Length of the shortest path [m].
+        path_length: Length of the agent's path [m].
+        remaining: Current distance of the agent to the goal [m].
 
     Example:
         >>> found = path_scores(*(jnp.float32(x) for x in (1.0, 4.0, 5.0, 1.0)))

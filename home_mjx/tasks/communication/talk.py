@@ -33,9 +33,9 @@ def pack_speech(
 
     Args:
         answer: Token of the correct answer.
-        told: Indices of the agents that receive the instruction; None: all.
+        instructed_agents: Indices of the agents that receive the instruction; None: all.
         oracle: Pairs of tokens: question and reply.
-        ask: Number of oracle questions, from the first, that suffice to identify the target.
+        num_identifying_questions: Number of oracle questions, from the first, that suffice to identify the target.
 
     Raises:
         ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `num_identifying_questions`.

@@ -42,14 +42,16 @@ def impact_sounds(
         snapshot: The environment after the step.
     """
     touch, agents, frame = snapshot.body_contacts, config.num_agents, config.audio.frame
-    number = jnp.arange(touch.impulse.shape[0], dtype=jnp.int32)
+    number = jnp.arange(touch.contact_impulse.shape[0], dtype=jnp.int32)
     resting = carried_masses(config, snapshot) * jnp.float32(GRAVITY * config.timing.ctrl_dt)
-    blow = touch.impulse - jnp.maximum(impulse, resting)
+    blow = touch.contact_impulse - jnp.maximum(impulse, resting)
     meaning, (middle, body) = contact_semantics(snapshot.scene, touch), body_centers(config, snapshot)
     inwards = middle - touch.contact_pos
     far = jnp.maximum(jnp.linalg.norm(inwards, axis=1), MAX_SOURCE_OFFSET)[:, None]
-    is_agent, by_agent = number < agents, (touch.other >= 0) & (touch.other < agents)
-    told = jnp.where(is_agent, touch.other <= FLOOR, (touch.other < agents) | (touch.other > number))
+    is_agent, by_agent = number < agents, (touch.contact_partner >= 0) & (touch.contact_partner < agents)
+    told = jnp.where(
+        is_agent, touch.contact_partner <= FLOOR, (touch.contact_partner < agents) | (touch.contact_partner > number)
+    )
     kind = jnp.where(is_agent, meaning.other[:, Semantic.MATERIAL], meaning.body[:, Semantic.MATERIAL])
     softly = jnp.where(is_agent | by_agent, AGENT_IMPACT_GAIN, 1.0)
     there = told & (blow > MIN_IMPULSE) & (change > MIN_SPEED_CHANGE)
@@ -105,7 +107,7 @@ def sliding_sounds(
     agents, count = config.num_agents, pos.shape[0]
     part = slice(agents, agents + count)
     held = jnp.any(snapshot.held[:, None] == jnp.arange(count, dtype=jnp.int32)[None], axis=0)
-    on = (impulse[part] > 0) & (snapshot.body_contacts.impulse[part] > 0) & ~held
+    on = (impulse[part] > 0) & (snapshot.body_contacts.contact_impulse[part] > 0) & ~held
     speed = jnp.linalg.norm((pos - before)[:, :2], axis=1) / jnp.float32(config.timing.ctrl_dt)
     power = SLIDING_FRICTION * GRAVITY * carried_masses(config, snapshot)[part] * jnp.minimum(speed, MAX_SLIDING_SPEED)
     kind = contact_semantics(snapshot.scene, snapshot.body_contacts).body[part, Semantic.MATERIAL]

@@ -105,7 +105,9 @@ def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, wor
         held=data.held,
         door_angle=angle,
         body_contacts=BodyContacts(
-            impulse=data.contact_impulse, contact_pos=data.contact_pos, other=data.contact_partner
+            contact_impulse=data.contact_impulse,
+            contact_pos=data.contact_pos,
+            contact_partner=data.contact_partner,
         ),
         sounds=world.sounds,
         action=world.action,

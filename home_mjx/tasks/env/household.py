@@ -52,7 +52,7 @@ class HouseholdEnv:
     Attributes:
         config: The options, with resolved sensor names.
         task: The task.
-        own_config: The options restricted to the acting agents, as passed to sensors.
+        acting_config: The options restricted to the acting agents, as passed to sensors.
         sensors: The sensors, without those of the task.
         action_spec: Forward, left, turn left, look up: each in [-1, 1], as a fraction of its maximum rate. Discrete:
             the index of one of `action_names`.
@@ -181,7 +181,7 @@ class HouseholdEnv:
         Args:
             snapshot: Of all agents, see `snapshot`.
             state: The state.
-            costly: True for the sensors that cast rays.
+            casts_rays: True for the sensors that cast rays.
         """
         obs: dict[str, Array] = {}
         own, config = snapshot.select_agents(self.num_agents), self.acting_config

@@ -19,7 +19,7 @@ class MemoryEstimate:
         states: The states of all environments, observations included. A step holds two of them, the one before and the
             one after, unless the caller donates the first.
         observations: Part of `states` for observations.
-        state: The state of one environment.
+        state_per_env: The state of one environment.
     """
 
     bank: int

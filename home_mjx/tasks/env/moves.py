@@ -79,7 +79,7 @@ def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: 
         config: Options.
         action: As `action_spec` describes.
         stopped: (a,) bool, agents that have stopped before and stay idle. Read after the action has been validated.
-        num_told: Number of agents in `action`, the first ones; the others are idle. None: all.
+        num_commanded: Number of agents in `action`, the first ones; the others are idle. None: all.
 
     Raises:
         ConfigError: The action has another shape or type.

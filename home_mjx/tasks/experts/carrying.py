@@ -20,7 +20,7 @@ MAX_FIELD_DISPLACEMENT = (
 )
 MIN_DROPPED_DISPLACEMENT = 0.05  # [m], minimum displacement of an object that has been held before
 MIN_PICK_DISTANCE, MAX_PICK_DISTANCE = 0.4, 0.9  # [m], range of distances from which agents pick up objects
-CARRY_CLEARANCE = 0.05  # [m], clearance between a carried object and obstacles
+OBSTACLE_CLEARANCE = 0.05  # [m], clearance between a carried object and obstacles
 
 
 def has_hands(snapshot: Snapshot) -> bool:
@@ -33,7 +33,7 @@ def displacements(snapshot: Snapshot, selected: Bool[Array, " i"], middle: Float
 
     Args:
         snapshot: The environment.
-        meant: Mask of the selected instances.
+        selected: Mask of the selected instances.
         middle: Centre of the object that each agent targets [m].
     """
     if not has_hands(snapshot):
@@ -54,7 +54,7 @@ def pick_distance(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Arra
     """
     below = eye_position(snapshot.config, snapshot.pose)[:, 2] - middle[:, 2]
     return jnp.clip(
-        below / jnp.tan(jnp.float32(MAX_HAND_ANGLE)) + jnp.float32(CARRY_CLEARANCE),
+        below / jnp.tan(jnp.float32(MAX_HAND_ANGLE)) + jnp.float32(OBSTACLE_CLEARANCE),
         MIN_PICK_DISTANCE,
         MAX_PICK_DISTANCE,
     )
@@ -64,7 +64,7 @@ def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""
     """Return the radius in the plan of the object that an agent carries [m]; 0 if it carries nothing."""
     body, physics = jnp.maximum(snapshot.held[agent], 0), snapshot.bank.physics
     radius = plan_radius(physics.body_size[snapshot.house, body], physics.body_quat[snapshot.house, body])
-    return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(CARRY_CLEARANCE), 0.0)
+    return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(OBSTACLE_CLEARANCE), 0.0)
 
 
 def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Array, "a 2"], Float[Array, " a"]]:
@@ -139,7 +139,7 @@ def resolve_turns(
     Args:
         turn: The shorter turn, to the left [rad].
         blocked: True where the longer one is better.
-        turning: Current turn of each agent: 1 to the left, -1 to the right, 0 neither.
+        direction: Current turn of each agent: 1 to the left, -1 to the right, 0 neither.
     """
     back = (direction * turn < 0) & (jnp.abs(turn) > jnp.float32(MAX_OVERSHOOT))
     return jnp.where(jnp.where(direction == 0, blocked, back), reverse_turns(turn), turn)

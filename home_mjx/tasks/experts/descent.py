@@ -35,9 +35,9 @@ def descend_field(
     Args:
         snapshot: The environment.
         agent: Index of the agent.
-        far: The field.
-        least: Remaining distance below which the path ends, too [m].
-        within: Distance to the end that counts as reached [m].
+        field: The field.
+        min_distance: Remaining distance below which the path ends, too [m].
+        tolerance: Distance to the end that counts as reached [m].
     """
     bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
     pos, touches = snapshot.pose.pos[agent], snapshot.in_contact[agent]
@@ -65,7 +65,7 @@ def circle_distance(
         snapshot: The environment.
         places: Level, row and column of the cells.
         point: The point [m].
-        apart: Radius of the circle [m].
+        radius: Radius of the circle [m].
     """
     place = jax.vmap(lambda p: grid_position(snapshot.bank, snapshot.house, p))(places)
     return jnp.abs(jnp.linalg.norm(place[:, :2] - point[:2], axis=1) - radius)
@@ -93,8 +93,8 @@ def step_aside(
         snapshot: The environment.
         agent: Index of the agent.
         end: The target [m].
-        stride: Length of a step [m].
-        within: Maximum distance to the target after a step that reaches it [m].
+        step_length: Length of a step [m].
+        tolerance: Maximum distance to the target after a step that reaches it [m].
     """
     pos = snapshot.pose.pos[agent]
     way = end - pos[:2]

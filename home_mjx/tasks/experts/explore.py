@@ -40,9 +40,9 @@ def turns_to_nearest_cell(
 
     Args:
         snapshot: The environment.
-        wanted: Cells of the house's grids; those that are not walkable do not count.
-        left: Cells whose goals are worth a visit.
-        num: Number of agents, the first ones; -1: all.
+        targets: Cells of the house's grids; those that are not walkable do not count.
+        unvisited: Cells whose goals are worth a visit.
+        num_agents: Number of agents, the first ones; -1: all.
     """
     bank, house = snapshot.bank, snapshot.house
     agents = jnp.arange(snapshot.config.num_agents)[slice(None) if num_agents < 0 else slice(num_agents)]

@@ -26,7 +26,7 @@ def leaf_distances(
     Args:
         snapshot: The environment.
         place: The positions [m].
-        which: Mask of leaves; None: all.
+        selected: Mask of leaves; None: all.
     """
     away, _ = _leaf_offsets(snapshot, place, selected)
     return jnp.min(away, axis=1, initial=jnp.inf)

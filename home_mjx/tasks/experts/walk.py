@@ -130,8 +130,8 @@ def plan_view(
         snapshot: The environment.
         state: State of its row task.
         looked: See `current_features`.
-        way: Heading of the path [rad].
-        there: True if the path ends here.
+        path_heading: Heading of the path [rad].
+        at_end: True if the path ends here.
 
     Returns:
         Turn, tilt, and which agents stop to look.

@@ -39,7 +39,7 @@ def window_distances(global_distance: Float[Array, " n"], length: Float[Array, "
     them. Paths cut no corners.
 
     Args:
-        known: Distances that ignore current obstacles [m]; inf where agents cannot walk.
+        global_distance: Distances that ignore current obstacles [m]; inf where agents cannot walk.
         length: Length of a step out of each cell [m].
 
     Example:
@@ -74,8 +74,8 @@ def nearest_walkable(global_distance: Float[Array, " n"], in_other_room: Bool[Ar
     An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside.
 
     Args:
-        known: Distances of cells [m]; inf where agents cannot walk.
-        elsewhere: Mask of cells in another room than the centre.
+        global_distance: Distances of cells [m]; inf where agents cannot walk.
+        in_other_room: Mask of cells in another room than the centre.
     """
     away = jnp.asarray(np.hypot(*np.meshgrid(*[np.arange(WIDTH) - HALF_WIDTH] * 2)), jnp.float32).reshape(-1)
     rank = (

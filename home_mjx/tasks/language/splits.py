@@ -50,7 +50,7 @@ def mask_new_combinations(tasks: TaskBank, fraction: float = 0.2, seed: int = 0)
 
     Args:
         tasks: Task bank.
-        part: Fraction of all combinations to hold out, from 0 to 1.
+        fraction: Fraction of all combinations to hold out, from 0 to 1.
         seed: Seed of the choice of combinations.
 
     Example:

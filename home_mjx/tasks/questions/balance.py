@@ -22,7 +22,7 @@ def balance_rows(drawn: list[FeasibleRow], max_rows: int, random: np.random.Gene
 
     Args:
         drawn: Rows whose `group` is the kind and the text of their question.
-        most: Maximum number of rows per house.
+        max_rows: Maximum number of rows per house.
         random: Random generator for the choice among the rows of a group, and of their wording.
 
     Returns:
@@ -98,8 +98,8 @@ def prior_accuracy(train_tasks: TaskBank, test_tasks: TaskBank) -> float:
     all.
 
     Args:
-        learned: Tasks on which it was trained.
-        tasks: Tasks on which it is evaluated; may be the same.
+        train_tasks: Tasks on which it was trained.
+        test_tasks: Tasks on which it is evaluated; may be the same.
 
     Raises:
         ConfigError: One of them has no questions.

@@ -32,7 +32,7 @@ class VQA(QuestionTask):
 
     Attributes:
         num_views: Number of views per house for which questions are generated.
-        least_part: Minimum fraction of the image that an object must cover to be asked about.
+        min_image_fraction: Minimum fraction of the image that an object must cover to be asked about.
     """
 
     kinds: tuple[str, ...] = KINDS

@@ -31,19 +31,19 @@ class TaskRow:
     """One task of a house, as a generator yields it.
 
     Attributes:
-        meant: Descriptors of the objects, rooms, points or agents that the task refers to.
+        selectors: Descriptors of the objects, rooms, points or agents that the task refers to.
         stages: Stages with their conditions and transitions; an episode begins in the first one.
         goal: Descriptor whose distance from the start is the shortest-path length.
         tokens: Tokens of the instruction.
         sounds: Sounds of the task; none: the house's own source.
-        pose: Start on the floor [m] and yaw [rad]; None: drawn at random.
+        start_pose: Start on the floor [m] and yaw [rad]; None: drawn at random.
         answer: Token of the correct answer to the row's question; -1 if it asks none.
-        told: Indices of the agents that receive the instruction; None: all.
+        instructed_agents: Indices of the agents that receive the instruction; None: all.
         oracle: Tokens of the questions that agents may ask, each with the token of the reply.
-        ask: Number of oracle questions, from the first, that suffice to identify the target.
+        num_identifying_questions: Number of oracle questions, from the first, that suffice to identify the target.
         group: Key for a generator's `select_rows`, such as rows with the same question; None: ungrouped.
-        wordings: Paraphrases of the instruction, as tokens.
-        then: Descriptors visited after the goal, in order; their legs are added to the shortest-path length.
+        paraphrases: Paraphrases of the instruction, as tokens.
+        later_goals: Descriptors visited after the goal, in order; their legs are added to the shortest-path length.
     """
 
     selectors: Sequence[Selector]
@@ -83,7 +83,7 @@ class FeasibleRow:
         row: The row as its generator yielded it.
         house: Index of the house.
         task: Index of the generator.
-        own: Columns `start`, `yaw`, `length`, and `field` with one entry per descriptor.
+        columns: Columns `start`, `yaw`, `length`, and `field` with one entry per descriptor.
     """
 
     row: TaskRow
@@ -127,8 +127,8 @@ def build_task_bank(
         num_tasks: Maximum number of rows per house and generator. A generator that is `RowSelector` yields all its rows
             and then selects.
         seed: Seed of the random draws.
-        least: Minimum shortest-path length from start to goal [m].
-        most: Maximum shortest-path length from start to goal [m].
+        min_length: Minimum shortest-path length from start to goal [m].
+        max_length: Maximum shortest-path length from start to goal [m].
         progress: Show a progress bar.
 
     Raises:

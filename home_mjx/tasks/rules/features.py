@@ -54,7 +54,7 @@ def compute_features(
         program: Program of the episode.
         means: Resolved targets of its descriptors.
         field: Distance fields of the task bank.
-        time: Steps since the stage began.
+        stage_steps: Steps since the stage began.
     """
     agents, descriptors = snapshot.pose.yaw.shape[0], program.field.shape[0]
     boxes = current_boxes(snapshot)

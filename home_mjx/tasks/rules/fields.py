@@ -34,7 +34,7 @@ class CellGraph:
     Args:
         bank: The houses.
         house: Index of the house.
-        brushes: Cost factor of edges on which an agent would brush the leaf of an open door. The square of it applies
+        brush_cost_factor: Cost factor of edges on which an agent would brush the leaf of an open door. The square of it applies
             where the agent would walk into the leaf.
 
     Attributes:

@@ -57,7 +57,7 @@ class HouseView:
         bank: The houses, with arrays on the host.
         house: Index of the house.
         boxes: World bounds of its instances [m].
-        device: The same houses on the device, for ray casting.
+        device_bank: The same houses on the device, for ray casting.
     """
 
     def __init__(self, bank: HouseBank, house: int, boxes: Float[np.ndarray, "i 2 3"], device_bank: HouseBank) -> None:

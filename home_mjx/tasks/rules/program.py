@@ -55,7 +55,7 @@ class Selector:
     Made by `Selector.objects`, `.objects_with`, `.rooms`, `.point`, `.agent` or `.nothing`.
 
     Attributes:
-        words: Values of `Attribute` by name, in lower case.
+        attributes: Values of `Attribute` by name, in lower case.
         place: Position of a point [m]; inf for other kinds.
     """
 

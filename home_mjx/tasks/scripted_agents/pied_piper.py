@@ -62,7 +62,7 @@ class PiedPiper(NavigationTask):
     actions, observations and rewards of the follower only.
 
     Attributes:
-        others: Number of agents besides follower and piper, 0 or 1.
+        num_others: Number of agents besides follower and piper, 0 or 1.
         follow_distance: Maximum distance to the piper that counts as following [m]; the first time with a free line of
             sight.
         follow_steps: Number of consecutive steps of following for success.

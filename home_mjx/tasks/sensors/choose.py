@@ -121,4 +121,4 @@ def _definition_of(owner: Sensor | Task, role: str) -> str:
     name = type(owner).__name__
     if role == NAME_ROLE:
         return f"`{name}.name`"
-    return f"`{name}.{'observation_spec' if isinstance(emitter, Task) else 'spec'}` and `{name}.observe`"
+    return f"`{name}.{'observation_spec' if isinstance(owner, Task) else 'spec'}` and `{name}.observe`"

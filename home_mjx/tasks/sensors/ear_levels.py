@@ -91,7 +91,7 @@ class EarLevels(Sensor):
         """Trace energy responses anew and compute the power at both ears."""
         time = jnp.where(snapshot.step == 0, 0, state.time + config.audio.frame)
         said = update_history(snapshot, state.tokens)
-        left = emitted_power(config, snapshot, time)
+        left = source_power(config, snapshot, time)
         if config.speech:
             gain = scale_sounds(snapshot).gain[:, None, None]
             left = left + gain**2 * voice_power(source_tokens(snapshot, said), config.audio)
@@ -118,7 +118,7 @@ class EarLevels(Sensor):
         return status_flags(UNHEARD=state.is_inaudible)
 
 
-def emitted_power(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) -> Float[Array, "e w bands"]:
+def source_power(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) -> Float[Array, "e w bands"]:
     """Return the power that each source emits in a frame and before it, per time bin and octave; see `mean_band_power`.
 
     Args:

@@ -126,11 +126,11 @@ class Hearing(Sensor):
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> Int[Array, ""]:
         """Return flags of truncated responses to active sources, and of clips that reach no agent."""
-        cut = jax.vmap(jax.vmap(lambda r: is_truncated(r, config.audio)))(state.response)
+        cut = jax.vmap(jax.vmap(lambda r: is_response_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(source_tokens(snapshot, state.tokens) >= 0, axis=0)
         if snapshot.contact_sounds is not None:
             plays = jnp.concatenate([plays, has_sound(snapshot.contact_sounds)])
-        energy = jax.vmap(jax.vmap(lambda r: response_energy(r, config.audio)))(state.response)
+        energy = jax.vmap(jax.vmap(lambda r: received_energy(r, config.audio)))(state.response)
         return status_flags(RESPONSE_CUT=cut & plays[None], UNHEARD=is_inaudible(snapshot, energy))
 
 
@@ -293,7 +293,7 @@ def all_sources(snapshot: Snapshot) -> SoundSource:
     return jax.tree.map(lambda *x: jnp.concatenate(x), playing, noises)
 
 
-def is_truncated(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
+def is_response_cut(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
     """Return whether a response ends before it has decayed by 30 dB from its loudest bin."""
     if isinstance(response, ReceiverState):
         return is_truncated(response, config)
@@ -301,7 +301,7 @@ def is_truncated(response: Float[Array, "c l"] | ReceiverState, config: AudioCon
     return energy[-1] > MIN_DECAY_RATIO * jnp.max(energy)
 
 
-def response_energy(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Float[Array, ""]:
+def received_energy(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Float[Array, ""]:
     """Return the energy of a response, summed over its channels, re the free field of the source at 1 m."""
     if not isinstance(response, ReceiverState):
         return jnp.sum(response**2)
@@ -314,7 +314,7 @@ def is_inaudible(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array,
 
     Args:
         snapshot: The environment, with s sources of clips, the first ones of e traced sources.
-        energy: Energy of each response, see `response_energy`; NaN counts as unheard.
+        energy: Energy of each response, see `received_energy`; NaN counts as unheard.
     """
     clip = snapshot.sounds.clip
     return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > MIN_AUDIBLE_ENERGY, axis=0)

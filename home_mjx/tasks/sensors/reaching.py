@@ -76,9 +76,9 @@ def free_spots(
     Args:
         scene: The environment.
         box: Bounds of the furniture [m].
-        meant: Mask of its instances.
+        selected: Mask of its instances.
         radius: Radius of the object to put there [m].
-        carried: Object that rays ignore; -1 none.
+        ignored_id: Object that rays ignore; -1 none.
     """
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
     inner = half[:2] - jnp.minimum(radius, 0.8 * half[:2])  # minimizes overhang

@@ -55,7 +55,7 @@ def is_unobstructed(
         eye: Position of the eye [m].
         box: The bounds [m].
         points: Such as `look_points`; inf: none.
-        own: Object that rays ignore, the agent's own body; -1 none.
+        ignored_id: Object that rays ignore, the agent's own body; -1 none.
     """
     way = points - eye
     known = jnp.all(jnp.isfinite(way), axis=-1)

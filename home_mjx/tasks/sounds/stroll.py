@@ -27,7 +27,7 @@ def move_along_field(
         field: Distances of all cells to goals, stored as in `Navigation.field`.
         goal: Column of the field.
         pos: Position before the move [m].
-        way: Maximum length of the move [m]; the part of it beyond `NUM_SUBSTEPS` cells is dropped.
+        max_length: Maximum length of the move [m]; the part of it beyond `NUM_SUBSTEPS` cells is dropped.
         height: Height of the point above the floor [m].
     """
     navigation, numbers = bank.navigation, bank.navigation.cell[house]

@@ -54,7 +54,7 @@ def is_receptacle(view: HouseView, thing: HouseObject, portable_ids: Collection[
     Args:
         view: The house.
         thing: The object.
-        carried: Object ids of portable objects.
+        portable_ids: Object ids of portable objects.
     """
     if thing.coarse not in RECEPTACLES or thing.object_id in portable_ids or view.instance_of(thing) < 0:
         return False

@@ -64,7 +64,7 @@ class Fetch(ManipulationTask):
 
     Attributes:
         success_distance: Maximum distance to the destination on success [m].
-        places: Kinds of destinations, from `DESTINATIONS`.
+        destinations: Kinds of destinations, from `DESTINATIONS`.
     """
 
     success_distance: float = 1.0
@@ -158,7 +158,7 @@ class Rearrange(ManipulationTask):
     """Put objects on others, and release them there.
 
     Attributes:
-        num_things: Maximum number of objects, 1 or 2.
+        max_objects: Maximum number of objects, 1 or 2.
     """
 
     max_objects: int = 1

@@ -28,11 +28,11 @@ class InstructionFollowing(NavigationTask):
     """Go to one object after another, as the instruction says.
 
     Attributes:
-        num_parts: Maximum number of objects, from 1 to 3.
+        max_parts: Maximum number of objects, from 1 to 3.
         success_distance: Maximum distance to each object [m].
         combinations: Instructions to keep: "all"; "seen", those for training; or "new", those that describe
             an object with words that "seen" ones never combine, see `mask_new_combinations`.
-        unseen_part: Fraction of all combinations of words that is new.
+        unseen_fraction: Fraction of all combinations of words that is new.
     """
 
     max_parts: int = 2

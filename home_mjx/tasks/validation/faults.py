@@ -51,10 +51,10 @@ def find_violation(
     Args:
         rows: Any rows; columns that neither table lists are not checked.
         bank: Their houses.
-        limits: Ranges of the columns, see `column_ranges`.
+        column_ranges: Ranges of the columns, see `column_ranges`.
         features: Ranges of the features, see `feature_ranges`.
         hints: Hints by name of a column, or of a feature in lower case.
-        most_steps: Maximum number of steps of an episode.
+        max_steps: Maximum number of steps of an episode.
     """
     columns = host_columns(rows)
     ranges = {name: column_ranges[name] for name in columns if name in column_ranges}

@@ -36,10 +36,10 @@ class Range(NamedTuple):
     """Range of allowed numbers.
 
     Attributes:
-        least: Minimum, inclusive.
-        most: Maximum, inclusive.
-        whole: Integers only.
-        besides: Further allowed values, such as infinity for no limit.
+        minimum: Minimum, inclusive.
+        maximum: Maximum, inclusive.
+        is_integer: Integers only.
+        also_allowed: Further allowed values, such as infinity for no limit.
 
     Example:
         >>> print(Range(0, 3, whole=True))

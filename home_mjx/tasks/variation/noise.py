@@ -29,7 +29,7 @@ def add_move_noise(
         level: Habitat's `noise_multiplier`.
         key: Random key of the step.
         drive: Forward, left and turn left, as fractions of the maximum rates.
-        full: Displacements at the maximum rates in a step [m], [m], [rad].
+        max_displacement: Displacements at the maximum rates in a step [m], [m], [rad].
 
     Example:
         >>> still = jnp.zeros((1, 3))

@@ -29,9 +29,9 @@ class NetworkConfig:
         memory: Size of the GRU's state.
         channels: Channels of the image encoder's blocks.
         dtype: Type of image convolutions: "float32" or "bfloat16". Everything else is float32.
-        mentions: Mark pixels of id images that the instruction names, see `mark_named_pixels`, and attend to them, see
+        goal_mask: Mark pixels of id images that the instruction names, see `mark_named_pixels`, and attend to them, see
             `QueryAttention`. If False, the network has to learn each word.
-        normalized: Apply layer normalisation (arXiv:1607.06450) to the encoder's features, and feed them to the heads
+        layer_norm: Apply layer normalisation (arXiv:1607.06450) to the encoder's features, and feed them to the heads
             in addition to the memory. If False, features of many images grow until the GRU's gates saturate.
 
     Raises:

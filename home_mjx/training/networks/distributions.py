@@ -107,7 +107,7 @@ class Categorical:
 
     Attributes:
         sizes: Number of options of each choice.
-        single: An action is a number, without an axis of choices.
+        is_single: An action is a number, without an axis of choices.
     """
 
     sizes: tuple[int, ...]

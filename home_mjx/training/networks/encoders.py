@@ -91,7 +91,7 @@ class Encoder(nn.Module):
         features: Size of the result, and of the two layers.
         channels: Channels of `ImageEncoder`.
         dtype: Type of image convolutions.
-        mentions: Mark pixels that words name, see `mark_named_pixels`, and attend to them.
+        goal_mask: Mark pixels that words name, see `mark_named_pixels`, and attend to them.
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]

@@ -20,7 +20,7 @@ class QueryAttention(nn.Module):
     example select the object named first, or one named by several words. Pixels that no word names have zero weight.
 
     Attributes:
-        num: Number of heads.
+        num_heads: Number of heads.
         features: Size of the result.
 
     Example:

@@ -37,7 +37,7 @@ def space_to_json(space: gymnasium.Space) -> dict[str, Any]:
     if isinstance(space, gymnasium.spaces.Box):
         limits = {"low": space.low.tolist(), "high": space.high.tolist()}
         return {"type": "Box", "dtype": str(space.dtype), "shape": list(space.shape), **limits}
-    if isinstance(space, gymnasium.spaces.DiscreteSpace):
+    if isinstance(space, gymnasium.spaces.Discrete):
         return {"type": "Discrete", "dtype": "int64", "start": int(space.start), "n": int(space.n)}
     if isinstance(space, gymnasium.spaces.MultiDiscrete):
         numbers = {"nvec": space.nvec.tolist(), "start": space.start.tolist()}

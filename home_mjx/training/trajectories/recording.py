@@ -46,7 +46,7 @@ def record(
         folder: Output folder.
         policy: Policy that acts; None: the expert, which needs an environment of `add_expert`. The expert's advice is
             recorded as observation `expert` if another policy acts.
-        frames: Minimum number of steps, including those of earlier runs.
+        num_steps: Minimum number of steps, including those of earlier runs.
         num_envs: Number of environments in the batch.
         seed: Seed of episodes and actions.
         agent: Name of the policy, for the metadata.

@@ -27,7 +27,7 @@ class EpisodeResult:
         success: The task's success metric.
         spl: Success weighted by path length (arXiv:1807.06757); NaN if the shortest path is unknown.
         steps: Number of steps.
-        gained: Return of the first agent.
+        episode_return: Return of the first agent.
         metrics: All metrics of the task at the end.
     """
 

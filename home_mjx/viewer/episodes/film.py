@@ -37,7 +37,7 @@ def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, succe
     canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)  # H.264 needs even sides
     canvas.paste(Image.fromarray(view), (PANEL_GAP, TEXT_HEIGHT + PANEL_GAP))
     canvas.paste(Image.fromarray(beside), (width + 2 * PANEL_GAP, TEXT_HEIGHT + PANEL_GAP))
-    draw = ImageDraw.NoiseDraw(canvas)
+    draw = ImageDraw.Draw(canvas)
     _line(draw, title, 6, TEXT_COLOUR, 17, canvas.width)
     colour = RUNNING_COLOUR if success is None else SUCCESS_COLOUR if success else FAILURE_COLOUR
     if success is not None:
@@ -71,7 +71,7 @@ class VideoWriter:
 
     Args:
         dt: Time of a step [s].
-        rate: Sample rate of the sound [Hz]; None: silent, and playback may be faster than real time.
+        sample_rate: Sample rate of the sound [Hz]; None: silent, and playback may be faster than real time.
     """
 
     dt: float

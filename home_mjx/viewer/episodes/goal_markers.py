@@ -21,7 +21,7 @@ class Instruction(NamedTuple):
     Attributes:
         task: Name of the task.
         text: Instruction; a description of the goal for tasks without one.
-        length: Length of the shortest path [m]; NaN if unknown.
+        path_length: Length of the shortest path [m]; NaN if unknown.
     """
 
     task: str

@@ -45,7 +45,7 @@ class TopDownOverlay:
             self.views[level] = TopView(self.bank, self.scene, PLAN_PIXELS, level)
         top: TopView = self.views[level]
         picture = Image.fromarray(self._tinted(top, goals, level)).convert("RGB")
-        self._draw(ImageDraw.NoiseDraw(picture, "RGBA"), top, sights, goals, level)
+        self._draw(ImageDraw.Draw(picture, "RGBA"), top, sights, goals, level)
         return top.crop(np.asarray(picture))
 
     def _level(self, pos: Float[np.ndarray, " 3"]) -> int:

@@ -72,8 +72,8 @@ def run_play(
 
     Args:
         options: Options of episodes and film.
-        tell: Callback for the line of each episode.
-        keys: Input stream of a keyboard player; None: standard input.
+        print_line: Callback for the line of each episode.
+        key_source: Input stream of a keyboard player; None: standard input.
 
     Returns:
         Result of each episode. With `outward`, its folder gets a film, an image with the last frame of each episode, and

@@ -36,7 +36,7 @@ def draw_map(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
     image = _paint_cells(found)[low[0] : high[0], low[1] : high[1]]
     pixels = max(size // max(image.shape[:2]), 1)
     picture = Image.fromarray(np.repeat(np.repeat(image[::-1], pixels, axis=0), pixels, axis=1))
-    draw = ImageDraw.NoiseDraw(picture)
+    draw = ImageDraw.Draw(picture)
 
     def middle(cell: np.ndarray) -> tuple[float, float]:
         row, column = cell + 0.5

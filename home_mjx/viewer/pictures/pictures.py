@@ -46,7 +46,7 @@ def add_caption(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarra
     height, width = image.shape[:2]
     canvas = Image.new("RGB", (width, height + 18), BACKGROUND)
     canvas.paste(Image.fromarray(image), (0, 18))
-    ImageDraw.NoiseDraw(canvas).text((4, 3), text, fill=TEXT_COLOUR, font=ImageFont.load_default(size=12))
+    ImageDraw.Draw(canvas).text((4, 3), text, fill=TEXT_COLOUR, font=ImageFont.load_default(size=12))
     return np.asarray(canvas)
 
 
@@ -72,7 +72,7 @@ def draw_waveform(
 ) -> UInt8[np.ndarray, "h w 3"]:
     """Draw the oscillogram of the left (above) and right (below) ear; `peak` fills the height."""
     canvas = Image.new("RGB", (width, height), BACKGROUND)
-    draw = ImageDraw.NoiseDraw(canvas)
+    draw = ImageDraw.Draw(canvas)
     for ear, colour in enumerate([(120, 200, 255), (255, 170, 110)]):
         middle = height * (1 + 2 * ear) // 4
         columns = np.array_split(samples[ear] / max(peak, 1e-9) * height / 4, width)

@@ -44,5 +44,5 @@ def draw_sound_map(
     picture = Image.fromarray(np.repeat(np.repeat(image[::-1], pixels, axis=0), pixels, axis=1))
     y, x = (image.shape[0] - source[0] - SOUND_MAP_MARGIN) * pixels, (source[1] + SOUND_MAP_MARGIN) * pixels
     radius = max(pixels, 4)
-    ImageDraw.NoiseDraw(picture).ellipse((x - radius, y - radius, x + radius, y + radius), outline=SOURCE_COLOUR, width=2)
+    ImageDraw.Draw(picture).ellipse((x - radius, y - radius, x + radius, y + radius), outline=SOURCE_COLOUR, width=2)
     return add_caption(np.asarray(picture), f"{caption}: {low:.3g} (dark) to {high:.3g} (bright)")

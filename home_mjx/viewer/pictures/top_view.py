@@ -63,7 +63,7 @@ class TopView:
     ) -> UInt8[np.ndarray, "s s 3"]:
         """Return the image with dots, and a path [m] below them."""
         canvas = Image.fromarray(self.image)
-        draw, unit = ImageDraw.NoiseDraw(canvas), len(self.image) / 512
+        draw, unit = ImageDraw.Draw(canvas), len(self.image) / 512
         if path is not None and len(path) > 1:
             draw.line([self.to_pixel(p) for p in path], fill=PATH_COLOUR, width=round(4 * unit))
         for mark in marks:

@@ -72,7 +72,9 @@ def test_reflections_and_walls_follow_their_tables():
     @jax.jit
     def behind(transmission):
         table = sound_materials(pair)
-        scene = pair.replace(sound_materials=table.replace(transmission=jnp.full_like(table.transmission, transmission)))
+        scene = pair.replace(
+            sound_materials=table.replace(transmission=jnp.full_like(table.transmission, transmission))
+        )
         ends = SoundSource(jnp.float32([-2, 0.3, 1.2])), Listener(jnp.float32([2.2, -0.5, 1.6]), HEAD)
         return early_paths(scene, *ends, quiet).gain[0]
 

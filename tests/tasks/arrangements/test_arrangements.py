@@ -61,7 +61,9 @@ def moved_of(made, house, arrangement):
 def test_a_bank_has_none_at_first_and_nothing_else_changes(made):
     assert made.bank.physics.arrangement.shape == (2, 0, made.bank.spec.num_bodies, 7)
     assert made.arranged.physics.arrangement.shape == (2, NUM, made.bank.spec.num_bodies, 7)
-    without = made.arranged.replace(physics=made.arranged.physics.replace(arrangement_pose=made.bank.physics.arrangement))
+    without = made.arranged.replace(
+        physics=made.arranged.physics.replace(arrangement_pose=made.bank.physics.arrangement)
+    )
     jax.tree.map(np.testing.assert_array_equal, without, made.bank)
 
 

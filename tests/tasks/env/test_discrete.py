@@ -282,7 +282,7 @@ def test_actions_that_are_no_number_are_refused(bank, action, words):
 def test_gymnasium_has_discrete_spaces(bank):
     options = {"houses": bank, "actions": "discrete", "impl": "kinematic", "sensors": ("state",), "episode_length": 3}
     env = GymEnv(**options)
-    assert env.action_space == gymnasium.spaces.DiscreteSpace(6)
+    assert env.action_space == gymnasium.spaces.Discrete(6)
     assert env.metadata["render_fps"] == 3
     env.reset(seed=0)
     for _ in range(3):

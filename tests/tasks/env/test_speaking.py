@@ -75,7 +75,7 @@ def test_the_tasks_words_are_added_once():
 
 def test_what_is_said_is_in_the_next_state_and_every_space_has_it(generated_bank):
     env = HouseholdEnv(make_config(**DISCRETE), Talks()).bind(generated_bank)
-    assert action_space(env) == gymnasium.spaces.DiscreteSpace(9)
+    assert action_space(env) == gymnasium.spaces.Discrete(9)
     space = GymnaxEnv(env).action_space()
     assert isinstance(space, DiscreteSpace)
     assert space.n == 9

@@ -39,11 +39,11 @@ class BakeOptions:
     """Options of baking late reverberation.
 
     Attributes:
-        size: Target edge length of a cell [m].
+        cell_size: Target edge length of a cell [m].
         rays: Rays per cell and octave. None: 1,600; 800 in houses of more than 31 cells, 400 of more than 62 cells.
             Baking then takes about as long for all houses. Small ones, where few cells sample a room's decay, are
             accurate too.
-        bounces: Maximum reflections of the rays that determine the final decay of rooms.
+        max_bounces: Maximum reflections of the rays that determine the final decay of rooms.
         seed: Seed of all random numbers of rays.
 
     Raises:

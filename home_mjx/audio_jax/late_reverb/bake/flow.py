@@ -26,10 +26,10 @@ def estimate_exchange(
 
     Args:
         volume: Volumes of the rooms [m³].
-        lived: See `TraceEnergy`.
-        lost: See `TraceEnergy`.
-        moved: See `TraceEnergy`.
-        through: See `TraceEnergy`.
+        path_length: See `TraceEnergy`.
+        absorbed: See `TraceEnergy`.
+        exchanged: See `TraceEnergy`.
+        transmitted: See `TraceEnergy`.
         joined: Pairs of rooms with a portal. If there are any, exchange across a third room is assigned to the rooms on
             the way.
     """

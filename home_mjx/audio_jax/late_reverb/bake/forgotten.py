@@ -25,8 +25,8 @@ def portal_ratio(
     octaves and from the share of octaves without a ray. Noisy ratios are shrunk towards 1.
 
     Args:
-        ours: Predicted energy per octave, portal state, cell and bin.
-        theirs: Energy in the first bins from rays without termination; zeros for states without such rays.
+        predicted: Predicted energy per octave, portal state, cell and bin.
+        measured: Energy in the first bins from rays without termination; zeros for states without such rays.
         room: Room of each cell.
     """
     member = np.eye(room.max() + 1)[room]

@@ -35,7 +35,7 @@ def propagate_portals(
 
     Args:
         gates: Flights from each portal state up to the next one.
-        passed: Energy from portal state to portal state.
+        transfer: Energy from portal state to portal state.
         first: Portal states into which cells emit.
         count: Number of cells.
     """
@@ -66,10 +66,10 @@ def fill_accumulator(
         tally: Accumulator to fill.
         cells: Flights from cells up to the first portal state.
         gates: Flights from each portal state up to the next one.
-        given: Energy from cells into each portal state.
-        passed: Energy from portal state to portal state.
-        free: Flights from the first portal states without termination at others.
-        later: Energy received from these states.
+        emitted: Energy from cells into each portal state.
+        transfer: Energy from portal state to portal state.
+        unterminated: Flights from the first portal states without termination at others.
+        portal_energy: Energy received from these states.
     """
     told = np.moveaxis(unterminated.gather(lambda gave: gave.energy[:, :, : len(tally.room)]), 1, 0)
     energy = portal_energy.energy * portal_ratio(portal_energy.energy, told, tally.room)

@@ -44,7 +44,7 @@ def build_portal_states(portal_energy: Float[np.ndarray, "r r"]) -> PortalStates
     """Build one state per ordered pair of rooms with exchange; minor pairs share the main state of the entered room.
 
     Args:
-        went: Energy from room to room; on the diagonal the energy that aged in the room.
+        portal_energy: Energy from room to room; on the diagonal the energy that aged in the room.
     """
     between = portal_energy * ~np.eye(len(portal_energy), dtype=bool)
     alive = np.flatnonzero(portal_energy.sum(axis=0) > 0)
@@ -68,7 +68,7 @@ def build_second_states(
 
     Args:
         gates: Existing states.
-        went: Energy from room to room of rays that started at each state between rooms.
+        portal_energy: Energy from room to room of rays that started at each state between rooms.
 
     Returns:
         Rooms left and entered by each new state; state index per pair of rooms, for rays from each state between rooms;
@@ -107,9 +107,9 @@ def solve_renewal(
     """Compute the energy over time that cells receive from some states, including transfer through others.
 
     Args:
-        passed: Energy from state to state.
-        heard: Energy that cells receive from each state before the next one.
-        some: Indices of the states.
+        transfer: Energy from state to state.
+        received: Energy that cells receive from each state before the next one.
+        states: Indices of the states.
     """
     bins = received.shape[-1]
     one = np.eye(len(transfer))

@@ -115,9 +115,9 @@ def trace_flight(
         direction: Unit directions.
         travelled: Distance already travelled from the source or portal state [m].
         room: Room of the start points.
-        fresh: Rays start at a source, not at a reflection.
-        ends: Rays end in other rooms; else they continue there.
-        bounces: Maximum number of reflections; the energy left then counts as aged.
+        from_source: Rays start at a source, not at a reflection.
+        end_in_rooms: Rays end in other rooms; else they continue there.
+        max_bounces: Maximum number of reflections; the energy left then counts as aged.
         age: Path length at which rays end by age [m].
         key: Random key.
         config: Options for `bin_seconds` and air absorption.
@@ -292,7 +292,9 @@ class _BounceContext(NamedTuple):
         length = jnp.linalg.norm(point - ray.origin, axis=1)
         energy = ray.energy * jnp.exp(-self.air * length) * self._select_octave(met.transmission)
         behind = jnp.maximum(behind, 0)
-        return sums._replace(transmitted=sums.transmitted.at[self.octave, room, behind].add(jnp.where(counts, energy, 0.0)))
+        return sums._replace(
+            transmitted=sums.transmitted.at[self.octave, room, behind].add(jnp.where(counts, energy, 0.0))
+        )
 
     def _select_octave(self, values: Float[Array, "n bands"]) -> Float[Array, " n"]:
         """Select the values of each ray's octave."""

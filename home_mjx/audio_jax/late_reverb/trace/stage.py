@@ -72,7 +72,7 @@ class FlightTracer:
         config: Options for `bin_seconds` and air absorption.
         bins: Number of time bins.
         rays: Rays per flight, over all octaves.
-        bounces: Maximum reflections of a ray.
+        max_bounces: Maximum reflections of a ray.
     """
 
     scene: Scene
@@ -100,10 +100,10 @@ class FlightTracer:
 
         Args:
             starts: Flights of each source.
-            fresh: Rays start at sources, not at reflections.
+            from_source: Rays start at sources, not at reflections.
             seed: Seed of all flights.
-            ends: Rays end in other rooms; else they continue there.
-            heard: Number of bins that are kept; None: all.
+            end_in_rooms: Rays end in other rooms; else they continue there.
+            num_bins: Number of bins that are kept; None: all.
             keep: Callback for the rays that reached portal states, and the source of each flight. Host arrays of
                 flights (f, 2, n) hold the rays that left a room and those that aged there.
         """
@@ -149,7 +149,9 @@ def _start_copies(*arrays: Any) -> None:
 @partial(jax.jit, static_argnums=1)
 def _crop_bins(gave: TraceEnergy, bins: int) -> TraceEnergy:
     return gave._replace(
-        energy=gave.energy[..., :bins], intensity=gave.intensity[:, :, :bins], portal_energy=gave.portal_energy[..., :bins]
+        energy=gave.energy[..., :bins],
+        intensity=gave.intensity[:, :, :bins],
+        portal_energy=gave.portal_energy[..., :bins],
     )
 
 
