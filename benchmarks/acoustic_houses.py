@@ -3,7 +3,7 @@
 Decays and levels of an omnidirectional microphone, in the source's room and in others, are compared with the preset
 `reference` or, with `--truth`, with an independent Monte Carlo. All doors are open, and walls transmit nothing, because
 rays do not cross them. Walks through all rooms report the largest change of an octave per step, silent places, and the
-difference between two bakes with other seeds. Prints one JSON object per line; `--outward` also writes them.
+difference between two bakes with other seeds. Prints one JSON object per line; `--out` also writes them.
 """
 
 import argparse

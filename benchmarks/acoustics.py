@@ -1,7 +1,7 @@
 """Compare sound with an independent Monte Carlo: decay times and levels per octave, in acoustically difficult rooms.
 
 Each preset, and the first two with rays in every step, runs in the same rooms against the same reference. Prints a
-Markdown table; `--outward` writes one JSON object per line. The rooms and the oracle are those of the tests
+Markdown table; `--out` writes one JSON object per line. The rooms and the oracle are those of the tests
 (`tests/helpers/acoustic_rooms.py`, `tests/helpers/decay_oracle.py`).
 """
 

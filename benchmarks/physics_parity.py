@@ -130,7 +130,7 @@ def cases(args: argparse.Namespace, count: int) -> Iterator[Case]:
 
 
 def draw(bank: HouseBank, args: argparse.Namespace) -> States:
-    """Return every `step_length`-th state of the environments' rollouts, on the CPU."""
+    """Return every `stride`-th state of the environments' rollouts, on the CPU."""
     envs, cpu = args.num_envs, jax.devices("cpu")[0]
     kind, house = np.arange(envs) % len(KINDS), np.arange(envs) // len(KINDS) % bank.num_houses
     template = template_of(bank, PhysicsConfig(), args.num_agents)

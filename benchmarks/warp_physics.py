@@ -72,7 +72,7 @@ def poses(bank, config: PhysicsConfig, house: int, rows: HouseRows) -> np.ndarra
 
 
 def measure(model, start: np.ndarray, begins: np.ndarray, num_envs: int) -> dict:
-    """Measure milliseconds of a control step of all worlds, whose agents start at `is_first`."""
+    """Measure milliseconds of a control step of all worlds, whose agents start at `begins`."""
     import mujoco_warp as mjw
     import warp as wp
 

@@ -1,6 +1,6 @@
 """Peer of `gpu_rays.py` and `cpu_rays.py`: MuJoCo Warp's batch renderer on a bank's first house, same cameras.
 
-`python benchmarks/warp_renderer.py BANK --num-envs 4096 --size 64 --outward peer.npz` prints one JSON object per image
+`python benchmarks/warp_renderer.py BANK --num-envs 4096 --size 64 --out peer.npz` prints one JSON object per image
 kind and writes the depth images. With them `gpu_rays.py` checks that both render the same scene.
 """
 

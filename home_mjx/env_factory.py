@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from home_mjx.tasks.env.bound import Env
     from home_mjx.tasks.env.household import HouseholdEnv
 
-NUM_ARRANGEMENTS = 8  # poses of movable objects per house for `arrangement_pose="random"`
+NUM_ARRANGEMENTS = 8  # poses of movable objects per house for `arrangement="random"`
 MAKE_ARGUMENTS = ("houses", "num_houses", "split", "where", "progress", "variation", "episodes")
 
 
@@ -42,7 +42,7 @@ def make(
     Args:
         env_id: Such as `PointNav-v0`, see `list_envs`.
         houses: A `HouseBank`, a `HouseSet`, a dataset, its folder or its name such as
-            `procedural:16?parse_seed=0&version=2`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
+            `procedural:16?seed=0&version=2`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
             or, if it is not set, generated houses, which are written once into the cache folder.
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
         split: Only houses of `train`, `val` or `test_triangle`.

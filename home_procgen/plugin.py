@@ -1,4 +1,4 @@
-"""What this package plugs into `home_mjx`: houses by a name such as `procedural:16?parse_seed=100`, and fallback models.
+"""What this package plugs into `home_mjx`: houses by a name such as `procedural:16?seed=100`, and fallback models.
 
 Importing this module is cheap: generators are imported when a house is written.
 """
@@ -22,14 +22,14 @@ from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
 
 SCHEME = "procedural"
-FORM = "Write `procedural:N` or `procedural:N?parse_seed=S&version=V`, all whole numbers."
+FORM = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers."
 VERSIONS = (1, 2)  # of the generators, see `home_procgen.generate`
 DEFAULT_VERSION = 1
 
 
 @dataclass(frozen=True)
 class ProceduralName:
-    """Parts of a name such as `procedural:16?parse_seed=100&version=2`.
+    """Parts of a name such as `procedural:16?seed=100&version=2`.
 
     Attributes:
         count: Number of houses.
@@ -98,7 +98,7 @@ class ProceduralDataset(SuncgDataset):
     Houses are written to the cache folder, one dataset per generator version.
 
     Args:
-        text: What follows the scheme, such as `16?parse_seed=100`.
+        text: What follows the scheme, such as `16?seed=100`.
 
     Raises:
         ConfigError: The text is not valid.

@@ -3,7 +3,7 @@
     python scripts/check_adapters.py [--id ID ...] [--adapter NAME ...] [--out FILE] [--docs]
 
 Prints one JSON object per line: `id`, `adapter`, `outcome` (`passed`, `refused` or `failed`), `why`, `seconds`. With
-`--docs`, the last line of `--outward` for each id and adapter becomes the table. Adapters whose package is not installed
+`--docs`, the last line of `--out` for each id and adapter becomes the table. Adapters whose package is not installed
 keep their earlier lines. `make checkers` runs everything.
 """
 

@@ -45,7 +45,7 @@ def _steps(settings: BenchSettings, case: str, **options: Any) -> Measurement:
 
 
 def _rate(settings: BenchSettings, env: Any) -> tuple[float, float]:
-    """Measure environment steps per second with random actions except `stopped`; return it with the compile time [s]."""
+    """Measure environment steps per second with random actions except `stop`; return it with the compile time [s]."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
     states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, keys)
     if env.config.discrete is None:

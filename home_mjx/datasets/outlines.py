@@ -26,7 +26,7 @@ class RoomOutline:
     """A room of a floor plan.
 
     Attributes:
-        type: One of `declarations.ROOM_TYPES`.
+        type: One of `schema.ROOM_TYPES`.
         corners: (x, z) of the centre lines of its walls in order [m]; two rooms share a wall if they share a line.
         floor: Material of the floor.
         walls: Material of the walls' inner faces.

@@ -1,4 +1,4 @@
-"""Registry of datasets: opens houses by the folder that holds them, or by a name such as `procedural:16?parse_seed=0`.
+"""Registry of datasets: opens houses by the folder that holds them, or by a name such as `procedural:16?seed=0`.
 
 Host only: nothing here loads JAX. A distribution adds a dataset with an entry point of the group `home_mjx.datasets`,
 whose name is the scheme and whose object is the function that opens it.
@@ -83,7 +83,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
     """Open a dataset by its folder or its name.
 
     Args:
-        name: Folder of a dataset, or a scheme and what follows it, such as `procedural:16?parse_seed=0`; None: the folder
+        name: Folder of a dataset, or a scheme and what follows it, such as `procedural:16?seed=0`; None: the folder
             that the environment variable `SUNCG_DATA_DIR` names.
 
     Raises:

@@ -129,7 +129,7 @@ class HouseStream:
         """Exchange each retired house whose successor is ready; call it before every step, or less often.
 
         Args:
-            houses: House indices of all environments, as in `states.world.house`.
+            houses: House indices of all environments, as in `first.world.house`.
 
         Returns:
             The bank for the next steps; do not use an earlier one.

@@ -28,7 +28,7 @@ def body_contact_attributes(friction: float, ratio: float, timestep: float) -> d
 
     Args:
         friction: Coefficient of sliding friction.
-        ratio: Damping ratio, see `sound_materials.in_contact.damping_ratio`.
+        ratio: Damping ratio, see `sound_materials.contact.damping_ratio`.
         timestep: Length of a physics step [s].
     """
     stiffness, damping, low, width = contact_parameters(np.array(ratio), timestep)

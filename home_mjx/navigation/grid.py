@@ -141,10 +141,10 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
         bank: The houses.
         house: Index of the house.
         key: Random key.
-        margin: Clearance with which the houses were compiled, `NavigationOptions.read_margin` [m].
+        margin: Clearance with which the houses were compiled, `NavigationOptions.margin` [m].
 
     Returns:
-        Point [m], at most `read_margin` / 2 from a cell's centre in x and y, so obstacles are outside the agent's radius.
+        Point [m], at most `margin` / 2 from a cell's centre in x and y, so obstacles are outside the agent's radius.
     """
     which, shift = jax.random.split(key)
     navigation, house = bank.navigation, bank.clip_house_index(house)

@@ -292,9 +292,7 @@ class CompiledHouse:
     doors: Doors = field(default_factory=Doors.empty)
     ramps: Ramps = field(default_factory=Ramps.empty)
     lights: LightTable = field(default_factory=LightTable.empty)
-    gloss: Gloss = field(
-        default_factory=lambda: Gloss.matt(0)
-    )  # of the first rows of `sound_materials`; the others are matt
+    gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the others are matt
     # Ids of objects that would be movable if they did not intersect other geometry.
     blocked_objects: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))
 

@@ -24,7 +24,7 @@ def rgb(code: str) -> Color:
 
 
 def textured(name: str, tint: str = "#ffffff", slot: str = "") -> Material:
-    """A material with a texture of the library, multiplied by `throughput`."""
+    """A material with a texture of the library, multiplied by `tint`."""
     return Material(slot, rgb(tint), Path("texture") / f"{name}.png", 1.0)
 
 

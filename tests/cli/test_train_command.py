@@ -130,7 +130,7 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(houses: Path, tmp_path: Path
     assert main(command(houses, killed)) == 2
     assert "--resume" in capsys.readouterr().err
     assert main([*command(houses, killed, "--resume", "--seed", "1")]) == 2
-    assert "`parse_seed` is 0 there, 1 here" in capsys.readouterr().err
+    assert "`seed` is 0 there, 1 here" in capsys.readouterr().err
     assert main(command(houses, killed, "--resume")) == 0
 
     one, other = arrays(whole), arrays(killed)

@@ -28,7 +28,7 @@ class Disk:
 
     Args:
         at: Number of the operation that is not survived, from 1; 0: all are, and counted.
-        how: `BEFORE`, `MAX_HOLD_DISTANCE` or `POWER`.
+        how: `BEFORE`, `TORN` or `POWER`.
 
     Attributes:
         operations: Names of those so far.

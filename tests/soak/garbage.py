@@ -10,7 +10,7 @@ one gave. Programs are compiled once. Needs nothing but the package, so that it 
 each array of a call has an allocation of its own then, so that nothing beside one is read unseen.
 
 One JSON object a line for each part. Exits with 1 if a call gives something else, by a signal, or after `--stuck`
-seconds if one does not end; `garbage.<part>` in the folder `--outward` names the call then, and `--first` repeats it.
+seconds if one does not end; `garbage.<part>` in the folder `--out` names the call then, and `--first` repeats it.
 """
 
 import argparse

@@ -50,7 +50,7 @@ class HouseOracle:
         return (radius - np.where(away > 0, away, out.max(axis=-1))).max(axis=-2)
 
     def passed(self, before: np.ndarray, after: np.ndarray, slack: float = 0.02) -> np.ndarray:
-        """(...): whether a way (..., 3) leads from outside of a box into it or through it; boxes are `delay_margin` smaller.
+        """(...): whether a way (..., 3) leads from outside of a box into it or through it; boxes are `slack` smaller.
 
         The slab test: the way is in a box where it is between its three pairs of planes.
         """

@@ -102,7 +102,7 @@ def test_another_configuration_is_refused_by_name(tmp_path: Path):
     others = {
         "`ppo.num_envs` is 64 there, 32 here": with_ppo(num_envs=32),
         "`ppo.network.memory` is 128 there, 64 here": with_ppo(network=network),
-        "`parse_seed` is 3 there, 4 here": dataclasses.replace(CONFIG, seed=4),
+        "`seed` is 3 there, 4 here": dataclasses.replace(CONFIG, seed=4),
         "`env.num_houses` is 2 there, 8 here": dataclasses.replace(
             CONFIG, env=dataclasses.replace(CONFIG.env, num_houses=8)
         ),

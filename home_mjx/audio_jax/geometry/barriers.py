@@ -21,7 +21,7 @@ class BarrierBoxes(Pytree):
     center: Float[Array, "n 3"]  # [m]
     axis: Float[Array, "n 3 3"]  # unit vectors, one per row
     half: Float[Array, "n 3"]  # [m]
-    exposed: Bool[Array, "n edges"]  # edges surrounded by air, in the order of `declarations.edges`
+    exposed: Bool[Array, "n edges"]  # edges surrounded by air, in the order of `schema.edges`
     object_id: Int[Array, " n"]  # -1 architecture
 
 

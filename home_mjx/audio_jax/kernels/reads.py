@@ -36,7 +36,7 @@ class PathDelays(Pytree):
 
 
 class DelayReads(Pytree):
-    """Reads of one source in a frame: the first `NUM_FILTERED` paths from `filter_direct`, the others from `source`."""
+    """Reads of one source in a frame: the first `NUM_FILTERED` paths from `filtered`, the others from `source`."""
 
     source: Float[Array, " n"]
     filtered: Float[Array, "two m"]

@@ -29,7 +29,7 @@ def render_frame(
         source: Signal at 1 m, see `emitted_signal`: `config.memory_length` - 1 samples before the frame, the frame, and
             `config.ahead` samples after it.
         old: State at the frame's start.
-        new: State at its end, which is the next frame's `start_length`.
+        new: State at its end, which is the next frame's `old`.
         config: Options with `motion=True`.
         head: Measured HRTFs of the listener; None: a rigid sphere.
 

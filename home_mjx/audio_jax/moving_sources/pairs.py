@@ -24,7 +24,7 @@ def match_paths(
 ) -> PathPairs:
     """Match paths by name.
 
-    A path without a partner, silent at one end, or whose image source moves by more than `max_path_change` fades in or out
+    A path without a partner, silent at one end, or whose image source moves by more than `longest_step` fades in or out
     in place. Paths without names are matched by index.
 
     Args:
@@ -35,7 +35,7 @@ def match_paths(
         longest_step: Maximum displacement of an image source in one frame [m].
 
     Returns:
-        The paths of `end_length`, then up to `MAX_FADING_PATHS` paths of `start_length` that fade out.
+        The paths of `new`, then up to `MAX_FADING_PATHS` paths of `old` that fade out.
     """
     match = _is_same_path(old, new, longest_step)
     index = jnp.argmax(match, axis=1).astype(jnp.int32)

@@ -73,7 +73,7 @@ def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: floa
         stop: Lower level [dB], such as −35.
 
     Returns:
-        The time; NaN if the curve does not reach `stopped`, or has fewer than two points between the levels.
+        The time; NaN if the curve does not reach `stop`, or has fewer than two points between the levels.
 
     Example:
         >>> decay = 10 ** (-6 * jnp.arange(1000) * 1e-3)  # 60 dB in 1 s

@@ -2,7 +2,7 @@
 
 Tables that rays traverse are concatenated, with absolute indices in trees: first shared rows, then each house's own
 rows. Small arrays are padded. Every length except the number of houses is rounded up to a size class, so that similar
-banks have equal shapes and share one compiled step. `bank.pack_instances` declares the arrays.
+banks have equal shapes and share one compiled step. `bank.records` declares the arrays.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -93,7 +93,7 @@ def pack_house_slots(
     stride: Counts,
     texture_size: int = TEXTURE_SIZE,
 ) -> PackedBank:
-    """Pack houses into a bank of exchangeable houses, each with `step_length` rows in the concatenated tables.
+    """Pack houses into a bank of exchangeable houses, each with `stride` rows in the concatenated tables.
 
     Args:
         houses: One house per slot.

@@ -2,7 +2,7 @@
 
 
 def size_class(count: int, smallest: int) -> int:
-    """Return the smallest `min_edge * 2**n` of at least `count`.
+    """Return the smallest `smallest * 2**n` of at least `count`.
 
     Example:
         >>> size_class(44, 32), size_class(3, 8)

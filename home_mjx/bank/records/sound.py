@@ -23,7 +23,7 @@ def plane_material(at: HouseOwner) -> Int[np.ndarray, " p"]:
 
 
 def exposed_edge_bits(at: HouseOwner) -> Int[np.ndarray, " c"]:
-    """Return the exposed edges of static boxes, one bit per edge in the order of `declarations.edges`."""
+    """Return the exposed edges of static boxes, one bit per edge in the order of `schema.edges`."""
     boxes, rooms = at.house.colliders, at.house.rooms
     turn = Rotation.from_quat(boxes.quat, scalar_first=True).as_matrix()
     heights = np.stack([rooms.floor, rooms.ceiling], axis=1)
@@ -44,7 +44,7 @@ class Acoustics(Pytree):
     )
     plane_material: Int[Array, "h planes"] = array("absolute row", source=plane_material)
     collider_edges: Int[Array, "h colliders"] = array(
-        "bits of the exposed edges of static boxes, see `declarations.edges`", source=exposed_edge_bits
+        "bits of the exposed edges of static boxes, see `schema.edges`", source=exposed_edge_bits
     )
 
 

@@ -50,7 +50,7 @@ class Materials(Pytree):
     """The bank's material table, shared by all houses."""
 
     albedo: Float[Array, "material 4"] = array("linear-light diffuse 0..1, and opacity", source=linear_albedo, fill=1)
-    texture: Int[Array, " material"] = array("layer in `texture_paths`; -1 none", source=texture_layer, fill=-1)
+    texture: Int[Array, " material"] = array("layer in `textures`; -1 none", source=texture_layer, fill=-1)
     kind: Int[Array, " material"] = array("index into MATERIAL_KINDS; -1 unknown", source=material_kind, fill=-1)
     absorption: Float[Array, "material bands"] = array(
         "energy fractions, octaves 125 .. 8000 Hz", source="materials.absorption", fill=1

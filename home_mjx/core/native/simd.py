@@ -221,7 +221,7 @@ def any_lane(typing_context, mask) -> Any:
 @intrinsic
 @no_type_check
 def load(typing_context, pointer, index) -> Any:
-    """Load the `LANES` items at `model_index`."""
+    """Load the `LANES` items at `index`."""
     kind = Lanes(pointer.dtype)
 
     @no_type_check
@@ -234,7 +234,7 @@ def load(typing_context, pointer, index) -> Any:
 @intrinsic
 @no_type_check
 def store(typing_context, pointer, index, value) -> Any:
-    """Store the `LANES` items at `model_index`."""
+    """Store the `LANES` items at `index`."""
 
     @no_type_check
     def lower(context, builder, sig, args):

@@ -1,6 +1,6 @@
 """Constraint rows of MuJoCo's convex problem: Jacobians, regularisation and reference accelerations.
 
-A frictional contact has four rows, the edges `normal ± friction_corner * tangent` of a pyramid. A frictionless one has one
+A frictional contact has four rows, the edges `normal ± friction * tangent` of a pyramid. A frictionless one has one
 row.
 Source: MuJoCo's documentation, "Computation", sections "Constraint model" and "Solver parameters".
 """

@@ -245,7 +245,7 @@ def _add_sleeping_contacts(work, m, other):
 @compiled
 @no_type_check
 def _add_box_contacts(work, m, other, pos, rot, half):
-    """Add contacts of a body and a box; `contact_partner` is the code of the box's owner."""
+    """Add contacts of a body and a box; `other` is the code of the box's owner."""
     points, normals, own = work.points, work.normals, offset_pointer(work.pos, 3 * m)
     if m < work.num_agents:
         size = offset_pointer(work.agent, AGENT_COLUMNS * m)

@@ -124,7 +124,7 @@ def step_env(work, numbers, ground, state, control, result, report):
         result: State after the step, like `state`.
         report: Contacts of each agent except with the floor (a), the maximum over physics steps; overflow flags of
             static boxes and contact points (2); each body's total impulse [N s] and the position of its strongest
-            contact [m] (m, 4); the partner in that contact (m), see `column_ranges`.
+            contact [m] (m, 4); the partner in that contact (m), see `limits`.
     """
     floor, ramp, num_ramps = ground
     qpos, qvel, qacc = state

@@ -64,7 +64,7 @@ def render(
         depth_max: Maximum value of depth and distance images [m]; None disables clipping.
 
     Raises:
-        ConfigError: A kind, the preset or the scene's executor is unknown, or `max_depth` is negative. Outside of `jit`
+        ConfigError: A kind, the preset or the scene's executor is unknown, or `depth_max` is negative. Outside of `jit`
             also if the camera is invalid, see `check_camera`.
 
     Example:

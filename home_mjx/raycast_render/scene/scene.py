@@ -18,7 +18,7 @@ from home_mjx.schema.agent import AgentBody
 BOX_MARGIN = 1e-4  # [m], margin of bounding boxes, since intersections round differently in a model's own frame
 
 
-@functools.partial(jax.jit, inline=True, static_argnames="executor")
+@functools.partial(jax.jit, inline=True, static_argnames="backend")
 def make_scene(
     bank: HouseBank,
     house: Int[Array, ""],

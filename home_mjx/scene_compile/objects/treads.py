@@ -137,7 +137,7 @@ def _extent(corners: Float[np.ndarray, "4 2"], yaw: float) -> tuple[list[float],
 
 @dataclass(frozen=True)
 class CurvedFlight:
-    """Treads around a vertical axis: height = `offset` + `extra_height` * angle; `sense` is the direction uphill."""
+    """Treads around a vertical axis: height = `offset` + `rise` * angle; `sense` is the direction uphill."""
 
     center: Float[np.ndarray, "2"]  # [m]
     inner: float  # [m], inner radius

@@ -119,7 +119,7 @@ def build_levels(
         navigation: Sizes of an agent and of a cell.
 
     Raises:
-        DatasetError: The house exceeds the `column_ranges`, or its ground floor has no standable cell.
+        DatasetError: The house exceeds the `limits`, or its ground floor has no standable cell.
     """
     check_levels(frame, shell, navigation.cell)
     rooms, walls = frame.rooms, wall_colliders(shell, colliders)

@@ -55,7 +55,7 @@ def with_arrangements(
 ) -> tuple[HouseBank, ArrangementCounts]:
     """Add arrangements of the bodies of its houses to a bank, all at rest; on the host, once per bank.
 
-    Small objects (`layout.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
+    Small objects (`furnished.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
     furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and
     never disconnect the home region. The physics then settles all bodies for `rest.SECONDS`. Results are cached on
     disk.

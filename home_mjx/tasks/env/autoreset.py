@@ -55,7 +55,7 @@ class AutoReset:
         self.bakes = core.bakes
 
     def bind(self, params: EnvParams | HouseBank) -> "Env[AutoReset]":
-        """Return the batch with its parameters: `reset(keys)`, `step(states, actions)`."""
+        """Return the batch with its parameters: `reset(keys)`, `step(some, actions)`."""
         return Env(self, params if isinstance(params, EnvParams) else EnvParams(params))
 
     def template(self, bank: HouseBank) -> Template:
@@ -173,5 +173,5 @@ def _num_keys(key: Any) -> int:
 
 
 def select_envs(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
-    """Return the rows of `end_length` where the mask holds, else those of `start_length`; both are batches of the same tree."""
+    """Return the rows of `new` where the mask holds, else those of `old`; both are batches of the same tree."""
     return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)

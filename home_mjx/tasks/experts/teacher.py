@@ -20,7 +20,7 @@ from home_mjx.tasks.rules.row_task import RowState, RowTask
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
 EXPERT = "expert"  # name of the observation
-STOP_RADIUS_FRACTION = 0.8  # fraction of the success radius within which experts choose `stopped`
+STOP_RADIUS_FRACTION = 0.8  # fraction of the success radius within which experts choose `stop`
 
 
 class ExpertObservationEnv(HouseholdEnv):
@@ -73,7 +73,7 @@ def _expert_action(task: Task, snapshot: Snapshot, state: object) -> Array:
 
 
 def _point_nav_action(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array:
-    """Return actions along the shortest path past door leaves; `stopped` well within the success radius."""
+    """Return actions along the shortest path past door leaves; `stop` well within the success radius."""
     field, pose = snapshot.bank.navigation.field, snapshot.pose
 
     def ahead(agent: Array) -> tuple[Array, Array]:

@@ -31,7 +31,7 @@ from home_mjx.tasks.rules.words import FAILURE, Attribute, Feature, TargetKind
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.sight import EYE_OFFSETS, is_unobstructed
 
-MAX_TARGET_LAG = 0.2  # [m], maximum distance that a moving target gains until `stopped` takes effect
+MAX_TARGET_LAG = 0.2  # [m], maximum distance that a moving target gains until `stop` takes effect
 DISTANCE_MARGIN = 0.1  # [m], by which agents with hands go closer than required, because carried objects push
 CONTACT_DISTANCE_MARGIN = 0.05  # [m], the same in contact, where a carried object may keep the agent away
 MAX_RETREATS = 2  # rounds of `plan_retreat` after which objects are picked up from any position
@@ -151,14 +151,14 @@ def plan_view(
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only a look or a `stopped` of each agent."""
+    """Return whether a transition of the current stage needs only a look or a `stop` of each agent."""
     turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
     after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, turned))
     return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
 
 
 def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureValues) -> Float[Array, "feature a d d"]:
-    """Return feature values with margins for the step in which `stopped` takes effect, one step later.
+    """Return feature values with margins for the step in which `stop` takes effect, one step later.
 
     A collision must not push an agent out of its room by then, and a moving target must stay visible and close.
     """
@@ -194,7 +194,7 @@ def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only the `stopped` of each agent."""
+    """Return whether a transition of the current stage needs only the `stop` of each agent."""
     program = state.program
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))

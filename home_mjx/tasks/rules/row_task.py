@@ -138,7 +138,7 @@ class RowTask(Task):
 
     @property
     def observation_spec(self) -> Specs:
-        """Specs of `goal`, `goal_words` and `instruction`; of `reply_word` and `heard_words` in tasks that use them."""
+        """Specs of `goal`, `goal_words` and `instruction`; of `reply` and `heard_words` in tasks that use them."""
         polar = "distance [m], cosine and sine of the bearing of a goal point, left positive; 0 for other goals"
         return {
             "goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (MAX_DISTANCE, 1.0, 1.0), polar),
@@ -256,7 +256,7 @@ class RowTask(Task):
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Return Habitat's metrics (success, SPL, soft SPL, distance to the goal [m], collisions) and the stage.
 
-        See `path_scores`; path lengths are those of the first agent. Tasks with speech add `answer_transitions`, whether the
+        See `path_scores`; path lengths are those of the first agent. Tasks with speech add `answered`, whether the
         row's question was answered, rightly or wrongly, and `questions`, the number of questions asked.
         """
         success = (state.stage == SUCCESS).astype(jnp.float32)

@@ -1,4 +1,4 @@
-"""Sensors from their names in `sensor_states=`."""
+"""Sensors from their names in `sensors=`."""
 
 from collections.abc import Iterator
 
@@ -58,7 +58,7 @@ def resolve_sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
 
 
 def select_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
-    """Return the sensors of an environment whose `config.sensor_states` are resolved, without those of its task.
+    """Return the sensors of an environment whose `config.sensors` are resolved, without those of its task.
 
     Raises:
         ConfigError: Two of them, or one and the task, use the same name. Or the task's words are audible only, and none
@@ -93,7 +93,7 @@ def _check_names(config: EnvConfig, sensors: tuple[Sensor, ...], task: Task) -> 
                 raise ConfigError(
                     f"`{name}` is {other_role} of {_describe(other)} and {role} of {_describe(owner)}",
                     hint=f"Rename it in {_definition_of(other, other_role) if ours else _definition_of(owner, role)}, "
-                    "or leave one of the two out of `sensor_states`.",
+                    "or leave one of the two out of `sensors`.",
                 )
 
 

@@ -61,7 +61,7 @@ class SoundEvent:
         if self.clip == VOICE_CLIP and (math.isfinite(min(self.every, self.lasts)) or self.towards != NO_DESCRIPTOR):
             raise ConfigError(
                 "a voice sounds when and where its agent speaks",
-                hint="Leave out `every`, `duration` and `towards`.",
+                hint="Leave out `every`, `lasts` and `towards`.",
             )
 
 

@@ -1,6 +1,6 @@
 """AudioNav: go to the sound source.
 
-Chen et al., "SoundSpaces: Audio-Visual Navigation in 3D Environments", 2020 (arXiv:1912.11474): success is `stopped`
+Chen et al., "SoundSpaces: Audio-Visual Navigation in 3D Environments", 2020 (arXiv:1912.11474): success is `stop`
 within 1 m. Moving sources, and distractors: Younes et al., "Catch Me If You Hear Me", 2023 (arXiv:2111.14843).
 """
 

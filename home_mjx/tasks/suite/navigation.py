@@ -28,7 +28,7 @@ EXCLUDED_CATEGORIES = frozenset(
 
 
 def arrival_stage(conditions: tuple[Condition, ...], stop: bool, reward: float, guide: int = 0) -> TaskStage:
-    """Return a stage that succeeds where all of `conditions` holds; with `stopped`, only by `stopped`, which fails elsewhere."""
+    """Return a stage that succeeds where all of `conditions` holds; with `stop`, only by `stop`, which fails elsewhere."""
     if not stop:
         return TaskStage((Transition(SUCCESS, conditions, reward=reward),), guide)
     return TaskStage(
@@ -42,7 +42,7 @@ class NavigationTask(RowTask):
     """Options that navigation tasks share.
 
     Attributes:
-        stop: Agents must choose `stopped` at the goal: nothing else is success, and a wrong `stopped` fails.
+        stop: Agents must choose `stop` at the goal: nothing else is success, and a wrong `stop` fails.
         success_reward: Added on success.
     """
 
@@ -56,7 +56,7 @@ class NavigationTask(RowTask):
 
     @property
     def needs_stop(self) -> bool:
-        """True with `stopped`."""
+        """True with `stop`."""
         return self.stop
 
     @property
@@ -156,7 +156,7 @@ class HouseTasks(RowTask):
 
     @property
     def needs_stop(self) -> bool:
-        """True if one of the tasks needs `stopped`."""
+        """True if one of the tasks needs `stop`."""
         return any(getattr(task, "needs_stop", False) for task in self.tasks)
 
     @property

@@ -71,7 +71,7 @@ def index_range(count: int, allow_none: bool = True) -> Range:
 
 @functools.cache
 def column_ranges() -> dict[str, Range]:
-    """Return the range of each column for any houses and environment; descriptor columns as `meant.<semantic>`.
+    """Return the range of each column for any houses and environment; descriptor columns as `meant.<word>`.
 
     Example:
         >>> print(limits()["reward"])

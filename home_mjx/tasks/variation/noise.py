@@ -57,7 +57,7 @@ def _sign(turn: Float[Array, " a"]) -> Float[Array, " a"]:
 def add_depth_noise(
     level: Float[Array, ""], key: Array, depth: Float[Array, "h w 1"], depth_max: float
 ) -> Float[Array, "h w 1"]:
-    """Add noise of a structured-light sensor to depth [m], see `kinect_depth`; `max_depth` and above stay."""
+    """Add noise of a structured-light sensor to depth [m], see `kinect_depth`; `depth_max` and above stay."""
     read = kinect_depth(key, depth, near=0.0, far=depth_max, strength=level)
     read = jnp.where(depth < depth_max, jnp.minimum(read, depth_max), depth)
     return jnp.where(level > 0, read, depth)

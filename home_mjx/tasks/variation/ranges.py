@@ -99,7 +99,7 @@ class Variation(Pytree):
         """Return validated ranges by name.
 
         Args:
-            **ranges: A probability for `lamps` and `texture_paths`. Names of sounds, or their weights by name, for `clips`.
+            **ranges: A probability for `lamps` and `textures`. Names of sounds, or their weights by name, for `clips`.
                 For all others (minimum, maximum), or one number that is the same in all episodes.
 
         Raises:

@@ -31,7 +31,7 @@ class SqueezeExcite(nn.Module):
 
 
 class ResidualBlock(nn.Module):
-    """Two 3 × 3 convolutions and a shortcut; a `step_length` of 2 halves the image."""
+    """Two 3 × 3 convolutions and a shortcut; a `stride` of 2 halves the image."""
 
     channels: int
     stride: int = 1

@@ -76,7 +76,7 @@ def run_play(
         key_source: Input stream of a keyboard player; None: standard input.
 
     Returns:
-        Result of each episode. With `outward`, its folder gets a film, an image with the last frame of each episode, and
+        Result of each episode. With `out`, its folder gets a film, an image with the last frame of each episode, and
         the results as JSON lines, named after task and agent. On a full disk none of them is written.
 
     Raises:

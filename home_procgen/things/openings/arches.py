@@ -12,7 +12,7 @@ from home_procgen.things.openings.frames import FRAME_DEPTH
 
 
 def garage(width: float = 2.5, height: float = 2.15, lift: float = 1.0, style: str = "panels") -> Iterator[Solid]:
-    """Build a frame and a sectional door; `max_lift_mass` 0 is closed, 1 is open and flat below the ceiling, towards -z."""
+    """Build a frame and a sectional door; `lift` 0 is closed, 1 is open and flat below the ceiling, towards -z."""
     for s in (-1, 1):
         yield box("white", (0.06, height, FRAME_DEPTH), (s * (width - 0.06) / 2, 0.0, 0.0))
     yield box("white", (width - 0.12, 0.06, FRAME_DEPTH), (0.0, height - 0.06, 0.0))

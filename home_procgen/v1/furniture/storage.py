@@ -10,7 +10,7 @@ from home_procgen.primitives.solids import Solid, box
 def cabinet(
     width: float, height: float, depth: float, columns: int, rows: int = 1, upright: bool = False, foot: float = 0.06
 ) -> Iterator[Solid]:
-    """A closed body on a plinth (or on legs if `base_plate` >= 0.1 m) with doors or drawers and a top board."""
+    """A closed body on a plinth (or on legs if `foot` >= 0.1 m) with doors or drawers and a top board."""
     if foot >= 0.1:
         yield from legs("wood", width - 0.04, depth - 0.04, foot, 0.04, turned=True)
     else:

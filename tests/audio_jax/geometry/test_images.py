@@ -62,7 +62,7 @@ def brute_force(m: Mirrors, source, listener, order) -> list[tuple[float, np.nda
     return found
 
 
-find = jax.jit(find_image_sources, static_argnames="highest")
+find = jax.jit(find_image_sources, static_argnames="max_order")
 
 
 @pytest.mark.parametrize(("highest", "count"), [(1, 6), (2, 24), (3, 62)])

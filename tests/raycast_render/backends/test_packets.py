@@ -70,7 +70,7 @@ def test_values_that_rays_share_are_read_once_for_every_environment(case):
 
 @no_type_check
 def compute(a, b, out):
-    """Every operation on lanes, a row of `outward` each; a and b by their addresses."""
+    """Every operation on lanes, a row of `out` each; a and b by their addresses."""
     first, second = lanes.load(pointer(a), 0), lanes.load(pointer(b), 0)
     one = np.float32(1)
     results = (

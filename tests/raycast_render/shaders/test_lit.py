@@ -260,7 +260,7 @@ def test_no_lights_at_all_show_what_is_reflected_and_nothing_breaks():
     ("make", "words"),
     [
         (lambda: resolve_shader("lid"), "Did you mean `lit`"),
-        (lambda: LitShader(sky=-1.0), "`sky_radiance`"),
+        (lambda: LitShader(sky=-1.0), "`sky`"),
         (lambda: LitShader(num_lights=-1), "`num_lights`"),
     ],
 )

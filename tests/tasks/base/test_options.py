@@ -76,7 +76,7 @@ def test_body_and_clock_have_one_source():
     [
         ("sucess_radius", "Did you mean `success_radius`"),
         ("celll", "Did you mean `cell`"),
-        ("physics.frictoin", r"Did you mean `physics\.friction_corner`"),
+        ("physics.frictoin", r"Did you mean `physics\.friction`"),
         ("agent_radius", r"is now `body\.radius`"),
         ("agent_mass", r"is now `body\.mass`"),
         ("num_envs", "vmap"),

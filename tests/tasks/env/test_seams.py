@@ -327,7 +327,7 @@ def test_names_that_two_sensors_or_the_task_use_are_refused(only_here, sensors, 
         home_mjx.register_sensor(sensor(*args)())
     with pytest.raises(ConfigError) as caught:
         home_mjx.HouseholdEnv(make_config(sensors=names))
-    assert str(caught.value) == f"{words}, or leave one of the two out of `sensor_states`."
+    assert str(caught.value) == f"{words}, or leave one of the two out of `sensors`."
     home_mjx.HouseholdEnv(make_config(sensors=names[:1]))  # one of them alone may use it
 
 

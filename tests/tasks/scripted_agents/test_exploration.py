@@ -146,6 +146,6 @@ def test_the_expert_covers_the_house_and_chance_does_not(env):
 
     expert = run(lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0])
     assert np.asarray(expert.metrics["success"]).mean() >= 0.99
-    random = run(lambda _, key: jax.random.randint(key, (), 1, 6))  # without `stopped`, which would end it sooner
+    random = run(lambda _, key: jax.random.randint(key, (), 1, 6))  # without `stop`, which would end it sooner
     assert np.asarray(random.metrics["success"]).mean() < 0.1
     assert np.asarray(random.metrics["coverage"]).mean() < 0.5

@@ -136,7 +136,7 @@ def test_ranges_go_to_names_and_back():
         ({"exposure": (0.5, 1, 2)}, "`exposure` must be .minimum, maximum."),
         ({"exposure": "bright"}, "`exposure`"),
         ({"colors": (0, 2)}, "`colors` must be a finite number of at least 0 and at most 1"),
-        ({"friction": (0, 1)}, "`friction_corner`"),
+        ({"friction": (0, 1)}, "`friction`"),
         ({"mass": (1, float("nan"))}, "`mass`"),
         ({"step_length": (0, 1)}, "`step_length` must be a finite number of at least 0.1 and at most 2"),
         ({"clips": ("radoi",)}, "radio"),

@@ -36,7 +36,7 @@ def fast_size(count: int) -> int:
 @compiled
 @no_type_check
 def transform(size, lanes, turns, values, spare):
-    """Transform `values`, two arrays (size, lanes); return these or the equally large `num_retiring`, which holds the results.
+    """Transform `values`, two arrays (size, lanes); return these or the equally large `spare`, which holds the results.
 
     `turns` are the twiddle factors exp(-2 pi i j / size), real and imaginary parts. `lanes` is at least `LANES`.
     """

@@ -35,7 +35,7 @@ PAD_VALUES: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class LateField:
-    """Baked late reverberation of one house; see `bank.pack_instances.sound.LateReverb` for its fields."""
+    """Baked late reverberation of one house; see `bank.records.sound.LateReverb` for its fields."""
 
     arrival: UInt8[np.ndarray, "n n"]
     level: Float[np.ndarray, "n n spans bands"]

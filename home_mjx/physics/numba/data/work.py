@@ -23,7 +23,7 @@ from home_mjx.physics.numba.data.limits import (
     SURFACE_COLUMNS,
 )
 
-NUM_CONTACTS, STATIC_OVERFLOW, POINT_OVERFLOW, NEWTON_STEPS = range(4)  # indices in `is_recorded`
+NUM_CONTACTS, STATIC_OVERFLOW, POINT_OVERFLOW, NEWTON_STEPS = range(4)  # indices in `counts`
 
 Pointer = Any  # to float64 or int64
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
@@ -65,7 +65,7 @@ class Workspace(NamedTuple):
     num_near: Pointer  # (m) number of them; -1 if the list is invalid
     near_from: Pointer  # (m, 12) pose of the body when they were listed
     first: Pointer  # (n) first body of a contact
-    second: Pointer  # (n) second body, or a code, see `column_ranges`
+    second: Pointer  # (n) second body, or a code, see `limits`
     place: Pointer  # (n, 4) position and distance of a contact
     frame: Pointer  # (n, 3, 3) rows: normal from first to second, two tangents
     friction: Pointer  # (n) 0: frictionless

@@ -152,7 +152,7 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Update the best hits with one triangle, for rays in `belongs_to_level` only."""
+    """Update the best hits with one triangle, for rays in `reaches` only."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)
