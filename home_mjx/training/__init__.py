@@ -55,7 +55,7 @@ __all__ = [
 
 _MODULES = {
     "checkpoint": (
-        "CHECKPOINT",
+        "CHECKPOINT_FILE",
         "load_checkpoint",
         "load_net",
         "load_policy",
@@ -63,9 +63,9 @@ _MODULES = {
         "save_checkpoint",
         "save_net",
     ),
-    "cloning": ("Advised", "Cloning"),
+    "cloning": ("AdvisedPPO", "BehaviorCloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
-    "evaluation": ("evaluate", "expert_policy", "judged", "random_policy", "summary"),
+    "evaluation": ("evaluate", "expert_policy", "evaluation_spec", "random_policy", "summarize"),
     "networks": ("NetworkConfig", "RecurrentAgent"),
     "ppo": ("PPO", "TrainState"),
     "rollout": ("Policy",),

@@ -5,11 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from home_procgen.source import ProceduralHouses
 
+from home_mjx import env_factory
+from home_mjx.datasets import open_dataset
+from home_mjx.datasets.registry import has_scheme
 from home_mjx.datasets.seeds import house_id
 from home_mjx.errors import ConfigError
 from home_mjx.houses import HouseSet
+from home_mjx.houses.load import house_set
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.categories import ROOM_TYPES
 from home_procgen.floor_plan.openings import DOOR_Y, Opening
@@ -22,6 +25,7 @@ from home_procgen.plan.openings.bounds import column
 from home_procgen.plan.openings.passage import is_passable
 from home_procgen.plan.shape.parted import draw_parted
 from home_procgen.plan.shape.storeys import is_simple
+from home_procgen.plugin import ProceduralName
 from home_procgen.primitives.family import Furniture
 from home_procgen.things import get_model
 
@@ -239,9 +243,9 @@ def test_outlines_with_a_hole_or_in_two_parts_are_not_simple():
 
 
 def test_names_of_generated_houses():
-    assert ProceduralHouses.named("houses") is None
-    assert ProceduralHouses.named("procedural:3?version=2&seed=9") == ProceduralHouses(3, 9, 2)
-    assert ProceduralHouses(2, 9).ids == (house_id(9), house_id(10))
+    assert not has_scheme("houses")
+    assert ProceduralName.parse("3?version=2&seed=9") == ProceduralName(3, 9, 2)
+    assert tuple(open_dataset("procedural:2?seed=9").house_ids) == (house_id(9), house_id(10))
 
 
 @pytest.mark.parametrize(
@@ -259,7 +263,7 @@ def test_names_of_generated_houses():
 )
 def test_names_that_name_nothing_are_refused(name, message):
     if message is None:
-        assert ProceduralHouses.named(name) == ProceduralHouses(4)
+        assert ProceduralName.parse(name.partition(":")[2]) == ProceduralName(4)
         return
     with pytest.raises(ConfigError, match=message):
         HouseSet(name)
@@ -270,31 +274,25 @@ def test_a_set_of_named_houses(tmp_path, monkeypatch):
     houses = HouseSet("procedural:2?seed=3&version=2")
     assert not houses.is_complete
     assert houses.house_ids == (house_id(3), house_id(4))
+    houses.resolved_dataset.prepare(houses.house_ids)
     assert (tmp_path / "generated-v2" / "house" / house_id(4) / "house.json").is_file()
     assert HouseSet("procedural:2?seed=3&version=2", num_houses=1).house_ids == (house_id(3),)
 
 
-def test_environments_take_names(monkeypatch):
-    from home_mjx.bank.bank import HouseBank
-
-    monkeypatch.setattr(HouseBank, "from_dataset", lambda chosen, progress: chosen)
-    limited = load_bank("procedural:30?version=2", num_houses=4)
-    assert isinstance(limited, HouseSet)
-    assert limited.num_houses == 4
+def test_environments_take_names():
+    limited = house_set("procedural:30?version=2", num_houses=4)
+    assert len(limited.house_ids) == 4
+    assert limited.house_ids == tuple(open_dataset("procedural:30?version=2").house_ids)[:4]
 
 
 @pytest.mark.parametrize(("given", "taken"), [(None, 30), (8, 8), (30, 30)])
 def test_names_say_how_many_houses_there_are(monkeypatch, given, taken):
-    from home_mjx import registry
-
     made = []
-    monkeypatch.setattr(registry, "_made", lambda spec, houses, progress: made.append(spec.num_houses))
-    registry.make("PointNav-v0", "procedural:30?version=2", num_houses=given)
+    monkeypatch.setattr(env_factory, "build_env", lambda spec, houses, progress: made.append(spec.num_houses))
+    env_factory.make("PointNav-v0", "procedural:30?version=2", num_houses=given)
     assert made == [taken]
 
 
 def test_more_houses_than_a_name_says_are_refused():
-    from home_mjx import registry
-
-    with pytest.raises(ConfigError, match="`num_houses` is 5, but `procedural:2` names 2 houses"):
-        registry.make("PointNav-v0", "procedural:2", num_houses=5)
+    with pytest.raises(ConfigError, match="`num_houses` is 5, but `procedural:2` has 2 houses"):
+        env_factory.make("PointNav-v0", "procedural:2", num_houses=5)

@@ -254,7 +254,7 @@ class Hands(RuleBasedStateMachine):
         walk=st.tuples(*[st.sampled_from([-1.0, 0.0, 1.0])] * 6),
         agent=st.integers(0, 1),
         steps=st.integers(1, 12),
-        command=st.indefinite_noun(
+        command=st.one_of(
             st.builds(lambda k: {"pick": k}, st.integers(-1, 4)),
             st.just({"drop": True}),
             st.builds(

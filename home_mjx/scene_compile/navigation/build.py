@@ -118,7 +118,7 @@ def _fringe(
     spaces: Sequence[FreeSpace], home: Bool[np.ndarray, "l ny nx"], field: Float[np.ndarray, "c g"], cell: float
 ) -> ExtrapolatedCells:
     """Return the cells next to the home region and the nearest valid cell of each cell; `field` is in metres."""
-    grids = ("narrow", "enterable", "standable", "room", "height")
+    grids = ("standable_without_margin", "standable_without_movables", "standable", "room", "height")
     *around, standable, room, height = (np.stack([getattr(s, name) for s in spaces]) for name in grids)
     parts = extrapolate_fields(home, around, standable, room, height, field, cell)
     place, distance = (np.concatenate(part) for part in zip(*parts, strict=True))

@@ -48,7 +48,7 @@ class Communication(NavigationTask):
         return tuple(f"say:{to_word(kind)}" for kind in ROOM_TYPES)
 
     @property
-    def hears(self) -> tuple[str, ...]:
+    def speech_observations(self) -> tuple[str, ...]:
         """The other agent's word, unless words are sounds."""
         return ("heard_words",) if self.channel == "discrete" else ()
 

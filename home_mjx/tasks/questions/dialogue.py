@@ -52,7 +52,7 @@ class Dialogue(NavigationTask):
         return tuple(f"say:{word}" for word in (*QUESTION_WORDS.values(), "on"))
 
     @property
-    def hears(self) -> tuple[str, ...]:
+    def speech_observations(self) -> tuple[str, ...]:
         """The oracle's reply."""
         return ("reply",)
 

@@ -19,10 +19,10 @@ from home_mjx.audio_jax import (
     lookup_late_sound,
 )
 from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
-from home_mjx.audio_jax.late_reverb.bake.store import entry_of
 from home_mjx.audio_jax.late_reverb.lookup.balance import effective_openings
 from home_mjx.errors import ConfigError
 from home_mjx.houses import add_bakes
+from home_mjx.houses.bakes import bake_entry
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.tasks import make_config
@@ -68,12 +68,12 @@ def test_a_step_hears_baked_sound(bank):
 
 
 def test_it_is_baked_once(bank, room, monkeypatch):
-    assert entry_of(room, FEW).is_file()
+    assert bake_entry(LateReverbBake(FEW), room).is_file()
     monkeypatch.setattr("home_mjx.audio_jax.late_reverb.bake.store.bake_house", lambda *_: pytest.fail("baked again"))
     again = add_bakes(HouseBank.from_compiled([room]), [room], LateReverbBake(FEW))
     assert all(map(np.array_equal, jax.tree.leaves(again.late), jax.tree.leaves(bank.late)))
     other = replace(room, materials=replace(room.materials, absorption=room.materials.absorption * 0.5))
-    assert entry_of(other, FEW) != entry_of(room, FEW)
+    assert bake_entry(LateReverbBake(FEW), other) != bake_entry(LateReverbBake(FEW), room)
 
 
 def test_wrong_banks_are_refused(bank, room):

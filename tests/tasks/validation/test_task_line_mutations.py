@@ -63,13 +63,13 @@ def places(value, path=()):
         yield from places(item, (*path, key))
 
 
-NUMBERS = st.indefinite_noun(
+NUMBERS = st.one_of(
     st.sampled_from([math.nan, math.inf, -math.inf, 1e300, -1e6, 1e39, 10**400, 2**31, 70_000, 300, -5, True, 1.0]),
     st.integers(-3, 9),
     st.floats(-30, 30),
 )
 TEXTS = st.sampled_from(["", "x", "success", "yes", "find the bed", "room", "voice", "chair", "Kitchen", "held"])
-VALUES = st.indefinite_noun(NUMBERS, TEXTS, st.none(), st.lists(NUMBERS, max_size=4), st.just({}), st.just([[]]))
+VALUES = st.one_of(NUMBERS, TEXTS, st.none(), st.lists(NUMBERS, max_size=4), st.just({}), st.just([[]]))
 
 
 @st.composite
@@ -146,9 +146,9 @@ def spoiled(draw, columns):
     array = columns[name]
     at = (1, *(draw(st.integers(0, n - 1)) for n in array.shape[1:]))
     if array.dtype.kind == "f":
-        return name, at, draw(st.indefinite_noun(st.floats(width=32), st.floats(-3, 3).map(array[at].item().__add__)))
+        return name, at, draw(st.one_of(st.floats(width=32), st.floats(-3, 3).map(array[at].item().__add__)))
     limits = np.iinfo(array.dtype)
-    return name, at, draw(st.indefinite_noun(st.integers(-3, 9), st.integers(int(limits.min), int(limits.max))))
+    return name, at, draw(st.one_of(st.integers(-3, 9), st.integers(int(limits.min), int(limits.max))))
 
 
 @pytest.mark.parametrize("examples", [60, pytest.param(2000, marks=pytest.mark.slow)])
