@@ -5,11 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from home_procgen.source import ProceduralHouses
 
+from home_mjx import env_factory
+from home_mjx.datasets import open_dataset
+from home_mjx.datasets.registry import has_scheme
 from home_mjx.datasets.seeds import house_id
 from home_mjx.errors import ConfigError
 from home_mjx.houses import HouseSet
+from home_mjx.houses.load import house_set
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.categories import ROOM_TYPES
 from home_procgen.floor_plan.openings import DOOR_Y, Opening
@@ -22,8 +25,9 @@ from home_procgen.plan.openings.bounds import column
 from home_procgen.plan.openings.passage import is_passable
 from home_procgen.plan.shape.parted import draw_parted
 from home_procgen.plan.shape.storeys import is_simple
+from home_procgen.plugin import ProceduralName
 from home_procgen.primitives.family import Furniture
-from home_procgen.things import model_of
+from home_procgen.things import get_model
 
 
 @cache
@@ -156,12 +160,12 @@ def test_double_doors_are_between_rooms_for_guests():
 
 
 def test_both_leaves_of_a_double_door_turn_on_hinges_of_their_own():
-    hinges = find_hinges(*(z_up(model_of("double_door", 1), closed) for closed in (False, True)))
+    hinges = find_hinges(*(z_up(get_model("double_door", 1), closed) for closed in (False, True)))
     assert len(hinges) == 2
-    width = float(model_of("double_door", 1).size[0])
+    width = float(get_model("double_door", 1).size[0])
     assert abs(hinges[0].pivot[0] - hinges[1].pivot[0]) > 0.9 * width
-    assert sorted(np.sign(hinge.turn) for hinge in hinges) == [-1, 1]
-    np.testing.assert_allclose([abs(hinge.turn) for hinge in hinges], np.pi / 2, atol=0.02)
+    assert sorted(np.sign(hinge.displacement) for hinge in hinges) == [-1, 1]
+    np.testing.assert_allclose([abs(hinge.displacement) for hinge in hinges], np.pi / 2, atol=0.02)
 
 
 def z_up(model: Furniture, closed: bool) -> np.ndarray:
@@ -173,7 +177,7 @@ def z_up(model: Furniture, closed: bool) -> np.ndarray:
 
 def test_open_leaves_may_block_a_room():
     """In a room hardly deeper than a leaf is wide nobody gets from one half to the other."""
-    model = model_of("door", 1)
+    model = get_model("door", 1)
 
     def passable(depth: float) -> list[bool]:
         room = RoomPlan("Bedroom", (Rect(0.0, 0.0, 3.0, depth),))
@@ -239,9 +243,9 @@ def test_outlines_with_a_hole_or_in_two_parts_are_not_simple():
 
 
 def test_names_of_generated_houses():
-    assert ProceduralHouses.named("houses") is None
-    assert ProceduralHouses.named("procedural:3?version=2&seed=9") == ProceduralHouses(3, 9, 2)
-    assert ProceduralHouses(2, 9).ids == (house_id(9), house_id(10))
+    assert not has_scheme("houses")
+    assert ProceduralName.parse("3?version=2&seed=9") == ProceduralName(3, 9, 2)
+    assert tuple(open_dataset("procedural:2?seed=9").house_ids) == (house_id(9), house_id(10))
 
 
 @pytest.mark.parametrize(
@@ -259,7 +263,7 @@ def test_names_of_generated_houses():
 )
 def test_names_that_name_nothing_are_refused(name, message):
     if message is None:
-        assert ProceduralHouses.named(name) == ProceduralHouses(4)
+        assert ProceduralName.parse(name.partition(":")[2]) == ProceduralName(4)
         return
     with pytest.raises(ConfigError, match=message):
         HouseSet(name)
@@ -268,33 +272,27 @@ def test_names_that_name_nothing_are_refused(name, message):
 def test_a_set_of_named_houses(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
     houses = HouseSet("procedural:2?seed=3&version=2")
-    assert not houses.is_whole
+    assert not houses.is_complete
     assert houses.house_ids == (house_id(3), house_id(4))
+    houses.resolved_dataset.prepare(houses.house_ids)
     assert (tmp_path / "generated-v2" / "house" / house_id(4) / "house.json").is_file()
     assert HouseSet("procedural:2?seed=3&version=2", num_houses=1).house_ids == (house_id(3),)
 
 
-def test_environments_take_names(monkeypatch):
-    from home_mjx.bank.bank import HouseBank
-
-    monkeypatch.setattr(HouseBank, "from_dataset", lambda chosen, progress: chosen)
-    limited = load_bank("procedural:30?version=2", num_houses=4)
-    assert isinstance(limited, HouseSet)
-    assert limited.num_houses == 4
+def test_environments_take_names():
+    limited = house_set("procedural:30?version=2", num_houses=4)
+    assert len(limited.house_ids) == 4
+    assert limited.house_ids == tuple(open_dataset("procedural:30?version=2").house_ids)[:4]
 
 
 @pytest.mark.parametrize(("given", "taken"), [(None, 30), (8, 8), (30, 30)])
 def test_names_say_how_many_houses_there_are(monkeypatch, given, taken):
-    from home_mjx import registry
-
     made = []
-    monkeypatch.setattr(registry, "_made", lambda spec, houses, progress: made.append(spec.num_houses))
-    registry.make("PointNav-v0", "procedural:30?version=2", num_houses=given)
+    monkeypatch.setattr(env_factory, "build_env", lambda spec, houses, progress: made.append(spec.num_houses))
+    env_factory.make("PointNav-v0", "procedural:30?version=2", num_houses=given)
     assert made == [taken]
 
 
 def test_more_houses_than_a_name_says_are_refused():
-    from home_mjx import registry
-
-    with pytest.raises(ConfigError, match="`num_houses` is 5, but `procedural:2` names 2 houses"):
-        registry.make("PointNav-v0", "procedural:2", num_houses=5)
+    with pytest.raises(ConfigError, match="`num_houses` is 5, but `procedural:2` has 2 houses"):
+        env_factory.make("PointNav-v0", "procedural:2", num_houses=5)

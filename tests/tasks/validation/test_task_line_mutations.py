@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from home_mjx.errors import ConfigError, HomeMjxError
-from home_mjx.schema.compiled import FIELD_FAR
+from home_mjx.schema.compiled import FIELD_UNREACHABLE
 from home_mjx.tasks import EnvParams, Status, load_tasks
 from home_mjx.tasks.rules.house_view import house_views
 from home_mjx.tasks.suite import task_lines
@@ -48,7 +48,7 @@ def played(env):
         return jax.tree.map(lambda a, b: jnp.append(b, a), finite(first), after)
 
     def run(tasks):
-        wide = jnp.pad(tasks.field, ((0, 0), (0, FIELDS - tasks.field.shape[1])), constant_values=FIELD_FAR)
+        wide = jnp.pad(tasks.field, ((0, 0), (0, FIELDS - tasks.field.shape[1])), constant_values=FIELD_UNREACHABLE)
         params = EnvParams(env.bank, tasks=tasks.replace(field=wide, names=("Any",)))
         return play(params, jax.random.key(0))
 
