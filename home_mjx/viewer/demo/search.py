@@ -5,7 +5,7 @@ from pathlib import Path
 
 from home_mjx.viewer.episodes import Outcome, PlayOptions, run_play
 
-AGENT = Path(__file__).with_name("agent.npz")  # for its training see docs/training.md, "The agent in the box"
+AGENT = Path(__file__).with_name("agent.npz")  # for its training see docs/training_results.md, "Packaged agent"
 RADIO = {"clip_split": "radio"}
 
 
