@@ -19,7 +19,7 @@ import numpy as np
 from acoustics import UPRIGHT, config_of, engine, opened
 from house_truth import judged
 
-from home_mjx.audio_jax import BakeOptions, LateReverbBake, Listener, Source, early_paths, edt, t30
+from home_mjx.audio_jax import BakeOptions, LateReverbBake, Listener, SoundSource, early_paths, edt, t30
 from home_mjx.bank.bank import HouseBank
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet
@@ -91,7 +91,7 @@ def tight(bank):
 def straight(scene, source, listener, config):
     """Compute the energy of direct and diffracted sound per octave."""
     config = replace(config, num_edges=EDGES)
-    paths = early_paths(scene, Source(source), Listener(listener, UPRIGHT), config)
+    paths = early_paths(scene, SoundSource(source), Listener(listener, UPRIGHT), config)
     return jnp.sum(paths.gain[: 1 + config.num_edges] ** 2, axis=0)
 
 

@@ -1,7 +1,7 @@
 """Compare moving listeners in one room: frames per second here and responses per second of pyroomacoustics, in one run.
 
 Its hybrid method (image sources of order 3, 10,000 rays, air) computes one response of two microphones. Here the unit
-is a response and the 0.1 s of crossfaded stereo sound, with the preset `balanced`. Both use all cores. HoME's EVERT
+is a response and the 0.1 s of crossfaded stereo sound, with the preset `balance_rows`. Both use all cores. HoME's EVERT
 made 117 listener updates per second of order 2, without late reverberation, of a fixed source. Needs `pip install
 pyroomacoustics`; run it on otherwise idle cores.
 """
@@ -21,10 +21,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpe
 
 import acoustic_rooms as rooms
 
-from home_mjx.audio_jax import Listener, Source, audio_preset
+from home_mjx.audio_jax import Listener, SoundSource, audio_preset
 from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.moving_sources.frame import moving_frame
-from home_mjx.audio_jax.moving_sources.reception import reception
+from home_mjx.audio_jax.moving_sources.frame import render_frame
+from home_mjx.audio_jax.moving_sources.reception import render_receiver_state
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.profiling import calls_per_second, compiled, device_name
 from home_mjx.core.workers import usable_cores
@@ -44,15 +44,17 @@ def here(envs, seconds, preset):
     bank = add_bakes(HouseBank.from_compiled([case.house]), [case.house], "late_reverb")
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     physics, upright = bank.physics, jnp.float32([0.5, 0.5, -0.5, -0.5])
-    clip = jnp.asarray(clip_samples("radio", config))[: config.memory_length - 1 + config.frame + config.ahead]
+    clip = jnp.asarray(clip_samples("radio", config))[: config.memory_length - 1 + config.frame + config.num_lookahead]
 
     def hear(place):
         scene = make_scene(bank, jnp.int32(0), physics.body_pos[0], physics.body_quat[0], *nobody)
-        return reception(scene, Source(jnp.float32(case.source)), Listener(place, upright), jax.random.key(0), config)
+        return render_receiver_state(
+            scene, SoundSource(jnp.float32(case.source)), Listener(place, upright), jax.random.key(0), config
+        )
 
     def step(place, old):
         new = hear(place)
-        return moving_frame(clip, old, new, config), new
+        return render_frame(clip, old, new, config), new
 
     places = jnp.asarray(listeners(envs), jnp.float32)
     old = jax.jit(jax.vmap(hear))(places - jnp.float32([STEP, 0, 0]))

@@ -25,7 +25,7 @@ from home_mjx.audio_jax import (
     BakeOptions,
     LateReverbBake,
     Listener,
-    Source,
+    SoundSource,
     audio_preset,
     decay_time,
     early_paths,
@@ -49,7 +49,7 @@ COLUMNS = ("Preset", "Room", "Octave [Hz]", *ERRORS)
 def engine(scene_bank, house, source, listener, key, config):
     """Compute the histogram (bins, bands) of one omnidirectional microphone: paths and late part."""
     scene = opened(scene_bank, house)
-    who, ears = Source(source), Listener(listener, UPRIGHT)
+    who, ears = SoundSource(source), Listener(listener, UPRIGHT)
     paths = early_paths(scene, who, ears, config)
     late = late_energy(scene, who, ears, key, config)[:, 0]
     at = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
@@ -60,7 +60,7 @@ def opened(bank, house):
     """Build the scene of a house without agents, with all doors fully open."""
     physics = bank.physics
     bodies, nobody = (physics.body_pos[house], physics.body_quat[house]), (jnp.zeros((0, 3)), jnp.zeros((0, 4)))
-    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])
+    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_fully_open[house])
 
 
 def config_of(preset, seconds):
@@ -120,7 +120,9 @@ def main():
     parser.add_argument("--presets", nargs="*", choices=PRESETS, default=PRESETS[:-1])
     parser.add_argument("--bake-seed", type=int, default=0, help="seed of baked late reverberation")
     parser.add_argument("--bake-rays", type=int, default=BakeOptions.rays, help="rays per cell and octave")
-    parser.add_argument("--bake-size", type=float, default=BakeOptions.size, help="target edge length of its cells [m]")
+    parser.add_argument(
+        "--bake-size", type=float, default=BakeOptions.cell_size, help="target edge length of its cells [m]"
+    )
     parser.add_argument("--rooms", nargs="*", help="rooms to measure, such as uneven (default: all)")
     parser.add_argument("--seconds", type=float, default=3.0, help="length of the decays")
     parser.add_argument("--out", type=Path, help="file that records are appended to")

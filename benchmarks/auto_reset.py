@@ -16,7 +16,7 @@ import jax.numpy as jnp
 
 import home_mjx
 from home_mjx.core.profiling import device_name
-from home_mjx.tasks import BoundEnv, PointNav
+from home_mjx.tasks import Env, PointNav
 
 LENGTH = 500  # length of an episode [steps]
 FEW = 8  # environments whose episode ends
@@ -45,7 +45,7 @@ def main() -> None:
         print(json.dumps(record), flush=True)
 
 
-def prepare(env: BoundEnv, num_envs: int) -> dict:
+def prepare(env: Env, num_envs: int) -> dict:
     """Return compiled steps with the initial states of each case."""
     keys = jax.random.split(jax.random.key(0), num_envs)
     actions = jax.random.uniform(jax.random.key(1), (num_envs, 4), jnp.float32, -1, 1)

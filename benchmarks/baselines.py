@@ -10,7 +10,7 @@ same rows, in generated houses of the `val` split with seeds from 30,000. Prints
 Blind agents use contact, the goal's direction if the task observes it, and questions:
 
 - `straight`: moves towards the goal, and stops there;
-- `wander`: moves ahead, turns by a random angle after a contact, and says `stop` once in 100 steps if possible; with
+- `wander`: moves ahead, turns by a random angle after a contact, and says `stopped` once in 100 steps if possible; with
   hands it also tries to pick;
 - `stay`: turns on the spot;
 - `prior`: gives the most frequent correct answer to the same question, in 32 houses of the `train` split.
@@ -40,9 +40,9 @@ from home_mjx.core.profiling import device_name
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.splits import split_of
 from home_mjx.houses import load_bank
-from home_mjx.tasks import with_expert
+from home_mjx.tasks import add_expert
 from home_mjx.tasks.env.moves import spoken_tokens
-from home_mjx.training import Policy, evaluate, expert_policy, random_policy, summary
+from home_mjx.training import Policy, evaluate, expert_policy, random_policy, summarize
 from home_mjx.training.evaluation import with_episodes
 from home_procgen import generate_dataset
 
@@ -129,7 +129,7 @@ def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[s
         env, num = env.with_tasks(tasks.pick(jnp.asarray(rows, jnp.int32))), len(rows)
     policy = side_by_side(env, blind_of(case.blind, env), num)
     both = evaluate(env, lambda net: policy, None, 2 * num)
-    expert = evaluate(with_expert(env), expert_policy, None, num)  # separate, so that others do not wait for it
+    expert = evaluate(add_expert(env), expert_policy, None, num)  # separate, so that others do not wait for it
     parts = [{name: x[part] for name, x in both.items()} for part in (slice(num), slice(num, None))]
     common = {
         "case": "baselines", "id": case.id, "name": case.name or case.id, "houses": bank.num_houses, "episodes": num,
@@ -138,7 +138,7 @@ def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[s
         "seconds": round(time.perf_counter() - begun, 1),
     }  # fmt: skip
     return [
-        common | {"agent": agent, "blind": case.blind, **summary(part)}
+        common | {"agent": agent, "blind": case.blind, **summarize(part)}
         for agent, part in zip(AGENTS, [*parts, expert], strict=True)
     ]
 
@@ -165,7 +165,7 @@ def side_by_side(env: Any, blind: Act, num: int) -> Policy:
         assert rows == 2 * num * agents, "all must fit into one batch of `evaluate`"
         return {"who": jnp.arange(rows) // (num * agents), "turns": jnp.zeros(rows, jnp.int32)}
 
-    return Policy(act, memory=memory)
+    return Policy(act, initial_memory=memory)
 
 
 def blind_of(name: str, env: Any) -> Act:

@@ -37,7 +37,7 @@ def embree_rate(bank, pos, quat):
     pixels /= np.linalg.norm(pixels, axis=-1, keepdims=True)
     directions = np.einsum("eij,rj->eri", matrices(quat), pixels).reshape(-1, 3).astype(np.float32)
     origins = np.repeat(pos, SIZE**2, axis=0).astype(np.float32)
-    return timing.calls_per_second(lambda: scene.run(origins, directions), seconds=3) * len(origins)
+    return profiling.calls_per_second(lambda: scene.run(origins, directions), seconds=3) * len(origins)
 
 
 def main():

@@ -21,7 +21,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.core.profiling import device_name
 from home_mjx.houses import load_bank
-from home_mjx.tasks import detokenize, with_expert
+from home_mjx.tasks import add_expert, detokenize
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.training import evaluate, expert_policy
 from home_procgen import generate_dataset
@@ -57,7 +57,7 @@ def parse() -> argparse.Namespace:
 def judge(bank: HouseBank, name: str, seeds: range, args: argparse.Namespace) -> dict[str, Any]:
     """Play all rows of one id."""
     begin = time.perf_counter()
-    env = with_expert(home_mjx.make(name, bank, sensors=("state",), num_tasks=args.rows))
+    env = add_expert(home_mjx.make(name, bank, sensors=("state",), num_tasks=args.rows))
     rows = env.params.tasks.rows
     drawn, num = time.perf_counter(), rows.house.shape[0]
     figures = evaluate(env, expert_policy, None, num, max_batch=args.batch)

@@ -24,9 +24,9 @@ import jax.numpy as jnp
 import numpy as np
 from views import cameras, every_object_movable, load_bank, on_device
 
-from benchmarks.cases.record import make_record
+from benchmarks.cases.record import make_measurement
 from home_mjx.core.native import nvrtc
-from home_mjx.core.native.platforms import devices_of
+from home_mjx.core.native.platforms import local_devices
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
 from home_mjx.raycast_render.casting.cast import cast, occluded
@@ -36,7 +36,7 @@ from home_mjx.raycast_render.scene.surface import unit_normals
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import shading
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.preset import LitShader
 
 ROUNDS = 5
 ROUND_SECONDS = 0.06
@@ -70,7 +70,7 @@ class Bench:
     def emit(self, case, value, unit, note, compile_seconds=None, peer=None):
         """Print a record."""
         found = self.peers.get(peer)
-        record = make_record(
+        record = make_measurement(
             f"{jax.default_backend()}/{case}",
             value,
             unit,
@@ -132,7 +132,7 @@ def primary(size, executor=None):
 
     def look(bank, scene, camera):
         _, direction = camera_rays(camera, Lens(size, size))
-        hit = cast(scene, camera.pos, direction, exclude=own_body(bank), executor=executor)
+        hit = cast(scene, camera.pos, direction, exclude=own_body(bank), backend=executor)
         return hit.t, hit.instance, hit.triangle
 
     return look
@@ -142,7 +142,7 @@ def images(size, *kinds, preset="fast"):
     """Return a look that calls `render`."""
 
     def look(bank, scene, camera):
-        return render(scene, camera, Lens(size, size), kinds=kinds, preset=preset, exclude=own_body(bank))
+        return render(scene, camera, Lens(size, size), kinds=kinds, shader=preset, exclude=own_body(bank))
 
     return look
 
@@ -154,12 +154,12 @@ def shadowed(size):
         origin, direction = camera_rays(camera, Lens(size, size))
         hit = cast(scene, origin, direction, exclude=own_body(bank))
         direction, hit = jax.lax.optimization_barrier((direction, hit))
-        way = Vec.of(direction)
+        way = Vec.unpack(direction)
         lamp = (camera.pos + jnp.array([0.3, 0.2, 0.8], jnp.float32))[None, None]
         point = origin + jnp.where(jnp.isfinite(hit.t), hit.t, 0)[..., None] * direction
         dark = occluded(scene, point, lamp - point, t_min=1e-3, t_max=1.0, exclude=own_body(bank))
-        light = shading.head_light(shading.albedo(scene, hit), unit_normals(scene, way, hit), way)
-        return (light * jnp.where(dark, 0.3, 1.0)).map(shading.encode).packed(), hit.t
+        light = shading.shade_headlight(shading.albedo(scene, hit), unit_normals(scene, way, hit), way)
+        return (light * jnp.where(dark, 0.3, 1.0)).map(shading.encode_srgb).pack(), hit.t
 
     return look
 
@@ -191,7 +191,7 @@ def scattered(bench, size, any_hit):
 
 def kernel_compilation():
     """Measure the time to compile the kernels, and to load them from the cache [s]."""
-    device = devices_of("cuda")[0]
+    device = local_devices("cuda")[0]
     capability = int(device.compute_capability.replace(".", ""))
     kept = os.environ.get("HOME_MJX_CACHE")
     with tempfile.TemporaryDirectory() as folder:
@@ -199,7 +199,7 @@ def kernel_compilation():
         for case, note in (("cold", "by NVRTC"), ("cached", "from disk")):
             start = time.perf_counter()
             nvrtc.compile_ptx(cuda.SOURCE, capability)
-            record = make_record(
+            record = make_measurement(
                 f"gpu/kernel-compile-{case}", time.perf_counter() - start, "s", f"CUDA C to PTX {note}"
             )
             print(json.dumps(dataclasses.asdict(record)), flush=True)
@@ -210,7 +210,7 @@ def kernel_compilation():
     problem = cuda.cuda_problem()
     seconds = time.perf_counter() - start
     note = f"first use in a process: PTX from disk or compiled, driver, probe; {problem or 'works'}"
-    print(json.dumps(dataclasses.asdict(make_record("gpu/first-use", seconds, "s", note))), flush=True)
+    print(json.dumps(dataclasses.asdict(make_measurement("gpu/first-use", seconds, "s", note))), flush=True)
 
 
 def agreement(bench, size, num_envs=256):
@@ -227,7 +227,7 @@ def agreement(bench, size, num_envs=256):
     for name in ("cuda", "xla", "cpu"):
 
         def one(bank, house, moving, origin, direction, name=name):
-            hit = cast(Scene(bank, house, moving), origin, direction, mask=1, executor=name)
+            hit = cast(Scene(bank, house, moving), origin, direction, mask=1, backend=name)
             return hit.t, hit.instance, hit.triangle
 
         device = jax.devices("cpu" if name == "cpu" else "cuda")[0]
@@ -291,10 +291,10 @@ def rooms(bench, sizes):
 
 def colors(bench, size):
     """Measure colour images by preset."""
-    bench.frames("fast-rgb", images(size, "rgb", "depth"), size, "`fast` RGB and depth", "rgb+depth")
+    bench.frames("fast-rgb", images(size, "rgb", "depth"), size, "`kernels` RGB and depth", "rgb+depth")
     note = "stand-in: primary ray, one shadow ray, texture and head light"
     bench.frames("shadowed-rgb", shadowed(size), size, note, "rgb+depth+shadows", rays=2)
-    look = images(size, "rgb", "depth", preset=Lit(num_lights=1, bounces=0, sun=0))
+    look = images(size, "rgb", "depth", preset=LitShader(num_lights=1, max_specular_depth=0, sun=0))
     note = "`lit` with one light, no bounces, no sun, and depth"
     bench.frames("lit-1", look, size, note, "rgb+depth+shadows")
     look = images(size, "rgb", "depth", preset="lit")

@@ -26,7 +26,7 @@ from home_mjx.geometry.slabs import signed_area
 from home_mjx.scene_compile import compile_house
 from home_mjx.scene_compile.architecture.rooms import extract_rooms
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
 from home_mjx.schema.categories import ROOM_TYPES
 
 RADII = (0.10, 0.25)  # [m] radii of walkers
@@ -70,7 +70,10 @@ def check_home(dataset: Dataset, seed: int, thorough: bool) -> Record:
         xml, files = to_mjcf(compiled)
         found["hinges"], found["stuck"] = len(compiled.doors.mass), stuck(xml, files)
         lap("push")
-        found["free"], found["drift"] = len(compiled.bodies.mass), max(rest_drift(xml, files).values(), default=0.0)
+        found["free"], found["drift"] = (
+            len(compiled.bodies.mass),
+            max(measure_rest_drift(xml, files).values(), default=0.0),
+        )
         lap("rest")
     return found | {"times": times}
 

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpe
 import triangle_oracle as oracle
 
 from home_mjx.audio_jax import AudioConfig
-from home_mjx.audio_jax.propagation.paths import air_energy
+from home_mjx.audio_jax.propagation.paths import air_attenuation
 
 Errors = Callable[..., Iterator[dict[str, Any]]]
 NEAREST = 1.0  # [m] minimum distance of source and ears; at shorter ones direct sound dominates
@@ -58,7 +58,7 @@ def _engine(preset: str, seconds: float):
 
 def judged(house, bank, plan, presets, seconds, particles, sources, each, height, errors: Errors):
     """Yield records of levels, T30 and EDT against the oracle, and of its halves against each other."""
-    surfaces = oracle.surfaces_of(house, air_energy(AudioConfig()).astype(float))
+    surfaces = oracle.surfaces_of(house, air_attenuation(AudioConfig()).astype(float))
     halves, ours, start = ([], []), {preset: [] for preset in presets}, time.perf_counter()
     doors, groups = [], []
     run = {preset: _engine(preset, seconds) for preset in presets}

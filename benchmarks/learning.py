@@ -2,7 +2,7 @@
 
     python benchmarks/learning.py CASE [--houses ROOT] [--frames 30e6] [--clone 0] [--seconds 60] [--out FOLDER]
 
-PointNav has Habitat's options: moves of 0.25 m and 10 degrees, success within 0.2 m and with `stop`. The other tasks
+PointNav has Habitat's options: moves of 0.25 m and 10 degrees, success within 0.2 m and with `stopped`. The other tasks
 are used as registered. `--clone` steps of cloning an expert come first, then `--frames` of PPO, over which its learning
 rate falls. `--seconds` limits the training time without compilation. Prints one JSON object per line: the run, then
 each evaluation. The folder has the layout of `home-mjx train`: its checkpoint can be played and evaluated.
@@ -22,13 +22,23 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.cli.learning.named import assignments
+from home_mjx.cli.learning.named import parse_assignments
 from home_mjx.core.profiling import device_name
 from home_mjx.registry import find_spec
-from home_mjx.tasks import chance, prior_accuracy
-from home_mjx.tasks.base.options import override
-from home_mjx.training import Policy, PPOConfig, RunConfig, evaluate, judged, load_policy, random_policy, summary, train
-from home_mjx.training.checkpoint import CHECKPOINT, CLONED
+from home_mjx.tasks import chance_accuracy, prior_accuracy
+from home_mjx.tasks.base.options import override_options
+from home_mjx.training import (
+    Policy,
+    PPOConfig,
+    RunConfig,
+    evaluate,
+    evaluation_spec,
+    load_policy,
+    random_policy,
+    summarize,
+    train,
+)
+from home_mjx.training.checkpoint import CHECKPOINT_FILE, CLONED_FILE
 from home_mjx.training.records import read_lines
 
 EYES = ("depth", "coarse", "prev_action")
@@ -110,30 +120,32 @@ def main() -> None:
     args = parser.parse_args()
     run, out = run_of(args), args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
     out.mkdir(parents=True, exist_ok=True)
-    train(run, out, turn=in_turn(args.turn))
+    train(run, out, device_lock=in_turn(args.turn))
     common = {"case": f"learning/{args.case}", "seed": args.seed, "device": device_name()}
     print(json.dumps(common | last_line(out) | {"houses": run.env.num_houses, "run": plain(run)}), flush=True)
     for name, options in {"held out": {}, **CASES[args.case].judged}.items():
         env, taken = held_out(run, args, options), CASES[args.case].taken
-        trained, net = load_policy(out / CHECKPOINT, env.core)
+        trained, net = load_policy(out / CHECKPOINT_FILE, env.core)
         policies = {"trained": (trained, net)}
         if args.random:
             policies["random"] = (random_policy(env.core), None)
         if taken:
             low = float(np.min(env.core.observation_spec[taken].low))
             policies[f"without {taken}"] = (without(trained, taken, low), net)
-        if (out / CLONED).exists():
-            policies["cloned"] = (trained, load_policy(out / CLONED, env.core)[1])
+        if (out / CLONED_FILE).exists():
+            policies["cloned"] = (trained, load_policy(out / CLONED_FILE, env.core)[1])
         if args.greedy:
-            policies["greedy"] = load_policy(out / CHECKPOINT, env.core, greedy=True)
+            policies["greedy"] = load_policy(out / CHECKPOINT_FILE, env.core, greedy=True)
         for agent, (policy, own) in policies.items():
             begun = time.perf_counter()
-            found = summary(evaluate(env, policy, own, args.episodes, seed=1))
+            found = summarize(evaluate(env, policy, own, args.episodes, seed=1))
             record = {"agent": agent, "judged": name, "held_out": env.bank.num_houses, "episodes": args.episodes}
             print(json.dumps(common | record | found | {"seconds": round(time.perf_counter() - begun, 1)}), flush=True)
         if env.spec and env.spec.id == "HouseQA-v0":
             asked = run.env.make().params.tasks, env.params.tasks
-            print(json.dumps(common | {"prior": prior_accuracy(*asked), "chance": chance(asked[1])}), flush=True)
+            print(
+                json.dumps(common | {"prior": prior_accuracy(*asked), "chance": chance_accuracy(asked[1])}), flush=True
+            )
 
 
 @contextlib.contextmanager
@@ -153,18 +165,18 @@ def run_of(args: argparse.Namespace) -> RunConfig:
     known = find_spec(case.env)
     env = dataclasses.replace(
         known,
-        options={**known.options, **case.options, **assignments(args.env)},
+        options={**known.options, **case.options, **parse_assignments(args.env)},
         houses=args.houses,
         num_houses=args.num_houses,
         split="train",
     )
-    ppo = override({"": PPOConfig()}, {"num_timesteps": int(args.frames)} | assignments(args.ppo))[""]
+    ppo = override_options({"": PPOConfig()}, {"num_timesteps": int(args.frames)} | parse_assignments(args.ppo))[""]
     return RunConfig(env, ppo, args.seed, args.algorithm, args.start, int(args.clone), args.seconds)
 
 
 def held_out(run: RunConfig, args: argparse.Namespace, options: dict[str, Any]) -> Any:
     """Make the environment in held-out houses."""
-    env = judged(run.env, "val", args.held_out)
+    env = evaluation_spec(run.env, "val", args.held_out)
     return dataclasses.replace(env, options={**env.options, **options}).make()
 
 

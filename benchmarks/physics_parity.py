@@ -151,7 +151,7 @@ def draw(bank: HouseBank, args: argparse.Namespace) -> States:
 
 def advance(template: Template, bank: HouseBank, house: jax.Array, state: PhysicsState, action: jax.Array):
     """Apply a control step."""
-    return physics.settle(template, bank, house, physics.step(template, bank, house, state, action))
+    return physics.update_hands(template, bank, house, physics.step(template, bank, house, state, action))
 
 
 def template_of(bank: HouseBank, config: PhysicsConfig, num_agents: int) -> Template:

@@ -38,8 +38,8 @@ import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.core.profiling import device_name
 from home_mjx.navigation import door_angles
-from home_mjx.physics import Commands, PhysicsConfig, PhysicsState, Template
-from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics import HandCommands, PhysicsConfig, PhysicsState, Template
+from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.timing import Timing
 
 KINDS = ("drawn", "held", "chases", "turns", "throws", "doors")
@@ -132,9 +132,9 @@ def one(template: Template, bank: HouseBank, house, key, kind, state: PhysicsSta
     """Step an environment; return its state before and after, actions, and whether it broke or dropped contacts."""
     begun, actions = obeyed(template, bank, house, key, kind, state, before, at)
     state, lost = physics.step_checked(template, bank, house, begun, actions)
-    state = physics.settle(template, bank, house, state)
+    state = physics.update_hands(template, bank, house, state)
     lost = functools.reduce(jnp.logical_or, jax.tree.leaves(lost))
-    return begun, state, actions, physics.is_broken(state), lost
+    return begun, state, actions, physics.is_unstable(state), lost
 
 
 def obeyed(template: Template, bank: HouseBank, house, key, kind, state: PhysicsState, before, at):
@@ -145,7 +145,7 @@ def obeyed(template: Template, bank: HouseBank, house, key, kind, state: Physics
         jnp.stack([c[0] for c in chosen]),
         jax.tree.map(lambda *x: jnp.stack(x), *[c[1] for c in chosen]),
     )
-    return physics.obey(template, bank, house, state, commands), actions
+    return physics.apply_hand_commands(template, bank, house, state, commands), actions
 
 
 def between(template: Template, bank: HouseBank, envs, house, state: PhysicsState, actions):
@@ -170,7 +170,7 @@ def choose(template: Template, bank: HouseBank, house, key, kind, at, state: Phy
     held = jnp.where(at % 20 == 0, extreme, before[a])
     (pos,), (yaw,) = (x[a : a + 1] for x in physics.agent_pose(template, state))
     thing, to_thing = nearest(pos, physics.body_pose(template, state)[0])
-    leaves = jax.tree.map(lambda x: x[house], Leaf.of(bank.physics))
+    leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(bank.physics))
     door, to_door = nearest(pos, leaves.moved(physics.door_angle(template, state))[0])
     touching = physics.agent_contact(template, state)[a]
     turns = jnp.where(touching & swings, before[a].at[2].set(extreme[2]), jnp.array([1.0, 0.0, 0.0]))
@@ -179,7 +179,7 @@ def choose(template: Template, bank: HouseBank, house, key, kind, at, state: Phy
 
     throws, swaps = (kind == KINDS.index("throws")) & (at % 5 == 0), (kind == KINDS.index("doors")) & (at % 10 == 0)
     aim = jax.random.normal(keys[1], (3,))
-    commands = Commands(
+    commands = HandCommands(
         pick=jnp.where(throws, thing, -1),
         place=jnp.full(3, jnp.inf),
         drop=jnp.array(False),
@@ -223,9 +223,9 @@ class Looker:
         shapes = [[body.radius, body.radius, body.height / 2] for body in template.config.agents]
         self.agents = np.tile(np.array(shapes), (len(house), 1, 1))
         self.bodies = np.where(arrays.body_valid[..., None], arrays.body_size, -1.0)[house]
-        self.leaves = jax.tree.map(lambda x: np.asarray(x)[house], Leaf.of(bank.physics))
-        self.turned = jax.jit(Leaf.moved)
-        shape = (len(house), template.layout.num_mobiles)
+        self.leaves = jax.tree.map(lambda x: np.asarray(x)[house], DoorLeaves.from_physics(bank.physics))
+        self.turned = jax.jit(DoorLeaves.pose_at)
+        shape = (len(house), template.layout.num_dynamic)
         whole = [np.zeros((2, *shape), kind) for kind in (float, float, int, int, int)]
         self.seen = Seen(*whole, *(np.zeros(s, int) for s in (shape, shape, shape[:1], shape[:1])))
 

@@ -3,7 +3,7 @@
     python benchmarks/piper.py [--seeds 7000 7016] [--num-tasks 4] [--episodes 64] [--impl kinematic]
 
 Followers of the nearest agent use the positions of all agents but no sound. "nearest" selects again in each step;
-"loyal" keeps the agent that was nearest at first. `random` actions exclude `stop`. Prints one JSON object per line.
+"loyal" keeps the agent that was nearest at first. `random` actions exclude `stopped`. Prints one JSON object per line.
 """
 
 import argparse
@@ -22,11 +22,11 @@ import home_mjx
 from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.env.bound import BoundEnv
-from home_mjx.tasks.experts.explore import ways_to
-from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
+from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.experts.explore import turns_to_nearest_cell
+from home_mjx.tasks.experts.teacher import EXPERT, ExpertObservationEnv
 from home_mjx.tasks.experts.walk import to_actions
-from home_mjx.tasks.scripted_agents.pied_piper import APART, FOLLOWER
+from home_mjx.tasks.scripted_agents.pied_piper import FOLLOWER, MIN_PIPER_DISTANCE
 from home_mjx.training import evaluate, expert_policy
 from home_mjx.training.rollout import Policy
 from home_procgen import generate_dataset
@@ -34,7 +34,7 @@ from home_procgen import generate_dataset
 Act = Callable[[Snapshot, State], Array]
 
 
-class Advised(WithExpert):
+class Advised(ExpertObservationEnv):
     """Environment with the advice of another policy than the task's expert.
 
     Args:
@@ -49,7 +49,7 @@ class Advised(WithExpert):
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
         """Return observations and advice."""
         obs = HouseholdEnv.sense(self, snapshot, state, costly)
-        return obs if costly else obs | {EXPERT: self._squeeze(self._act(snapshot, state))}
+        return obs if costly else obs | {EXPERT: self._select_acting(self._act(snapshot, state))}
 
 
 def follow(snapshot: Snapshot, whom: Array) -> Array:
@@ -57,10 +57,10 @@ def follow(snapshot: Snapshot, whom: Array) -> Array:
     bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
     numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
     at = cell_of(bank, house, pose.pos[whom])
-    cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
+    cell = bank.navigation.cell_coords[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
     wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
-    error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
-    waits = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])[None] < APART
+    error, _ = turns_to_nearest_cell(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num_agents=1)
+    waits = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])[None] < MIN_PIPER_DISTANCE
     error = jnp.where(waits, 1.0, error)
     return to_actions(snapshot.config, error, -pose.pitch[:1], waits, jnp.zeros_like(waits))
 
@@ -114,7 +114,7 @@ def main() -> None:
             num_tasks=args.num_tasks,
         )
     cores = {
-        "expert": WithExpert(env.core),
+        "expert": ExpertObservationEnv(env.core),
         "nearest": Advised(env.core, nearest),
         "loyal": Remembers(env.core, loyal),
         "random": env.core,
@@ -122,7 +122,7 @@ def main() -> None:
     for name in args.only:
         begin = time.perf_counter()
         policy = moving(env.core) if name == "random" else expert_policy
-        found = evaluate(BoundEnv(cores[name], env.params, env.spec), policy, num_episodes=args.episodes)
+        found = evaluate(Env(cores[name], env.params, env.spec), policy, num_episodes=args.episodes)
         line = {key: round(float(np.mean(found[key])), 3) for key in ("success", "near", "episode_steps", "collisions")}
         error = round(float(np.std(found["success"]) / np.sqrt(args.episodes)), 3)
         own = {"policy": name, "episodes": args.episodes, "houses": env.bank.num_houses, "stderr": error}
@@ -130,7 +130,7 @@ def main() -> None:
 
 
 def moving(core: HouseholdEnv) -> Callable[[Any], Policy]:
-    """Return a random policy without `stop`, which would end the episode."""
+    """Return a random policy without `stopped`, which would end the episode."""
 
     def act(memory: Any, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Any, Array, dict]:
         return memory, jax.vmap(lambda key: jax.random.randint(key, (), 1, core.action_size))(keys), {}

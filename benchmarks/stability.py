@@ -15,8 +15,9 @@ from tqdm import tqdm
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.houses.house_cache import HouseCache
-from home_mjx.scene_compile.mjcf.export import OVERLAPS, to_mjcf
-from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.houses.house_set import HouseSet
+from home_mjx.scene_compile.mjcf.export import OVERLAPS_FILE, to_mjcf
+from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
 from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import CompiledHouse
 
@@ -28,7 +29,7 @@ def houses(root: Path | None, count: int) -> Iterator[CompiledHouse]:
     if root is not None:
         dataset = open_dataset(root)
         yield from map(HouseCache(dataset).load, dataset.house_ids)
-    yield from house_set(f"procedural:{count}").load(progress=True)
+    yield from HouseSet(f"procedural:{count}").load(progress=True)
 
 
 def main() -> None:
@@ -42,9 +43,9 @@ def main() -> None:
     for house in tqdm(houses(args.dataset, args.houses), unit="house"):
         for collision in COLLISIONS:
             xml, files = to_mjcf(house, collision=collision)
-            drift = rest_drift(xml, files, args.seconds)
+            drift = measure_rest_drift(xml, files, args.seconds)
             drifts[collision] += drift.values()
-            overlaps = json.loads(files.get(OVERLAPS, b"[]"))
+            overlaps = json.loads(files.get(OVERLAPS_FILE, b"[]"))
             excluded = sum(len(entry["excluded"]) for entry in overlaps)
             print(json.dumps({"house": house.id, "collision": collision, "excluded": excluded, "drift": drift}))
     for collision, values in drifts.items():

@@ -21,7 +21,7 @@ import home_mjx
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.mjx.slots import half_above_floor
-from home_mjx.physics.mujoco.mjcf import Rows, house_mjcf
+from home_mjx.physics.mujoco.mjcf import HouseRows, house_mjcf
 from home_mjx.schema.timing import Timing
 
 STEPS, CALLS, SUBSTEPS = 20, 5, Timing().substeps
@@ -54,16 +54,16 @@ def main() -> None:
             print(json.dumps(record), flush=True)
 
 
-def rows_of(bank, house: int, bodies: int) -> Rows:
+def rows_of(bank, house: int, bodies: int) -> HouseRows:
     """Return a house's rows with its first bodies; doors only if all bodies are included."""
     tables = bank.physics.replace(collider_size=half_above_floor(bank.physics))  # as in `impl="c"`
-    rows = {name: np.array(getattr(tables, name)[house]) for name in Rows._fields}
+    rows = {name: np.array(getattr(tables, name)[house]) for name in HouseRows._fields}
     rows["body_valid"][bodies:] = False
     rows["door_valid"][:] &= bodies == rows["body_valid"].shape[0]
-    return Rows(**rows)
+    return HouseRows(**rows)
 
 
-def poses(bank, config: PhysicsConfig, house: int, rows: Rows) -> np.ndarray:
+def poses(bank, config: PhysicsConfig, house: int, rows: HouseRows) -> np.ndarray:
     """Return the `qpos` of the model after a reset."""
     template = Template(config, bank.spec)
     state = physics.reset(template, bank, jnp.int32(house), bank.navigation.start[house, :1], jnp.zeros(1))

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 import home_mjx
-from home_mjx.tasks import load_tasks, save_tasks, with_expert
-from home_mjx.training import evaluate, expert_policy, random_policy, summary
+from home_mjx.tasks import add_expert, load_tasks, save_tasks
+from home_mjx.training import evaluate, expert_policy, random_policy, summarize
 
 home_mjx.use_compile_cache()
 env = home_mjx.make("RoomNav-v0", num_houses=2, split="val", sensors=("state",), impl="kinematic", num_tasks=16)
@@ -21,10 +21,10 @@ print(file.read_text().splitlines()[0][:160], "...")
 env = env.with_tasks(load_tasks(file, env.bank))
 num = len(env.params.tasks)
 agents = {
-    "expert": evaluate(with_expert(env), expert_policy, num_episodes=num),
+    "expert": evaluate(add_expert(env), expert_policy, num_episodes=num),
     "random": evaluate(env, random_policy(env.core), num_episodes=num),
 }
 for name, results in agents.items():
-    figures = summary(results)
+    figures = summarize(results)
     success, spl = figures["success"], figures["spl"]
     print(f"{name}: success {success['mean']:.2f} ± {success['stderr']:.2f}, SPL {spl['mean']:.2f}")

@@ -18,7 +18,7 @@ class Whiskers(Sensor):
 
     def spec(self, config: EnvConfig) -> dict[str, ArraySpec]:
         """Return the spec: one distance per whisker."""
-        return {"whiskers": ArraySpec((3,), "float32", 0.0, config.depth_max, "free distance [m]")}
+        return {"whiskers": ArraySpec((3,), "float32", 0.0, config.max_depth, "free distance [m]")}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: object) -> dict[str, jax.Array]:
         """Return the distances with a leading agent axis, even for one agent."""
@@ -27,7 +27,7 @@ class Whiskers(Sensor):
         start = jnp.broadcast_to(snapshot.pose.pos[:, None], way.shape)
         own = snapshot.bank.spec.num_instances + jnp.arange(way.shape[0], dtype=jnp.int32)  # agents' own bodies
         hit = cast(snapshot.scene, start, way, exclude=jnp.broadcast_to(own[:, None], angle.shape))
-        return {"whiskers": jnp.minimum(hit.t, config.depth_max)}
+        return {"whiskers": jnp.minimum(hit.t, config.max_depth)}
 
 
 home_mjx.use_compile_cache()

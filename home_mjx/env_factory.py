@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from home_mjx.core.checks import check_number
 from home_mjx.core.files import as_path
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.registry import NUM_HOUSES, EnvSpec, find_spec, is_task, load_entry_point, task_names
+from home_mjx.registry import DEFAULT_NUM_HOUSES, EnvSpec, find_spec, is_task, load_entry_point, task_names
 
 if TYPE_CHECKING:
     from home_mjx.bank.bank import HouseBank
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.houses.selection import HouseFilter
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
-    from home_mjx.tasks.env.bound import BoundEnv
+    from home_mjx.tasks.env.bound import Env
     from home_mjx.tasks.env.household import HouseholdEnv
 
 NUM_ARRANGEMENTS = 8  # poses of movable objects per house for `arrangement="random"`
@@ -36,7 +36,7 @@ def make(
     variation: Any = None,
     episodes: str | Path | None = None,
     **options: Any,
-) -> "BoundEnv[HouseholdEnv]":
+) -> "Env[HouseholdEnv]":
     """Make an environment by its id.
 
     Args:
@@ -45,7 +45,7 @@ def make(
             `procedural:16?seed=0&version=2`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
             or, if it is not set, generated houses, which are written once into the cache folder.
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
-        split: Only houses of `train`, `val` or `test`.
+        split: Only houses of `train`, `val` or `test_triangle`.
         where: Only houses of a dataset that pass this `HouseFilter`.
         progress: Show progress bars while houses are generated and compiled; None: only in a terminal.
         variation: Domain randomisation per episode: a `tasks.Variation`, or its ranges by name such as
@@ -53,7 +53,7 @@ def make(
         episodes: File written by `save_episodes` or `save_tasks`: resets take its rows in order, in the houses that it
             names unless `houses` is a bank; None: episodes are sampled.
         **options: Fields of `EnvConfig` and its records, of the task (`task.*`) and of `CompileOptions` (`compile.*`):
-            flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted (`**{"physics.friction": 0.5}`) or as whole
+            flat (`width=32`, `friction_corner=0.5`, `success_radius=0.2`), dotted (`**{"physics.friction_corner": 0.5}`) or as whole
             records (`physics=PhysicsConfig(...)`).
 
     Returns:
@@ -79,13 +79,13 @@ def make(
         houses=str(houses) if isinstance(houses, str | Path) else None,
         num_houses=_num_houses(houses, num_houses),
         split=split,
-        where=where,
+        filter=where,
         in_memory=in_memory,
     )
     return build_env(spec, houses, progress)
 
 
-def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
+def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "Env[HouseholdEnv]":
     """Build the environment of a spec in given houses; errors as of `make`.
 
     Args:
@@ -124,15 +124,15 @@ def _load(
     from home_mjx.bank.bank import HouseBank
     from home_mjx.houses.load import load_bank
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
-    from home_mjx.tasks.env.episodes import houses_named
+    from home_mjx.tasks.env.episodes import read_house_ids
 
     if isinstance(houses, HouseBank):
         return houses
     options = compile_options or DEFAULT_OPTIONS
     if file is not None and not _is_chosen(houses):
-        return load_bank(houses, ids=houses_named(file), options=options, progress=progress, bakes=bakes)
+        return load_bank(houses, ids=read_house_ids(file), options=options, progress=progress, bakes=bakes)
     num_houses = None if _is_chosen(houses) else spec.num_houses
-    split, where = (spec.split, spec.where) if file is None else (None, None)
+    split, where = (spec.split, spec.filter) if file is None else (None, None)
     return load_bank(
         houses, num_houses=num_houses, split=split, where=where, options=options, progress=progress, bakes=bakes
     )
@@ -145,18 +145,18 @@ def _task_env(
     file: Path | None,
     houses: Any,
     progress: bool,
-) -> "BoundEnv[HouseholdEnv]":
+) -> "Env[HouseholdEnv]":
     """An environment of a `Task` subclass; wrong options are refused before any house is compiled."""
     from home_mjx.tasks.base.state import EnvParams
 
     core, compile_options = core_of(task, options)
     bank = get_bank(compile_options, core.bakes)
-    if core.own_config.arrangement == "random" and bank is not houses:
+    if core.acting_config.arrangement == "random" and bank is not houses:
         import jax
 
-        from home_mjx.tasks.arrangements import settled_poses
+        from home_mjx.tasks.arrangements import with_arrangements
 
-        bank = settled_poses(bank, NUM_ARRANGEMENTS, jax.random.key(0), progress)[0]
+        bank = with_arrangements(bank, NUM_ARRANGEMENTS, jax.random.key(0), progress)[0]
     return core.bind(bank if file is None else EnvParams(bank, _episode_rows(file, bank, core.task)))
 
 
@@ -168,11 +168,11 @@ def core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, Comp
     """
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.tasks.base.config import EnvConfig
-    from home_mjx.tasks.base.options import override
+    from home_mjx.tasks.base.options import override_options
     from home_mjx.tasks.env.household import HouseholdEnv
 
     records = {"": EnvConfig(), "task": task(), "compile": CompileOptions()}
-    chosen = override(records, options, MAKE_ARGUMENTS)
+    chosen = override_options(records, options, MAKE_ARGUMENTS)
     core = HouseholdEnv(chosen[""], chosen["task"])
     body, compiling = chosen[""].body, chosen["compile"]
     walkable = dataclasses.replace(compiling.navigation, agent_radius=body.radius, agent_height=body.height)
@@ -185,8 +185,8 @@ def _num_houses(houses: Any, given: int | None) -> int:
 
     known = len(open_dataset(houses).house_ids) if has_scheme(houses) else None
     if given is None:
-        return known or NUM_HOUSES
-    check_number("num_houses", given, 1, whole=True)
+        return known or DEFAULT_NUM_HOUSES
+    check_number("num_houses", given, 1, integer=True)
     if known is not None and given > known:
         message = f"`num_houses` is {given}, but `{houses}` has {known} houses"
         raise ConfigError(message, hint="Leave it out, or name more houses.")
@@ -194,7 +194,7 @@ def _num_houses(houses: Any, given: int | None) -> int:
 
 
 def _is_chosen(houses: Any) -> bool:
-    """Whether the houses are chosen already: `num_houses`, `split` and `where` would choose again."""
+    """Whether the houses are chosen already: `num_houses`, `split` and `filter` would choose again."""
     from home_mjx.bank.bank import HouseBank
     from home_mjx.houses.house_set import HouseSet
 
@@ -212,17 +212,17 @@ def _ranges(variation: Any) -> dict[str, Any]:
     """The option as plain numbers by name, checked before any house is made; empty if nothing varies."""
     if variation is None:
         return {}
-    from home_mjx.tasks.variation.ranges import named
+    from home_mjx.tasks.variation.ranges import normalize_ranges
 
-    return {"variation": named(variation)}
+    return {"variation": normalize_ranges(variation)}
 
 
 def _episode_rows(file: Path, bank: "HouseBank", task: Any) -> Any:
     """Rows of a file of episodes; a file of other tasks alone is refused, mixes that have this one are taken."""
-    from home_mjx.tasks.env.episodes import load_rows
+    from home_mjx.tasks.env.episodes import load_episodes_or_tasks
     from home_mjx.tasks.rules.task_bank import TaskBank
 
-    rows = load_rows(file, bank, task)
+    rows = load_episodes_or_tasks(file, bank, task)
     if isinstance(rows, TaskBank):
         own = [generator.name for generator in task.generators]
         others = [name for name in rows.names if name in task_names()]

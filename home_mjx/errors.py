@@ -9,7 +9,7 @@ Each class also derives from the matching built-in class, so that generic `excep
 | `UnknownIdError` | `DatasetError`, `KeyError` |
 | `UnknownNameError` | `ConfigError`, `KeyError` |
 | `OutOfRangeError` | `ConfigError`, `IndexError` |
-| `ExecutorError` | `RuntimeError` |
+| `BackendError` | `RuntimeError` |
 """
 
 import difflib
@@ -109,7 +109,7 @@ class CapacityError(HomeMjxError, ValueError):
     """Data that exceeds a requested fixed capacity."""
 
 
-class ExecutorError(HomeMjxError, RuntimeError):
+class BackendError(HomeMjxError, RuntimeError):
     """Ray-cast backend that cannot run in this process."""
 
 

@@ -14,13 +14,13 @@ from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from home_mjx.houses.selection import HouseFilter
-    from home_mjx.tasks.env.bound import BoundEnv
+    from home_mjx.tasks.env.bound import Env
     from home_mjx.tasks.env.household import HouseholdEnv
     from home_mjx.tasks.env.memory import MemoryEstimate
 
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
-NUM_HOUSES = 8
-OF_EPISODES = ("variation", "episodes")  # options that change parameters of the environment, not its program
+DEFAULT_NUM_HOUSES = 8
+EPISODE_OPTIONS = ("variation", "episodes")  # options that change parameters of the environment, not its program
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,8 +35,8 @@ class EnvSpec:
             file of episodes, which selects the houses from `houses`.
         houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
         num_houses: Number of houses.
-        split: `train`, `val` or `test`; None: any.
-        where: A filter of houses; None: any.
+        split: `train`, `val` or `test_triangle`; None: any.
+        filter: A filter of houses; None: any.
         in_memory: True if made with a bank or dataset in memory, which JSON cannot represent.
 
     Raises:
@@ -52,24 +52,24 @@ class EnvSpec:
     entry_point: str
     options: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     houses: str | None = None
-    num_houses: int = NUM_HOUSES
+    num_houses: int = DEFAULT_NUM_HOUSES
     split: str | None = None
-    where: "HouseFilter | None" = None
+    filter: "HouseFilter | None" = None
     in_memory: bool = False
 
     def __post_init__(self) -> None:
         check_type("id", self.id, str)
         check_type("entry_point", self.entry_point, str)
         check_type("options", self.options, Mapping)
-        check_number("num_houses", self.num_houses, 1, whole=True)
+        check_number("num_houses", self.num_houses, 1, integer=True)
         check_flag("in_memory", self.in_memory)
         for name in ("houses", "split"):
             if getattr(self, name) is not None:
                 check_type(name, getattr(self, name), str)
-        if self.where is not None:
+        if self.filter is not None:
             from home_mjx.houses.selection import HouseFilter
 
-            check_type("where", self.where, HouseFilter)
+            check_type("filter", self.filter, HouseFilter)
 
     def to_json(self) -> str:
         """Return the spec as JSON.
@@ -114,19 +114,19 @@ class EnvSpec:
         with jax.default_device(jax.devices("cpu")[0]):
             return estimate_memory(self.make(progress), num_envs)
 
-    def core(self) -> "HouseholdEnv | None":
+    def make_core(self) -> "HouseholdEnv | None":
         """Return the environment's functions, which need no houses; None if the entry point is a function.
 
         Raises:
             ConfigError: An option is unknown or invalid.
         """
         entry_point = load_entry_point(self.entry_point)
-        options = {name: value for name, value in self.options.items() if name not in OF_EPISODES}
+        options = {name: value for name, value in self.options.items() if name not in EPISODE_OPTIONS}
         from home_mjx.env_factory import core_of
 
         return core_of(entry_point, options)[0] if is_task(entry_point) else None
 
-    def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
+    def make(self, progress: bool | None = None) -> "Env[HouseholdEnv]":
         """Make the environment."""
         from home_mjx.env_factory import build_env
 
@@ -161,7 +161,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
     if not isinstance(entry_point, str):
         if isinstance(entry_point, type):
             is_task(entry_point)
-        _LOCAL[named] = entry_point
+        _LOCAL_ENTRY_POINTS[named] = entry_point
     _REGISTRY[env_id] = spec
     name = f"home_mjx/{env_id}"
     if name not in gymnasium.registry:
@@ -173,7 +173,9 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         )
 
 
-_LOCAL: dict[str, Callable[..., Any]] = {}  # entry points that cannot be imported, such as those of a notebook
+_LOCAL_ENTRY_POINTS: dict[
+    str, Callable[..., Any]
+] = {}  # entry points that cannot be imported, such as those of a notebook
 
 
 def list_envs() -> tuple[str, ...]:
@@ -214,8 +216,8 @@ def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
 
 def load_entry_point(entry_point: str) -> Callable[..., Any]:
     """Import an entry point; raise `ConfigError` if that fails."""
-    if entry_point in _LOCAL:
-        return _LOCAL[entry_point]
+    if entry_point in _LOCAL_ENTRY_POINTS:
+        return _LOCAL_ENTRY_POINTS[entry_point]
     module, _, name = entry_point.partition(":")
     try:
         found: Any = importlib.import_module(module)

@@ -1,7 +1,7 @@
-"""Procedural houses in SUNCG's on-disk format: flats of one storey (version 1) and homes of up to three (version 2).
+"""Procedural houses in SUNCG's on-disk format: one-storey flats (version 1) and homes of one to three storeys (2).
 
-The package plugs into `home_mjx` as the dataset scheme `procedural:` and as the provider of fallback models. Names are
-imported on first use. Host only: nothing here loads JAX.
+The package registers with `home_mjx` as the dataset scheme `procedural:` and as the provider of fallback models.
+Names are imported on first use. It runs on the host only and never imports JAX.
 """
 
 import importlib

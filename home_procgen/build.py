@@ -1,4 +1,4 @@
-"""Turns the design of a home into the record that the writer and the compiler take."""
+"""Conversion of a home's design to the `House` record that the SUNCG writer and the compiler take."""
 
 import itertools
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.storeys import stack_levels
-from home_mjx.schema.house import House, Level, Mesh, Room
+from home_mjx.schema.house import House, Level, Mesh, RoomNode
 from home_procgen.design import HomeDesign, draw_design
 from home_procgen.meshes import room_parts
 from home_procgen.outside import Outside, draw_outside
@@ -17,7 +17,10 @@ from home_procgen.v1.build import furniture_object, used_models
 
 
 def build_home(seed: int) -> House:
-    """The home of a seed, with paths relative to the dataset root.
+    """Return the home of a seed, with paths relative to the dataset root.
+
+    Args:
+        seed: Any non-negative integer.
 
     Example:
         >>> len(build_home(7).levels[0].rooms) >= 3
@@ -28,12 +31,12 @@ def build_home(seed: int) -> House:
 
 
 def to_house(name: str, design: HomeDesign, outside: Outside | None = None) -> House:
-    """A design as a house: on every level rooms first, then everything that has a model, then what is outside.
+    """Convert a design to a house record. Nodes of a level: rooms, then objects, then the surroundings.
 
     Args:
         name: Id of the house.
-        design: What it consists of.
-        outside: What is around it; None: nothing.
+        design: Plan, surfaces and objects of the home.
+        outside: Surroundings of the home; None for none.
     """
     folder = Path("room") / name
     flat = [_level(design, number, folder) for number in range(len(design.plan.levels))]
@@ -47,7 +50,7 @@ def to_house(name: str, design: HomeDesign, outside: Outside | None = None) -> H
 
 
 def _surrounded(level: Level, outside: Outside, folder: Path) -> Level:
-    """The lowest level with what is outside as its last nodes, so that those of the rooms keep their numbers."""
+    """Append the surroundings to the lowest level as its last nodes, so that earlier nodes keep their numbers."""
     number = itertools.count(len(level.rooms) + len(level.objects))
     return replace(
         level,
@@ -58,14 +61,14 @@ def _surrounded(level: Level, outside: Outside, folder: Path) -> Level:
 
 
 def _level(design: HomeDesign, number: int, folder: Path) -> Level:
-    """A level on the ground, before it is lifted to its place."""
+    """Return a level at ground height, before `stack_levels` raises it."""
     count = len(design.plan.levels[number].rooms)
     rooms = tuple(_room(design, number, index, folder) for index in range(count))
     objects = tuple(furniture_object(placed, i) for i, (placed, _) in enumerate(design.objects[number], count))
     return Level(id="0", index=0, rooms=rooms, objects=objects, boxes=(), grounds=())
 
 
-def _room(design: HomeDesign, number: int, index: int, folder: Path) -> Room:
+def _room(design: HomeDesign, number: int, index: int, folder: Path) -> RoomNode:
     plan, storey = design.plan.levels[number], design.plan.storeys[number]
     openings = [opening.placed for opening in plan.openings]
     opened = index == 0 and storey.well is not None, index == 0 and storey.stairs is not None
@@ -74,7 +77,7 @@ def _room(design: HomeDesign, number: int, index: int, folder: Path) -> Room:
         stem, plan.rooms[index], plan.height, openings, design.surfaces[number][index], *opened
     )
     owned = enumerate(design.objects[number], len(plan.rooms))
-    return Room(
+    return RoomNode(
         id=f"0_{index}",
         index=index,
         path=f"levels[0].nodes[{index}]",

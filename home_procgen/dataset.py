@@ -1,4 +1,4 @@
-"""Writes datasets of homes."""
+"""Writer of home datasets."""
 
 import gc
 from collections.abc import Iterator, Sequence
@@ -10,16 +10,16 @@ from home_procgen.build import build_home
 from home_procgen.library import has_library, write_shared, write_used
 from home_procgen.v1.dataset import Generator, write_seeds
 
-VERSION = 2  # raise it whenever the same seed would give another file
+VERSION = 2  # increase it whenever the same seed would produce another file
 
 
 def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
-    """Writes one home per seed; arguments and errors are those of `home_mjx.datasets.generate_dataset`."""
+    """Write one home per seed; arguments and errors are those of `home_mjx.datasets.generate_dataset`."""
     return write_seeds(root, seeds, Generator(VERSION, write_shared, write_home, has_library), progress)
 
 
 def write_home(root: Path, seed: int) -> None:
-    """Writes the home of a seed below a dataset root, with the models and textures that it is the first to use."""
+    """Write the home of a seed below a dataset root, and the models and textures it uses that are not there yet."""
     with _uncollected():
         home = build_home(seed)
         write_used(root, home)
@@ -28,7 +28,7 @@ def write_home(root: Path, seed: int) -> None:
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """Puts off the search for cycles of objects: it goes through all models again and again, and a home has few."""
+    """Suspend cyclic garbage collection: it would scan all models repeatedly, and a home creates few cycles."""
     enabled = gc.isenabled()
     gc.disable()
     try:

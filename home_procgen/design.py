@@ -1,4 +1,4 @@
-"""Draws one home from its seed: storeys, openings, stairs and railings, furniture, surfaces."""
+"""Random design of one home from its seed: storeys, openings, stairs, railings, furniture and surfaces."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -17,17 +17,17 @@ from home_procgen.primitives.palette import FACADES, choose
 from home_procgen.style import Style
 from home_procgen.style.surfaces import Cladding
 
-PATIENCE = 40  # plans that cannot be furnished, after which another program is drawn where none was given
+PATIENCE = 40  # failed furnishings before another program is drawn; only if the caller passed none
 
 
 @dataclass(frozen=True)
 class HomeDesign:
-    """All that a home is made of, before it has meshes and a file format.
+    """A complete home, before it has meshes and a file format.
 
     Attributes:
-        plan: Its storeys.
-        surfaces: Of every room of every storey.
-        objects: Of every storey, openings first; heights are above the storey's base.
+        plan: Storeys with their rooms and openings.
+        surfaces: Materials of every room of every storey.
+        objects: Objects of every storey, openings first; heights are relative to the storey's base.
     """
 
     plan: HomePlan
@@ -36,11 +36,11 @@ class HomeDesign:
 
 
 def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
-    """The design of a seed.
+    """Return the design of a seed.
 
     Args:
         seed: Any non-negative integer.
-        program: What is to be built; None: that is drawn as well.
+        program: Room program to build; None draws a program as well.
 
     Raises:
         ConfigError: No plan was found for the program.
@@ -58,7 +58,7 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
         except ConfigError:
             if program is not None:
                 raise
-            wanted = draw_program(rng)  # some have no plan
+            wanted = draw_program(rng)  # for some programs no plan exists
             continue
         furniture = furnish_home(plan, style)
         if furniture is not None:
@@ -82,7 +82,7 @@ def _openings(plan: HousePlan) -> Iterator[Owned]:
 
 
 def _dressed(objects: list[Owned], style: Style, looks: dict[str, tuple[Material, ...]]) -> Iterator[Owned]:
-    """Parts of the building, each model in one look all over the home."""
+    """Assign materials to parts of the building; a model has the same materials all over the home."""
     for placed, room in objects:
         if placed.model.id not in looks:
             looks[placed.model.id] = style.dress(placed.model)

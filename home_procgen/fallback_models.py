@@ -1,4 +1,4 @@
-"""Meshes that replace missing models: a model of the generator of the same category, else a box."""
+"""Meshes that replace missing models: a generator model of the same category, else a box."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -48,12 +48,12 @@ BOX = Material("material_0", (0.7, 0.7, 0.7), None, 1.0)
 
 
 def generated_model(path: Path, fine: str, bounds: Bounds | None, closed: bool) -> tuple[Mesh, str]:
-    """Return a mesh of this generator that replaces a missing model, and its description.
+    """Return a generator mesh that replaces a missing model, and its description.
 
     Args:
         path: Path of the missing OBJ file.
         fine: Fine category of the model.
-        bounds: Its bounding box, of a door that of its open state [m, Y up]; None if unknown.
+        bounds: Bounding box of the missing model; of a door, in its open state [m, Y up]; None if unknown.
         closed: Whether the mesh shows a door closed.
 
     Example:

@@ -1,4 +1,4 @@
-"""Stairs and railings: where they stand in the plan of a home."""
+"""Placement of stairs and railings in the plan of a home."""
 
 from collections.abc import Iterator, Sequence
 
@@ -16,16 +16,19 @@ from home_procgen.structure.railings import DEPTH
 from home_procgen.structure.stairs import LENGTH, RISE, WIDTH
 from home_procgen.style import Style
 
-GAP = 0.01  # [m], between stairs and walls
-CORNER = 0.03  # [m], of railings from the outline, towards the room
-# [m], from the corners of an outline to the ends of railings: those along z end behind those along x.
+GAP = 0.01  # [m], clearance between stairs and walls
+CORNER = 0.03  # [m], inset of railings from the outline towards the room
+# [m], from an outline's corners to the ends of railings; railings along z end behind those along x
 ALONG, BEHIND = CORNER - DEPTH / 2, CORNER + DEPTH / 2 + 0.001
 
-Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the index of its room
+Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the index of its room; None if it has no room
 
 
 def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:
-    """Stairs that begin on a level, railings at stairwells that end there and around its open rooms."""
+    """Generate the stairs that begin on a level and its railings, each with the index of its room.
+
+    Stairwells with stairs that end on the level have railings, and so have its open rooms.
+    """
     storey = home.storeys[level]
     models = structure_models()
     rails = models["railing"][5:] if style.boarded else models["railing"][:5]
@@ -42,7 +45,7 @@ def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:
 
 
 def _stairs(place: Stairwell, model: Furniture, height: float) -> PlacedFurniture:
-    """Stairs that fill their place: their front edge is that of the hall."""
+    """Return stairs stretched to their place, with their front edge at the edge of the hall."""
     x, z = _edge(place)
     wide, deep = _size(place)
     scale = ((wide - 2 * (HALF + GAP)) / WIDTH, height / RISE, (deep - HALF - GAP) / LENGTH)
@@ -52,7 +55,7 @@ def _stairs(place: Stairwell, model: Furniture, height: float) -> PlacedFurnitur
 
 
 def _rail_over_foot(place: Stairwell, models: Sequence[Furniture]) -> PlacedFurniture:
-    """The railing beside the head of stairs, over their foot: along half of their front."""
+    """Return the railing beside the head of the stairs, above their foot, along half of the front edge."""
     x, z = _edge(place)
     wide = _size(place)[0] - 2 * HALF
     middle = np.array([x, z]) + np.array(_foot_of(place)) * wide / 4 + np.array(place.way) * DEPTH / 2
@@ -60,7 +63,7 @@ def _rail_over_foot(place: Stairwell, models: Sequence[Furniture]) -> PlacedFurn
 
 
 def _foot_of(place: Stairwell) -> tuple[float, float]:
-    """Unit direction (x, z) to the side of stairs where their foot is: +x of their model, or -x."""
+    """Return the unit direction (x, z) from the middle of the stairs to their foot: the model's +x or -x."""
     model = structure_models()["stairs"][0]
     return PlacedFurniture(model, (0.0, 0.0, 0.0), quarter_towards(-place.way[0], -place.way[1])).beside(
         -1.0 if place.left else 1.0, 0.0
@@ -68,7 +71,7 @@ def _foot_of(place: Stairwell) -> tuple[float, float]:
 
 
 def _edge(place: Stairwell) -> tuple[float, float]:
-    """The middle of the edge towards the hall [m]."""
+    """Return the middle (x, z) of the stairwell's edge towards the hall [m]."""
     x0, z0, x1, z1 = place.rect
     dx, dz = place.way
     x, z = (x0 + x1) / 2 - dx * (x1 - x0) / 2, (z0 + z1) / 2 - dz * (z1 - z0) / 2
@@ -76,13 +79,13 @@ def _edge(place: Stairwell) -> tuple[float, float]:
 
 
 def _size(place: Stairwell) -> tuple[float, float]:
-    """Across and along the way into it [m]."""
+    """Return the stairwell's extents across and along its direction [m]."""
     width, depth = place.rect.sides
     return (width, depth) if place.way[0] == 0 else (depth, width)
 
 
 def _around(room: RoomPlan, others: Sequence[Wall], models: Sequence[Furniture]) -> Iterator[PlacedFurniture]:
-    """Railings along the sides of an open room that no other room shares."""
+    """Generate railings along the sides of an open room that no other room shares."""
     for wall in room.walls:
         start, end = (room.rects[0][wall.axis + k] for k in (0, 2))
         inset = BEHIND if wall.axis else ALONG
@@ -96,7 +99,7 @@ def _around(room: RoomPlan, others: Sequence[Wall], models: Sequence[Furniture])
 def _railing(
     at: tuple[float, float], length: float, facing: tuple[int, int], models: Sequence[Furniture]
 ) -> PlacedFurniture:
-    """A railing of a length, of the model that is stretched least."""
+    """Return a railing of the given length, from the model that needs the least stretch."""
     model = min(models, key=lambda m: abs(np.log(length / m.size[0])))
     placed = PlacedFurniture(model, (0.0, 0.0, 0.0), 0, (round(length / float(model.size[0]), 4), 1.0, 1.0))
     return placed.at(at[0], FLOOR_TOP, at[1], quarter_towards(*facing))

@@ -1,4 +1,4 @@
-"""The library of a dataset of homes: tables of all models; models and textures as homes come to use them."""
+"""Shared library of a home dataset: tables of all models; model and texture files written on first use."""
 
 import os
 import re
@@ -11,7 +11,7 @@ from PIL import Image
 from home_mjx.core.files import read_text
 from home_mjx.datasets.suncg.write.house import (
     JOINTS_DIGEST,
-    is_whole_folder,
+    is_folder_complete,
     write_joints,
     write_model,
     write_tables,
@@ -34,18 +34,18 @@ CLASSES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068"
 
 @cache
 def _others() -> Mapping[str, Furniture]:
-    """Models that are no things: of the building and of what is around it."""
+    """Return the models outside `things`, by id: those of the building and of its surroundings."""
     families = (*structure_models().values(), *outside_models().values())
     return {model.id: model for models in families for model in models}
 
 
 def write_shared(root: Path) -> None:
-    """Writes the tables, which list every model, so that they do not depend on which homes there are.
+    """Write the metadata tables. They list every model, so they do not depend on the homes of the dataset.
 
-    Tables that are as they were written are kept: making them means building all models.
+    Intact tables are kept, because building them requires building all models.
     """
     folder = root / "metadata"
-    if is_whole_folder(folder) and is_whole_folder(folder, JOINTS_DIGEST):
+    if is_folder_complete(folder) and is_folder_complete(folder, JOINTS_DIGEST):
         return
     models = [library_model(model, CLASSES) for model in (*things().values(), *_others().values())]
     write_tables(root, models, digests=True)
@@ -53,11 +53,11 @@ def write_shared(root: Path) -> None:
 
 
 def has_library(root: Path, house_id: str) -> bool:
-    """Whether all models and textures of a written home are there as they were written.
+    """Return whether all models and textures of a written home exist and are intact.
 
     Args:
         root: Dataset root.
-        house_id: Which home.
+        house_id: Id of the home.
     """
     try:
         text = read_text(root / "house" / house_id / "house.json")
@@ -78,7 +78,7 @@ def _textures_of(mtl: str) -> set[str]:
 
 
 def _stamp(path: Path) -> tuple[int, ...]:
-    """Sizes and times of a file, or of those in a folder: while they are the same, so are the files."""
+    """Return sizes and modification times of a file, or of a folder's files; an equal stamp means unchanged files."""
     try:
         with os.scandir(path) as entries:
             found = [entry.stat() for entry in sorted(entries, key=lambda entry: entry.name)]
@@ -91,7 +91,7 @@ def _stamp(path: Path) -> tuple[int, ...]:
 
 @lru_cache(maxsize=4096)
 def _is_whole(folder: Path, stamp: tuple[int, ...]) -> bool:
-    return bool(stamp) and is_whole_folder(folder)
+    return bool(stamp) and is_folder_complete(folder)
 
 
 @lru_cache(maxsize=4096)
@@ -100,16 +100,16 @@ def _is_image(path: Path, stamp: tuple[int, ...]) -> bool:
         with Image.open(path) as image:
             image.load()
         return bool(stamp)
-    except (OSError, ValueError, SyntaxError):  # of Pillow, for what is no image
+    except (OSError, ValueError, SyntaxError):  # raised by Pillow if the file is not an image
         return False
 
 
 def write_used(root: Path, home: House) -> None:
-    """Writes the models and textures of a home that are not there yet, or are not as they were written.
+    """Write the models and textures of a home that are missing or damaged.
 
     Args:
         root: Dataset root.
-        home: Whose.
+        home: The home that uses them.
 
     Raises:
         DatasetError: The folders cannot be written.
@@ -124,7 +124,7 @@ def write_used(root: Path, home: House) -> None:
 
 
 def _materials(home: House) -> Iterator[tuple[Material, ...]]:
-    """Those of what the home consists of, and those that its models have of their own."""
+    """Generate the materials of the home's parts, and the default materials of its models."""
     yield from (mesh.materials for mesh in home.models.values())
     for level in home.levels:
         yield from (item.materials for item in (*level.objects, *level.boxes))

@@ -16,14 +16,14 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.seeds import MAX_KNOWN, house_id, seeds_of
+from home_mjx.datasets.seeds import MAX_LOOKUP_SEED, find_seeds, house_id
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
 
 SCHEME = "procedural"
 FORM = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers."
-VERSIONS = (1, 2)  # of generators, see `home_procgen.generate`
+VERSIONS = (1, 2)  # of the generators, see `home_procgen.generate`
 DEFAULT_VERSION = 1
 
 
@@ -45,8 +45,8 @@ class ProceduralName:
     version: int = DEFAULT_VERSION
 
     def __post_init__(self) -> None:
-        check_number("N", self.count, 1, whole=True)
-        check_number("seed", self.seed, 0, whole=True)
+        check_number("N", self.count, 1, integer=True)
+        check_number("seed", self.seed, 0, integer=True)
         if isinstance(self.version, bool) or self.version not in VERSIONS:
             raise ConfigError(
                 f"there is no generator of version {self.version!r}", hint=f"There are {sorted(VERSIONS)}."
@@ -54,10 +54,10 @@ class ProceduralName:
 
     @classmethod
     def parse(cls, text: str) -> "ProceduralName":
-        """Parse what follows the scheme.
+        """Parse the text after the scheme.
 
         Raises:
-            ConfigError: The name has other parts.
+            ConfigError: The text is malformed or has an unknown option.
 
         Example:
             >>> ProceduralName.parse("16?seed=100")
@@ -93,9 +93,9 @@ class SeedIds(Sequence[str]):
 
 
 class ProceduralDataset(SuncgDataset):
-    """Generated houses of consecutive seeds, in SUNCG's on-disk format; `prepare` writes those that are missing.
+    """Generated houses of consecutive seeds, in SUNCG's on-disk format; `prepare` writes the missing ones.
 
-    They are kept in the cache folder, one dataset for each version of the generator.
+    Houses are written to the cache folder, one dataset per generator version.
 
     Args:
         text: What follows the scheme, such as `16?seed=100`.
@@ -108,7 +108,7 @@ class ProceduralDataset(SuncgDataset):
 
     def __init__(self, text: str) -> None:
         self.parsed = ProceduralName.parse(text)
-        self._by_id: dict[str, int] = {}  # seeds of ids that were computed, the lowest first
+        self._by_id: dict[str, int] = {}  # seeds of the ids computed so far, in ascending order
         super().__init__(cache_folder().absolute() / f"generated-v{self.parsed.version}")
         self.name = f"{SCHEME}:{text}"
         self._written: set[str] = set()
@@ -120,11 +120,11 @@ class ProceduralDataset(SuncgDataset):
 
     @property
     def fallbacks(self) -> str:
-        """No model is missing, so none is replaced."""
+        """Empty: no model is missing, so none is replaced."""
         return ""
 
     def prepare(self, house_ids: Sequence[str], progress: bool = False) -> None:
-        """Write the houses that are not on disk yet; many are written by worker processes.
+        """Write the houses that are not on disk yet, with worker processes if there are many.
 
         Raises:
             UnknownIdError: An id is not among `house_ids`.
@@ -139,19 +139,19 @@ class ProceduralDataset(SuncgDataset):
             self._written.update(wanted)
 
     def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
-        """Read a house; it is written first if it is missing."""
+        """Read a house; write it first if it is missing."""
         self.prepare((house_id,))
         return super().load_house(house_id, options)
 
     def check_known(self, house_id: str) -> None:
-        """Raise `UnknownIdError` if the id belongs to no seed of the name."""
+        """Raise `UnknownIdError` if the id is not the id of one of the seeds."""
         self._seeds((house_id,))
 
     def __reduce__(self) -> tuple[type["ProceduralDataset"], tuple[str]]:
         return ProceduralDataset, (self.name.partition(":")[2],)
 
     def _seeds(self, ids: Sequence[str]) -> list[int]:
-        """Seeds of some ids, in their order."""
+        """Return the seeds of ids, in their order."""
         known, last = range(self.parsed.seed, self.parsed.seed + self.parsed.count), len(self._by_id)
         for seed in known[last:]:
             if all(name in self._by_id for name in ids):
@@ -159,16 +159,16 @@ class ProceduralDataset(SuncgDataset):
             self._by_id[house_id(seed)] = seed
         missing = [name for name in ids if name not in self._by_id]
         if missing:
-            if self.parsed.count == MAX_KNOWN:
-                seeds_of(missing)  # raises with its hint
+            if self.parsed.count == MAX_LOOKUP_SEED:
+                find_seeds(missing)  # raises with its hint
             raise UnknownIdError(f"`{self.name}` has no house `{missing[0]:.100}`")
         return [self._by_id[name] for name in ids]
 
 
 class GeneratedModels:
-    """Provider of fallback models: models of the generator, stretched to the bounding box of the missing one."""
+    """Provider of fallback models: generator models, stretched to the bounding box of the missing model."""
 
-    version = "v1-1"  # raise it whenever the same arguments would return another mesh
+    version = "v1-1"  # increase it whenever the same arguments would return another mesh
 
     def __call__(
         self, path: Path, fine: str, bounds: Float[np.ndarray, "2 3"] | None, closed: bool

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from home_mjx.bank.records.bank_arrays import schema
+from home_mjx.bank.records.bank_arrays import declarations
 from home_mjx.bank.records.declaration import ROW_KINDS, Declaration
 
 OWNERS = {"node": "Tree", "model": "Model", "triangle": "Model", "shared": "SharedRows"}
@@ -12,7 +12,7 @@ def rows() -> list[str]:
     """Return one line of Markdown per array."""
     return [
         f"| `{d.name}` | `({', '.join(d.axes)})` | {d.dtype} | {_source(d)} | {_fill(d)} | {_escaped(d.doc)} |"
-        for d in schema()
+        for d in declarations()
     ]
 
 

@@ -20,9 +20,9 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.cameras.noise import kinect_depth
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shaders.preset import Lit
-from home_mjx.tasks.arrangements import settled_poses
-from home_mjx.tasks.variation.draw import Mount, draw
+from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.tasks.arrangements import with_arrangements
+from home_mjx.tasks.variation.draw import CameraOffsets, sample_variation
 from home_mjx.tasks.variation.ranges import Variation
 from home_mjx.viewer.pictures import pictures
 from home_procgen.v1.dataset import generate_dataset
@@ -30,7 +30,7 @@ from home_procgen.v1.dataset import generate_dataset
 SEEDS = (3, 11, 20, 42)
 EYE = 1.5  # [m] camera height above the floor
 SIZE = (320, 240)
-FINE = Lit(corners=0.8, bounces=3)
+FINE = LitShader(ao_radius=0.8, max_specular_depth=3)
 FAR = 8.0  # [m] depth that is drawn darkest
 PICTURES = ("presets", "kinds", "cameras", "moved", "rooms", "arrangements", "variation")
 
@@ -51,7 +51,7 @@ class Studio:
 
     def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None, drawn=None):
         """Render images to the host; `drawn` applies an episode's variation."""
-        scene = self.scene() if drawn is None else self.scene().replace(look=drawn.look)
+        scene = self.scene() if drawn is None else self.scene().replace(appearance=drawn.look)
         images = look(lens, kinds, preset, depth_max)(scene, camera)
         return {kind: np.asarray(image) for kind, image in images.items()}
 
@@ -83,7 +83,7 @@ class Studio:
 @functools.cache
 def look(lens, kinds, preset, depth_max):
     """Return a compiled program per lens and preset."""
-    return jax.jit(functools.partial(render, lens=lens, kinds=kinds, preset=preset, depth_max=depth_max))
+    return jax.jit(functools.partial(render, lens=lens, kinds=kinds, shader=preset, depth_max=depth_max))
 
 
 def camera(pos, yaw, pitch=0.0, fovy=1.25):
@@ -93,7 +93,7 @@ def camera(pos, yaw, pitch=0.0, fovy=1.25):
 
 def panels(*rows):
     """Compose a sheet of captioned images."""
-    return pictures.sheet([[pictures.captioned(image, name) for name, image in row] for row in rows])
+    return pictures.compose_sheet([[pictures.add_caption(image, name) for name, image in row] for row in rows])
 
 
 def presets(studios, samples):
@@ -114,14 +114,14 @@ def kinds(studio, samples):
     names = ("depth", "normal", "albedo", "instance", "fine", "coarse", "nyu40", "room", "material", "partition")
     images = studio.draw(view, Lens(*SIZE), names)
     shown = {"rgb": studio.draw(view, Lens(*SIZE, samples=samples), preset=FINE)["rgb"]}
-    shown["depth"] = pictures.depth_colours(np.minimum(images["depth"][..., 0], FAR), FAR)
+    shown["depth"] = pictures.colour_depth(np.minimum(images["depth"][..., 0], FAR), FAR)
     noisy = np.asarray(kinect_depth(jax.random.key(0), jnp.asarray(images["depth"])))[..., 0]
     shown["depth of a Kinect"] = np.where(
-        np.isinf(noisy)[..., None], np.uint8(0), pictures.depth_colours(np.minimum(noisy, FAR), FAR)
+        np.isinf(noisy)[..., None], np.uint8(0), pictures.colour_depth(np.minimum(noisy, FAR), FAR)
     )
     shown["normal"] = ((images["normal"] + 1) * 127.5).astype(np.uint8)
     shown["albedo"] = (255 * np.clip(images["albedo"], 0, 1) ** (1 / 2.2)).astype(np.uint8)
-    shown |= {name: pictures.id_colours(images[name]) for name in names[3:]}
+    shown |= {name: pictures.colour_ids(images[name]) for name in names[3:]}
     items = list(shown.items())
     return panels(items[:4], items[4:8], items[8:12])
 
@@ -135,7 +135,7 @@ def cameras(studio, samples):
     cube = np.concatenate([np.concatenate(cube[:3], axis=1), np.concatenate(cube[3:], axis=1)])
     plan = studio.draw(above(studio), Lens(320, 320, "orthographic", samples=4))["rgb"]
     scan = studio.draw(camera(pos, 0.0), Lens(640, 32, "lidar", elevation=(-30, 30)), ("distance",))["distance"][..., 0]
-    scan = pictures.depth_colours(np.minimum(np.repeat(scan, 4, axis=0), FAR), FAR)
+    scan = pictures.colour_depth(np.minimum(np.repeat(scan, 4, axis=0), FAR), FAR)
     return panels(
         [("panorama", around)],
         [("cube map: front, right, back; left, up, down", cube), ("orthographic, from 2.2 m above the floor", plan)],
@@ -145,11 +145,11 @@ def cameras(studio, samples):
 
 def arrangements(studios, samples):
     """Draw the house with the most movable objects, as authored and in three arrangements."""
-    bank, settled = settled_poses(studios[0].bank, 3, jax.random.key(0), progress=True)
+    bank, settled = with_arrangements(studios[0].bank, 3, jax.random.key(0), progress=True)
     studio = studios[int(settled.moved.sum(axis=1).argmax())]
     placed, shown = (studio.bodies, studio.turns), []
     lens = Lens(400, 400, "orthographic", samples=samples)
-    poses = np.asarray(bank.physics.arrangement[studio.house])
+    poses = np.asarray(bank.physics.arrangement_pose[studio.house])
     for name, *pose in [
         ("as placed", *placed),
         *((f"arrangement {i}", p[:, :3], p[:, 3:]) for i, p in enumerate(poses)),
@@ -193,7 +193,7 @@ def moved(studio, samples):
     studio.bodies[body] = place
     return panels(
         [("before", before["rgb"]), ("0.7 m nearer", after["rgb"])],
-        [("before", pictures.id_colours(before["instance"])), ("after", pictures.id_colours(after["instance"]))],
+        [("before", pictures.colour_ids(before["instance"])), ("after", pictures.colour_ids(after["instance"]))],
     )
 
 
@@ -214,8 +214,8 @@ def varied(studio, samples):
     num_rooms = studio.bank.lights.ambient.shape[1]
     shown = [("as the house has it", studio.draw(view, lens, preset=FINE)["rgb"])]
     for name, ranges, seed in episodes:
-        drawn = draw(Variation.of(**ranges), jax.random.key(seed), num_rooms)
-        mount = drawn.mount or Mount()
+        drawn = sample_variation(Variation.of(**ranges), jax.random.key(seed), num_rooms)
+        mount = drawn.camera_offsets or CameraOffsets()
         rise, tilt, wider = (0.0 if x is None else float(x) for x in (mount.height, mount.pitch, mount.fovy))
         turn = np.array(quat_matrix(view.quat))
         yaw, pitch = np.arctan2(-turn[1, 2], -turn[0, 2]), np.arcsin(-turn[2, 2])

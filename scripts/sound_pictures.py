@@ -29,17 +29,17 @@ from home_mjx.audio_jax import (
     BakeOptions,
     LateReverbBake,
     Listener,
-    Source,
+    SoundSource,
     audio_preset,
-    baked_sound,
     clip_samples,
     early_paths,
-    moving_frame,
-    reception,
+    lookup_late_sound,
+    render_frame,
+    render_receiver_state,
     stft_magnitude,
 )
 from home_mjx.bank.bank import HouseBank
-from home_mjx.cli.floors import storey_pictures
+from home_mjx.cli.floors import draw_storey_maps
 from home_mjx.core.transforms import camera_quat
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet
@@ -61,7 +61,7 @@ DPI = 80
 def scene_of(bank, angle=None):
     """Build the scene of the first house of a bank, with fully open doors if no angles are passed."""
     physics = bank.physics
-    angle = physics.door_wide[0] if angle is None else angle
+    angle = physics.door_fully_open[0] if angle is None else angle
     nobody = jnp.zeros((0, 3)), jnp.zeros((0, 4))
     return make_scene(bank, jnp.int32(0), physics.body_pos[0], physics.body_quat[0], *nobody, door_angle=angle)
 
@@ -110,13 +110,13 @@ def doors(args):
     pair = portals.room[np.flatnonzero(hinged)[0]]
     source, listener = (jnp.asarray(middle(house, room), jnp.float32) for room in pair)
     config = AudioConfig(receiver="omni", late="baked", num_edges=8)
-    wide, closed = bank.physics.door_wide[0], bank.physics.door_closed[0]
+    wide, closed = bank.physics.door_fully_open[0], bank.physics.door_closed[0]
 
     @jax.jit
     def over_time(share):
         scene = scene_of(bank, closed + share * (wide - closed))
-        late = baked_sound(scene, source, listener, config).energy
-        paths = early_paths(scene, Source(source), Listener(listener, UPRIGHT), config)
+        late = lookup_late_sound(scene, source, listener, config).energy
+        paths = early_paths(scene, SoundSource(source), Listener(listener, UPRIGHT), config)
         at = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
         return late.at[at].add(paths.gain**2, mode="drop")[:, KHZ]
 
@@ -143,9 +143,9 @@ def doorway(args):
     @partial(jax.jit, static_argnums=1)
     def walk(places, config):
         def one(place):
-            paths = early_paths(scene, Source(source), Listener(place, UPRIGHT), config)
+            paths = early_paths(scene, SoundSource(source), Listener(place, UPRIGHT), config)
             straight = jnp.sum(paths.gain[: 1 + config.num_edges] ** 2, axis=0)
-            late = jnp.sum(baked_sound(scene, source, place, config).energy, axis=0)
+            late = jnp.sum(lookup_late_sound(scene, source, place, config).energy, axis=0)
             return straight, late + jnp.sum(paths.gain**2, axis=0)
 
         return jax.vmap(one)(places)
@@ -165,7 +165,7 @@ def plan(args):
     """Draw level and T30 over a storey."""
     house, config = args.house, AudioConfig(late="baked", response_seconds=1.2)
     goal = np.asarray(house.navigation.start)[0] + EARS
-    pictures = storey_pictures(scene_of(args.baked), goal.astype(np.float32), config)
+    pictures = draw_storey_maps(scene_of(args.baked), goal.astype(np.float32), config)
     height = max(picture.shape[0] for picture in pictures.values())
     each = [np.pad(p, ((0, height - len(p)), (0, 8), (0, 0)), constant_values=255) for p in pictures.values()]
     write_png(args.out / "sound_map.png", np.concatenate(each, axis=1))
@@ -178,7 +178,7 @@ def walk(args):
     house, scene = args.house, scene_of(args.baked)
     goal = max(range(len(house.rooms.floor)), key=lambda room: clearance(house, room).max())
     way = way_to(house, middle(house, goal))
-    source = Source(jnp.asarray(way[-1] + [0.6, 0.0, -0.3], jnp.float32))
+    source = SoundSource(jnp.asarray(way[-1] + [0.6, 0.0, -0.3], jnp.float32))
     clip = jnp.asarray(clip_samples(args.clip, config))
     ahead = np.gradient(gaussian_filter1d(way, 8, axis=0, mode="nearest"), axis=0)
     yaws = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
@@ -186,9 +186,9 @@ def walk(args):
         Listener(jnp.asarray(p, jnp.float32), camera_quat(jnp.float32(y), jnp.float32(0)))
         for p, y in zip(way, yaws, strict=True)
     ]
-    key, span = jax.random.key(0), np.arange(1 - config.memory_length, config.frame + config.ahead)
-    hear = jax.jit(lambda listener: reception(scene, source, listener, key, config))
-    between = jax.jit(lambda sound, old, new: moving_frame(sound, old, new, config))
+    key, span = jax.random.key(0), np.arange(1 - config.memory_length, config.frame + config.num_lookahead)
+    hear = jax.jit(lambda listener: render_receiver_state(scene, source, listener, key, config))
+    between = jax.jit(lambda sound, old, new: render_frame(sound, old, new, config))
     old, sound = hear(ears[0]), []
     for number, listener in enumerate(ears[1:]):
         new = hear(listener)

@@ -18,14 +18,14 @@ from PIL import Image
 
 import home_mjx
 from home_mjx.core.compile_cache import use_compile_cache
-from home_mjx.tasks import with_expert
+from home_mjx.tasks import add_expert
 from home_mjx.training.evaluation import with_episodes
-from home_mjx.viewer.episodes.camera import FilmCamera, Sight, without_agents
-from home_mjx.viewer.episodes.episode import Game, Step
-from home_mjx.viewer.episodes.film import frame
-from home_mjx.viewer.episodes.goal_markers import asked_of, goals_of, words_of
-from home_mjx.viewer.episodes.overlay import Plan
-from home_mjx.viewer.episodes.policies import PolicyPlayer, policy_of
+from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
+from home_mjx.viewer.episodes.episode import EpisodeRunner, EpisodeStep
+from home_mjx.viewer.episodes.film import compose_frame
+from home_mjx.viewer.episodes.goal_markers import get_goal_markers, get_instruction, get_utterances
+from home_mjx.viewer.episodes.overlay import TopDownOverlay
+from home_mjx.viewer.episodes.policies import PolicyPlayer, make_policy
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "docs" / "images" / "tasks"
@@ -84,35 +84,39 @@ class Artist:
         task = getattr(home_mjx.tasks, home_mjx.registry.find_spec(env_id).entry_point.partition(":")[2])
         options = {"num_tasks": ROWS} if hasattr(task, "num_tasks") else {}
         options |= {"num_houses": HOUSES, "split": "val", "sensors": ("state",), "impl": "kinematic"}
-        self.env = with_expert(with_episodes(home_mjx.make(env_id, **options, **self.shown.options), ROWS * HOUSES))
+        self.env = add_expert(with_episodes(home_mjx.make(env_id, **options, **self.shown.options), ROWS * HOUSES))
         self.name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", env_id.partition("-v")[0]).lower()
-        self.game, self.camera = Game(self.env), FilmCamera(self.env, WIDTH, HEIGHT, SAMPLES)
-        self.player = PolicyPlayer(self.env.core, policy_of(self.env, "expert"))
+        self.game, self.camera = EpisodeRunner(self.env), FilmCamera(self.env, WIDTH, HEIGHT, SAMPLES)
+        self.player = PolicyPlayer(self.env.core, make_policy(self.env, "expert"))
         self.pose = jax.jit(lambda params, state: self.env.core.snapshot(params, state).pose)
 
     def picture(self, row: int) -> tuple[np.ndarray, str]:
         """Return the image of a row, and a description of the episode."""
         number = row if self.env.params.tasks is not None else None
-        steps = list(self.game.play(self.player, 1, jax.random.key(row), number))
+        steps = list(self.game.run(self.player, 1, jax.random.key(row), number))
         last = round(self.shown.part * (len(steps) - 1))
-        sights = [self._place(step) for step in steps[:last]] + [self.camera.shot(steps[last].state)]
-        state, outcome = steps[last].state, self.game.outcome
+        sights = [self._place(step) for step in steps[:last]] + [self.camera.capture(steps[last].state)]
+        state, outcome = steps[last].state, self.game.result
         assert outcome is not None
         # No goal is left in a terminal state.
         before = steps[max(last - 1, 0)].state if state.terminated else state
-        goals = goals_of(self.env.bank, before, sights[-1].boxes)
-        top = Plan(self.env.bank, int(state.world.house)).drawn(without_agents(self.env, state), sights, goals)
-        over, how = last == len(steps) - 1, "success" if outcome.success else "failure"
-        words = ", ".join(dict.fromkeys(word for step in steps[: last + 1] for word in words_of(step.state)))
-        status = f"expert   {f'{how}   ' if over else ''}{last} steps{f'   said {words}' if words else ''}"
-        picture = frame(
-            sights[-1].view, top, asked_of(self.env, state).text, status, outcome.success > 0 if over else None
+        goals = get_goal_markers(self.env.bank, before, sights[-1].boxes)
+        top = TopDownOverlay(self.env.bank, int(state.world.house)).draw(
+            scene_without_agents(self.env, state), sights, goals
         )
-        return picture, outcome.line()
+        over, how = last == len(steps) - 1, "success" if outcome.success else "failure"
+        words = ", ".join(dict.fromkeys(word for step in steps[: last + 1] for word in get_utterances(step.state)))
+        status = f"expert   {f'{how}   ' if over else ''}{last} steps{f'   said {words}' if words else ''}"
+        picture = compose_frame(
+            sights[-1].view, top, get_instruction(self.env, state).text, status, outcome.success > 0 if over else None
+        )
+        return picture, outcome.format_line()
 
-    def _place(self, step: Step) -> Sight:
+    def _place(self, step: EpisodeStep) -> CameraShot:
         pose = self.pose(self.env.params, step.state)
-        return Sight(np.zeros((1, 1, 3), np.uint8), np.asarray(pose.pos), np.asarray(pose.yaw), np.zeros((0, 2, 3)))
+        return CameraShot(
+            np.zeros((1, 1, 3), np.uint8), np.asarray(pose.pos), np.asarray(pose.yaw), np.zeros((0, 2, 3))
+        )
 
 
 def jpeg(picture: np.ndarray) -> bytes:

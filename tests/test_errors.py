@@ -13,7 +13,7 @@ from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 import home_mjx
 from home_mjx import errors
 from home_mjx.core.files import MAX_BYTES, read_bytes
-from home_mjx.core.jsonable import MOST_TEXT, from_json, to_json
+from home_mjx.core.jsonable import MAX_TEXT_LENGTH, from_json, to_json
 from home_mjx.datasets import open_dataset
 from home_mjx.houses import HouseCache
 from home_mjx.registry import EnvSpec
@@ -27,7 +27,7 @@ BUILT_IN = {
     errors.UnknownNameError: {ValueError, KeyError},
     errors.OutOfRangeError: {ValueError, IndexError},
     errors.CapacityError: {ValueError},
-    errors.ExecutorError: {RuntimeError},
+    errors.BackendError: {RuntimeError},
 }
 CAUGHT = (ValueError, KeyError, IndexError, OSError, FileNotFoundError, RuntimeError, TypeError)
 EXPECTED = "expected 3, got 1 (in room.obj, at line 7). Export it again."
@@ -129,7 +129,7 @@ def test_a_missing_model_is_not_taken_for_a_missing_cache_entry(tmp_path: Path, 
             ask(HOUSE_ID)
     with pytest.raises(errors.UnknownIdError, match="unknown house `none`"):
         cache.load("none")
-    assert cache.compiled == 0
+    assert cache.num_compiled == 0
 
 
 def test_a_wrong_value_in_json_keeps_its_own_message():
@@ -143,11 +143,11 @@ def test_a_wrong_value_in_json_keeps_its_own_message():
 
 def test_options_that_are_too_long_are_refused_before_they_are_parsed():
     """One of 115 MB, lists of forty within lists of forty, took 1.6 GiB and sixteen seconds."""
-    with pytest.raises(errors.ConfigError, match=rf"^options text has {MOST_TEXT + 1} characters, at most"):
-        from_json("[" * (MOST_TEXT + 1))
+    with pytest.raises(errors.ConfigError, match=rf"^options text has {MAX_TEXT_LENGTH + 1} characters, at most"):
+        from_json("[" * (MAX_TEXT_LENGTH + 1))
     with pytest.raises(errors.ConfigError, match=r"^options text has"):
-        to_json("a" * MOST_TEXT)
-    longest = "a" * (MOST_TEXT - 2)  # in quotes
+        to_json("a" * MAX_TEXT_LENGTH)
+    longest = "a" * (MAX_TEXT_LENGTH - 2)  # in quotes
     assert from_json(to_json(longest)) == longest
 
 

@@ -6,22 +6,22 @@ from typing import Any
 
 import jax
 
-from benchmarks.cases.record import Record, Settings, make_record
+from benchmarks.cases.record import BenchSettings, Measurement, make_measurement
 from home_mjx.core import profiling
 from home_mjx.env_factory import make
 
 
-def all_sensors(settings: Settings) -> Record:
+def all_sensors(settings: BenchSettings) -> Measurement:
     """Measure steps of all environments with the default sensors."""
     return _steps(settings, "env/all-sensors")
 
 
-def depth(settings: Settings) -> Record:
+def depth(settings: BenchSettings) -> Measurement:
     """Measure steps with the depth image only."""
     return _steps(settings, "env/depth", sensors=("depth",))
 
 
-def mix(settings: Settings) -> Record:
+def mix(settings: BenchSettings) -> Measurement:
     """Measure steps of a mix of tasks with the default sensors; the peer is PointNav alone with the same actions."""
     from home_mjx.tasks import HouseholdEnv, HouseTasks, InstructionFollowing, ObjectNav, PointGoals, RoomNav
 
@@ -32,19 +32,19 @@ def mix(settings: Settings) -> Record:
     peer = ("PointNav-v0 alone", _rate(settings, alone)[0])
     rate, seconds = _rate(settings, mixed)
     note = f"{', '.join(mixed.params.tasks.names)} with {', '.join(alone.config.sensors or ())}; {settings.houses}"
-    return make_record(
+    return make_measurement(
         "env/mix", rate, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
     )  # fmt: skip
 
 
-def _steps(settings: Settings, case: str, **options: Any) -> Record:
+def _steps(settings: BenchSettings, case: str, **options: Any) -> Measurement:
     env = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
     rate, seconds = _rate(settings, env)
     note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {settings.houses}"
-    return make_record(case, rate, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
+    return make_measurement(case, rate, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
 
 
-def _rate(settings: Settings, env: Any) -> tuple[float, float]:
+def _rate(settings: BenchSettings, env: Any) -> tuple[float, float]:
     """Measure environment steps per second with random actions except `stop`; return it with the compile time [s]."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
     states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, keys)
@@ -57,4 +57,4 @@ def _rate(settings: Settings, env: Any) -> tuple[float, float]:
     return rate * settings.num_envs, seconds
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {"all-sensors": all_sensors, "depth": depth, "mix": mix}
+CASES: dict[str, Callable[[BenchSettings], Measurement]] = {"all-sensors": all_sensors, "depth": depth, "mix": mix}

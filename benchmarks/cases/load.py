@@ -3,10 +3,10 @@
 import time
 from collections.abc import Callable
 
-from benchmarks.cases.record import Record, Settings, make_record
+from benchmarks.cases.record import BenchSettings, Measurement, make_measurement
 
 
-def houses(settings: Settings) -> Record:
+def houses(settings: BenchSettings) -> Measurement:
     """Measure houses read per second; every OBJ, MTL and JSON file is parsed again."""
     from home_mjx.datasets.registry import open_dataset
 
@@ -17,7 +17,7 @@ def houses(settings: Settings) -> Record:
     seconds = (time.perf_counter() - start) / len(ids)
     meshes = {mesh.path: len(mesh.faces) for house in loaded for mesh in house.models.values()}
     note = f"{settings.describe(len(ids))}, {sum(meshes.values()):,} triangles in {len(meshes)} models"
-    return make_record("load/houses", 1 / seconds, "houses/s", note)
+    return make_measurement("load/houses", 1 / seconds, "houses/s", note)
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {"houses": houses}
+CASES: dict[str, Callable[[BenchSettings], Measurement]] = {"houses": houses}

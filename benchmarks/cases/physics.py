@@ -11,33 +11,33 @@ import jax.numpy as jnp
 import mujoco
 
 from benchmarks.cases.batch import houses_and_starts
-from benchmarks.cases.record import Record, Settings, make_record
+from benchmarks.cases.record import BenchSettings, Measurement, make_measurement
 from home_mjx import physics
 from home_mjx.core import profiling
 
 
-def step(settings: Settings) -> Record:
+def step(settings: BenchSettings) -> Measurement:
     """Measure control steps of all environments with MJX; the peer is MuJoCo in C on the first house's full MJCF."""
     peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, physics.PhysicsConfig()))
     return _record(settings, "step", "jax", peer)
 
 
-def fused(settings: Settings) -> Record:
+def fused(settings: BenchSettings) -> Measurement:
     """Measure control steps with the fused step; the peer is MJX."""
     return _record(settings, "fused", "fused", ("MJX", _record(settings, "step", "jax", None).value))
 
 
-def c(settings: Settings) -> Record:
+def c(settings: BenchSettings) -> Measurement:
     """Measure control steps with C MuJoCo inside `jit`; the peer is the fused step."""
     return _record(settings, "c", "c", ("fused", _record(settings, "fused", "fused", None).value))
 
 
-def kinematic(settings: Settings) -> Record:
+def kinematic(settings: BenchSettings) -> Measurement:
     """Measure control steps with kinematic agents; the peer is the fused step."""
     return _record(settings, "kinematic", "kinematic", ("fused", _record(settings, "fused", "fused", None).value))
 
 
-def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | None) -> Record:
+def _record(settings: BenchSettings, case: str, impl: str, peer: tuple[str, float] | None) -> Measurement:
     bank, config = settings.bank, physics.PhysicsConfig(impl=impl)
     template = physics.Template(config, bank.spec)
     houses, starts = houses_and_starts(settings)
@@ -50,12 +50,12 @@ def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | 
     rate = profiling.steps_per_second(functools.partial(program, bank, houses), data, actions, settings.seconds)
     value = rate * settings.num_envs
     note = f"{config.timing.substeps} x {config.timing.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
-    return make_record(
+    return make_measurement(
         f"physics/{case}", value, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
     )
 
 
-def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
+def _mujoco(settings: BenchSettings, config: physics.PhysicsConfig) -> float:
     """Measure control steps per second of MuJoCo in C."""
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
@@ -71,4 +71,9 @@ def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
     return count / (time.perf_counter() - start)
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {"step": step, "fused": fused, "c": c, "kinematic": kinematic}
+CASES: dict[str, Callable[[BenchSettings], Measurement]] = {
+    "step": step,
+    "fused": fused,
+    "c": c,
+    "kinematic": kinematic,
+}

@@ -12,7 +12,7 @@ from home_mjx.schema.compiled import CompiledHouse
 
 
 @dataclass(frozen=True)
-class Record:
+class Measurement:
     """One measurement with its context.
 
     Attributes:
@@ -42,7 +42,7 @@ class Record:
     note: str
 
 
-def make_record(
+def make_measurement(
     case: str,
     value: float,
     unit: str,
@@ -51,16 +51,16 @@ def make_record(
     num_envs: int = 0,
     compile_seconds: float | None = None,
     peer: tuple[str, float] | None = None,
-) -> Record:
+) -> Measurement:
     """Build a record with the device and versions of this machine."""
     name, peer_value = peer or (None, None)
     ratio = value / peer_value if peer_value else None
     device, versions = profiling.device_name(), profiling.versions()
-    return Record(case, value, unit, num_envs, device, versions, compile_seconds, name, peer_value, ratio, note)
+    return Measurement(case, value, unit, num_envs, device, versions, compile_seconds, name, peer_value, ratio, note)
 
 
 @dataclass(frozen=True)
-class Settings:
+class BenchSettings:
     """Settings of a benchmark.
 
     Attributes:
@@ -78,12 +78,12 @@ class Settings:
     @cached_property
     def house_set(self) -> HouseSet:
         """Houses of the benchmark."""
-        return house_set(self.dataset or f"procedural:{self.num_houses}", num_houses=self.num_houses)
+        return HouseSet(self.dataset or f"procedural:{self.num_houses}", num_houses=self.num_houses)
 
     @property
     def root(self) -> Path:
         """Root of the dataset."""
-        return self.house_set.opened.root
+        return self.house_set.resolved_dataset.root
 
     @cached_property
     def bank(self) -> Any:

@@ -7,36 +7,36 @@ from typing import Any
 
 import jax
 
-from benchmarks.cases.record import Record, Settings, make_record
+from benchmarks.cases.record import BenchSettings, Measurement, make_measurement
 from home_mjx.core import profiling
 from home_mjx.env_factory import make
 
 POINT_NAV = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_radius": 0.2}
 
 
-def depth(settings: Settings) -> Record:
+def depth(settings: BenchSettings) -> Measurement:
     """Measure PointNav from depth images, as in Habitat."""
     return _updates(settings, "train/depth", sensors=("depth", "goal"))
 
 
-def blind(settings: Settings) -> Record:
+def blind(settings: BenchSettings) -> Measurement:
     """Measure PointNav without images."""
     return _updates(settings, "train/blind", sensors=("goal",))
 
 
-def depth_devices(settings: Settings) -> Record:
+def depth_devices(settings: BenchSettings) -> Measurement:
     """Measure PointNav from depth on all devices, with `num_envs` environments each and averaged gradients."""
     return _updates(settings, "train/depth-devices", jax.devices(), sensors=("depth", "goal"))
 
 
-def _updates(settings: Settings, case: str, devices: list[Any] | None = None, **options: Any) -> Record:
+def _updates(settings: BenchSettings, case: str, devices: list[Any] | None = None, **options: Any) -> Measurement:
     from home_mjx.training import CPU_CONFIG, PPO, PPOConfig
 
     env = make("PointNav-v0", settings.bank, **POINT_NAV, **options)
     base = CPU_CONFIG if jax.default_backend() == "cpu" else PPOConfig()
     devices = devices or jax.devices()[:1]
     ppo = PPO(env.core, dataclasses.replace(base, num_envs=settings.num_envs * len(devices)), devices)
-    params = jax.device_put(env.params, ppo.whole)
+    params = jax.device_put(env.params, ppo.replicated)
     state = ppo.init(params, jax.random.key(0))
     start = time.perf_counter()
     update = ppo.update.lower(params, state).compile()
@@ -47,10 +47,10 @@ def _updates(settings: Settings, case: str, devices: list[Any] | None = None, **
     sensors = ", ".join(env.config.sensors or ())
     note = f"PointNav-v0 with {sensors}; {passes}; devices: {len(devices)}; {settings.houses}"
     steps = rate * config.batch_size
-    return make_record(case, steps, "steps/s", note, num_envs=config.num_envs, compile_seconds=seconds)
+    return make_measurement(case, steps, "steps/s", note, num_envs=config.num_envs, compile_seconds=seconds)
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {
+CASES: dict[str, Callable[[BenchSettings], Measurement]] = {
     "depth": depth,
     "blind": blind,
     "depth-devices": depth_devices,

@@ -5,21 +5,21 @@ import sys
 from pathlib import Path
 
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, positive_int
+from home_mjx.cli.parsing import parse_path, positive_int_type
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx story`."""
-    parser.add_argument("--out", type=file_path, default=Path("demo"), help="folder for the files (default: demo)")
+    parser.add_argument("--out", type=parse_path, default=Path("demo"), help="folder for the files (default: demo)")
     parser.add_argument(
         "--size",
-        type=positive_int,
+        type=positive_int_type,
         nargs=2,
         default=(320, 240),
         metavar=("W", "H"),
         help="size of each agent's image [pixels] (default: 320 240)",
     )
-    parser.add_argument("--samples", type=positive_int, default=2, help="rays per pixel (default: 2)")
+    parser.add_argument("--samples", type=positive_int_type, default=2, help="rays per pixel (default: 2)")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -78,4 +78,4 @@ class Actor:
 
     def _tilt(self, angle: float) -> float:
         """The part of an action that looks up by an angle [rad], or as far as one step allows."""
-        return float(np.clip(angle / (self.config.look_rate * self.config.timing.ctrl_dt), -1, 1))
+        return float(np.clip(angle / (self.config.max_pitch_rate * self.config.timing.ctrl_dt), -1, 1))

@@ -14,10 +14,10 @@ from home_mjx import physics
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.viewer.pictures import media, pictures
-from home_mjx.viewer.pictures.top_view import Mark, TopView
+from home_mjx.viewer.pictures.top_view import Marker, TopView
 
 Image = UInt8[np.ndarray, "_ _ 3"]
 COLOURS = {CARRIER: (20, 200, 90), WATCHER: (255, 150, 40)}  # of the dots that stand for agents
@@ -44,7 +44,7 @@ class Film:
         lamp: Which body is carried.
     """
 
-    env: BoundEnv[HouseholdEnv]
+    env: Env[HouseholdEnv]
     lamp: int
     shots: list[Shot] = field(default_factory=list)
 
@@ -65,40 +65,40 @@ class Film:
     def _sheet(self) -> Image:
         ends = [list(shots)[-1] for _, shots in groupby(self.shots, key=lambda shot: shot.caption)]
         panels = [
-            np.concatenate([pictures.captioned(end.eyes[CARRIER], end.caption), end.eyes[WATCHER]]) for end in ends
+            np.concatenate([pictures.add_caption(end.eyes[CARRIER], end.caption), end.eyes[WATCHER]]) for end in ends
         ]
-        return pictures.sheet([panels[i : i + ACROSS] for i in range(0, len(panels), ACROSS)])
+        return pictures.compose_sheet([panels[i : i + ACROSS] for i in range(0, len(panels), ACROSS)])
 
     def _plans(self, step: Step) -> tuple[Image, ...]:
         scene, floors = _without_agents(self.env, step.state), np.asarray(self.env.bank.navigation.floor[0])
-        marks = [Mark(step.moment.pos[agent], colour, 9) for agent, colour in COLOURS.items()]
-        marks.append(Mark(step.moment.body_pos[self.lamp], LAMP, 5))
+        marks = [Marker(step.moment.pos[agent], colour, 9) for agent, colour in COLOURS.items()]
+        marks.append(Marker(step.moment.body_pos[self.lamp], LAMP, 5))
         storey = [int((mark.pos[2] > floors).sum()) - 1 for mark in marks]
         width = step.state.obs["pixels/head_rgb"].shape[-2]
         tops = [TopView(self.env.bank, scene, width, level) for level in range(len(floors))]
         return tuple(
-            top.cropped(top.marked([mark for mark, at in zip(marks, storey, strict=True) if at == level]))
+            top.crop(top.draw_markers([mark for mark, at in zip(marks, storey, strict=True) if at == level]))
             for level, top in enumerate(tops)
         )
 
 
-def _without_agents(env: BoundEnv[HouseholdEnv], state: State) -> Scene:
+def _without_agents(env: Env[HouseholdEnv], state: State) -> Scene:
     """The house as things stand, with nobody in it: dots stand for agents."""
     template = env.core.template(env.bank)
     pos, quat = physics.body_pose(template, state.physics)
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     angle = physics.door_angle(template, state.physics)
-    return make_scene(env.bank, state.world.house, pos, quat, *nobody, env.config.executor, angle)
+    return make_scene(env.bank, state.world.house, pos, quat, *nobody, env.config.backend, angle)
 
 
 def _frame(shot: Shot, peak: float) -> Image:
     eyes = [
-        pictures.captioned(shot.eyes[CARRIER], f"carrier: {shot.caption}"),
-        pictures.captioned(shot.eyes[WATCHER], "watcher"),
+        pictures.add_caption(shot.eyes[CARRIER], f"carrier: {shot.caption}"),
+        pictures.add_caption(shot.eyes[WATCHER], "watcher"),
     ]
-    plans = [pictures.captioned(image, f"storey {number}") for number, image in enumerate(shot.plans, 1)]
+    plans = [pictures.add_caption(image, f"storey {number}") for number, image in enumerate(shot.plans, 1)]
     width = sum(panel.shape[1] for panel in eyes) + 6
-    wave = pictures.waveform(shot.sound, width, 60, peak)
-    return pictures.sheet(
-        [eyes, plans, [pictures.captioned(wave, "the carrier's left ear (above), right ear (below)")]]
+    wave = pictures.draw_waveform(shot.sound, width, 60, peak)
+    return pictures.compose_sheet(
+        [eyes, plans, [pictures.add_caption(wave, "the carrier's left ear (above), right ear (below)")]]
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from examples.story.stairs import FAMILIES, LENGTH, RISE, WIDTH
-from home_mjx.datasets.outlines import THICKNESS
+from home_mjx.datasets.outlines import SLAB_THICKNESS
 from home_mjx.schema.house import Material
 from home_procgen.floor_plan.openings import DOOR_Y, SILL_Y
 from home_procgen.floor_plan.placed import PlacedFurniture
@@ -46,10 +46,10 @@ class Piece:
         model = models()[f"gen_{self.model}"]
         materials = tuple(LOOKS.get(slot, Material(slot)) for slot in model.slots)
         thing = PlacedFurniture(model, (0.0, 0.0, 0.0), 0, (1.0, 1.0, 1.0), self.mirrored, self.closed, materials)
-        return thing.at(self.x, self.y + THICKNESS, self.z, self.quarter)
+        return thing.at(self.x, self.y + SLAB_THICKNESS, self.z, self.quarter)
 
 
-DOOR, SILL = DOOR_Y - THICKNESS, SILL_Y - THICKNESS
+DOOR, SILL = DOOR_Y - SLAB_THICKNESS, SILL_Y - SLAB_THICKNESS
 LOWER = (
     Piece("door_1", HALL_WALL, 4.4, FACES_WEST, DOOR, mirrored=True),
     Piece("door_2", 5.6, SOUTH, FACES_SOUTH, DOOR, closed=True),

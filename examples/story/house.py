@@ -8,7 +8,7 @@ import numpy as np
 
 from examples.story.furniture import EAST, EDGE, HALL_WALL, LOWER, SOUTH, UPPER, WEST, Piece, models
 from examples.story.stairs import RISE
-from home_mjx.datasets.outlines import THICKNESS, Opening, Point, RoomOutline, outline_house
+from home_mjx.datasets.outlines import SLAB_THICKNESS, Point, RoomOutline, WallOpening, outline_house
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg.write.house import write_house, write_library
 from home_mjx.schema.house import House, Level
@@ -25,7 +25,7 @@ def rectangle(start: float, end: float) -> Sequence[Point]:
     return [(start, 0.0), (end, 0.0), (end, SOUTH), (start, SOUTH)]
 
 
-CEILING = RISE - THICKNESS  # [m]: a ceiling and the floor above it are one slab
+CEILING = RISE - SLAB_THICKNESS  # [m]: a ceiling and the floor above it are one slab
 WARM, COOL, WHITE = textured("wallp_0", "#f0dfd3"), textured("wallp_0", "#e6ebdf"), plain("#fafaf7")
 PARQUET, PLANKS = textured("prkt_1"), textured("prkt_3")
 LIVING = RoomOutline("Living_Room", rectangle(WEST, HALL_WALL), PARQUET, WARM, WHITE)
@@ -86,7 +86,7 @@ def _level(
     return replace(full, rooms=rooms, objects=objects)
 
 
-def _openings(base: float) -> Iterator[Opening]:
+def _openings(base: float) -> Iterator[WallOpening]:
     """The holes of doors and windows in the walls that begin at a height above the ground floor [m]."""
     lifted = [(piece.placed(), 0.0) for piece in LOWER] + [(piece.placed(), RISE) for piece in UPPER]
     for item, lift in lifted:
@@ -96,4 +96,4 @@ def _openings(base: float) -> Iterator[Opening]:
             ends = np.array([item.position, item.position])
             ends[:, along] = item.box[:, along]
             (x0, _, z0), (x1, _, z1) = ends.tolist()
-            yield Opening((x0, z0), (x1, z1), float(low), float(high))
+            yield WallOpening((x0, z0), (x1, z1), float(low), float(high))

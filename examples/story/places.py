@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
-from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.categories import fine_index
 from home_mjx.schema.semantic import Semantic
 
@@ -76,11 +76,11 @@ class Places:
 
 def _door(bank: HouseBank, beyond: Float[np.ndarray, "2"]) -> Door:
     """The first leaf, to be walked through to where a point [m] is."""
-    leaf = jax.tree.map(lambda x: x[0, 0], Leaf.of(bank.physics))
+    leaf = jax.tree.map(lambda x: x[0, 0], DoorLeaves.from_physics(bank.physics))
     middle = np.asarray(leaf.moved(bank.physics.door_closed[0, 0])[0])
     along = middle[:2] - np.asarray(leaf.pivot)
     across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-    return Door(float(bank.physics.door_wide[0, 0]), middle, across * np.sign((beyond - middle[:2]) @ across))
+    return Door(float(bank.physics.door_fully_open[0, 0]), middle, across * np.sign((beyond - middle[:2]) @ across))
 
 
 def _thing(bank: HouseBank, fine: str, level: int) -> Thing:

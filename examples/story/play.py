@@ -15,7 +15,7 @@ from examples.story.script import CARRIER, WATCHER, Script, Stage
 from home_mjx.env_factory import make
 from home_mjx.errors import HomeMjxError
 from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 TRIED = 1 << 14  # keys, of which the first that gives a suitable start is taken
@@ -32,7 +32,7 @@ class Step:
     state: State
 
 
-def make_story_env(root: Path, **options: Any) -> BoundEnv[HouseholdEnv]:
+def make_story_env(root: Path, **options: Any) -> Env[HouseholdEnv]:
     """Two agents with hands in the house below a dataset root, its doors closed.
 
     Args:
@@ -44,7 +44,7 @@ def make_story_env(root: Path, **options: Any) -> BoundEnv[HouseholdEnv]:
     )
 
 
-def play(env: BoundEnv[HouseholdEnv], told: Callable[[Step], None] = lambda step: None) -> Moment:
+def play(env: Env[HouseholdEnv], told: Callable[[Step], None] = lambda step: None) -> Moment:
     """Plays the story.
 
     Args:
@@ -80,10 +80,10 @@ def play(env: BoundEnv[HouseholdEnv], told: Callable[[Step], None] = lambda step
 def opening(core: HouseholdEnv, params: EnvParams, key: jax.Array, places: Places) -> State:
     """The first state that a key gives, in which the loudspeaker plays; pure JAX."""
     state = core.begin(params, key)
-    return state.replace(world=state.world.with_source(jnp.asarray(places.sound, jnp.float32)))
+    return state.replace(world=state.world.move_source(jnp.asarray(places.sound, jnp.float32)))
 
 
-def suitable_start(env: BoundEnv[HouseholdEnv], places: Places) -> jax.Array:
+def suitable_start(env: Env[HouseholdEnv], places: Places) -> jax.Array:
     """The first key that starts the carrier before the door and the watcher near its place.
 
     Raises:

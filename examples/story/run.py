@@ -10,7 +10,7 @@ from examples.story.film import Film
 from examples.story.house import write_story_house
 from examples.story.places import Places
 from examples.story.play import Step, make_story_env, play
-from home_mjx.core.files import write_together
+from home_mjx.core.files import write_all_or_none
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,6 @@ def run_story(options: StoryOptions) -> float:
             steps.update()
 
         play(env, told)
-        with write_together(options.out, "story") as folder:
+        with write_all_or_none(options.out, "story") as folder:
             film.write(folder)
     return len(film.shots) * env.dt

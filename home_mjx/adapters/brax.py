@@ -15,27 +15,28 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from home_mjx.adapters.gymnasium_tools import Picture
+from home_mjx.adapters.gymnasium_tools import DisplayCamera
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.registry import list_envs
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 try:
     from brax.envs import register_environment
-    from brax.envs.base import Env, Wrapper
+    from brax.envs.base import Env as BraxBaseEnv
     from brax.envs.base import State as BraxState
+    from brax.envs.base import Wrapper
 except ModuleNotFoundError as error:
     raise ConfigError("this adapter needs the package `brax`", hint=install_hint("train")) from error
 
 
-class BraxEnv(Env):
+class BraxEnv(BraxBaseEnv):
     """Household environment for Brax: pixels for its CNNs and one vector `state`.
 
-    Observations are `pixels/<camera>_<kind>` (rgb as float in [0, 1], depth divided by `depth_max`) and `state`, the
+    Observations are `pixels/<camera>_<kind>` (rgb as float in [0, 1], depth divided by `max_depth`) and `state`, the
     concatenation of all vectors of the environment and the task. Ids and sound are omitted, because Brax's networks
     cannot encode them. Brax's default networks read `state` alone; for pixels pass
     `network_factory=ppo_networks_vision.make_ppo_networks_vision`.
@@ -48,11 +49,11 @@ class BraxEnv(Env):
         ConfigError: The environment has several agents, discrete actions, or no observation that Brax can use.
     """
 
-    def __init__(self, env: BoundEnv[HouseholdEnv], pixels_dtype: Any = jnp.float32) -> None:
+    def __init__(self, env: Env[HouseholdEnv], pixels_dtype: Any = jnp.float32) -> None:
         if env.num_agents != 1:
             raise ConfigError(f"Brax drives one agent, this environment has {env.num_agents}", hint="Set num_agents=1")
         if env.config.discrete is not None:
-            hint = 'Set actions="continuous"' + (", stop=False" if env.task.needs_stop else "")
+            hint = 'Set actions="continuous"' + (", stop=False" if env.task.requires_stop else "")
             raise ConfigError("Brax's policies are continuous, this environment has discrete actions", hint=hint)
         self.env = env
         self.pixels_dtype = pixels_dtype
@@ -98,10 +99,10 @@ class BraxEnv(Env):
         Returns:
             A list of (height, width, 3) uint8, one per state; for a single state, its image.
         """
-        picture = Picture(self.env, (width, height))
+        picture = DisplayCamera(self.env, (width, height))
         if isinstance(trajectory, BraxState | State):
-            return picture.of(_inner(trajectory))
-        return [picture.of(_inner(state)) for state in trajectory]
+            return picture.render(_inner_state(trajectory))
+        return [picture.render(_inner_state(state)) for state in trajectory]
 
     def reset(self, rng: Array) -> BraxState:
         """Start a new episode."""
@@ -131,7 +132,7 @@ class BraxEnv(Env):
 
     def _pixels(self, name: str, value: Array) -> Array:
         if name.endswith("_depth"):
-            return value / self.env.config.depth_max
+            return value / self.env.config.max_depth
         if value.dtype == jnp.uint8 and self.pixels_dtype != jnp.uint8:
             return value.astype(self.pixels_dtype) / 255
         return value
@@ -165,7 +166,7 @@ class TrainingWrapper(Wrapper):
         new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]
         totals = state.info["episode_metrics"]
-        terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.reward), **_at_end(new)}
+        terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.reward), **_final_metrics(new)}
         info = {
             "steps": state.info["steps"] * fresh + 1,
             "episode_done": new.done.astype(jnp.float32),
@@ -177,15 +178,15 @@ class TrainingWrapper(Wrapper):
         info["truncation"] = state.truncated.astype(jnp.float32)
         info["final_obs"] = self.brax_env.to_brax_obs(state.info["final_obs"])
         brax: Any = self.brax_env.to_brax(state)
-        return brax.replace(info=info, metrics=_at_end(state))
+        return brax.replace(info=info, metrics=_final_metrics(state))
 
 
-def _at_end(state: State) -> dict[str, Array]:
+def _final_metrics(state: State) -> dict[str, Array]:
     """Return the metrics of episodes that have ended; 0 for others."""
     return {name: jnp.where(state.done, value, 0) for name, value in state.metrics.items()}
 
 
-def _inner(state: Any) -> Any:
+def _inner_state(state: Any) -> Any:
     return state.pipeline_state if isinstance(state, BraxState) else state
 
 
@@ -211,10 +212,10 @@ def register() -> None:
         >>> env = brax.envs.get_environment("PointNav-v0", num_houses=2)  # doctest: +SKIP
     """
     for env_id in list_envs():
-        register_environment(env_id, partial(_made, env_id))
+        register_environment(env_id, partial(_make_env, env_id))
 
 
-def _made(env_id: str, **options: Any) -> BraxEnv:
+def _make_env(env_id: str, **options: Any) -> BraxEnv:
     return BraxEnv(make(env_id, **options))
 
 

@@ -13,11 +13,11 @@ from gymnasium.vector import AutoresetMode
 from home_mjx.adapters import gymnasium_tools as tools
 from home_mjx.adapters.spaces import action_space, observation_space
 from home_mjx.core.checks import check_number
-from home_mjx.core.native.fork_guard import in_this_process
+from home_mjx.core.native.fork_guard import forbid_after_fork
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
-from home_mjx.tasks.env.autoreset import AutoReset, where_envs
-from home_mjx.tasks.env.begin import in_order
+from home_mjx.tasks.env.autoreset import AutoReset, select_envs
+from home_mjx.tasks.env.begin import is_sequential
 
 
 class GymEnv(gymnasium.Env, EzPickle):
@@ -43,20 +43,20 @@ class GymEnv(gymnasium.Env, EzPickle):
         self,
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
-        render_size: tuple[int, int] = (tools.PICTURE, tools.PICTURE),
+        render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
         episodes: Episodes | str | Path | None = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, env_id, render_mode, render_size, episodes, **options)
         tools.check_render_mode(render_mode)
-        self.env = tools.make_bound(env_id, episodes, options)
+        self.env = tools.make_env(env_id, episodes, options)
         self.render_mode = render_mode
         self.metadata = {**type(self).metadata, "render_fps": round(1 / self.env.dt)}
         self.observation_space = observation_space(self.env)
         self.action_space = action_space(self.env)
-        self._picture = tools.Picture(self.env, render_size) if render_mode else None
-        self._reset: Callable[..., State] = in_this_process(jax.jit(self.env.core.reset), "reset")
-        self._step: Callable[..., State] = in_this_process(jax.jit(self.env.core.step), "step")
+        self._picture = tools.DisplayCamera(self.env, render_size) if render_mode else None
+        self._reset: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.reset), "reset")
+        self._step: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.step), "step")
         self._state: State | None = None
         self._next_episode = 0
 
@@ -66,14 +66,14 @@ class GymEnv(gymnasium.Env, EzPickle):
         Without options, the house is random, or the next saved episode is used; a seed restarts at the first of them.
         """
         super().reset(seed=seed)
-        options, count = options or {}, tools.num_episodes(self.env)
+        options, count = options or {}, tools.count_episodes(self.env)
         tools.check_options(options, ("house", "episode") if count else ("house",))
-        house = tools.chosen(options, "house", self.env.bank.num_houses)
-        episode = tools.chosen(options, "episode", count) if count else None
-        if in_order(self.env.params.tasks) and episode is None:
+        house = tools.index_option(options, "house", self.env.bank.num_houses)
+        episode = tools.index_option(options, "episode", count) if count else None
+        if is_sequential(self.env.params.tasks) and episode is None:
             episode = np.int32(0 if seed is not None else self._next_episode)
         self._next_episode = 0 if episode is None else int(episode) + 1
-        self._state = self._reset(self.env.params, tools.key_of(self.np_random), house, episode)
+        self._state = self._reset(self.env.params, tools.draw_key(self.np_random), house, episode)
         return tools.to_numpy(self._state.obs), _scalars(self._state)
 
     def step(self, action: Any) -> tuple[dict, float, bool, bool, dict]:
@@ -83,7 +83,7 @@ class GymEnv(gymnasium.Env, EzPickle):
             action: An element of `action_space`: an array, or an integer.
         """
         if self._state is None:
-            raise tools.needs_reset()
+            raise tools.reset_needed_error()
         action = tools.check_action(action, self.env.action_spec)
         self._state = state = self._step(self.env.params, self._state, action)
         info = _scalars(state)
@@ -94,7 +94,7 @@ class GymEnv(gymnasium.Env, EzPickle):
 
     def render(self) -> np.ndarray | None:
         """Render the view of the first agent (H, W, 3) uint8."""
-        return None if self._picture is None or self._state is None else self._picture.of(self._state)
+        return None if self._picture is None or self._state is None else self._picture.render(self._state)
 
 
 class GymVectorEnv(gymnasium.vector.VectorEnv):
@@ -129,15 +129,15 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         num_envs: int = 1,
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
-        render_size: tuple[int, int] = (tools.PICTURE, tools.PICTURE),
+        render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
         episodes: Episodes | str | Path | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         **options: Any,
     ) -> None:
-        check_number("num_envs", num_envs, 1, whole=True)
+        check_number("num_envs", num_envs, 1, integer=True)
         tools.check_render_mode(render_mode)
-        self.env = tools.make_bound(env_id, episodes, options)
-        self.num_envs, self.render_mode, self._mode = num_envs, render_mode, tools.reset_mode(autoreset_mode)
+        self.env = tools.make_env(env_id, episodes, options)
+        self.num_envs, self.render_mode, self._mode = num_envs, render_mode, tools.parse_autoreset_mode(autoreset_mode)
         self.metadata = {
             **type(self).metadata, "render_fps": round(1 / self.env.dt), "autoreset_mode": self._mode,
         }  # fmt: skip
@@ -146,13 +146,13 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         batch = gymnasium.vector.utils.batch_space
         self.observation_space = batch(self.single_observation_space, num_envs)
         self.action_space = batch(self.single_action_space, num_envs)
-        self._picture = tools.Picture(self.env, render_size) if render_mode else None
+        self._picture = tools.DisplayCamera(self.env, render_size) if render_mode else None
         auto = AutoReset(self.env.core, final_obs="all")
-        self._reset: Callable[..., State] = in_this_process(jax.jit(auto.reset), "reset")
-        self._step: Callable[..., State] = in_this_process(jax.jit(auto.step), "step")
-        self._merge: Callable[..., State] = jax.jit(where_envs)
+        self._reset: Callable[..., State] = forbid_after_fork(jax.jit(auto.reset), "reset")
+        self._step: Callable[..., State] = forbid_after_fork(jax.jit(auto.step), "step")
+        self._merge: Callable[..., State] = jax.jit(select_envs)
         self._state: State | None = None
-        self._held = np.zeros(num_envs, bool)  # NEXT_STEP: environments whose next step only resets
+        self._pending_reset = np.zeros(num_envs, bool)  # NEXT_STEP: environments whose next step only resets
 
     def reset(
         self, *, seed: int | np.integer | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -166,43 +166,45 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         """
         seed = int(seed) if isinstance(seed, np.integer) else seed
         super().reset(seed=seed if isinstance(seed, int) else None)
-        options, count = options or {}, tools.num_episodes(self.env)
+        options, count = options or {}, tools.count_episodes(self.env)
         tools.check_options(options, ("house", "reset_mask", *(("episode",) if count else ())))
-        house = tools.chosen(options, "house", self.env.bank.num_houses, self.num_envs)
-        episode = tools.chosen(options, "episode", count, self.num_envs) if count else None
+        house = tools.index_option(options, "house", self.env.bank.num_houses, self.num_envs)
+        episode = tools.index_option(options, "episode", count, self.num_envs) if count else None
         mask = self._mask(options.get("reset_mask"))
         new = self._reset(self.env.params, self._keys(seed), house, episode)
         self._state = new if self._state is None or mask.all() else self._merge(mask, new, self._state)
-        self._held &= ~mask
-        return tools.to_numpy(self._state.obs), tools.masked(tools.infos_of(self._state), mask)
+        self._pending_reset &= ~mask
+        return tools.to_numpy(self._state.obs), tools.with_masks(tools.collect_infos(self._state), mask)
 
     def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
         """Apply one control step to all; rewards of agents are averaged, `info["agent_reward"]` has each."""
         if self._state is None:
-            raise tools.needs_reset()
+            raise tools.reset_needed_error()
         actions = tools.check_action(actions, self.env.action_spec, self.num_envs)
         before, self._state = self._state, self._step(self.env.params, self._state, actions)
-        if self._held.any():
-            self._state = self._merge(self._held, before, self._state)
-        return self._told(self._state, tools.infos_of(self._state, before.world))
+        if self._pending_reset.any():
+            self._state = self._merge(self._pending_reset, before, self._state)
+        return self._step_result(self._state, tools.collect_infos(self._state, before.world))
 
-    def _told(self, state: State, infos: dict[str, Any]) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
+    def _step_result(
+        self, state: State, infos: dict[str, Any]
+    ) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
         """Assemble the return value of `step` for the autoreset mode."""
-        moved, obs = ~self._held, tools.to_numpy(state.obs)
+        moved, obs = ~self._pending_reset, tools.to_numpy(state.obs)
         rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1) * moved[:, None]
         terminated, truncated = np.array(state.terminated) & moved, np.array(state.truncated) & moved
         done = terminated | truncated
         if self.env.num_agents > 1:
             infos["agent_reward"] = rewards
-        info = tools.masked(infos, moved)
-        self._held = done & (self._mode is AutoresetMode.NEXT_STEP)
+        info = tools.with_masks(infos, moved)
+        self._pending_reset = done & (self._mode is AutoresetMode.NEXT_STEP)
         if done.any():
             last = tools.to_numpy(state.info["final_obs"])
             if self._mode is AutoresetMode.NEXT_STEP:
-                obs = {name: np.where(tools.like(done, x), last[name], x) for name, x in obs.items()}
+                obs = {name: np.where(tools.broadcast_mask(done, x), last[name], x) for name, x in obs.items()}
             else:
                 info |= {"final_obs": last, "_final_obs": done}
-                info |= {"final_info": tools.masked(infos, done), "_final_info": done}
+                info |= {"final_info": tools.with_masks(infos, done), "_final_info": done}
         return obs, rewards.mean(-1), terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
@@ -210,7 +212,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         if self._picture is None or self._state is None:
             return None
         states = (jax.tree.map(lambda x, i=i: x[i], self._state) for i in range(self.num_envs))
-        return tuple(self._picture.of(state) for state in states)
+        return tuple(self._picture.render(state) for state in states)
 
     def _keys(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
         if seed is None:
@@ -218,7 +220,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         seed = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
         if len(seed) != self.num_envs:
             raise ConfigError(f"expected one seed, or {self.num_envs}, got {len(seed)}")
-        return np.stack([tools.key_of(np.random.default_rng(one)) for one in seed])
+        return np.stack([tools.draw_key(np.random.default_rng(one)) for one in seed])
 
     def _mask(self, mask: Any) -> np.ndarray:
         if mask is None:
@@ -231,4 +233,4 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
 
 
 def _scalars(state: State) -> dict[str, Any]:
-    return {name: value.item() for name, value in tools.infos_of(state).items()}
+    return {name: value.item() for name, value in tools.collect_infos(state).items()}

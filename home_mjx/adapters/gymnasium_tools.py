@@ -18,26 +18,28 @@ from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.base.state import Episodes, State, World
 from home_mjx.tasks.base.status import status_report
-from home_mjx.tasks.env.bound import BoundEnv
-from home_mjx.tasks.env.episodes import load_rows
+from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.episodes import load_episodes_or_tasks
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
 RENDER_MODES = (None, "rgb_array")
-MODES = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
-CHOICES = {"num_houses", "split", "where"}  # options that select houses; without them the episode file selects them
-PICTURE = 256  # [px] default width and height of `render` images
+AUTORESET_MODES = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
+HOUSE_OPTIONS = {
+    "num_houses",
+    "split",
+    "where",
+}  # options that select houses; without them the episode file selects them
+DEFAULT_RENDER_SIZE = 256  # [px] default width and height of `render` images
 
 
-def make_bound(
-    env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]
-) -> BoundEnv[HouseholdEnv]:
+def make_env(env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]) -> Env[HouseholdEnv]:
     """Make an environment; its resets use the rows of `episodes`, if any."""
     if isinstance(episodes, str | Path):
-        if not CHOICES.intersection(name for name, value in options.items() if value is not None):
+        if not HOUSE_OPTIONS.intersection(name for name, value in options.items() if value is not None):
             return make(env_id, episodes=episodes, **options)
         env = make(env_id, **options)
-        return env.with_tasks(load_rows(episodes, env.bank, env.task))
+        return env.with_tasks(load_episodes_or_tasks(episodes, env.bank, env.task))
     env = make(env_id, **options)
     return env.with_tasks(episodes) if episodes is not None else env
 
@@ -49,19 +51,19 @@ def check_render_mode(render_mode: str | None) -> None:
         raise ConfigError(f"render_mode must be None or 'rgb_array', got {render_mode!r}", hint=hint)
 
 
-def reset_mode(mode: Any) -> AutoresetMode:
+def parse_autoreset_mode(mode: Any) -> AutoresetMode:
     """Return an autoreset mode from the mode or its name.
 
     Raises:
-        ConfigError: It is not in `MODES`.
+        ConfigError: It is not in `AUTORESET_MODES`.
     """
-    names = {known.value: known for known in MODES}
+    names = {known.value: known for known in AUTORESET_MODES}
     name = getattr(mode, "value", mode)
     check_known("mode of resets", [name], names)
     return names[name]
 
 
-def like(mask: np.ndarray, x: np.ndarray) -> np.ndarray:
+def broadcast_mask(mask: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Reshape a mask of environments to as many axes as `x` has."""
     return mask.reshape(-1, *[1] * (x.ndim - 1))
 
@@ -71,12 +73,12 @@ def to_numpy(tree: Any) -> Any:
     return jax.tree.map(lambda x: np.array(x, np.int8) if x.dtype == bool else np.array(x), tree)
 
 
-def key_of(random: np.random.Generator) -> np.ndarray:
+def draw_key(random: np.random.Generator) -> np.ndarray:
     """Return a raw JAX key from Gymnasium's generator."""
     return np.asarray(random.integers(0, 2**32, 2, np.uint32))
 
 
-def chosen(options: Mapping[str, Any], name: str, count: int, num_envs: int | None = None) -> Any:
+def index_option(options: Mapping[str, Any], name: str, count: int, num_envs: int | None = None) -> Any:
     """Return an index from the options of reset, or one per environment; None if the option is absent.
 
     Raises:
@@ -86,7 +88,7 @@ def chosen(options: Mapping[str, Any], name: str, count: int, num_envs: int | No
     if value is None:
         return None
     if num_envs is None or np.ndim(value) == 0:
-        check_number(name, value, 0, count - 1, whole=True)
+        check_number(name, value, 0, count - 1, integer=True)
         return np.int32(value) if num_envs is None else np.full(num_envs, value, np.int32)
     given = np.asarray(value)
     if given.shape != (num_envs,) or given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= count:
@@ -99,7 +101,7 @@ def check_options(options: Mapping[str, Any], known: tuple[str, ...]) -> None:
     check_known("option of reset", options, known)
 
 
-def num_episodes(env: BoundEnv) -> int:
+def count_episodes(env: Env) -> int:
     """Return the number of rows that `options={"episode": ...}` can select."""
     return 0 if env.params.tasks is None else len(env.params.tasks)
 
@@ -124,7 +126,7 @@ def check_action(action: Any, spec: ArraySpec, num_envs: int | None = None) -> n
     return action.astype(spec.dtype)
 
 
-def infos_of(state: State, before: World | None = None) -> dict[str, np.ndarray]:
+def collect_infos(state: State, before: World | None = None) -> dict[str, np.ndarray]:
     """Return house, episode, metrics and status flags of one environment or of each of a batch.
 
     Args:
@@ -139,12 +141,12 @@ def infos_of(state: State, before: World | None = None) -> dict[str, np.ndarray]
     return {**own, **metrics, **{f"status/{name}": value for name, value in lost.items()}}
 
 
-def masked(infos: Mapping[str, Any], mask: np.ndarray) -> dict[str, Any]:
+def with_masks(infos: Mapping[str, Any], mask: np.ndarray) -> dict[str, Any]:
     """Return infos in the form of Gymnasium's vector environments: each with the mask of its environments."""
     return {**infos, **{f"_{name}": mask for name in infos}}
 
 
-class Picture:
+class DisplayCamera:
     """Renderer of images of any size for display, independent of the observations.
 
     Args:
@@ -152,23 +154,25 @@ class Picture:
         size: Width and height [px].
     """
 
-    def __init__(self, env: BoundEnv[HouseholdEnv], size: tuple[int, int]) -> None:
+    def __init__(self, env: Env[HouseholdEnv], size: tuple[int, int]) -> None:
         view = AgentCamera("picture", ("rgb",), Lens(*size), env.config.fovy)
 
         def draw(params: Any, state: State) -> Any:
             snapshot = env.core.snapshot(params, state)
-            camera = jax.tree.map(lambda x: x[0], place_cameras(env.config, view, snapshot.pose, snapshot.mount))
+            camera = jax.tree.map(
+                lambda x: x[0], place_cameras(env.config, view, snapshot.pose, snapshot.camera_offsets)
+            )
             own = agent_ids(snapshot.bank, 1)[0]
-            preset = env.config.rgb_preset
-            return render(snapshot.scene, camera, view.lens, kinds=("rgb",), preset=preset, exclude=own)["rgb"]
+            preset = env.config.shader
+            return render(snapshot.scene, camera, view.lens, kinds=("rgb",), shader=preset, exclude=own)["rgb"]
 
         self._params, self._draw = env.params, jax.jit(draw)
 
-    def of(self, state: State) -> np.ndarray:
+    def render(self, state: State) -> np.ndarray:
         """Render the view of the first agent (H, W, 3) uint8."""
         return np.array(self._draw(self._params, state))
 
 
-def needs_reset() -> gymnasium.error.ResetNeeded:
+def reset_needed_error() -> gymnasium.error.ResetNeeded:
     """Return the error for a step before the first reset."""
     return gymnasium.error.ResetNeeded("call reset() before step()")

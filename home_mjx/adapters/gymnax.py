@@ -13,18 +13,18 @@ from typing import Any
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.adapters.base.agents import joined, joined_spec, vector_names
-from home_mjx.adapters.base.jax_spaces import Box, Dict, Discrete, space_of
-from home_mjx.adapters.base.single import carried, single
+from home_mjx.adapters.base.agents import join_vectors, vector_observations, vector_spec
+from home_mjx.adapters.base.jax_spaces import BoxSpace, DictSpace, DiscreteSpace, make_jax_space
+from home_mjx.adapters.base.single import as_single_env, strip_observations
 from home_mjx.core.checks import check_type
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.keys import to_raw
+from home_mjx.tasks.base.keys import to_raw_key
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
-Obs = Array | dict[str, Array]
+GymnaxObs = Array | dict[str, Array]
 
 
 class GymnaxEnv:
@@ -44,14 +44,14 @@ class GymnaxEnv:
         ConfigError: `env` is not an environment, or has several agents, or `vector` is set and no vector is observed.
     """
 
-    def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = False, final_obs: bool = True) -> None:
-        check_type("env", env, BoundEnv)
+    def __init__(self, env: Env[HouseholdEnv], vector: bool = False, final_obs: bool = True) -> None:
+        check_type("env", env, Env)
         if env.num_agents != 1:
             raise ConfigError(f"gymnax drives one agent, this environment has {env.num_agents}", hint="Use JaxMarlEnv")
         self.env = env
-        self._vector = joined_spec(env.observation_spec) if vector else None
+        self._vector = vector_spec(env.observation_spec) if vector else None
         auto = AutoReset(env.core, "all" if final_obs else "none")
-        self._reset, self._step = single(auto.reset), single(auto.step)
+        self._reset, self._step = as_single_env(auto.reset), as_single_env(auto.step)
 
     @property
     def default_params(self) -> EnvParams:
@@ -68,19 +68,19 @@ class GymnaxEnv:
         """Number of discrete actions, or the size of a continuous action."""
         return self.env.action_size
 
-    def reset(self, key: Array, params: EnvParams | None = None) -> tuple[Obs, State]:
+    def reset(self, key: Array, params: EnvParams | None = None) -> tuple[GymnaxObs, State]:
         """Start a new episode.
 
         Args:
             key: Typed or raw key; it determines all random numbers of this and later episodes.
             params: Houses and saved episodes; None: `default_params`.
         """
-        state = self._reset(self.default_params if params is None else params, to_raw(key))
-        return self._seen(state.obs), carried(state)
+        state = self._reset(self.default_params if params is None else params, to_raw_key(key))
+        return self._seen(state.obs), strip_observations(state)
 
     def step(
         self, key: Array, state: State, action: ArrayLike, params: EnvParams | None = None
-    ) -> tuple[Obs, State, Float[Array, ""], Bool[Array, ""], Bool[Array, ""], dict[str, Any]]:
+    ) -> tuple[GymnaxObs, State, Float[Array, ""], Bool[Array, ""], Bool[Array, ""], dict[str, Any]]:
         """Apply one control step; if it ends the episode, observation and state are those of the next one.
 
         Args:
@@ -99,19 +99,23 @@ class GymnaxEnv:
         info: dict[str, Any] = {**state.metrics, **flags}
         if "final_obs" in state.info:
             info["final_observation"] = self._seen(state.info["final_obs"])
-        return self._seen(state.obs), carried(state), state.reward, state.terminated, state.truncated, info
+        return self._seen(state.obs), strip_observations(state), state.reward, state.terminated, state.truncated, info
 
-    def action_space(self, params: EnvParams | None = None) -> Box | Discrete:
+    def action_space(self, params: EnvParams | None = None) -> BoxSpace | DiscreteSpace:
         """Return the action space, which does not depend on the parameters."""
         del params
-        return Discrete(self.num_actions) if self.env.config.discrete is not None else space_of(self.env.action_spec)
+        return (
+            DiscreteSpace(self.num_actions)
+            if self.env.config.discrete is not None
+            else make_jax_space(self.env.action_spec)
+        )
 
-    def observation_space(self, params: EnvParams | None = None) -> Box | Dict:
+    def observation_space(self, params: EnvParams | None = None) -> BoxSpace | DictSpace:
         """Return the observation space, which does not depend on the parameters."""
         del params
         if self._vector is not None:
-            return space_of(self._vector)
-        return Dict({name: space_of(spec) for name, spec in self.env.observation_spec.items()})
+            return make_jax_space(self._vector)
+        return DictSpace({name: make_jax_space(spec) for name, spec in self.env.observation_spec.items()})
 
-    def _seen(self, obs: dict[str, Array]) -> Obs:
-        return obs if self._vector is None else joined(obs, vector_names(self.env.observation_spec))
+    def _seen(self, obs: dict[str, Array]) -> GymnaxObs:
+        return obs if self._vector is None else join_vectors(obs, vector_observations(self.env.observation_spec))

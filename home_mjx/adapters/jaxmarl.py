@@ -14,14 +14,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.adapters.base.agents import by_agent, joined, joined_spec, of_agents, vector_names
-from home_mjx.adapters.base.single import carried, single
+from home_mjx.adapters.base.agents import join_vectors, ordered_values, split_by_agent, vector_observations, vector_spec
+from home_mjx.adapters.base.single import as_single_env, strip_observations
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.tasks.base.keys import to_raw
+from home_mjx.tasks.base.keys import to_raw_key
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 try:
@@ -30,8 +30,8 @@ try:
 except ModuleNotFoundError as error:
     raise ConfigError("this adapter needs the package `jaxmarl`", hint=install_hint("multiagent")) from error
 
-Obs = dict[str, Any]  # by agent: a vector, or observations by name
-Step = tuple[Obs, State, dict[str, Float[Array, ""]], dict[str, Bool[Array, ""]], dict[str, Any]]
+MarlObs = dict[str, Any]  # by agent: a vector, or observations by name
+MarlStepResult = tuple[MarlObs, State, dict[str, Float[Array, ""]], dict[str, Bool[Array, ""]], dict[str, Any]]
 
 
 class JaxMarlEnv(MultiAgentEnv):
@@ -54,16 +54,16 @@ class JaxMarlEnv(MultiAgentEnv):
         ConfigError: `vector` is set and no vector is observed.
     """
 
-    def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = True, final_obs: bool = False) -> None:
+    def __init__(self, env: Env[HouseholdEnv], vector: bool = True, final_obs: bool = False) -> None:
         super().__init__(env.num_agents)
         self.env, self.final_obs = env, final_obs
-        specs = {name: spec.of_one(env.num_agents) for name, spec in env.observation_spec.items()}
-        self._vectors = vector_names(specs) if vector else None
-        seen = _box(joined_spec(specs)) if vector else Dict({name: _box(spec) for name, spec in specs.items()})
+        specs = {name: spec.for_one_agent(env.num_agents) for name, spec in env.observation_spec.items()}
+        self._vectors = vector_observations(specs) if vector else None
+        seen = _box(vector_spec(specs)) if vector else Dict({name: _box(spec) for name, spec in specs.items()})
         self.observation_spaces = dict.fromkeys(self.agents, seen)
         self.action_spaces = dict.fromkeys(self.agents, _action_space(env))
         auto = AutoReset(env.core, "all" if final_obs else "none")
-        self._auto_reset, self._auto_step = single(auto.reset), single(auto.step)
+        self._auto_reset, self._auto_step = as_single_env(auto.reset), as_single_env(auto.step)
 
     @property
     def name(self) -> str:
@@ -76,13 +76,15 @@ class JaxMarlEnv(MultiAgentEnv):
         return {"agent": list(self.agents)}
 
     @partial(jax.jit, static_argnums=0)
-    def reset(self, key: Array) -> tuple[Obs, State]:
+    def reset(self, key: Array) -> tuple[MarlObs, State]:
         """Start a new episode; the key determines all random numbers of this and later episodes."""
-        state = self._auto_reset(self.env.params, to_raw(key))
-        return self._seen(state.obs), carried(state)
+        state = self._auto_reset(self.env.params, to_raw_key(key))
+        return self._seen(state.obs), strip_observations(state)
 
     @partial(jax.jit, static_argnums=0)
-    def step(self, key: Array, state: State, actions: Mapping[str, Array], reset_state: State | None = None) -> Step:
+    def step(
+        self, key: Array, state: State, actions: Mapping[str, Array], reset_state: State | None = None
+    ) -> MarlStepResult:
         """Apply one control step; if it ends the episode, observations and state are those of the next one.
 
         Args:
@@ -97,14 +99,14 @@ class JaxMarlEnv(MultiAgentEnv):
         return self._result(new, new.info.get("final_obs"))
 
     @partial(jax.jit, static_argnums=0)
-    def step_env(self, key: Array, state: State, actions: Mapping[str, Array]) -> Step:
+    def step_env(self, key: Array, state: State, actions: Mapping[str, Array]) -> MarlStepResult:
         """Apply one control step without automatic reset."""
         del key
         new = self.env.step(state, self._action(actions))
         return self._result(new, new.obs if self.final_obs else None)
 
     @partial(jax.jit, static_argnums=0)
-    def get_obs(self, state: State) -> Obs:
+    def get_obs(self, state: State) -> MarlObs:
         """Compute the observations of a state."""
         return self._seen(self.env.observe(state).obs)
 
@@ -115,28 +117,30 @@ class JaxMarlEnv(MultiAgentEnv):
         return {agent: jnp.ones(self.env.action_size, bool) for agent in self.agents}
 
     def _action(self, actions: Mapping[str, Array]) -> Array:
-        taken = of_agents({agent: actions[agent] for agent in self.agents if agent in actions}, self.agents)
+        taken = ordered_values({agent: actions[agent] for agent in self.agents if agent in actions}, self.agents)
         return taken[0] if len(taken) == 1 else jnp.stack(taken)
 
-    def _result(self, state: State, final: dict[str, Array] | None) -> Step:
+    def _result(self, state: State, final: dict[str, Array] | None) -> MarlStepResult:
         flags = {"status": state.status, "terminated": state.terminated, "truncated": state.truncated}
         infos: dict[str, Any] = {**state.metrics, **flags}
         infos = {name: jnp.broadcast_to(value, (self.num_agents,)) for name, value in infos.items()}
         if final is not None:
             infos["final_obs"] = self._seen(final)
         dones = dict.fromkeys((*self.agents, "__all__"), state.done)
-        return self._seen(state.obs), carried(state), by_agent(state.reward, self.agents), dones, infos
+        return self._seen(state.obs), strip_observations(state), split_by_agent(state.reward, self.agents), dones, infos
 
-    def _seen(self, obs: dict[str, Array]) -> Obs:
-        each = by_agent(obs, self.agents)
-        return each if self._vectors is None else {agent: joined(own, self._vectors) for agent, own in each.items()}
+    def _seen(self, obs: dict[str, Array]) -> MarlObs:
+        each = split_by_agent(obs, self.agents)
+        return (
+            each if self._vectors is None else {agent: join_vectors(own, self._vectors) for agent, own in each.items()}
+        )
 
 
 def _box(spec: ArraySpec) -> Space:
     return Box(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))
 
 
-def _action_space(env: BoundEnv[HouseholdEnv]) -> Space:
+def _action_space(env: Env[HouseholdEnv]) -> Space:
     if env.config.discrete is not None:
         return Discrete(env.action_size)
-    return _box(env.action_spec.of_one(env.num_agents))
+    return _box(env.action_spec.for_one_agent(env.num_agents))

@@ -15,9 +15,9 @@ import numpy as np
 from gymnasium.utils import EzPickle
 
 from home_mjx.adapters import gymnasium_tools as tools
-from home_mjx.adapters.base.agents import agent_names, by_agent, of_agents
+from home_mjx.adapters.base.agents import agent_names, ordered_values, split_by_agent
 from home_mjx.adapters.gymnasium import GymEnv
-from home_mjx.adapters.spaces import agent_space, box
+from home_mjx.adapters.spaces import agent_action_space, make_gym_box
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.tasks.base.state import Episodes
 
@@ -26,7 +26,7 @@ try:
 except ModuleNotFoundError as error:
     raise ConfigError("this adapter needs the package `pettingzoo`", hint=install_hint("multiagent")) from error
 
-CHECKERS_OPTION = "options"  # PettingZoo's API test resets with options={"options": 1}
+API_TEST_OPTION = "options"  # PettingZoo's API test resets with options={"options": 1}
 
 
 class PettingZooEnv(ParallelEnv, EzPickle):
@@ -49,7 +49,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         self,
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
-        render_size: tuple[int, int] = (tools.PICTURE, tools.PICTURE),
+        render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
         episodes: Episodes | str | Path | None = None,
         **options: Any,
     ) -> None:
@@ -59,13 +59,13 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         self.metadata = {**type(self).metadata, "name": env_id, "render_fps": self.gym.metadata["render_fps"]}
         env = self.gym.env
         self.possible_agents, self.agents = agent_names(env.num_agents), []
-        specs = {name: spec.of_one(env.num_agents) for name, spec in env.observation_spec.items()}
+        specs = {name: spec.for_one_agent(env.num_agents) for name, spec in env.observation_spec.items()}
         # Separate objects, so that each space can be seeded.
         self.observation_spaces = {
-            agent: gymnasium.spaces.Dict({name: box(spec) for name, spec in specs.items()})
+            agent: gymnasium.spaces.Dict({name: make_gym_box(spec) for name, spec in specs.items()})
             for agent in self.possible_agents
         }
-        self.action_spaces = {agent: agent_space(env) for agent in self.possible_agents}
+        self.action_spaces = {agent: agent_action_space(env) for agent in self.possible_agents}
 
     def observation_space(self, agent: str) -> gymnasium.Space:
         """Return a dictionary of boxes; the same object at every call."""
@@ -77,10 +77,10 @@ class PettingZooEnv(ParallelEnv, EzPickle):
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
         """Start an episode; `options={"house": i}` or `{"episode": i}` selects it, see `GymEnv.reset`."""
-        options = {name: value for name, value in (options or {}).items() if name != CHECKERS_OPTION}
+        options = {name: value for name, value in (options or {}).items() if name != API_TEST_OPTION}
         obs, info = self.gym.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
-        return by_agent(obs, self.agents), self._each(info)
+        return split_by_agent(obs, self.agents), self._each(info)
 
     def step(self, actions: dict[str, Any]) -> tuple[dict, dict, dict, dict, dict]:
         """Apply one control step.
@@ -95,15 +95,15 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         if not self.agents and not actions:
             return {}, {}, {}, {}, {}
         if not self.agents:
-            raise tools.needs_reset()
+            raise tools.reset_needed_error()
         names = self.agents
-        taken = of_agents(actions, names)
-        obs, reward, terminated, truncated, info = self.gym.step(taken[0] if len(names) == 1 else _stacked(taken))
+        taken = ordered_values(actions, names)
+        obs, reward, terminated, truncated, info = self.gym.step(taken[0] if len(names) == 1 else _stack_actions(taken))
         rewards = info.pop("agent_reward", np.asarray([reward]))
         if terminated or truncated:
             self.agents = []
         return (
-            by_agent(obs, names),
+            split_by_agent(obs, names),
             {agent: float(rewards[i]) for i, agent in enumerate(names)},
             dict.fromkeys(names, terminated),
             dict.fromkeys(names, truncated),
@@ -118,7 +118,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         return {agent: dict(info) for agent in self.possible_agents}
 
 
-def _stacked(actions: list[Any]) -> np.ndarray:
+def _stack_actions(actions: list[Any]) -> np.ndarray:
     shapes = [np.shape(action) for action in actions]
     if len(set(shapes)) > 1:
         raise ConfigError(f"expected actions of one shape, got {', '.join(map(str, shapes))}")

@@ -18,7 +18,7 @@ from home_mjx.adapters.brax import BraxEnv, TrainingWrapper
 from home_mjx.adapters.brax import wrap_for_training as brax_wrapped
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.registry import NUM_HOUSES, find_spec, list_envs
+from home_mjx.registry import DEFAULT_NUM_HOUSES, find_spec, list_envs
 from home_mjx.tasks.base.config import EnvConfig
 
 try:
@@ -45,7 +45,7 @@ def default_config(env_id: str = "PointNav-v0") -> ConfigDict:
         "width": plain.width,
         "height": plain.height,
         "houses": None,
-        "num_houses": NUM_HOUSES,
+        "num_houses": DEFAULT_NUM_HOUSES,
         "split": None,
     }
     return ConfigDict({name: options.get(name, value) for name, value in known.items()}, allow_dotted_keys=True)
@@ -98,12 +98,12 @@ class PlaygroundEnv(MjxEnv):
         Args:
             rng: One key, raw as Playground's wrappers need, or typed.
         """
-        return _of_brax(self.brax.reset(rng))
+        return _from_brax(self.brax.reset(rng))
 
     def step(self, state: State, action: Array) -> State:
         """Apply one control step; truncation is left to the wrapper."""
         given = BraxState(state.data, state.obs, state.reward, state.done, state.metrics, state.info)
-        return _of_brax(self.brax.step(given, action))
+        return _from_brax(self.brax.step(given, action))
 
     @property
     def action_size(self) -> int:
@@ -117,7 +117,7 @@ class PlaygroundEnv(MjxEnv):
         Raises:
             ConfigError: Always.
         """
-        _refuse("xml_path", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
+        _raise_unsupported("xml_path", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
 
     @property
     def mj_model(self) -> NoReturn:
@@ -126,7 +126,7 @@ class PlaygroundEnv(MjxEnv):
         Raises:
             ConfigError: Always.
         """
-        _refuse("mj_model", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
+        _raise_unsupported("mj_model", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
 
     @property
     def mjx_model(self) -> NoReturn:
@@ -135,7 +135,9 @@ class PlaygroundEnv(MjxEnv):
         Raises:
             ConfigError: Always.
         """
-        _refuse("mjx_model", "To randomise, pass `variation` in config_overrides, or more houses: num_houses=64.")
+        _raise_unsupported(
+            "mjx_model", "To randomise, pass `variation` in config_overrides, or more houses: num_houses=64."
+        )
 
     def render(
         self,
@@ -171,11 +173,11 @@ class PlaygroundEnv(MjxEnv):
         return self.brax.render(states, height, width)
 
 
-def _refuse(name: str, hint: str) -> NoReturn:
+def _raise_unsupported(name: str, hint: str) -> NoReturn:
     raise ConfigError(f"a household has no `{name}`: its houses are arrays in a bank", hint=hint)
 
 
-def _of_brax(state: BraxState) -> State:
+def _from_brax(state: BraxState) -> State:
     return State(state.pipeline_state, state.obs, state.reward, state.done, state.metrics, state.info)
 
 

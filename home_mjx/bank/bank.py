@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
-from home_mjx.bank.packing.pack import Packed, pack
-from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, by_record
+from home_mjx.bank.packing.pack import PackedBank, pack_bank
+from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, group_by_record
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.schema.compiled import CompiledHouse
@@ -38,7 +38,7 @@ class HouseBank(BankArrays):
             CapacityError: The houses have too many triangles for one bank.
             DatasetError: A texture cannot be read.
         """
-        return to_bank(pack(houses))
+        return to_bank(pack_bank(houses))
 
     @property
     def num_houses(self) -> int:
@@ -50,9 +50,9 @@ class HouseBank(BankArrays):
         """Ids of the houses in the dataset, in bank order; computed on the host."""
         return tuple(bytes(row).rstrip(b"\0").decode() for row in np.asarray(self.house_id))
 
-    def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
-        """Clip house indices to the bank, see `Geometry.known_house`."""
-        return self.geometry.known_house(house)
+    def clip_house_index(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
+        """Clip house indices to the bank, see `Geometry.clip_house_index`."""
+        return self.geometry.clip_house_index(house)
 
     def semantics_of(self, house: Int[Array, ""] | int, object_id: Int[Array, "*n"], column: int) -> Int[Array, "*n"]:
         """Look up a semantic column for object ids, such as the pixels of an instance image.
@@ -68,21 +68,21 @@ class HouseBank(BankArrays):
         Example:
             >>> sizes = bank.semantics_of(0, images["instance"], Semantic.SIZE)  # doctest: +SKIP
         """
-        rows = self.geometry.object_semantic[self.known_house(house)]
+        rows = self.geometry.object_semantic[self.clip_house_index(house)]
         known = jnp.clip(object_id, 0, rows.shape[0] - 1)
         row = jnp.where(object_id < rows.shape[0], rows[known], self.geometry.agent_semantic)
         found = self.semantics[:, column][jnp.maximum(row, 0)]
         return jnp.where((object_id < 0) | (row < 0), -1, found)
 
 
-def to_bank(packed: Packed) -> HouseBank:
+def to_bank(packed: PackedBank) -> HouseBank:
     """Transfer packed houses to the device."""
     # One transfer of all arrays; `jnp.asarray` per array would compile a program for each.
-    tables = by_record(jax.device_put(packed.arrays, may_alias=False))
+    tables = group_by_record(jax.device_put(packed.arrays, may_alias=False))
     if jax.default_backend() == "gpu":
         tables["geometry"]["gpu"] = gpu_geometry(Geometry(**tables["geometry"]))
     own = tables.pop("")
     draw = jnp.arange(len(own["house_id"]), dtype=jnp.int32)
     return HouseBank(
-        **own, **{name: RECORDS[name](**table) for name, table in tables.items()}, draw=draw, spec=packed.spec
+        **own, **{name: RECORDS[name](**table) for name, table in tables.items()}, reset_houses=draw, spec=packed.spec
     )

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import jax
 
 from home_mjx.bank.packing.library import Owners, model_owners
-from home_mjx.bank.packing.pack import plan
+from home_mjx.bank.packing.pack import plan_bank
 from home_mjx.bank.packing.texture_layers import texture_bytes
-from home_mjx.bank.records.bank_arrays import BankArrays, schema
-from home_mjx.bank.records.declaration import HOUSE, Sizes
+from home_mjx.bank.records.bank_arrays import BankArrays, declarations
+from home_mjx.bank.records.declaration import HOUSE_AXIS, Sizes
 from home_mjx.schema.compiled import CompiledHouse
 
 
@@ -42,8 +42,8 @@ def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
         >>> found.houses, max(found.models.values())  # doctest: +SKIP
         ({'0004d52d1aeeb8ae6de39d6bd993e992': 881_000}, 1_900_000)
     """
-    library, sizes = plan(houses)
-    at = dict.fromkeys(library.rows, 0)
+    library, sizes = plan_bank(houses)
+    at = dict.fromkeys(library.num_rows, 0)
     own = {h.id: _owned_bytes(library.house_owners(h, at, sizes), sizes) for h in houses}
     models = {key: _owned_bytes(model_owners(model, at), sizes) for key, model in library.models.items()}
     return Usage(own, models, texture_bytes(len(library.textures)))
@@ -67,8 +67,8 @@ def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
         >>> sum(planned_bytes([compiled]).values())  # doctest: +SKIP
         14_680_064
     """
-    _, sizes = plan(houses)
-    return {d.name: d.nbytes(sizes) for d in schema()}
+    _, sizes = plan_bank(houses)
+    return {d.name: d.nbytes(sizes) for d in declarations()}
 
 
 def bank_bytes(bank: BankArrays) -> int:
@@ -84,9 +84,9 @@ def bank_bytes(bank: BankArrays) -> int:
 def _owned_bytes(owners: Owners, sizes: Sizes) -> int:
     """Return the bytes of the rows of some owners; a house's own row counts with its padding."""
     total = 0
-    for declaration in schema():
-        if declaration.kind == HOUSE and HOUSE in owners:
-            total += declaration.nbytes({**sizes, HOUSE: 1})
+    for declaration in declarations():
+        if declaration.kind == HOUSE_AXIS and HOUSE_AXIS in owners:
+            total += declaration.nbytes({**sizes, HOUSE_AXIS: 1})
         elif declaration.kind in owners:
             values = (declaration.values(owner) for owner in owners[declaration.kind])
             total += sum(v.size for v in values) * declaration.dtype.itemsize

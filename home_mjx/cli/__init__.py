@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 
 from home_mjx import __version__
-from home_mjx.cli.interrupts import INTERRUPTED, leave, watch_interrupts
+from home_mjx.cli.interrupts import EXIT_INTERRUPTED, exit_interrupted, watch_interrupts
 from home_mjx.cli.output import drop_empty_folders
 from home_mjx.cli.parsing import Parser
 from home_mjx.core.checks import check_known
@@ -29,14 +29,14 @@ COMMANDS = {
     "bench": "measure speed",
     "doctor": "check whether this machine is ready",
 }
-LEARNING = {
+LEARNING_COMMANDS = {
     "play": "play and film episodes of a task: an expert, a trained agent, a random one, or you by the keyboard",
     "record": "record a dataset of episodes of an expert or a trained agent",
     "train": "train an agent with recurrent PPO, or on an expert's advice",
     "evaluate": "evaluate a trained agent in held-out houses",
 }
-FOLDERS = {"commands": COMMANDS, "learning": LEARNING}  # folder of modules -> its commands
-BAD_INPUT = 2
+COMMAND_FOLDERS = {"commands": COMMANDS, "learning": LEARNING_COMMANDS}  # folder of modules -> its commands
+EXIT_BAD_INPUT = 2
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -53,9 +53,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _dispatch(argv)
     except KeyboardInterrupt:
         if is_process:
-            leave()  # before Python destroys half-built JAX objects
+            exit_interrupted()  # before Python destroys half-built JAX objects
         sys.stderr.write("home-mjx: interrupted\n")
-        return INTERRUPTED
+        return EXIT_INTERRUPTED
     except BrokenPipeError:
         # The reader of our output (`| head`) has closed the pipe. Redirect stdout, or flushing at exit fails.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -65,14 +65,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         if "--debug" in argv:
             raise
         sys.stderr.write(f"home-mjx: error: {error}\n")
-        return BAD_INPUT
+        return EXIT_BAD_INPUT
     except Exception as error:
         if "--debug" in argv or not _is_out_of_memory(error):
             raise
         reason = str(error).strip().partition("\n")[0].rstrip(".")
         hint = "Use fewer environments, houses, episodes or pixels."
         sys.stderr.write(f"home-mjx: error: not enough memory: {reason}. {hint}\n")
-        return BAD_INPUT
+        return EXIT_BAD_INPUT
 
 
 def _is_out_of_memory(error: Exception) -> bool:
@@ -87,10 +87,10 @@ def _dispatch(argv: list[str]) -> int:
     args = top.parse_args(argv)
     if args.command is None:
         top.print_help()
-        return BAD_INPUT
-    check_known("command", [args.command], COMMANDS | LEARNING)
+        return EXIT_BAD_INPUT
+    check_known("command", [args.command], COMMANDS | LEARNING_COMMANDS)
     use_compile_cache()
-    folder = next(folder for folder, names in FOLDERS.items() if args.command in names)
+    folder = next(folder for folder, names in COMMAND_FOLDERS.items() if args.command in names)
     module = importlib.import_module(f"home_mjx.cli.{folder}.{args.command}")
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)
@@ -98,7 +98,7 @@ def _dispatch(argv: list[str]) -> int:
 
 
 def _top_parser() -> Parser:
-    listing = "\n".join(f"  {name:<10}{text}" for name, text in (COMMANDS | LEARNING).items())
+    listing = "\n".join(f"  {name:<10}{text}" for name, text in (COMMANDS | LEARNING_COMMANDS).items())
     parser = Parser(
         prog="home-mjx",
         usage="home-mjx [--help] [--version] [--debug] COMMAND ...",

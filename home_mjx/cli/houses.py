@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.parsing import file_path, natural
+from home_mjx.cli.parsing import parse_natural, parse_path
 from home_mjx.core.paths import dataset_root
 from home_mjx.errors import ConfigError
 
@@ -23,12 +23,12 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
     """Add `--dataset ROOT`, and its old name `--suncg`."""
     parser.add_argument(
         "--dataset",
-        type=file_path,
+        type=parse_path,
         default=dataset_root(),
         metavar="ROOT",
         help="root of a dataset in SUNCG's format (default: $SUNCG_DATA_DIR, or generated houses)",
     )
-    parser.add_argument("--suncg", dest="dataset", type=file_path, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    parser.add_argument("--suncg", dest="dataset", type=parse_path, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
 
 
 def add_house_arguments(
@@ -56,7 +56,10 @@ def read_options(args: argparse.Namespace) -> "ReadOptions":
 def add_movable_option(parser: argparse.ArgumentParser) -> None:
     """Add `--max-bodies N`."""
     parser.add_argument(
-        "--max-bodies", type=natural, metavar="N", help="maximum number of movable objects per house (default: 32)"
+        "--max-bodies",
+        type=parse_natural,
+        metavar="N",
+        help="maximum number of movable objects per house (default: 32)",
     )
 
 
@@ -70,14 +73,14 @@ def compile_options(args: argparse.Namespace) -> "CompileOptions":
     return CompileOptions(read=read_options(args), movables=movables)
 
 
-def named_root(args: argparse.Namespace) -> str | Path:
+def selected_root(args: argparse.Namespace) -> str | Path:
     """Return the folder or name of the dataset that the arguments name, by default of one generated house."""
-    if names_root(args):
+    if is_dataset_root(args):
         return args.house
     return args.dataset or DEFAULT_DATASET
 
 
-def names_root(args: argparse.Namespace) -> bool:
+def is_dataset_root(args: argparse.Namespace) -> bool:
     """Return whether `HOUSE` is a dataset root: a path, or a folder that is not a house of `--dataset`."""
     name = args.house
     if name is None or Path(name).name != name:
@@ -86,32 +89,32 @@ def names_root(args: argparse.Namespace) -> bool:
     return Path(name).is_dir() and not known
 
 
-def open_named_dataset(args: argparse.Namespace) -> "Dataset":
+def open_selected_dataset(args: argparse.Namespace) -> "Dataset":
     """Open the selected dataset, by default one of generated houses."""
     from home_mjx.datasets.registry import open_dataset
 
-    return open_dataset(named_root(args))
+    return open_dataset(selected_root(args))
 
 
-def named_houses(args: argparse.Namespace) -> "HouseSet":
+def selected_houses(args: argparse.Namespace) -> "HouseSet":
     """Return all houses of the selected dataset, or the selected house."""
     from home_mjx.houses.house_set import HouseSet
 
-    ids = None if args.house is None or names_root(args) else (str(args.house),)
-    return HouseSet(open_named_dataset(args), ids, options=compile_options(args))
+    ids = None if args.house is None or is_dataset_root(args) else (str(args.house),)
+    return HouseSet(open_selected_dataset(args), ids, options=compile_options(args))
 
 
-def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
+def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
     """Return the dataset and the id of the selected house, by default the dataset's first.
 
     Raises:
         DatasetError: The dataset cannot be read.
         ConfigError: The arguments select a whole dataset.
     """
-    if names_root(args):
+    if is_dataset_root(args):
         hint = f"Pass one of its houses: HOUSE --dataset {args.house}"
         raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
-    dataset = open_named_dataset(args)
+    dataset = open_selected_dataset(args)
     house_id = args.house or dataset.house_ids[0]
     if args.house is None:
         dataset.prepare((house_id,))
@@ -119,14 +122,14 @@ def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
 
 
 def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
-    """Load the selected house as stored in the dataset; errors as in `named_house`."""
-    dataset, house_id = named_house(args)
+    """Load the selected house as stored in the dataset; errors as in `selected_house`."""
+    dataset, house_id = selected_house(args)
     options = read_options(args)
     return dataset.load_house(house_id, options), dataset.metadata_for(options)
 
 
 def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
-    """Load the selected house compiled, cached if possible; errors as in `named_house`."""
+    """Load the selected house compiled, cached if possible; errors as in `selected_house`."""
     from home_mjx.houses.house_cache import load_compiled
 
-    return load_compiled(*named_house(args), options=compile_options(args))
+    return load_compiled(*selected_house(args), options=compile_options(args))

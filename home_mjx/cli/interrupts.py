@@ -11,8 +11,8 @@ import sys
 import threading
 from typing import NoReturn
 
-INTERRUPTED = 130  # exit code, as in shells
-GRACE = 1.0  # [s] for Python to raise; after that it must be inside a long call
+EXIT_INTERRUPTED = 130  # exit code, as in shells
+GRACE_PERIOD = 1.0  # [s] for Python to raise; after that it must be inside a long call
 
 
 def watch_interrupts() -> None:
@@ -40,7 +40,7 @@ def watch_interrupts() -> None:
     threading.Thread(target=_watch, args=(reader, writer, noticed), daemon=True).start()
 
 
-def leave() -> NoReturn:
+def exit_interrupted() -> NoReturn:
     """End this process as interrupted, without destroying any object."""
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -52,7 +52,7 @@ def leave() -> NoReturn:
 
 def _watch(reader: socket.socket, writer: socket.socket, noticed: threading.Event) -> None:
     _wait(reader)
-    if noticed.wait(GRACE):
+    if noticed.wait(GRACE_PERIOD):
         _wait(reader)
     _end()
 
@@ -66,4 +66,4 @@ def _end() -> NoReturn:
     try:
         os.write(2, b"\nhome-mjx: interrupted\n")
     finally:
-        os._exit(INTERRUPTED)
+        os._exit(EXIT_INTERRUPTED)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from home_mjx.errors import ConfigError
 
-_made: list[Path] = []  # folders created by this process, innermost first
+_created: list[Path] = []  # folders created by this process, innermost first
 
 
 def make_folder(path: Path) -> Path:
@@ -18,7 +18,7 @@ def make_folder(path: Path) -> Path:
     new = [folder for folder in (path, *path.parents) if not folder.exists()]
     try:
         path.mkdir(parents=True, exist_ok=True)
-        _made[:0] = new
+        _created[:0] = new
         with tempfile.TemporaryFile(dir=path):
             return path
     except OSError as error:
@@ -28,7 +28,7 @@ def make_folder(path: Path) -> Path:
 
 def drop_empty_folders() -> None:
     """Remove folders of `make_folder` that are still empty, after an error."""
-    for folder in _made:
+    for folder in _created:
         with suppress(OSError):  # the folder is not empty
             folder.rmdir()
-    _made.clear()
+    _created.clear()

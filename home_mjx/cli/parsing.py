@@ -9,8 +9,8 @@ from typing import Any, NoReturn
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 MAX_DIGITS = 40  # maximum number of digits of a number
-MOST_HOUSES = 1_000_000  # maximum number of houses of a command; SUNCG has 45,622
-MOST_WORKERS = 1024  # maximum number of processes
+MAX_HOUSES = 1_000_000  # maximum number of houses of a command; SUNCG has 45,622
+MAX_WORKERS = 1024  # maximum number of processes
 
 
 class Parser(argparse.ArgumentParser):
@@ -40,7 +40,7 @@ class Parser(argparse.ArgumentParser):
         raise UnknownNameError(f"unknown option `{name}`", hint=did_you_mean(name, known))
 
 
-def seed_range(text: str) -> range:
+def parse_seed_range(text: str) -> range:
     """Parse seeds from `A:B` (B excluded) or one seed.
 
     Example:
@@ -55,12 +55,12 @@ def seed_range(text: str) -> range:
         raise argparse.ArgumentTypeError(f"expected SEED or A:B with whole numbers, got `{text}`") from None
     if not 0 <= start < stop <= 2**63:
         raise argparse.ArgumentTypeError(f"expected 0 <= A < B <= 2**63, got `{text}`")
-    if stop - start > MOST_HOUSES:
-        raise argparse.ArgumentTypeError(f"at most {MOST_HOUSES} houses at once, got `{text}`")
+    if stop - start > MAX_HOUSES:
+        raise argparse.ArgumentTypeError(f"at most {MAX_HOUSES} houses at once, got `{text}`")
     return range(start, stop)
 
 
-def file_path(text: str) -> Path:
+def parse_path(text: str) -> Path:
     """Parse a path; reject an empty text, such as an unset shell variable.
 
     Example:
@@ -72,7 +72,7 @@ def file_path(text: str) -> Path:
     return Path(text)
 
 
-def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
+def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
     """Return an argument type of numbers from `low` to `high`.
 
     Example:
@@ -92,14 +92,14 @@ def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
     return parse
 
 
-def seed(text: str) -> int:
+def parse_seed(text: str) -> int:
     """Parse a seed of 32 bits, the size of a random key."""
     if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) >= 2**32:
         raise argparse.ArgumentTypeError(f"expected a whole number from 0 to {2**32 - 1}, got `{text:.{MAX_DIGITS}}`")
     return int(text)
 
 
-def natural(text: str) -> int:
+def parse_natural(text: str) -> int:
     """Parse a whole number of at least 0.
 
     Example:
@@ -111,8 +111,8 @@ def natural(text: str) -> int:
     return int(text)
 
 
-def whole(most: int) -> Callable[[str], int]:
-    """Return an argument type of whole numbers from 1 to `most`.
+def whole_number_type(maximum: int) -> Callable[[str], int]:
+    """Return an argument type of whole numbers from 1 to `maximum`.
 
     Example:
         >>> whole(100)("25")
@@ -120,14 +120,14 @@ def whole(most: int) -> Callable[[str], int]:
     """
 
     def parse(text: str) -> int:
-        if not text.isdecimal() or len(text) > MAX_DIGITS or not 0 < int(text) <= most:
-            limit = f" and at most {most}" if text.isdecimal() and text.strip("0") else ""
+        if not text.isdecimal() or len(text) > MAX_DIGITS or not 0 < int(text) <= maximum:
+            limit = f" and at most {maximum}" if text.isdecimal() and text.strip("0") else ""
             raise argparse.ArgumentTypeError(f"expected a whole number above 0{limit}, got `{text:.{MAX_DIGITS}}`")
         return int(text)
 
     return parse
 
 
-positive_int = whole(2**31 - 1)
-house_count = whole(MOST_HOUSES)
-pixels = whole(8192)  # maximum width and height of an image
+positive_int_type = whole_number_type(2**31 - 1)
+house_count_type = whole_number_type(MAX_HOUSES)
+image_side_type = whole_number_type(8192)  # maximum width and height of an image

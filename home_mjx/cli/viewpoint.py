@@ -8,14 +8,14 @@ from jaxtyping import Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli.houses import add_house_arguments, load_compiled_house
-from home_mjx.cli.parsing import number
+from home_mjx.cli.parsing import number_type
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.agent import Body
-from home_mjx.schema.compiled import Rooms
+from home_mjx.schema.agent import AgentBody
+from home_mjx.schema.compiled import RoomTable
 
-EYE_HEIGHT = Body().eye_height  # [m] above the floor
-BELOW_CEILING = 0.05  # [m] distance of a downward camera from the ceiling
+EYE_HEIGHT = AgentBody().eye_height  # [m] above the floor
+CEILING_CLEARANCE = 0.05  # [m] distance of a downward camera from the ceiling
 
 
 @dataclass(frozen=True)
@@ -40,17 +40,17 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
     add_house_arguments(parser)
     parser.add_argument(
         "--at",
-        type=number(),
+        type=number_type(),
         nargs=2,
         metavar=("X", "Y"),
         help="standing position [m] (default: a start position of agents)",
     )
     parser.add_argument(
-        "--yaw", type=number(), help="direction of view [degrees] from +x (default: the longest free path)"
+        "--yaw", type=number_type(), help="direction of view [degrees] from +x (default: the longest free path)"
     )
 
 
-def stand(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
+def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
     """Load the selected house onto the device and place a head in it.
 
     Args:
@@ -64,12 +64,12 @@ def stand(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
     start = np.asarray(bank.navigation.start[0, 0])
     feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
     check_inside(bank, feet, "--at")
-    yaw = longest_view(bank, feet) if args.yaw is None else np.deg2rad(args.yaw)
+    yaw = longest_free_direction(bank, feet) if args.yaw is None else np.deg2rad(args.yaw)
     eyes = feet + np.array([0, 0, EYE_HEIGHT], np.float32)
     return Viewpoint(bank, _scene_of(bank), eyes, _quat(yaw, np.deg2rad(pitch)))
 
 
-def look_down(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndarray]:
+def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndarray]:
     """Load the selected house and place a downward camera below the ceilings of a storey; image up is +y.
 
     Args:
@@ -90,11 +90,11 @@ def look_down(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndar
     points = np.concatenate([house.rooms.polygon[room] for room in here])
     low, high = points.min(axis=0), points.max(axis=0)
     bank = HouseBank.from_compiled([house])
-    camera = np.array([*(low + high) / 2, _lowest_ceiling(house.rooms, here) - BELOW_CEILING], np.float32)
+    camera = np.array([*(low + high) / 2, _lowest_ceiling(house.rooms, here) - CEILING_CLEARANCE], np.float32)
     return Viewpoint(bank, _scene_of(bank), camera, _quat(np.pi / 2, -np.pi / 2)), high - low
 
 
-def _lowest_ceiling(rooms: Rooms, here: Int[np.ndarray, " n"]) -> float:
+def _lowest_ceiling(rooms: RoomTable, here: Int[np.ndarray, " n"]) -> float:
     """Return the lowest ceiling of rooms [m]; rooms without one, such as balconies, are ignored."""
     roofed = here[rooms.ceiling[here] > rooms.floor[here] + EYE_HEIGHT]
     return float(rooms.ceiling[roofed].min() if len(roofed) else rooms.floor[here].max() + EYE_HEIGHT)
@@ -129,7 +129,7 @@ def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
         raise ConfigError(given, hint=f"X is {low[0]:.1f} to {high[0]:.1f} m, Y {low[1]:.1f} to {high[1]:.1f} m")
 
 
-def longest_view(bank: HouseBank, feet: np.ndarray) -> float:
+def longest_free_direction(bank: HouseBank, feet: np.ndarray) -> float:
     """Return the direction [rad] of the longest straight walkable path from `feet` (3,) in the bank's first house."""
     navigation, cell = bank.navigation, bank.spec.cell
     free, origin = np.asarray(navigation.region[0, 0] == 0), np.asarray(navigation.origin[0])

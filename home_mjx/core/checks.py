@@ -8,8 +8,8 @@ from typing import TypeGuard
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
-MOST_WHOLE = 2.0**63  # exclusive bound of signed 64-bit integers
-MAX_SHOWN = 200  # maximum length of a value in a message [characters]
+INT64_BOUND = 2.0**63  # exclusive bound of signed 64-bit integers
+MAX_VALUE_LENGTH = 200  # maximum length of a value in a message [characters]
 
 
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
@@ -23,18 +23,18 @@ def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
 def check_names(kind: str, names: object, known: Iterable[str]) -> None:
     """Raise `ConfigError` unless `names` is a sequence of known names; a bare string is rejected."""
     if isinstance(names, str) or not isinstance(names, Iterable):
-        raise ConfigError(f"expected several names of a {kind}, got {shown(names)}", hint=as_names(names))
+        raise ConfigError(f"expected several names of a {kind}, got {shorten(names)}", hint=names_hint(names))
     check_known(kind, [str(name) for name in names], known)
 
 
-def as_names(text: object) -> str:
+def names_hint(text: object) -> str:
     """Return a hint that writes `text`, with or without commas, as a sequence of names.
 
     Example:
         >>> as_names("depth, rgb")
         'Write ("depth", "rgb"); on the command line NAME=["depth", "rgb"], in quotes.'
     """
-    names = [name.strip() for name in str(text)[:MAX_SHOWN].split(",") if name.strip()] or ["..."]
+    names = [name.strip() for name in str(text)[:MAX_VALUE_LENGTH].split(",") if name.strip()] or ["..."]
     return f"Write {json.dumps(names)[:-1].replace('[', '(')}{',' * (len(names) == 1)}); " + (
         f"on the command line NAME={json.dumps(names)}, in quotes."
     )
@@ -49,20 +49,20 @@ def check_flag(name: str, value: object) -> None:
 def check_type(name: str, value: object, kind: type) -> None:
     """Raise `ConfigError` unless an option is an instance of `kind`."""
     if not isinstance(value, kind):
-        raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {shown(value)}")
+        raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {shorten(value)}")
 
 
 def check_number(
-    name: str, value: object, least: float = -math.inf, most: float = math.inf, *, whole: bool = False
+    name: str, value: object, minimum: float = -math.inf, maximum: float = math.inf, *, integer: bool = False
 ) -> None:
     """Raise `ConfigError` unless an option is a finite number within limits.
 
     Args:
         name: Name of the option, for the message.
         value: Its value.
-        least: Minimum allowed value.
-        most: Maximum allowed value.
-        whole: Require an integer.
+        minimum: Minimum allowed value.
+        maximum: Maximum allowed value.
+        integer: Require an integer.
 
     Example:
         >>> check_number("width", 64, 1, whole=True)
@@ -71,11 +71,13 @@ def check_number(
         ...
         home_mjx.errors.ConfigError: `width` must be a whole number of at least 1, got 3.5
     """
-    if _is_number(value, whole) and least <= float(value) <= most:
+    if _is_number(value, integer) and minimum <= float(value) <= maximum:
         return
-    above = f" of at least {least:g}" if math.isfinite(least) else ""
-    below = f"{' and' if above else ' of'} at most {most:g}" if math.isfinite(most) else ""
-    raise ConfigError(f"`{name}` must be a {'whole ' if whole else 'finite '}number{above}{below}, got {shown(value)}")
+    above = f" of at least {minimum:g}" if math.isfinite(minimum) else ""
+    below = f"{' and' if above else ' of'} at most {maximum:g}" if math.isfinite(maximum) else ""
+    raise ConfigError(
+        f"`{name}` must be a {'whole ' if integer else 'finite '}number{above}{below}, got {shorten(value)}"
+    )
 
 
 def _is_number(value: object, whole: bool) -> TypeGuard[float]:
@@ -86,10 +88,10 @@ def _is_number(value: object, whole: bool) -> TypeGuard[float]:
         finite = math.isfinite(value)
     except OverflowError:
         return False
-    return finite and (not whole or abs(float(value)) < MOST_WHOLE)
+    return finite and (not whole or abs(float(value)) < INT64_BOUND)
 
 
-def shown(value: object) -> str:
+def shorten(value: object) -> str:
     """Return the `repr` of a value for a message, shortened to its start if it is long.
 
     Example:
@@ -100,7 +102,7 @@ def shown(value: object) -> str:
         text = repr(value)
     except ValueError:  # Python refuses to format integers with thousands of digits
         return "a number of thousands of digits"
-    return text if len(text) <= MAX_SHOWN else f"{text[:40]}… ({len(text)} characters)"
+    return text if len(text) <= MAX_VALUE_LENGTH else f"{text[:40]}… ({len(text)} characters)"
 
 
 def check_shape(name: str, shape: tuple[int, ...], expected: tuple[int, ...]) -> None:

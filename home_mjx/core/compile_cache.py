@@ -9,12 +9,12 @@ from pathlib import Path
 
 from home_mjx.core.paths import cache_folder
 
-FOLDER = "JAX_COMPILATION_CACHE_DIR"
+FOLDER_VARIABLE = "JAX_COMPILATION_CACHE_DIR"
 OPTIONS = {
-    "jax_compilation_cache_dir": FOLDER,
+    "jax_compilation_cache_dir": FOLDER_VARIABLE,
     "jax_persistent_cache_min_compile_time_secs": "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS",
 }
-MIN_SECONDS = "0.1"  # [s], minimum compile time of a cached program
+MIN_COMPILE_SECONDS = "0.1"  # [s], minimum compile time of a cached program
 
 
 def use_compile_cache() -> Path | None:
@@ -30,12 +30,12 @@ def use_compile_cache() -> Path | None:
         >>> home_mjx.use_compile_cache()  # doctest: +SKIP
         PosixPath('/home/me/.cache/home_mjx/programs-5f0c2a91')
     """
-    if FOLDER not in os.environ:
-        os.environ[FOLDER] = str(cache_folder() / f"programs-{_processor()}")
-        os.environ.setdefault(OPTIONS["jax_persistent_cache_min_compile_time_secs"], MIN_SECONDS)
+    if FOLDER_VARIABLE not in os.environ:
+        os.environ[FOLDER_VARIABLE] = str(cache_folder() / f"programs-{_processor()}")
+        os.environ.setdefault(OPTIONS["jax_persistent_cache_min_compile_time_secs"], MIN_COMPILE_SECONDS)
         if "jax" in sys.modules:  # JAX reads the environment only once, at import
             _tell_jax()
-    return Path(os.environ[FOLDER]) if os.environ[FOLDER] else None
+    return Path(os.environ[FOLDER_VARIABLE]) if os.environ[FOLDER_VARIABLE] else None
 
 
 def _tell_jax() -> None:

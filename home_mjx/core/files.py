@@ -27,47 +27,49 @@ _swept: set[Path] = set()  # folders that this process has swept
 # The largest SUNCG file has a few MB and 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
-MAX_LINE = 1 << 20  # [bytes], maximum length of a JSON line; a task has about 1,500
-MAX_UNPACKED = 1 << 32  # [bytes], maximum size of the unpacked arrays of one file
-MAX_NAME = 1000  # maximum length of a path in a message [characters]
-TEMPORARY = ".tmp"  # suffix of incomplete files; their names begin with a dot
-UNFINISHED = f".{'[0-9a-f]' * 32}{TEMPORARY}"  # pattern of the temporary names of `write_whole`
-LEFTOVER_SECONDS = 3600.0  # [s], minimum age of a leftover file; no write takes that long
+MAX_LINE_BYTES = 1 << 20  # [bytes], maximum length of a JSON line; a task has about 1,500
+MAX_UNPACKED_BYTES = 1 << 32  # [bytes], maximum size of the unpacked arrays of one file
+MAX_PATH_LENGTH = 1000  # maximum length of a path in a message [characters]
+TEMPORARY_SUFFIX = ".tmp"  # suffix of incomplete files; their names begin with a dot
+TEMPORARY_PATTERN = f".{'[0-9a-f]' * 32}{TEMPORARY_SUFFIX}"  # pattern of the temporary names of `write_atomically`
+MIN_LEFTOVER_SECONDS = 3600.0  # [s], minimum age of a leftover file; no write takes that long
 
 
-def read_text(path: Path, hint: str | None = None, most: int | None = None) -> str:
+def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None) -> str:
     """Read the text of a UTF-8 file.
 
     Args:
         path: The file.
         hint: Remedy if the file is missing.
-        most: Maximum accepted size [bytes]; `MAX_BYTES` by default.
+        max_bytes: Maximum accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
         DatasetError: The file is unreadable, too large or not UTF-8.
     """
-    text = _decode(read_bytes(path, hint, most), path)
+    text = _decode(read_bytes(path, hint, max_bytes), path)
     if text.count("\n") > MAX_LINES:
         message = f"file has {text.count(chr(10))} lines, at most {MAX_LINES} are read"
         raise DatasetError(message, file=path, hint="Fetch or write it again.")
     return text
 
 
-def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: int | None = None) -> Iterator[Row]:
+def read_json_lines(
+    path: Path, content: str, parse: Callable[[Any], Row], max_bytes: int | None = None
+) -> Iterator[Row]:
     """Parse a file of JSON lines and yield one row per line.
 
     Args:
         path: The file.
-        what: Name of the content of a line, for messages.
+        content: Name of the content of a line, for messages.
         parse: Converts the JSON value of a line to a row.
-        most: Maximum accepted size [bytes]; `MAX_BYTES` by default.
+        max_bytes: Maximum accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
         DatasetError: The file cannot be read, or a line is broken; the error names the line.
     """
-    for number, line in enumerate(_lines(path, most), 1):
+    for number, line in enumerate(_lines(path, max_bytes), 1):
         try:
             yield parse(json.loads(line))
         except DatasetError as error:
@@ -76,7 +78,7 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
         except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
             hint = "Each line must be one JSON object, as the package writes them."
-            raise DatasetError(f"invalid {what}: {reason}", file=path, element=f"line {number}", hint=hint) from None
+            raise DatasetError(f"invalid {content}: {reason}", file=path, element=f"line {number}", hint=hint) from None
 
 
 def _lines(path: Path, most: int | None) -> Iterator[str]:
@@ -85,35 +87,35 @@ def _lines(path: Path, most: int | None) -> Iterator[str]:
         _check(path, most or MAX_BYTES)
         with open_regular(path) as file:
             for number in itertools.count(1):
-                line = file.readline(MAX_LINE + 1)
+                line = file.readline(MAX_LINE_BYTES + 1)
                 if not line:
                     return
-                if len(line) > MAX_LINE or number > MAX_LINES:
-                    what = f"a line has at most {MAX_LINE} bytes, and a file {MAX_LINES} lines"
+                if len(line) > MAX_LINE_BYTES or number > MAX_LINES:
+                    what = f"a line has at most {MAX_LINE_BYTES} bytes, and a file {MAX_LINES} lines"
                     raise DatasetError(what, file=path, element=f"line {number}", hint="Fetch or write it again.")
                 yield _decode(line, path, number)
 
 
-def write_json_lines(path: Path, rows: Iterable[Any], what: str) -> None:
+def write_json_lines(path: Path, rows: Iterable[Any], content: str) -> None:
     """Write a file for `read_json_lines`, one row per line.
 
     Args:
         path: The file.
         rows: JSON-serializable values.
-        what: Name of the rows, for messages.
+        content: Name of the rows, for messages.
 
     Raises:
         ConfigError: The file cannot be written.
     """
     text = "".join(f"{json.dumps(row)}\n" for row in rows)
-    with write_durably(path, what) as file:
+    with write_durably(path, content) as file:
         file.write(text.encode())
 
 
-def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:
+def read_bytes(path: Path, hint: str | None = None, max_bytes: int | None = None) -> bytes:
     """Read the content of a file; arguments and errors as in `read_text`."""
     with _readable(path, hint):
-        _check(path, most or MAX_BYTES)
+        _check(path, max_bytes or MAX_BYTES)
         return path.read_bytes()
 
 
@@ -128,17 +130,17 @@ def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
         raise MissingFileError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
         reason = f"file cannot be read: {getattr(error, 'strerror', error)}"
-        name = path if len(str(path)) < MAX_NAME else f"{str(path)[:MAX_NAME]}…"
+        name = path if len(str(path)) < MAX_PATH_LENGTH else f"{str(path)[:MAX_PATH_LENGTH]}…"
         raise DatasetError(reason, file=name, hint="Check its name and who may read it.") from None
 
 
-def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[np.ndarray]:
+def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> list[np.ndarray]:
     """Read arrays of an `.npz` file by name; pickled objects are rejected, so no code in the file runs.
 
     Args:
         path: The file.
         names: Names of the arrays.
-        what: Name of the file's content, for messages.
+        content: Name of the file's content, for messages.
         hint: Remedy if the file is missing or is not such a file.
 
     Raises:
@@ -152,11 +154,11 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
     except DatasetError:  # from `_check_unpacked`
         raise
     except FileNotFoundError:
-        raise MissingFileError(f"there is no {what}", file=path, hint=hint) from None
+        raise MissingFileError(f"there is no {content}", file=path, hint=hint) from None
     except KeyError as error:
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
     except Exception as error:  # a crafted file can make NumPy and zipfile raise nearly anything, including MemoryError
-        raise DatasetError(f"file is not a valid {what}: {error!s:.300}", file=path, hint=hint) from None
+        raise DatasetError(f"file is not a valid {content}: {error!s:.300}", file=path, hint=hint) from None
 
 
 def _is_array(found: Any, name: str) -> np.ndarray:
@@ -184,11 +186,11 @@ def open_regular(path: Path) -> io.BufferedReader:
 
 
 def _check_unpacked(archive: zipfile.ZipFile, names: Sequence[str], path: Path) -> None:
-    """Raise `DatasetError` if a small file would unpack to more than `MAX_UNPACKED` bytes."""
+    """Raise `DatasetError` if a small file would unpack to more than `MAX_UNPACKED_BYTES` bytes."""
     sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     total = sum(sizes.get(name, 0) for name in names)
-    if total > MAX_UNPACKED:
-        message = f"arrays have {total} bytes after unpacking, at most {MAX_UNPACKED} are read"
+    if total > MAX_UNPACKED_BYTES:
+        message = f"arrays have {total} bytes after unpacking, at most {MAX_UNPACKED_BYTES} are read"
         raise DatasetError(message, file=path, hint="Write it again, in several files.")
 
 
@@ -221,7 +223,7 @@ def _decode(data: bytes, path: Path, first: int = 1) -> str:
         ) from None
 
 
-def below(root: Path, folder: Path, relative: str) -> Path | None:
+def resolve_below(root: Path, folder: Path, relative: str) -> Path | None:
     """Return the path `relative` to `folder`; None if it leads out of `root`.
 
     Only the text of the path is checked, so folders of a dataset may be symbolic links to another disk.
@@ -235,11 +237,11 @@ def below(root: Path, folder: Path, relative: str) -> Path | None:
 
 
 @contextmanager
-def write_whole(path: Path) -> Iterator[IO[bytes]]:
+def write_atomically(path: Path) -> Iterator[IO[bytes]]:
     """Write a file atomically: a temporary file replaces `path` when the block ends, so no reader sees a partial file.
 
     If the block raises, `path` is unchanged. Nothing is synced to disk: such files are checked on reading and can be
-    regenerated. The first write of a process to a folder removes leftovers, see `sweep`.
+    regenerated. The first write of a process to a folder removes leftovers, see `remove_leftovers`.
 
     Args:
         path: The file; its folder is created if missing.
@@ -254,14 +256,14 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.parent not in _swept:
         _swept.add(path.parent)
-        sweep(path.parent)
-    beside = path.with_name(f".{uuid.uuid4().hex}{TEMPORARY}")
+        remove_leftovers(path.parent)
+    beside = path.with_name(f".{uuid.uuid4().hex}{TEMPORARY_SUFFIX}")
     with _in_place(path, beside, beside.open("xb")) as file:  # not private, so that other users can read it
         yield file
 
 
-def sweep(folder: Path) -> None:
-    """Remove temporary files of `write_whole` that killed processes left in a folder more than an hour ago.
+def remove_leftovers(folder: Path) -> None:
+    """Remove temporary files of `write_atomically` that killed processes left in a folder more than an hour ago.
 
     Args:
         folder: Folder of the written files; it need not exist.
@@ -269,21 +271,21 @@ def sweep(folder: Path) -> None:
     Example:
         >>> sweep(Path("kernels"))
     """
-    for path in folder.glob(UNFINISHED):
+    for path in folder.glob(TEMPORARY_PATTERN):
         with suppress(OSError):  # removed by another process, or owned by another user
-            if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
+            if time.time() - path.stat().st_mtime > MIN_LEFTOVER_SECONDS:
                 path.unlink()
 
 
 @contextmanager
-def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO[bytes]]:
-    """Write a file as `write_whole` does and sync it to disk; the file has the permissions of any new one.
+def write_durably(path: Path, content: str, hint: str | None = None) -> Iterator[IO[bytes]]:
+    """Write a file as `write_atomically` does and sync it to disk; the file has the permissions of any new one.
 
     A leftover temporary file of a killed process is overwritten by the next call.
 
     Args:
         path: The file, in an existing folder.
-        what: Name of the content, for messages.
+        content: Name of the content, for messages.
         hint: Remedy if it cannot be written.
 
     Raises:
@@ -294,7 +296,7 @@ def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO
         ...     file.write(b"{}")
     """
     beside = path.with_name(f".{path.name}.new")
-    with writing(what, path, hint), _in_place(path, beside, beside.open("wb")) as file:
+    with convert_write_errors(content, path, hint), _in_place(path, beside, beside.open("wb")) as file:
         yield file
         file.flush()
         os.fsync(file.fileno())
@@ -314,7 +316,7 @@ def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
         raise
 
 
-def write_through(path: Path, content: bytes, mode: str = "wb") -> None:
+def write_synced(path: Path, content: bytes, mode: str = "wb") -> None:
     """Write to a file and sync its content to disk; a new name also needs a sync of its folder.
 
     Use it for files that are renamed into place, or that grow line by line.
@@ -347,12 +349,12 @@ def _sync_folder(folder: Path) -> None:
 
 
 @contextmanager
-def write_together(folder: Path, what: str) -> Iterator[Path]:
+def write_all_or_none(folder: Path, content: str) -> Iterator[Path]:
     """Create a temporary folder whose files all move to `folder` when the block ends, or none if it raises.
 
     Args:
         folder: Destination; created if missing.
-        what: Name of the files, for messages.
+        content: Name of the files, for messages.
 
     Raises:
         ConfigError: The files cannot be written.
@@ -361,34 +363,34 @@ def write_together(folder: Path, what: str) -> Iterator[Path]:
         >>> with write_together(Path("play"), "film") as beside:  # doctest: +SKIP
         ...     (beside / "film.jsonl").write_text("{}")
     """
-    with writing(what, folder):
+    with convert_write_errors(content, folder):
         folder.mkdir(parents=True, exist_ok=True)
         # Inside `folder`, since a move from another disk would copy files and could leave partial ones.
-        beside = tempfile.TemporaryDirectory(dir=folder, prefix=".", suffix=TEMPORARY)
+        beside = tempfile.TemporaryDirectory(dir=folder, prefix=".", suffix=TEMPORARY_SUFFIX)
     with beside:
         yield Path(beside.name)
-        with writing(what, folder):
+        with convert_write_errors(content, folder):
             for file in sorted(Path(beside.name).iterdir()):
                 file.replace(folder / file.name)
 
 
 @contextmanager
-def writing(what: str, path: Path, hint: str | None = None) -> Iterator[None]:
-    """Convert an `OSError` of the block to the error of `unwritable`."""
+def convert_write_errors(content: str, path: Path, hint: str | None = None) -> Iterator[None]:
+    """Convert an `OSError` of the block to the error of `write_error`."""
     try:
         yield
     except HomeMjxError:  # a `MissingFileError` is also an `OSError`
         raise
     except OSError as error:
-        raise unwritable(what, path, error, hint) from error
+        raise write_error(content, path, error, hint) from error
 
 
-def as_path(path: object, what: str) -> Path:
+def as_path(path: object, content: str) -> Path:
     """Convert a user's file name to a path.
 
     Args:
         path: Text or a path.
-        what: Name of the file's content, for messages.
+        content: Name of the file's content, for messages.
 
     Raises:
         ConfigError: `path` is neither.
@@ -399,11 +401,11 @@ def as_path(path: object, what: str) -> Path:
     """
     if isinstance(path, str | os.PathLike):
         return Path(path)
-    message = f"expected the path of a file of {what}, got {path!r:.60}"
+    message = f"expected the path of a file of {content}, got {path!r:.60}"
     raise ConfigError(message, hint='Write its name, such as "runs/tasks.jsonl".')
 
 
-def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:
+def write_error(content: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:
     """Return the `ConfigError` for a failed write.
 
     Example:
@@ -411,7 +413,7 @@ def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -
         film cannot be written: No space left on device (in out.mp4). Free some space, or name another folder.
     """
     hint = hint or "Free some space, or name another folder."
-    return ConfigError(f"{what} cannot be written: {error.strerror or error}", file=path, hint=hint)
+    return ConfigError(f"{content} cannot be written: {error.strerror or error}", file=path, hint=hint)
 
 
 def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
@@ -429,7 +431,7 @@ def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
     try:
         for name, content in files.items():
             (fresh / name).parent.mkdir(parents=True, exist_ok=True)
-            write_through(fresh / name, content)
+            write_synced(fresh / name, content)
         if target.exists():
             target.rename(old)
         fresh.rename(target)

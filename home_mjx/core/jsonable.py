@@ -12,13 +12,13 @@ from home_mjx.errors import ConfigError
 
 PACKAGE = __name__.split(".")[0]
 TYPE, TUPLE = "__type__", "__tuple__"
-MOST_SHOWN = 600  # maximum length of a message [characters]
-MOST_TEXT = 1 << 22  # maximum length [characters]; the ids of SUNCG's 45,622 houses take 2 million
+MAX_MESSAGE_LENGTH = 600  # maximum length of a message [characters]
+MAX_TEXT_LENGTH = 1 << 22  # maximum length [characters]; the ids of SUNCG's 45,622 houses take 2 million
 HINT = "It was written by another version of home_mjx, or edited by hand."
 
 
 @runtime_checkable
-class Trusting(Protocol):
+class TrustChecked(Protocol):
     """Options that name code to run; `from_json` calls `check_trusted` because a file must not choose that code."""
 
     def check_trusted(self) -> None:
@@ -63,14 +63,14 @@ def from_json(text: str, file: Path | None = None) -> Any:
 
 
 def _check_length(text: str) -> None:
-    if len(text) > MOST_TEXT:
-        message = f"options text has {len(text)} characters, at most {MOST_TEXT} are read"
+    if len(text) > MAX_TEXT_LENGTH:
+        message = f"options text has {len(text)} characters, at most {MAX_TEXT_LENGTH} are read"
         raise ConfigError(message, hint="Name a dataset or a split instead of each house.")
 
 
 def _shown(text: str) -> str:
-    """Return text for a message: printable and at most `MOST_SHOWN` characters long."""
-    return text.encode(errors="backslashreplace").decode()[:MOST_SHOWN]
+    """Return text for a message: printable and at most `MAX_MESSAGE_LENGTH` characters long."""
+    return text.encode(errors="backslashreplace").decode()[:MAX_MESSAGE_LENGTH]
 
 
 def _plain(value: Any, where: str) -> Any:
@@ -99,7 +99,7 @@ def _rebuilt(value: Any) -> Any:
     if TYPE not in value:
         return fields
     made = _dataclass(value[TYPE])(**fields)
-    if isinstance(made, Trusting):
+    if isinstance(made, TrustChecked):
         made.check_trusted()
     return made
 

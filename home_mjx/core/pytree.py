@@ -14,11 +14,11 @@ def static(**kwargs: Any) -> Any:
 
 
 def array(doc: str, **notes: Any) -> Any:
-    """Declare an array field with its meaning and notes for the code that fills it; see `declared`."""
+    """Declare an array field with its meaning and notes for the code that fills it; see `declared_arrays`."""
     return dataclasses.field(metadata={"doc": doc, "notes": notes})
 
 
-def declared(cls: type) -> dict[str, tuple[Any, str, dict[str, Any]]]:
+def declared_arrays(cls: type) -> dict[str, tuple[Any, str, dict[str, Any]]]:
     """Return annotation, meaning and notes of all fields declared with `array`, by field name.
 
     Example:
@@ -51,7 +51,7 @@ class Pytree:
         jax.tree_util.register_pytree_with_keys(cls, _flatten_with_keys, _unflattener(cls), _flatten)
 
     @classmethod
-    def unchecked(cls: type[T], **values: Any) -> T:
+    def build_unchecked(cls: type[T], **values: Any) -> T:
         """Build a record without type checks, for fields such as the `in_axes` of `jax.vmap`."""
         return _build(cls, values)
 

@@ -26,7 +26,7 @@ def wrap_angle(angle: Float[Array, "*n"]) -> Float[Array, "*n"]:
     return (angle + jnp.pi) % (2 * jnp.pi) - jnp.pi
 
 
-def body_quat(yaw: Float[Array, ""]) -> Float[Array, "4"]:
+def yaw_quat(yaw: Float[Array, ""]) -> Float[Array, "4"]:
     """Return the quaternion wxyz of a rotation by `yaw` [rad] about +z."""
     half = yaw / 2
     zero = jnp.zeros_like(half)
@@ -53,17 +53,17 @@ def quat_multiply(a: Float[Array, "4"], b: Float[Array, "4"]) -> Float[Array, "4
     return jnp.concatenate([w[None], xyz])
 
 
-UNIT_SLACK = 1e-2  # tolerance of a unit quaternion's squared norm
+UNIT_QUAT_TOLERANCE = 1e-2  # tolerance of a unit quaternion's squared norm
 
 
-def is_unit(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
-    """Return whether quaternions have unit length within `UNIT_SLACK`; rotations by others would scale.
+def is_unit_quat(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
+    """Return whether quaternions have unit length within `UNIT_QUAT_TOLERANCE`; rotations by others would scale.
 
     Example:
         >>> is_unit(jnp.array([[1.0, 0, 0, 0], [1.05, 0, 0, 0]])).tolist()
         [True, False]
     """
-    return jnp.abs(jnp.sum(quat * quat, axis=-1) - 1) < UNIT_SLACK
+    return jnp.abs(jnp.sum(quat * quat, axis=-1) - 1) < UNIT_QUAT_TOLERANCE
 
 
 def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
@@ -83,7 +83,7 @@ def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
     )
 
 
-def rigid(pos: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, "3 4"]:
+def rigid_transform(pos: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, "3 4"]:
     """Return the affine map from a body frame to the world, from position [m] and unit quaternion wxyz."""
     return jnp.concatenate([quat_matrix(quat), pos[:, None]], axis=1)
 
@@ -103,7 +103,7 @@ def invert(pose: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
     return jnp.concatenate([linear, offset[:, None]], axis=1)
 
 
-def bounds(pose: Float[Array, "3 4"], box: Float[Array, "2 3"]) -> Float[Array, "2 3"]:
+def transform_bounds(pose: Float[Array, "3 4"], box: Float[Array, "2 3"]) -> Float[Array, "2 3"]:
     """Return world bounds (min, max) of an axis-aligned box in the local frame of `pose`.
 
     Source: J. Arvo, "Transforming axis-aligned bounding boxes", Graphics Gems, 1990.

@@ -6,13 +6,13 @@ Host only: no module here imports JAX.
 from home_mjx.datasets.base import Dataset, FileDigests, InputDigests
 from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
+from home_mjx.datasets.outlines import RoomOutline, WallOpening, outline_house
 from home_mjx.datasets.registry import dataset_schemes, open_dataset, register_dataset
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.splits import SPLITS, select_ids, split_of
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg import LibraryModel, SuncgDataset, write_house, write_library
-from home_mjx.datasets.suncg.validate.finding import RULES, Finding
+from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
 from home_mjx.datasets.suncg.validate.validate import validate_house
 
 __all__ = [
@@ -20,14 +20,14 @@ __all__ = [
     "SPLITS",
     "Dataset",
     "FileDigests",
-    "Finding",
     "InputDigests",
     "Joint",
     "LibraryModel",
-    "Opening",
     "ReadOptions",
     "RoomOutline",
     "SuncgDataset",
+    "ValidationFinding",
+    "WallOpening",
     "dataset_schemes",
     "house_id",
     "open_dataset",

@@ -12,11 +12,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Protocol, runtime_checkable
 
-from home_mjx.core.files import below
+from home_mjx.core.files import resolve_below
 from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
-from home_mjx.schema.house import House, Metadata, ModelInfo, StandIn
+from home_mjx.schema.house import Fallback, House, Metadata, ModelInfo
 
 log = logging.getLogger(__name__)
 
@@ -163,7 +163,7 @@ class Dataset(ABC):
         fine, coarse, nyu40 = self.categories[category]
         return ModelInfo(model_id, fine, coarse, nyu40)
 
-    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[StandIn]) -> None:
+    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[Fallback]) -> None:
         """Log one warning that lists replacements of missing files.
 
         Args:
@@ -209,7 +209,7 @@ class FileDigests:
 
     def has_texture(self, name: str) -> bool:
         """Return whether the folder of the dataset has an image of this name."""
-        found = below(self.root, self.root, name)
+        found = resolve_below(self.root, self.root, name)
         return found is not None and found.is_file()
 
     def save(self, interval: float = 0.0) -> None:

@@ -12,7 +12,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Mesh
 
 JointKind = Literal["hinge", "slide"]
-KINDS: tuple[str, ...] = get_args(JointKind)
+JOINT_KINDS: tuple[str, ...] = get_args(JointKind)
 Vector = tuple[float, float, float]
 
 
@@ -33,12 +33,12 @@ class Joint:
     point: Vector  # [m], a point on the axis of a hinge or on the front of a slide
     low: float  # hinge [rad], slide [m]; minimum, at most 0
     high: float
-    ranges: tuple[tuple[int, int], ...]  # first and last face of each run, as 0-based `f` lines of the OBJ
+    face_ranges: tuple[tuple[int, int], ...]  # first and last face of each run, as 0-based `f` lines of the OBJ
 
     @cached_property
     def faces(self) -> Int[np.ndarray, " n"]:
         """Indices of its faces in a mesh read from the model's OBJ."""
-        return np.concatenate([np.arange(first, last + 1) for first, last in self.ranges])
+        return np.concatenate([np.arange(first, last + 1) for first, last in self.face_ranges])
 
     def matrix(self, value: float) -> Float[np.ndarray, "4 4"]:
         """Return the rigid motion from the pose in the OBJ to a joint value.
@@ -70,7 +70,7 @@ class Joint:
         Raises:
             ConfigError: The value is out of range, or the mesh lacks faces of the part.
         """
-        if self.ranges[-1][1] >= len(mesh.faces):
+        if self.face_ranges[-1][1] >= len(mesh.faces):
             raise ConfigError(f"{self.model_id} {self.part} has faces that the mesh lacks", hint="Is it another model?")
         motion, vertices = self.matrix(value), mesh.vertices.copy()
         own = np.unique(mesh.faces[self.faces])

@@ -33,6 +33,6 @@ class ReadOptions:
             check_flag("strict", self.strict)
 
     @property
-    def categories_left_out(self) -> tuple[str, ...]:
+    def excluded_categories(self) -> tuple[str, ...]:
         """Coarse categories of the objects to leave out."""
         return ("person",) * (not self.people) + ("plant",) * (not self.plants)

@@ -8,14 +8,14 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.errors import ConfigError
-from home_mjx.geometry.pieces import CUT, Piece, join_pieces, wall_pieces
+from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import simplify, slab
-from home_mjx.geometry.wall_prisms import DEPTH, Hole, Wall
-from home_mjx.schema.house import Box, House, Level, Material, Mesh, Room
+from home_mjx.geometry.wall_prisms import WALL_DEPTH, Hole, WallSegment
+from home_mjx.schema.house import BoxNode, House, Level, Material, Mesh, RoomNode
 
-THICKNESS = 0.05  # [m], of floors and ceilings; also the height of a floor's upper side
-OUTSET = DEPTH / 5  # [m], of floors and ceilings beyond the centre lines of walls
-LEAST = 0.05  # [m], minimum width of an opening along a wall
+SLAB_THICKNESS = 0.05  # [m], of floors and ceilings; also the height of a floor's upper side
+SLAB_OUTSET = WALL_DEPTH / 5  # [m], of floors and ceilings beyond the centre lines of walls
+MIN_OPENING_WIDTH = 0.05  # [m], minimum width of an opening along a wall
 PLASTER, WOOD = Material("plaster", (0.9, 0.9, 0.85)), Material("wood", (0.65, 0.5, 0.35))
 
 Point = tuple[float, float]
@@ -41,7 +41,7 @@ class RoomOutline:
 
 
 @dataclass(frozen=True)
-class Opening:
+class WallOpening:
     """A hole through every wall along its line.
 
     Attributes:
@@ -60,8 +60,8 @@ class Opening:
 def outline_house(
     house_id: str,
     rooms: Sequence[RoomOutline],
-    openings: Sequence[Opening] = (),
-    boxes: Sequence[Box] = (),
+    openings: Sequence[WallOpening] = (),
+    boxes: Sequence[BoxNode] = (),
     height: float = 2.7,
 ) -> House:
     """Build a house of one level with walls along the outlines of its rooms. Y is up, in metres.
@@ -90,7 +90,7 @@ def outline_house(
     return House(house_id, "suncg@1.0.0", Path("house") / house_id / "house.json", (level,), {})
 
 
-def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[Opening], height: float) -> Room:
+def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[WallOpening], height: float) -> RoomNode:
     stem = Path("room") / house_id / f"fr_0rm_{index}"
     try:
         corners = simplify(np.array(room.corners, float).reshape(-1, 2))
@@ -98,7 +98,7 @@ def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[Openi
         ceiling = _slab(stem, "Ceiling", corners, height, room.ceiling)
     except ValueError as error:
         raise ConfigError(f"outline of room {index}: {error}", element=f"rooms[{index}].corners") from None
-    return Room(
+    return RoomNode(
         id=f"0_{index}",
         index=index,
         path=f"levels[0].nodes[{index}]",
@@ -113,8 +113,8 @@ def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[Openi
 
 
 def _slab(stem: Path, kind: str, corners: Float[np.ndarray, "n 2"], low: float, material: Material) -> Mesh:
-    vertices, faces, uv = slab([corners], low, low + THICKNESS, OUTSET)
-    piece = Piece(f"{kind}#{stem.name}", vertices, faces, uv, np.zeros(len(faces), int))
+    vertices, faces, uv = slab([corners], low, low + SLAB_THICKNESS, SLAB_OUTSET)
+    piece = MeshPiece(f"{kind}#{stem.name}", vertices, faces, uv, np.zeros(len(faces), int))
     return join_pieces(stem.with_name(f"{stem.name}{kind[0].lower()}.obj"), [piece], [material])
 
 
@@ -123,25 +123,25 @@ def _walls(
     room: int,
     corners: Float[np.ndarray, "n 2"],
     inside: Material,
-    openings: Sequence[Opening],
+    openings: Sequence[WallOpening],
     height: float,
 ) -> Mesh:
     """Build one wall per side; the interior is to the right of the corners' order, as `wall_prisms` requires."""
-    pieces: list[Piece] = []
+    pieces: list[MeshPiece] = []
     for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
         holes = tuple(hole for opening in openings if (hole := _hole(opening, start, end)) is not None)
-        wall = Wall(np.array([start[0], 0, start[1]]), np.array([end[0], 0, end[1]]), height, holes)
+        wall = WallSegment(np.array([start[0], 0, start[1]]), np.array([end[0], 0, end[1]]), height, holes)
         pieces += [replace(p, slot=p.slot + 3 * number) for p in wall_pieces(wall, f"0_{room}_{number}")]
-    return join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, [inside, CUT, PLASTER] * len(corners))
+    return join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, [inside, CUT_MATERIAL, PLASTER] * len(corners))
 
 
-def _hole(opening: Opening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
+def _hole(opening: WallOpening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
     """Compute the hole of an opening in a wall; None if the wall does not run along it."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.array([opening.start, opening.end], float) - start
     along, off = np.sort(ends @ way), abs(ends @ np.array([-way[1], way[0]]))
     left, right = np.clip(along, 0, length).tolist()
-    if off.max() > DEPTH / 2 or right - left < LEAST:
+    if off.max() > WALL_DEPTH / 2 or right - left < MIN_OPENING_WIDTH:
         return None
     return left, right, opening.low, opening.high

@@ -7,8 +7,8 @@ from home_mjx.errors import UnknownIdError
 
 # "home" in hexadecimal. SUNCG's ids are hashes; one of its 45,622 has this prefix with probability 1e-5.
 ID_PREFIX = "686f6d65"
-MARKER = "generated.json"  # file in the root of a generated dataset
-MAX_KNOWN = 1 << 16  # exclusive maximum seed of a lookup by id; searching them all takes 0.1 s
+GENERATED_MARKER = "generated.json"  # file in the root of a generated dataset
+MAX_LOOKUP_SEED = 1 << 16  # exclusive maximum seed of a lookup by id; searching them all takes 0.1 s
 
 
 def house_id(seed: int) -> str:
@@ -21,11 +21,11 @@ def house_id(seed: int) -> str:
     return ID_PREFIX + hashlib.sha256(f"home_mjx house {seed}".encode()).hexdigest()[:24]
 
 
-def in_order(ids: Iterable[str]) -> tuple[str, ...]:
+def sort_house_ids(ids: Iterable[str]) -> tuple[str, ...]:
     """Sort house ids: generated houses by seed, then all others by id.
 
     The first houses of a generated folder thus stay first when houses of higher seeds are added. Sorted by id, which is
-    a hash, a new house could come anywhere. Seeds of `MAX_KNOWN` and more count as unknown.
+    a hash, a new house could come anywhere. Seeds of `MAX_LOOKUP_SEED` and more count as unknown.
 
     Example:
         >>> in_order(["b", house_id(9), "a", house_id(2)]) == (house_id(2), house_id(9), "a", "b")
@@ -36,11 +36,11 @@ def in_order(ids: Iterable[str]) -> tuple[str, ...]:
     return (*found, *sorted(others.difference(found)))
 
 
-def seeds_of(ids: Iterable[str]) -> tuple[int, ...]:
+def find_seeds(ids: Iterable[str]) -> tuple[int, ...]:
     """Return the distinct seeds of generated houses in ascending order.
 
     Raises:
-        UnknownIdError: An id does not belong to a seed below `MAX_KNOWN`.
+        UnknownIdError: An id does not belong to a seed below `MAX_LOOKUP_SEED`.
 
     Example:
         >>> seeds_of([house_id(9), house_id(2)])
@@ -55,10 +55,10 @@ def seeds_of(ids: Iterable[str]) -> tuple[int, ...]:
 
 
 def _known(ids: set[str]) -> dict[str, int]:
-    """Map ids of seeds below `MAX_KNOWN` to their seeds, in ascending order of seeds."""
+    """Map ids of seeds below `MAX_LOOKUP_SEED` to their seeds, in ascending order of seeds."""
     left = sum(name.startswith(ID_PREFIX) for name in ids)
     found: dict[str, int] = {}
-    for seed in range(MAX_KNOWN):
+    for seed in range(MAX_LOOKUP_SEED):
         if len(found) == left:
             break
         if (name := house_id(seed)) in ids:

@@ -6,9 +6,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from home_mjx.schema.house import Box, Level, Mesh, Object, Room
+from home_mjx.schema.house import BoxNode, Level, Mesh, ObjectNode, RoomNode
 
-Placed = TypeVar("Placed", Object, Box)
+Placed = TypeVar("Placed", ObjectNode, BoxNode)
 
 
 def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
@@ -39,7 +39,7 @@ def _raised(level: Level, number: int, lift: float) -> Level:
     )
 
 
-def _room(room: Room, number: int, lift: float) -> Room:
+def _room(room: RoomNode, number: int, lift: float) -> RoomNode:
     floor, ceiling, walls = (_mesh(mesh, number, lift) for mesh in (room.floor, room.ceiling, room.walls))
     return replace(
         room,

@@ -3,16 +3,16 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.schema.edges import EDGES, edge_rows
+from home_mjx.schema.edges import NUM_EDGES, edge_rows
 
-PROBE = 0.02  # [m], distance of the probe points from an edge
-POINTS = np.linspace(-0.9, 0.9, 5)  # probe positions along an edge, in half lengths
-ENOUGH = 2  # minimum number of positions surrounded by air
+PROBE_DISTANCE = 0.02  # [m], distance of the probe points from an edge
+PROBE_POSITIONS = np.linspace(-0.9, 0.9, 5)  # probe positions along an edge, in half lengths
+MIN_FREE_PROBES = 2  # minimum number of positions surrounded by air
 
 
-def exposed_edges(
+def find_exposed_edges(
     center: Float[np.ndarray, "n 3"],
-    turn: Float[np.ndarray, "n 3 3"],
+    rotation: Float[np.ndarray, "n 3 3"],
     half: Float[np.ndarray, "n 3"],
     heights: Float[np.ndarray, "r 2"],
 ) -> Bool[np.ndarray, "n edges"]:
@@ -20,7 +20,7 @@ def exposed_edges(
 
     Args:
         center: Box centres [m].
-        turn: Rotations from box to world.
+        rotation: Rotations from box to world.
         half: Half extents [m].
         heights: Floor and ceiling of each room [m].
 
@@ -31,26 +31,26 @@ def exposed_edges(
         >>> int(exposed_edges(*one, np.array([[-2.0, 1.01]])).sum())  # up to the ceiling: no edges there
         8
     """
-    exposed = np.zeros((len(center), EDGES), bool)
+    exposed = np.zeros((len(center), NUM_EDGES), bool)
     radius = np.linalg.norm(half, axis=1)
     for box in range(len(center)):
         apart = np.linalg.norm(center - center[box], axis=1)
-        others = np.flatnonzero((apart < radius + radius[box] + 2 * PROBE) & (np.arange(len(center)) != box))
-        points = _probes(half[box]) @ turn[box].T + center[box]  # edge, along, probe
+        others = np.flatnonzero((apart < radius + radius[box] + 2 * PROBE_DISTANCE) & (np.arange(len(center)) != box))
+        points = _probes(half[box]) @ rotation[box].T + center[box]  # edge, along, probe
         air = ((points[..., 2, None] > heights[:, 0]) & (points[..., 2, None] < heights[:, 1])).any(axis=-1)
         for other in others:
-            local = abs((points - center[other]) @ turn[other])
+            local = abs((points - center[other]) @ rotation[other])
             air &= ~(local <= half[other]).all(axis=-1)
-        exposed[box] = air.all(axis=-1).sum(axis=-1) >= ENOUGH
+        exposed[box] = air.all(axis=-1).sum(axis=-1) >= MIN_FREE_PROBES
     return exposed
 
 
 def _probes(half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "edges along 3 3"]:
     """Return points next to both faces and in front of each edge, in the box's frame."""
-    found = np.zeros((EDGES, len(POINTS), 3, 3))
+    found = np.zeros((NUM_EDGES, len(PROBE_POSITIONS), 3, 3))
     for number, (along, *sides) in enumerate(edge_rows()):
         others = [axis for axis in range(3) if axis != along]
-        found[number, ..., along] = (POINTS * half[along])[:, None]
+        found[number, ..., along] = (PROBE_POSITIONS * half[along])[:, None]
         for axis, side, away in zip(others, sides, ([1, -1, 1], [-1, 1, 1]), strict=True):
-            found[number, ..., axis] = side * (half[axis] + PROBE * np.array(away))
+            found[number, ..., axis] = side * (half[axis] + PROBE_DISTANCE * np.array(away))
     return found

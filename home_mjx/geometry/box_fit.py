@@ -7,19 +7,21 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.geometry.boxes import BoxSet, box_of, box_set, no_boxes
+from home_mjx.geometry.boxes import BoxSet, bounding_box, empty_boxes, make_boxes
 from home_mjx.geometry.rotations import yaw_matrix
 
-CELLS = 16  # maximum number of cells along the longest side of an object
-SMALLEST_CELL = 0.03  # [m], minimum cell size
-SPACING = 0.7  # distance of surface samples, as a fraction of a cell; a face cannot cross a cell without a sample
-WASTE = 0.02  # maximum empty volume that an optional merge may add, as a fraction of the bounding box
-WELD = 1e-4  # [m], corners in the same grid cell of this size are merged
-THINNEST = 1e-4  # [m], minimum half extent; MuJoCo rejects empty boxes, and a cell may hold a single point
+MAX_CELLS = 16  # maximum number of cells along the longest side of an object
+MIN_CELL_SIZE = 0.03  # [m], minimum cell size
+SAMPLE_SPACING = (
+    0.7  # distance of surface samples, as a fraction of a cell; a face cannot cross a cell without a sample
+)
+MAX_OPTIONAL_WASTE = 0.02  # maximum empty volume that an optional merge may add, as a fraction of the bounding box
+WELD_DISTANCE = 1e-4  # [m], corners in the same grid cell of this size are merged
+MIN_HALF_EXTENT = 1e-4  # [m], minimum half extent; MuJoCo rejects empty boxes, and a cell may hold a single point
 
 
-def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> BoxSet:
-    """Cover the surface and the inside of a mesh with at most `most` boxes of one yaw.
+def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int) -> BoxSet:
+    """Cover the surface and the inside of a mesh with at most `max_boxes` boxes of one yaw.
 
     The surface is sampled into voxels, and enclosed ones are filled (the floor closes the mesh from below). The voxels
     are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume.
@@ -27,19 +29,19 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> B
     Args:
         triangles: Corners of the mesh [m].
         yaw: Yaw of the boxes [rad].
-        most: Maximum number of boxes.
+        max_boxes: Maximum number of boxes.
     """
     turn = yaw_matrix(yaw)
     points = triangles @ turn
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
-    cell = max((high - low).max() / CELLS, SMALLEST_CELL)
+    cell = max((high - low).max() / MAX_CELLS, MIN_CELL_SIZE)
     counts = np.maximum(np.round((high - low) / cell), 1).astype(int)
     size = np.maximum((high - low) / counts, 1e-9)
-    occupied, surface = _voxels(sample_surface(points, SPACING * cell), low, size, counts)
-    boxes = merge_boxes(cover_cells(_fill(occupied)), most, WASTE * occupied.size)
+    occupied, surface = _voxels(sample_surface(points, SAMPLE_SPACING * cell), low, size, counts)
+    boxes = merge_boxes(cover_cells(_fill(occupied)), max_boxes, MAX_OPTIONAL_WASTE * occupied.size)
     edges = low + boxes * size
     tight = np.array([_tighten(e, b, size, surface, occupied) for e, b in zip(edges, boxes, strict=True)])
-    return box_set(tight.mean(axis=1) @ turn.T, np.maximum(np.diff(tight, axis=1)[:, 0] / 2, THINNEST), yaw)
+    return make_boxes(tight.mean(axis=1) @ turn.T, np.maximum(np.diff(tight, axis=1)[:, 0] / 2, MIN_HALF_EXTENT), yaw)
 
 
 def _voxels(
@@ -76,12 +78,12 @@ def _tighten(
     for side, axis in np.ndindex(2, 3):
         # A distance above one cell means a filled interior without surface; or the surface continues in the next cell.
         deep = abs(tight[side, axis] - edge[side, axis]) > size[axis]
-        if deep or _goes_on(box, side, axis, occupied):
+        if deep or _surface_continues(box, side, axis, occupied):
             tight[side, axis] = edge[side, axis]
     return tight
 
 
-def _goes_on(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
+def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
     """Return whether a cell beyond a side of a box contains surface."""
     start, stop = box.copy()
     start[axis] = box[1, axis] if side else box[0, axis] - 1
@@ -130,13 +132,13 @@ def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in zip(start, stop, strict=True))
 
 
-def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], most: int, waste: float) -> Int[np.ndarray, "m 2 3"]:
-    """Merge pairs of boxes into their hulls, least added volume first, down to `most` and further if cheap.
+def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: float) -> Int[np.ndarray, "m 2 3"]:
+    """Merge pairs of boxes into their hulls, least added volume first, down to `max_boxes` and further if cheap.
 
     Args:
         boxes: Minimum and maximum corners.
-        most: Maximum number of boxes in the result.
-        waste: Maximum empty volume that each further merge may add.
+        max_boxes: Maximum number of boxes in the result.
+        max_waste: Maximum empty volume that each further merge may add.
     """
     boxes = boxes.copy()
     while len(boxes) > 1:
@@ -147,7 +149,7 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], most: int, waste: float) -> Int
         added = added.astype(float)
         np.fill_diagonal(added, np.inf)
         i, j = np.unravel_index(added.argmin(), added.shape)
-        if len(boxes) <= most and added[i, j] > waste:
+        if len(boxes) <= max_boxes and added[i, j] > max_waste:
             break
         hull = np.stack([low[i, j], high[i, j]])
         inside = ((boxes[:, 0] >= hull[0]) & (boxes[:, 1] <= hull[1])).all(axis=-1)
@@ -155,9 +157,11 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], most: int, waste: float) -> Int
     return boxes
 
 
-def components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
+def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
     """Return the index of the connected component of each triangle; corners at the same position are shared."""
-    _, corner = np.unique(np.round(triangles.reshape(-1, 3) / WELD).astype(np.int64), axis=0, return_inverse=True)
+    _, corner = np.unique(
+        np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64), axis=0, return_inverse=True
+    )
     corner = corner.reshape(-1, 3)
     count = int(corner.max()) + 1
     links = coo_matrix(
@@ -171,7 +175,7 @@ def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]
     except (QhullError, ValueError):  # all points on one line
-        return box_of(points)
+        return bounding_box(points)
     side = np.roll(hull, -1, axis=0) - hull
-    boxes = [box_of(points, float(yaw)) for yaw in np.arctan2(side[:, 1], side[:, 0])]
-    return min(boxes, key=lambda b: float(b.half[0, 0] * b.half[0, 1]), default=no_boxes())
+    boxes = [bounding_box(points, float(yaw)) for yaw in np.arctan2(side[:, 1], side[:, 0])]
+    return min(boxes, key=lambda b: float(b.half[0, 0] * b.half[0, 1]), default=empty_boxes())

@@ -50,39 +50,39 @@ class BoxSet:
         return Colliders(pos=self.center, quat=yaw_quat(self.yaw), size=self.half, object_id=object_id)
 
 
-def box_set(center: object, half: object, yaw: object = 0.0) -> BoxSet:
+def make_boxes(center: object, half: object, yaw: object = 0.0) -> BoxSet:
     """Create boxes from broadcastable centres, half extents and yaws."""
     center = np.atleast_2d(np.asarray(center, float))
     half = np.broadcast_to(np.asarray(half, float), center.shape)
     return BoxSet(center, half.copy(), np.broadcast_to(np.asarray(yaw, float), len(center)).copy())
 
 
-def no_boxes() -> BoxSet:
+def empty_boxes() -> BoxSet:
     """Return an empty set."""
     return BoxSet(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
 
 
-def join(sets: Iterable[BoxSet]) -> BoxSet:
+def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
     """Concatenate sets."""
-    sets = [no_boxes(), *sets]
+    sets = [empty_boxes(), *sets]
     return BoxSet(*(np.concatenate([getattr(s, name) for s in sets]) for name in ("center", "half", "yaw")))
 
 
-def distinct(boxes: BoxSet) -> BoxSet:
+def unique_boxes(boxes: BoxSet) -> BoxSet:
     """Return the boxes without duplicates, in their order."""
     _, first = np.unique(np.c_[boxes.center, boxes.half, boxes.yaw], axis=0, return_index=True)
     return boxes[np.sort(first)]
 
 
-def box_of(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
+def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
     """Return the smallest box around points with the specified yaw."""
     turn = yaw_matrix(yaw)
     local = points @ turn
     low, high = local.min(axis=0), local.max(axis=0)
-    return box_set(turn @ ((low + high) / 2), (high - low) / 2, yaw)
+    return make_boxes(turn @ ((low + high) / 2), (high - low) / 2, yaw)
 
 
-def turned(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet:
+def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet:
     """Rotate boxes about a vertical line.
 
     Args:
@@ -94,7 +94,7 @@ def turned(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
 
 
-def overlap(box: BoxSet, others: BoxSet) -> Float[np.ndarray, " n"]:
+def penetration_depth(box: BoxSet, others: BoxSet) -> Float[np.ndarray, " n"]:
     """Return the penetration depth in the plan of one box and each of the others [m]; negative if they are apart.
 
     By separating axes (Gottschalk et al., 1996): exact for the depth, and a lower bound of the distance.

@@ -14,20 +14,20 @@ import numpy as np
 from jaxtyping import Float, Int
 from numba import njit
 
-from home_mjx.core.native.numba_cache import with_cache_checked_once
+from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.errors import CapacityError, ConfigError, DatasetError
-from home_mjx.schema.compiled import Tree
+from home_mjx.schema.compiled import BVH
 
 NODE_COST = 2.0  # cost of visiting a node; testing a primitive costs 1
 MAX_DEPTH = 32  # maximum levels of child links; sets the stack size of the ray casters
 MAX_LEAF = 15  # maximum primitives per leaf; a leaf code has four bits for the count
 MAX_PRIMITIVES = 1 << 27
-EMPTY = -1  # code of an empty leaf
+EMPTY_LEAF = -1  # code of an empty leaf
 # Margin of node boxes as a fraction of the largest coordinate; without it, rounding loses rays that run in a face.
-SLACK = 1e-6
+RELATIVE_BOX_MARGIN = 1e-6
 
 
-def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[Tree, Int[np.ndarray, " n"]]:
+def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[BVH, Int[np.ndarray, " n"]]:
     """Build a tree over boxes.
 
     Args:
@@ -49,13 +49,11 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[T
     """
     _check(boxes, leaf_size)
     box, child, order, count = _built(np.asarray(boxes, np.float32).reshape(-1, 6), leaf_size)
-    slack = np.float32(SLACK * np.abs(boxes).max(initial=0))
-    return Tree(box=box[:count] + np.repeat([-slack, slack], 3), child=child[:count]), order
+    slack = np.float32(RELATIVE_BOX_MARGIN * np.abs(boxes).max(initial=0))
+    return BVH(box=box[:count] + np.repeat([-slack, slack], 3), child=child[:count]), order
 
 
-def build_triangle_tree(
-    triangles: Float[np.ndarray, "t 3 3"], leaf_size: int = 4
-) -> tuple[Tree, Int[np.ndarray, " t"]]:
+def build_triangle_tree(triangles: Float[np.ndarray, "t 3 3"], leaf_size: int = 4) -> tuple[BVH, Int[np.ndarray, " t"]]:
     """Build a tree over triangles; see `build_tree`."""
     boxes = np.stack([triangles.min(axis=1), triangles.max(axis=1)], axis=1)
     return build_tree(boxes, leaf_size)
@@ -72,7 +70,7 @@ def _check(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int) -> None:
         raise DatasetError(f"expected a finite box with min <= max, got {boxes[row].tolist()}", element=f"boxes[{row}]")
 
 
-@with_cache_checked_once
+@verify_cache_once
 @no_type_check
 def _built(bounds, leaf_size):
     return _build(bounds, leaf_size)
@@ -89,7 +87,7 @@ def _build(bounds, leaf_size):
     cost, is_left = np.empty(n), np.empty(n, np.bool_)
     box = np.empty((max(n, 1), 2, 6), np.float32)
     box[:, :, :3], box[:, :, 3:] = np.inf, -np.inf
-    child = np.full((max(n, 1), 2), EMPTY, np.int32)
+    child = np.full((max(n, 1), 2), EMPTY_LEAF, np.int32)
     # Pending ranges: first, last, parent, side, depth. The root fills side 0 or becomes node 0.
     stack = np.empty((MAX_DEPTH + 2, 5), np.int32)
     _push(stack, 0, 0, n, 0, 0, -1)

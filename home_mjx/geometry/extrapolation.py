@@ -18,9 +18,9 @@ from scipy.sparse.linalg import splu
 from home_mjx.geometry.geodesic import grid_edges
 
 
-def continued_fields(
+def extrapolate_fields(
     home: Bool[np.ndarray, "l ny nx"],
-    around: Sequence[Bool[np.ndarray, "l ny nx"]],
+    extensions: Sequence[Bool[np.ndarray, "l ny nx"]],
     standable: Bool[np.ndarray, "l ny nx"],
     room: Int[np.ndarray, "l ny nx"],
     height: Float[np.ndarray, "l ny nx"],
@@ -31,7 +31,7 @@ def continued_fields(
 
     Args:
         home: Mask of the home region.
-        around: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
+        extensions: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
             in earlier ones, so distances next to a movable object ignore the shortcut through its position.
         standable: Cells where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
         room: Room of each cell.
@@ -40,12 +40,12 @@ def continued_fields(
         cell: Cell size [m].
 
     Returns:
-        For each mask of `around`: grid, row and column of the cells not in earlier masks, and their distances [m].
+        For each mask of `extensions`: grid, row and column of the cells not in earlier masks, and their distances [m].
     """
     found = []
     values = np.full((*home.shape, field.shape[1]), np.nan)
     values[home], known = field, home
-    for cells in around:
+    for cells in extensions:
         cells = cells | known
         graph = _graph(cells, standable[cells], room[cells], height, cell)
         border = known[cells]
@@ -88,7 +88,9 @@ def _harmonic(
     return splu(laplacian.tocsc()).solve(np.asarray(weight[inner][:, border] @ known))
 
 
-def nearest_numbers(number: Int[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"]) -> Int[np.ndarray, "l ny nx"]:
+def nearest_cell_numbers(
+    number: Int[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"]
+) -> Int[np.ndarray, "l ny nx"]:
     """Return the number of each cell or, if it has none, of the nearest cell.
 
     The nearest cell is of the same room, else of the same level, else above or below the nearest one on another level.

@@ -8,11 +8,11 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-STEPS = ((0, 1), (1, 0), (1, 1), (1, -1))  # (row, column) offsets of half of a cell's 8 neighbours
+NEIGHBOUR_OFFSETS = ((0, 1), (1, 0), (1, 1), (1, -1))  # (row, column) offsets of half of a cell's 8 neighbours
 
 
 @dataclass(frozen=True)
-class Link:
+class GridLink:
     """A connection between two cells that are not neighbours, such as stairs."""
 
     start: tuple[int, int, int]  # grid, row, column
@@ -24,7 +24,7 @@ def distance_fields(
     free: Bool[np.ndarray, "l ny nx"],
     goals: Int[np.ndarray, "g 3"],
     cell: float,
-    links: Sequence[Link] = (),
+    links: Sequence[GridLink] = (),
     height: Float[np.ndarray, "l ny nx"] | None = None,
 ) -> Float[np.ndarray, "c g"]:
     """Compute the length of the shortest 8-connected path from each free cell to each goal; corners are not cut.
@@ -59,7 +59,7 @@ def grid_edges(
         cell: Cell size [m].
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
-    edges = [_neighbours(free, number, height, step, cell) for step in STEPS]
+    edges = [_neighbours(free, number, height, step, cell) for step in NEIGHBOUR_OFFSETS]
     sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
     return sources, targets, lengths
 

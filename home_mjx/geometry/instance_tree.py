@@ -7,12 +7,14 @@ from jaxtyping import Float, Int
 
 from home_mjx.geometry.bvh import build_tree
 from home_mjx.geometry.meshes import bounds, transform
-from home_mjx.schema.compiled import Instances, Model, Tree
+from home_mjx.schema.compiled import BVH, Instances, Model
 
-SLACK = 1e-4  # [m], margin of boxes; rays intersect instances in local frames, with other rounding errors
+INSTANCE_BOX_MARGIN = 1e-4  # [m], margin of boxes; rays intersect instances in local frames, with other rounding errors
 
 
-def top_tree(instances: Instances, models: Mapping[str, Model], doors: Int[np.ndarray, " h"] | None = None) -> Tree:
+def build_instance_tree(
+    instances: Instances, models: Mapping[str, Model], doors: Int[np.ndarray, " h"] | None = None
+) -> BVH:
     """Build a tree with one static instance per leaf; leaves hold instance indices.
 
     Args:
@@ -22,10 +24,10 @@ def top_tree(instances: Instances, models: Mapping[str, Model], doors: Int[np.nd
     """
     static = np.setdiff1d(np.flatnonzero(instances.body < 0), [] if doors is None else doors)
     boxes = np.array([instance_box(instances.pose[i], models[instances.model[i]].box) for i in static])
-    tree, order = build_tree(boxes + np.array([[-SLACK], [SLACK]]), leaf_size=1)
+    tree, order = build_tree(boxes + np.array([[-INSTANCE_BOX_MARGIN], [INSTANCE_BOX_MARGIN]]), leaf_size=1)
     leaf = (tree.child < 0) & (tree.child != -1)
     first = np.where(leaf, ~tree.child >> 4, 0)
-    return Tree(tree.box, np.where(leaf, ~(static[order[first]] << 4 | 1), tree.child).astype(np.int32))
+    return BVH(tree.box, np.where(leaf, ~(static[order[first]] << 4 | 1), tree.child).astype(np.int32))
 
 
 def instance_box(pose: Float[np.ndarray, "3 4"], box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:

@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-CREASE = np.cos(np.deg2rad(40.0))  # cosine of the crease angle; sharper edges are not smoothed
-WELD = 1e-4  # [m], corners in the same grid cell of this size are merged
-MANY = 64  # maximum faces around a smoothed corner; more indicate foliage, not a surface
+MIN_CREASE_COSINE = np.cos(np.deg2rad(40.0))  # cosine of the crease angle; sharper edges are not smoothed
+WELD_DISTANCE = 1e-4  # [m], corners in the same grid cell of this size are merged
+MAX_CORNER_FACES = 64  # maximum faces around a smoothed corner; more indicate foliage, not a surface
 
 
 def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
@@ -26,7 +26,7 @@ def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "
     flat = np.divide(area, length, out=np.zeros_like(area), where=length > 0)
     corner, other = _neighbours(triangles)
     face = corner // 3
-    joined = np.einsum("ni,ni->n", flat[face], flat[other]) > CREASE
+    joined = np.einsum("ni,ni->n", flat[face], flat[other]) > MIN_CREASE_COSINE
     total = np.zeros((len(triangles) * 3, 3))
     for axis in range(3):
         total[:, axis] = np.bincount(corner[joined], area[other[joined], axis], len(total))
@@ -37,12 +37,12 @@ def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "
 
 def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
     """Return pairs of a corner (face * 3 + k) and a face with a corner at the same position, itself included."""
-    places = np.round(triangles.reshape(-1, 3) / WELD).astype(np.int64)
+    places = np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64)
     place = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
     order = np.argsort(place, kind="stable")
     count = np.bincount(place)
     start = np.cumsum(count) - count
-    mine = np.where(count[place] <= MANY, count[place], 0)
+    mine = np.where(count[place] <= MAX_CORNER_FACES, count[place], 0)
     corner = np.repeat(np.arange(len(place)), mine)
     step = np.arange(len(corner)) - np.repeat(np.cumsum(mine) - mine, mine)
     return corner, order[start[place[corner]] + step] // 3

@@ -5,7 +5,7 @@ from jaxtyping import Float, Int
 
 from home_mjx.geometry.slabs import signed_area
 
-MERGE = 1e-4  # [m], distance below which corners are merged
+MERGE_DISTANCE = 1e-4  # [m], distance below which corners are merged
 
 
 def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "4 2"]:
@@ -28,10 +28,10 @@ def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
     upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
     if not upper.any():
         return bounding_outline(slab)
-    points = np.round(slab[upper, :, :2] / MERGE).astype(np.int64).reshape(-1, 2)
+    points = np.round(slab[upper, :, :2] / MERGE_DISTANCE).astype(np.int64).reshape(-1, 2)
     corners, index = np.unique(points, axis=0, return_inverse=True)
     loops = _boundary_loops(index.reshape(-1, 3))
-    polygons = [_straighten(corners[loop] * MERGE) for loop in loops]
+    polygons = [_straighten(corners[loop] * MERGE_DISTANCE) for loop in loops]
     largest = max(polygons, key=_area, default=np.zeros((0, 2)))
     area = np.linalg.norm(normal[upper], axis=1).sum() / 2
     # Triangles that do not share corners yield several loops, none of which is the outline.
@@ -73,7 +73,7 @@ def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = 1e-3) -> Float[
     for i in range(len(polygon)):
         before, here, after = polygon[i - 1], polygon[i], polygon[(i + 1) % len(polygon)]
         way = after - before
-        away = abs(way[0] * (here - before)[1] - way[1] * (here - before)[0]) / max(np.hypot(*way), MERGE)
+        away = abs(way[0] * (here - before)[1] - way[1] * (here - before)[0]) / max(np.hypot(*way), MERGE_DISTANCE)
         if away > bend:
             keep.append(i)
     return polygon[keep] if len(keep) >= 3 else polygon

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.geometry.wall_prisms import Prism, Wall, wall_prisms
+from home_mjx.geometry.wall_prisms import WallPrism, WallSegment, wall_prisms
 from home_mjx.schema.house import Material, Mesh
 
-CUT = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # grey of cut faces
+CUT_MATERIAL = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # grey of cut faces
 
 
 @dataclass(frozen=True)
-class Piece:
+class MeshPiece:
     """A closed part of a mesh; its slots index its own materials."""
 
     group: str
@@ -24,7 +24,7 @@ class Piece:
     slot: Int[np.ndarray, " f"]
 
 
-def wall_pieces(wall: Wall, wall_id: str) -> list[Piece]:
+def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
     """Build the inner and the outer layer of a wall, with slots for inside, cut faces and outside.
 
     Args:
@@ -35,11 +35,11 @@ def wall_pieces(wall: Wall, wall_id: str) -> list[Piece]:
     return [_wall_piece(*item) for item in zip(names, wall_prisms(wall), (0, 2), strict=True)]
 
 
-def _wall_piece(group: str, prism: Prism, slot: int) -> Piece:
-    return Piece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.large, slot, 1))
+def _wall_piece(group: str, prism: WallPrism, slot: int) -> MeshPiece:
+    return MeshPiece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.is_large_face, slot, 1))
 
 
-def join_pieces(path: Path, pieces: Sequence[Piece], materials: Sequence[Material], scale: float = 1.0) -> Mesh:
+def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Material], scale: float = 1.0) -> Mesh:
     """Join pieces into one mesh; their slots index the joint list of materials.
 
     Args:

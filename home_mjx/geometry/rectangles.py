@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 
-def cluster(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
+def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
     """Return the sorted values; neighbours closer than `tolerance` are merged into their mean.
 
     Example:
@@ -25,7 +25,7 @@ def cell_centers(u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"]) -> Fl
     return np.stack(np.meshgrid((u[1:] + u[:-1]) / 2, (v[1:] + v[:-1]) / 2), axis=-1)
 
 
-def in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
+def is_in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
     """Return whether points are in any of the triangles, of either winding."""
     a, b, c = (triangles[:, i] for i in range(3))
     sides = [_side(p, q, points[..., None, :]) for p, q in ((a, b), (b, c), (c, a))]
@@ -39,7 +39,7 @@ def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
     return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])
 
 
-def cover(
+def cover_with_rectangles(
     u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
 ) -> Float[np.ndarray, "r 4"]:
     """Cover the solid cells of a grid with disjoint rectangles, grown greedily along v and then along u.
@@ -70,16 +70,16 @@ def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, in
         top += 1
     right = column + 1
     # A run joins only if it is as tall as the first one; otherwise it becomes a separate rectangle.
-    while right < left.shape[1] and left[row:top, right].all() and not _taller(left[:, right], row, top):
+    while right < left.shape[1] and left[row:top, right].all() and not _is_taller(left[:, right], row, top):
         right += 1
     return top, right
 
 
-def _taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
+def _is_taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
     return bool((row > 0 and run[row - 1]) or (top < len(run) and run[top]))
 
 
-def split(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
+def split_rectangles(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
     """Cut rectangles along u into equal pieces of at most `length`."""
     pieces = []
     for u0, v0, u1, v1 in rectangles:

@@ -6,9 +6,11 @@ import mapbox_earcut
 import numpy as np
 from jaxtyping import Float, Int
 
-MERGE = 1e-6  # [m], corners closer than this to a corner, or to the line between their neighbours, are dropped
-SHARP = 4.0  # maximum growth of an acute corner, in outsets
-MAX_ROUNDS = 100  # maximum passes that drop corners; each may make others collinear
+MIN_CORNER_DISTANCE = (
+    1e-6  # [m], corners closer than this to a corner, or to the line between their neighbours, are dropped
+)
+MAX_MITRE = 4.0  # maximum growth of an acute corner, in outsets
+MAX_SIMPLIFY_PASSES = 100  # maximum passes that drop corners; each may make others collinear
 
 Polygon = Float[np.ndarray, "n 2"]  # (x, z) [m]
 
@@ -53,7 +55,7 @@ def _piece(
 
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
     """Return the polygon with its outset and its triangles; without the outset if narrow notches would close."""
-    grown = grow(polygon, outset)
+    grown = offset_outwards(polygon, outset)
     try:
         return grown, triangulate(grown)
     except ValueError:
@@ -76,27 +78,29 @@ def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
         ValueError: The remaining polygon has no area.
     """
     turned = polygon if signed_area(polygon) > 0 else polygon[::-1]
-    for _ in range(MAX_ROUNDS):
-        turned = turned[np.linalg.norm(turned - np.roll(turned, 1, 0), axis=1) > MERGE]
+    for _ in range(MAX_SIMPLIFY_PASSES):
+        turned = turned[np.linalg.norm(turned - np.roll(turned, 1, 0), axis=1) > MIN_CORNER_DISTANCE]
         before, after = turned - np.roll(turned, 1, 0), np.roll(turned, -1, 0) - turned
         bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        straight = abs(bend) <= MERGE * np.maximum(np.linalg.norm(before + after, axis=1), MERGE)
+        straight = abs(bend) <= MIN_CORNER_DISTANCE * np.maximum(
+            np.linalg.norm(before + after, axis=1), MIN_CORNER_DISTANCE
+        )
         if not straight.any():
             break
         turned = turned[~straight]
-    if len(turned) < 3 or signed_area(turned) <= MERGE:
+    if len(turned) < 3 or signed_area(turned) <= MIN_CORNER_DISTANCE:
         raise ValueError("polygon has no area")
     return turned
 
 
-def grow(polygon: Polygon, outset: float) -> Polygon:
+def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
     """Offset the sides of a counter-clockwise polygon outwards, with mitred corners."""
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     normal = np.stack([way[:, 1], -way[:, 0]], 1)
     other = np.roll(normal, 1, 0)
     mitre = normal + other
-    stretch = np.minimum(1 / np.maximum((mitre * normal).sum(1, keepdims=True), 1e-9), SHARP / 2)
+    stretch = np.minimum(1 / np.maximum((mitre * normal).sum(1, keepdims=True), 1e-9), MAX_MITRE / 2)
     return polygon + outset * stretch * mitre
 
 

@@ -19,7 +19,7 @@ def wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
     return [np.flatnonzero(wall == w) for w in np.unique(wall)]
 
 
-def direction_across(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
+def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
     """Return the horizontal axis, of either sign, that most of a wall's area faces.
 
     It is the first principal axis of the normals, weighted by area.

@@ -12,24 +12,24 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-DEPTH = 0.1  # [m], thickness of a wall
-RISE = 0.035  # [m], height of a wall above its nominal height
+WALL_DEPTH = 0.1  # [m], thickness of a wall
+WALL_EXTRA_HEIGHT = 0.035  # [m], height of a wall above its nominal height
 Hole = tuple[float, float, float, float]  # [m]: from, to along the wall; from, to above its base
 # Lines of a grid over a wall's rectangle, along it and upwards [m], and a mask of its solid cells.
 Panel = tuple[Float[np.ndarray, " n"], Float[np.ndarray, " m"], Bool[np.ndarray, "_ _"]]
 
 
 @dataclass(frozen=True)
-class Wall:
+class WallSegment:
     """A straight wall; its interior is in the direction x up, to the right of the direction from start to end."""
 
     start: Float[np.ndarray, "3"]  # [m], Y up, at the base of the centre line
     end: Float[np.ndarray, "3"]  # [m], at the height of the start
     height: float  # [m], nominal
     holes: tuple[Hole, ...] = ()
-    depth: float = DEPTH  # [m]
-    rise: float = RISE  # [m]
-    lines: tuple[float, ...] = ()  # [m], heights above its base at which faces are split
+    depth: float = WALL_DEPTH  # [m]
+    extra_height: float = WALL_EXTRA_HEIGHT  # [m]
+    split_heights: tuple[float, ...] = ()  # [m], heights above its base at which faces are split
 
     @property
     def length(self) -> float:
@@ -38,16 +38,16 @@ class Wall:
 
 
 @dataclass(frozen=True)
-class Prism:
+class WallPrism:
     """One layer of a wall: closed, outward-wound."""
 
     vertices: Float[np.ndarray, "v 3"]  # [m], Y up
     faces: Int[np.ndarray, "f 3"]
     uv: Float[np.ndarray, "f 3 2"]  # [m]; along the wall and upwards on large faces
-    large: Bool[np.ndarray, " f"]  # True for faces of the two large sides, False for cut faces
+    is_large_face: Bool[np.ndarray, " f"]  # True for faces of the two large sides, False for cut faces
 
 
-def wall_prisms(wall: Wall) -> tuple[Prism, Prism]:
+def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
     """Build the inner and the outer prism of a wall.
 
     Args:
@@ -65,21 +65,21 @@ def wall_prisms(wall: Wall) -> tuple[Prism, Prism]:
     return _prism(wall, panel, beyond, 0.0, half), _prism(wall, panel, beyond, wall.depth / 19 - half, half)
 
 
-def _prism(wall: Wall, panel: Panel, beyond: float, low: float, thickness: float) -> Prism:
-    points, faces, large = extrude(*panel, (low, low + thickness))
+def _prism(wall: WallSegment, panel: Panel, beyond: float, low: float, thickness: float) -> WallPrism:
+    points, faces, large = extrude_grid(*panel, (low, low + thickness))
     along = (wall.end - wall.start) / wall.length
     up = np.array([0.0, 1.0, 0.0])
     vertices = wall.start + (points[:, :1] - beyond) * along + points[:, 1:2] * up + points[:, 2:] * np.cross(along, up)
     uv = np.where(large[:, None, None], points[faces][..., :2], points[faces][..., [0, 2]])
-    return Prism(vertices, faces, uv, large)
+    return WallPrism(vertices, faces, uv, large)
 
 
-def _panel(wall: Wall, beyond: float) -> Panel:
+def _panel(wall: WallSegment, beyond: float) -> Panel:
     """Return lines of a grid over the wall's rectangle, and the mask of its solid cells."""
-    width, top = wall.length + 2 * beyond, wall.height + wall.rise
+    width, top = wall.length + 2 * beyond, wall.height + wall.extra_height
     holes = np.array([_open(hole, wall, beyond, width, top) for hole in merge_holes(wall.holes)]).reshape(-1, 4)
     us = np.unique(np.clip([0.0, width, *holes[:, 0], *holes[:, 1]], 0, width))
-    vs = np.unique(np.clip([0.0, top, *holes[:, 2], *holes[:, 3], *wall.lines], 0, top))
+    vs = np.unique(np.clip([0.0, top, *holes[:, 2], *holes[:, 3], *wall.split_heights], 0, top))
     u, v = np.meshgrid((us[1:] + us[:-1]) / 2, (vs[1:] + vs[:-1]) / 2, indexing="ij")
     keep = np.ones(u.shape, bool)
     for left, right, low, high in holes:
@@ -108,7 +108,7 @@ def _meet(a: Hole, b: Hole) -> bool:
     return a[0] <= b[1] and b[0] <= a[1] and a[2] <= b[3] and b[2] <= a[3]
 
 
-def _open(hole: Hole, wall: Wall, beyond: float, width: float, top: float) -> Hole:
+def _open(hole: Hole, wall: WallSegment, beyond: float, width: float, top: float) -> Hole:
     """Convert a hole to the prism's coordinates; the prism is longer and higher than the wall."""
     left, right, low, high = hole
     return (
@@ -119,7 +119,7 @@ def _open(hole: Hole, wall: Wall, beyond: float, width: float, top: float) -> Ho
     )
 
 
-def extrude(
+def extrude_grid(
     us: Float[np.ndarray, " n"],
     vs: Float[np.ndarray, " m"],
     keep: Bool[np.ndarray, "n1 m1"],

@@ -18,7 +18,7 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.array_store.entry import BROKEN, read_entry, write_entry
+from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
 from home_mjx.core.array_store.flatten import flatten, rebuild
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
@@ -166,7 +166,7 @@ def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> An
         return rebuild(bake.record, *read_entry(entry))
     except FileNotFoundError:
         pass
-    except BROKEN as error:
+    except READ_ERRORS as error:
         log.warning("broken cache entry %s is made again: %s", entry, error)
     record = bake.bake_house(bank, index, house)
     try:

@@ -1,7 +1,7 @@
 """On-disk cache of compiled houses, addressed by a hash of their inputs.
 
 The cache folder has one folder per version of the format and the compiler, with subfolders `houses/` and `models/`,
-since houses share most models. Entries are written atomically and verified by their CRCs, see `entry`.
+since houses share most models. Entries are written atomically and verified by their CRCs, see `entry_path`.
 """
 
 import hashlib
@@ -12,16 +12,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from home_mjx.core.array_store.entry import BROKEN, SUFFIX, read_entry, read_notes, write_entry
-from home_mjx.core.array_store.flatten import Notes, flatten, rebuild
-from home_mjx.core.files import below
+from home_mjx.core.array_store.entry import ENTRY_SUFFIX, READ_ERRORS, read_entry, read_notes, write_entry
+from home_mjx.core.array_store.flatten import JsonFields, flatten, rebuild
+from home_mjx.core.files import resolve_below
 from home_mjx.datasets.base import Dataset
 from home_mjx.houses.integrity import check_house, check_models
-from home_mjx.houses.selection import HouseContents, contents_of
-from home_mjx.houses.version import claim, mark_used, version_folder
+from home_mjx.houses.selection import HouseContents, summarize_contents
+from home_mjx.houses.version import create_version_folder, mark_used, version_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
-from home_mjx.schema.compiled import CompiledHouse, Model, Rooms
-from home_mjx.schema.house import StandIn
+from home_mjx.schema.compiled import CompiledHouse, Model, RoomTable
+from home_mjx.schema.house import Fallback
 
 log = logging.getLogger(__name__)
 
@@ -49,9 +49,9 @@ class HouseCache:
         self.dataset = dataset
         self.options = replace(options, read=dataset.resolved(options.read))  # part of the key
         self.library: dict[str, Model] = {} if library is None else library
-        self.compiled = 0  # number of houses that were not in the cache
-        self.unwritten: OSError | None = None  # error of the last write; None if it succeeded
-        self.stand_ins: dict[str, tuple[StandIn, ...]] = {}  # by id of loaded house
+        self.num_compiled = 0  # number of houses that were not in the cache
+        self.write_error: OSError | None = None  # error of the last write; None if it succeeded
+        self.fallbacks: dict[str, tuple[Fallback, ...]] = {}  # by id of loaded house
         self._root = str(dataset.root)
         self._inputs = dataset.inputs()
         weakref.finalize(self, self._inputs.save)
@@ -67,22 +67,22 @@ class HouseCache:
             DatasetError: The house is unknown or broken.
         """
         self.dataset.check_known(house_id)
-        entry = self.entry(house_id)
+        entry = self.entry_path(house_id)
         broken = False
         try:
             return self._read(house_id, entry)
         except FileNotFoundError:
             pass
-        except BROKEN as error:
+        except READ_ERRORS as error:
             broken = True
             log.warning("broken cache entry %s is compiled again: %s", entry, error)
         return self._compile(house_id, entry, broken)
 
-    def notes(self, house_id: str) -> Notes:
+    def notes(self, house_id: str) -> JsonFields:
         """Return the non-array fields of a compiled house, such as `instances.model`; compile it if necessary."""
         try:
-            return read_notes(self.entry(house_id))
-        except BROKEN:
+            return read_notes(self.entry_path(house_id))
+        except READ_ERRORS:
             return flatten(self.load(house_id), frozenset(("models",)))[1]
 
     def contents(self, house_id: str) -> HouseContents:
@@ -93,18 +93,18 @@ class HouseCache:
         """
         self.dataset.check_known(house_id)
         try:
-            arrays, notes = read_entry(self.entry(house_id))
-            return contents_of(notes["report"], rebuild(Rooms, arrays, notes, "rooms."), arrays["semantics"])
-        except BROKEN:
+            arrays, notes = read_entry(self.entry_path(house_id))
+            return summarize_contents(notes["report"], rebuild(RoomTable, arrays, notes, "rooms."), arrays["semantics"])
+        except READ_ERRORS:
             house = self.load(house_id)
-            return contents_of(house.report, house.rooms, house.semantics)
+            return summarize_contents(house.report, house.rooms, house.semantics)
 
-    def textures(self, notes: Notes) -> list[str]:
+    def texture_paths(self, notes: JsonFields) -> list[str]:
         """Return the absolute paths of a house's texture images, from its notes."""
         return [self._absolute(path) for path in notes["materials.texture"]]
 
     def model(self, key: str) -> Model:
-        """Return the library model with a key; raises the errors of `entry.read_entry`."""
+        """Return the library model with a key; raises the errors of `entry_path.read_entry`."""
         return self._models((key,))[key]
 
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:
@@ -114,12 +114,12 @@ class HouseCache:
         self.library |= fresh
         return {key: self.library[key] for key in keys}
 
-    def entry(self, house_id: str) -> Path:
+    def entry_path(self, house_id: str) -> Path:
         """Return the path of the house's cache entry, whether or not it exists."""
         named = repr((house_id, self.options, self.dataset.fallbacks))
         self.dataset.prepare((house_id,))
         key = hashlib.sha256(named.encode() + self._inputs.house(house_id)).hexdigest()
-        return self._folder / "houses" / f"{key}{SUFFIX}"
+        return self._folder / "houses" / f"{key}{ENTRY_SUFFIX}"
 
     def _read(self, house_id: str, entry: Path) -> CompiledHouse:
         """Read a house from its entry.
@@ -128,16 +128,16 @@ class HouseCache:
             FileNotFoundError: There is no entry, a used texture has changed, or a missing one has been added.
         """
         arrays, notes = read_entry(entry)
-        textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
+        textures = {self._absolute(path): digest for path, digest in notes.pop("texture_paths").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(entry)
-        stand_ins = tuple(StandIn(**item) for item in notes.pop("stand_ins"))
+        stand_ins = tuple(Fallback(**item) for item in notes.pop("fallbacks"))
         if any(item.kind == "texture" and self._inputs.has_texture(item.name) for item in stand_ins):
             raise FileNotFoundError(entry)  # other added files change the key
         models = self._models(notes["instances.model"])
         house = rebuild(CompiledHouse, arrays, notes, models=models)
         check_house(house, house_id)
-        self.stand_ins[house_id] = stand_ins
+        self.fallbacks[house_id] = stand_ins
         self.dataset.warn_fallbacks(house_id, stand_ins)
         texture = tuple(map(self._absolute, house.materials.texture))
         return replace(house, materials=replace(house.materials, texture=texture))
@@ -145,20 +145,20 @@ class HouseCache:
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
         house = self.dataset.load_house(house_id, self.options.read)
         compiled = compile_house(house, self.dataset.metadata_for(self.options.read), self.options)
-        self.compiled += 1
-        self.stand_ins[house_id] = house.stand_ins
+        self.num_compiled += 1
+        self.fallbacks[house_id] = house.fallbacks
         try:
-            self.unwritten = None
-            self._write(compiled, house.stand_ins, entry, broken)
+            self.write_error = None
+            self._write(compiled, house.fallbacks, entry, broken)
         except OSError as error:
-            self.unwritten = error
+            self.write_error = error
             log.warning("compiled house is not cached: %s", error)
         models = {key: self.library.setdefault(key, model) for key, model in compiled.models.items()}
         return replace(compiled, models=models)
 
-    def _write(self, house: CompiledHouse, stand_ins: Sequence[StandIn], entry: Path, broken: bool) -> None:
+    def _write(self, house: CompiledHouse, stand_ins: Sequence[Fallback], entry: Path, broken: bool) -> None:
         """Write the house's missing models, or all of them if the entry was corrupted, and then the house."""
-        claim(self._folder)
+        create_version_folder(self._folder)
         for key, model in house.models.items():
             path = self._model_path(key)
             if broken or not path.is_file():
@@ -166,8 +166,10 @@ class HouseCache:
         arrays, notes = flatten(house, skip=frozenset(("models",)))
         paths = house.materials.texture
         notes["materials.texture"] = [self._relative(path) for path in paths]
-        notes["textures"] = {self._relative(path): self._inputs.texture(path) for path in sorted(set(paths)) if path}
-        notes["stand_ins"] = [asdict(item) for item in stand_ins]
+        notes["texture_paths"] = {
+            self._relative(path): self._inputs.texture(path) for path in sorted(set(paths)) if path
+        }
+        notes["fallbacks"] = [asdict(item) for item in stand_ins]
         write_entry(entry, arrays, notes)
 
     def _relative(self, path: str) -> str:
@@ -177,12 +179,12 @@ class HouseCache:
 
     def _absolute(self, path: str) -> str:
         plain = path[:1] != "/" and ".." not in path and "\\" not in path  # stays below the root
-        if not plain and below(self.dataset.root, self.dataset.root, path) is None:
+        if not plain and resolve_below(self.dataset.root, self.dataset.root, path) is None:
             raise ValueError(f"texture is outside the dataset: {path!s:.80}")
         return os.path.join(self._root, path) if path else ""
 
     def _model_path(self, key: str) -> Path:
-        return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}{SUFFIX}"
+        return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}{ENTRY_SUFFIX}"
 
 
 def load_compiled(

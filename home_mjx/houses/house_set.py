@@ -28,8 +28,8 @@ class HouseSet:
         dataset: Root folder, an open dataset, or a name such as `procedural:16?seed=0&version=2`; None: the dataset
             that `SUNCG_DATA_DIR` names.
         ids: House ids, in this order; None: all, in the order of the dataset.
-        split: Restrict to `train`, `val` or `test`; None: all.
-        where: Restrict to houses that this filter accepts; None: all.
+        split: Restrict to `train`, `val` or `test_triangle`; None: all.
+        filter: Restrict to houses that this filter accepts; None: all.
         num_houses: Maximum number of houses, taken from the start of the selection; None: all.
         options: Compile options.
 
@@ -45,7 +45,7 @@ class HouseSet:
     dataset: Dataset | str | Path | None = None
     ids: Sequence[str] | None = None
     split: str | None = None
-    where: HouseFilter | None = None
+    filter: HouseFilter | None = None
     num_houses: int | None = None
     options: CompileOptions = DEFAULT_OPTIONS
 
@@ -53,21 +53,21 @@ class HouseSet:
         if self.dataset is not None and not isinstance(self.dataset, Dataset | str | Path):
             raise ConfigError(f"`dataset` must be the folder of a dataset or an open one, got {self.dataset!r}")
         if has_scheme(self.dataset):
-            _ = self.opened  # refuses a wrong name now
+            _ = self.resolved_dataset  # refuses a wrong name now
         if isinstance(self.ids, str):
             raise ConfigError(f"`ids` must be a sequence of ids, got `{self.ids}`", hint="Write a single id as [id].")
         if self.ids is not None:
             object.__setattr__(self, "ids", tuple(self.ids))
         if self.split is not None:
             check_known("split", [self.split], SPLITS)
-        if self.where is not None:
-            check_type("where", self.where, HouseFilter)
+        if self.filter is not None:
+            check_type("filter", self.filter, HouseFilter)
         if self.num_houses is not None:
-            check_number("num_houses", self.num_houses, 1, whole=True)
+            check_number("num_houses", self.num_houses, 1, integer=True)
         check_type("options", self.options, CompileOptions)
 
     @classmethod
-    def of(cls, houses: "HouseSet | Dataset | str | Path | None", **choice: Any) -> "HouseSet":
+    def coerce(cls, houses: "HouseSet | Dataset | str | Path | None", **choice: Any) -> "HouseSet":
         """Convert the `houses` argument of a function to a set.
 
         Args:
@@ -85,7 +85,7 @@ class HouseSet:
         return houses
 
     @cached_property
-    def opened(self) -> Dataset:
+    def resolved_dataset(self) -> Dataset:
         """The open dataset.
 
         Raises:
@@ -94,29 +94,29 @@ class HouseSet:
         return self.dataset if isinstance(self.dataset, Dataset) else open_dataset(self.dataset)
 
     @property
-    def is_whole(self) -> bool:
+    def is_complete(self) -> bool:
         """True if the set has every house of the dataset."""
         return (
             self.ids is None
             and self.split is None
-            and self.where is None
+            and self.filter is None
             and self.num_houses is None
-            and not self.opened.shares_root
+            and not self.resolved_dataset.shares_root
         )
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
-        """Ids of the houses, in order. With `where`, houses that are not in the cache are compiled.
+        """Ids of the houses, in order. With `filter`, houses that are not in the cache are compiled.
 
         Raises:
             ConfigError: No house is left.
-            DatasetError: The dataset, or with `where` a house, is missing or broken.
+            DatasetError: The dataset, or with `filter` a house, is missing or broken.
         """
         return self._checked(tuple(self._choose(self.open_cache(), progress=False)))
 
     def open_cache(self) -> HouseCache:
         """Return a new cache of the dataset's compiled houses, with the set's compile options."""
-        return HouseCache(self.opened, self.options)
+        return HouseCache(self.resolved_dataset, self.options)
 
     def load(self, progress: bool = False) -> list[CompiledHouse]:
         """Return the compiled houses, in order, with shared models; houses that are not in the cache are compiled.
@@ -129,25 +129,25 @@ class HouseSet:
             DatasetError: The dataset or one of the houses is missing or broken.
         """
         cache = self.open_cache()
-        if self.where is None:
-            self.opened.prepare(self.house_ids, progress)
+        if self.filter is None:
+            self.resolved_dataset.prepare(self.house_ids, progress)
         houses = tuple(cache.load(house_id) for house_id in self._choose(cache, progress))
         return list(self._checked(houses))
 
     def _choose(self, cache: HouseCache, progress: bool) -> Iterator[str]:
-        """Yield the ids of the selected houses, checking no more houses against `where` than necessary."""
-        known = self.opened.house_ids if self.ids is None else self.ids
+        """Yield the ids of the selected houses, checking no more houses against `filter` than necessary."""
+        known = self.resolved_dataset.house_ids if self.ids is None else self.ids
         found = (i for i in known if self.split is None or split_of(i) == self.split)
-        candidates = islice(found, self.num_houses) if self.where is None else found
+        candidates = islice(found, self.num_houses) if self.filter is None else found
         total = None if self.num_houses is None else min(self.num_houses, len(known))
         with tqdm(candidates, desc="houses", unit="house", disable=not progress, total=total) as bar:
-            wanted = (i for i in bar if self.where is None or self.where.fits(cache.contents(i)))
+            wanted = (i for i in bar if self.filter is None or self.filter.matches(cache.contents(i)))
             yield from islice(wanted, self.num_houses)
 
     def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
         if not found:
-            known = self.opened.house_ids
-            limits = (f"are in the split `{self.split}`" if self.split else "", "fit the filter" if self.where else "")
+            known = self.resolved_dataset.house_ids
+            limits = (f"are in the split `{self.split}`" if self.split else "", "fit the filter" if self.filter else "")
             which = f": none of its {len(known)} houses {' and '.join(filter(None, limits))}" if any(limits) else ""
             hint = "Choose another split, a wider filter or more houses." if which else None
             raise ConfigError(f"no house of the dataset was chosen{which}", hint=hint)

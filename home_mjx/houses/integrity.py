@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.geometry.bvh import MAX_DEPTH
-from home_mjx.schema.compiled import CompiledHouse, Model, Tree
+from home_mjx.schema.compiled import BVH, CompiledHouse, Model
 
 LEAF_BITS, LEAF_MASK = 4, 15
 
@@ -41,7 +41,7 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
     if house.id != house_id:
         raise ValueError(f"house has the id {house.id!s:.80}")
     instances, count, rows = house.instances, len(house.instances.model), len(house.materials.texture)
-    check_trees([house.top], [count])
+    check_trees([house.top_bvh], [count])
     if not np.isfinite(instances.pose).all():
         raise ValueError("an instance has a pose that is not finite")
     slots = {key: int(model.slot.max(initial=0)) for key, model in house.models.items()}
@@ -54,14 +54,14 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
     _check_range("doors.instance", house.doors.instance, 0, count)
 
 
-def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
+def check_trees(trees: Sequence[BVH], num_primitives: Sequence[int]) -> None:
     """Validate that trees have at most `MAX_DEPTH` levels and refer to existing primitives.
 
     All trees are checked at once, since houses have many small ones.
 
     Args:
         trees: Trees with arrays of the right shapes.
-        primitives: Number of primitives of each tree.
+        num_primitives: Number of primitives of each tree.
 
     Raises:
         ValueError: A tree is invalid.
@@ -82,7 +82,7 @@ def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
     if np.any(np.maximum.reduceat(code, 2 * first) >= counts):
         raise ValueError("a tree refers to missing nodes")
     leaf, inner = ~code, code >= 0
-    if np.any(np.maximum.reduceat(((leaf >> LEAF_BITS) + (leaf & LEAF_MASK)) * ~inner, 2 * first) > primitives):
+    if np.any(np.maximum.reduceat(((leaf >> LEAF_BITS) + (leaf & LEAF_MASK)) * ~inner, 2 * first) > num_primitives):
         raise ValueError("a tree refers to missing primitives")
     link = np.flatnonzero(inner)
     target = code[link] + np.repeat(first, np.add.reduceat(inner, 2 * first, dtype=np.intp))

@@ -8,30 +8,30 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from home_mjx.core.files import unwritable
+from home_mjx.core.files import write_error
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.houses.pools import outcomes
+from home_mjx.houses.pools import run_jobs
 from home_mjx.houses.report import (
     CACHED,
     COMPILED,
+    DISK_FULL_HINT,
     FAILED,
-    FREE,
     CompileOutcome,
     CompileSummary,
-    described,
-    done_houses,
-    earlier_lines,
-    journal,
+    error_record,
+    find_done_houses,
+    load_report,
+    open_journal,
     report_path,
 )
 from home_mjx.houses.version import prepare_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 
-MODELS_KEPT = 1000  # maximum number of models in the memory of a worker
+MAX_CACHED_MODELS = 1000  # maximum number of models in the memory of a worker
 
 
 def compile_dataset(
@@ -71,7 +71,7 @@ def compile_dataset(
     Raises:
         DatasetError: There is no dataset, or it does not have one of the houses.
         ConfigError: The cache folder or the report is not writable, or another file has the report's name. `workers` is
-            below 1. The scheduler does not answer or its extra is not installed. The `HouseSet` has a `where` filter,
+            below 1. The scheduler does not answer or its extra is not installed. The `HouseSet` has a `filter` filter,
             which needs compiled houses.
 
     Example:
@@ -81,26 +81,26 @@ def compile_dataset(
     begin = time.perf_counter()
     if workers < 1:
         raise ConfigError(f"expected one worker or more, got {workers}", element="workers")
-    houses = HouseSet.of(root, ids=ids, split=split, options=options)
-    if houses.where is not None:
-        raise ConfigError("`where` cannot choose houses that are still to be compiled")
-    dataset, options = houses.opened, houses.options
+    houses = HouseSet.coerce(root, ids=ids, split=split, options=options)
+    if houses.filter is not None:
+        raise ConfigError("`filter` cannot choose houses that are still to be compiled")
+    dataset, options = houses.resolved_dataset, houses.options
     chosen = list(dict.fromkeys(houses.house_ids))
     for house_id in chosen:
         dataset.check_known(house_id)
     dataset.prepare(chosen, progress)
     path = Path(report or report_path(dataset.root, options))
-    earlier = earlier_lines(path)
-    done = done_houses(earlier) if resume else set()
+    earlier = load_report(path)
+    done = find_done_houses(earlier) if resume else set()
     left = [house_id for house_id in chosen if house_id not in done]
     _prepare()
     task = partial(compile_one, dataset, options, f"{os.getpid()} {time.time_ns()}")
     counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
     incomplete = fixed = 0
     with (
-        outcomes(task, left, workers, scheduler) as found,
+        run_jobs(task, left, workers, scheduler) as found,
         # Opened after the scheduler, so that an old report is not truncated if there is none.
-        journal(path, append=resume or not houses.is_whole) as note,
+        open_journal(path, append=resume or not houses.is_complete) as note,
         tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
     ):
         for outcome in found:
@@ -136,18 +136,20 @@ def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: s
     status, error, entry, stand_ins, fixed = FAILED, None, None, [], 0
     try:
         houses = _houses(dataset, options, run)
-        before = houses.compiled
+        before = houses.num_compiled
         fixed = int(houses.load(house_id).report["movable_but_too_many"])
-        stand_ins = [str(item) for item in houses.stand_ins.get(house_id, ())]
-        status = COMPILED if houses.compiled > before else CACHED
-        if len(houses.library) > MODELS_KEPT:
+        stand_ins = [str(item) for item in houses.fallbacks.get(house_id, ())]
+        status = COMPILED if houses.num_compiled > before else CACHED
+        if len(houses.library) > MAX_CACHED_MODELS:
             _houses.cache_clear()
-        path = houses.entry(house_id)
+        path = houses.entry_path(house_id)
         if not path.is_file():
-            raise unwritable("compiled house", path, houses.unwritten or OSError("file has been removed"), FREE)
+            raise write_error(
+                "compiled house", path, houses.write_error or OSError("file has been removed"), DISK_FULL_HINT
+            )
         entry = str(path.relative_to(cache_folder()))
     except Exception as problem:  # one broken house of 45,000 must not stop the run
-        status, error = FAILED, described(problem)
+        status, error = FAILED, error_record(problem)
     return CompileOutcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry, stand_ins, fixed)
 
 

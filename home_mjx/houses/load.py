@@ -38,7 +38,7 @@ def load_bank(
             that `SUNCG_DATA_DIR` names, or else generated houses.
         ids: Ids of the houses, in this order; None: all.
         num_houses: Maximum number of houses; None: all, or 8 generated ones.
-        split: Only houses of `train`, `val` or `test`.
+        split: Only houses of `train`, `val` or `test_triangle`.
         where: Only houses that pass this filter.
         options: How to compile; ignored for a `HouseSet` with options of its own.
         progress: Show progress bars.
@@ -71,16 +71,16 @@ def house_set(
     """Return the houses that `load_bank` loads, without compiling them; arguments and errors are its own.
 
     Raises:
-        ConfigError: `where` is given for the default dataset, which has no end.
+        ConfigError: `filter` is given for the default dataset, which has no end.
     """
     if num_houses is not None:
-        check_number("num_houses", num_houses, 1, whole=True)
+        check_number("num_houses", num_houses, 1, integer=True)
     if isinstance(houses, HouseSet):
-        chosen = HouseSet.of(houses, ids=ids, num_houses=num_houses, split=split, where=where)
+        chosen = HouseSet.coerce(houses, ids=ids, num_houses=num_houses, split=split, where=where)
         return replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
     if houses is None and dataset_root() is None:
         if where is not None:
             hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
-            raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
+            raise ConfigError("`filter` chooses among the houses of a dataset", hint=hint)
         houses, num_houses = DEFAULT_DATASET, num_houses or (NUM_HOUSES if ids is None else None)
-    return HouseSet(houses, ids=ids, num_houses=num_houses, split=split, where=where, options=options)
+    return HouseSet(houses, ids=ids, num_houses=num_houses, split=split, filter=where, options=options)

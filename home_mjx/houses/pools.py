@@ -8,42 +8,44 @@ from typing import Any
 
 from home_mjx.core.workers import worker_pool
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.houses.report import FAILED, CompileOutcome, described
+from home_mjx.houses.report import FAILED, CompileOutcome, error_record
 
-CONNECT_SECONDS = 10  # timeout for connecting to a scheduler
+CONNECT_TIMEOUT = 10  # timeout for connecting to a scheduler
 
-Task = Callable[[str], CompileOutcome]
+CompileTask = Callable[[str], CompileOutcome]
 
 
 @contextmanager
-def outcomes(task: Task, ids: Sequence[str], workers: int, scheduler: str | None) -> Iterator[Iterator[CompileOutcome]]:
+def run_jobs(
+    task: CompileTask, ids: Sequence[str], workers: int, scheduler_address: str | None
+) -> Iterator[Iterator[CompileOutcome]]:
     """Yield an iterator over the outcomes of houses, in order of completion.
 
     Args:
         task: Compiles a house; it never raises.
         ids: The houses.
         workers: Number of processes on this machine.
-        scheduler: Address of a Dask scheduler whose workers are used instead.
+        scheduler_address: Address of a Dask scheduler whose workers are used instead.
 
     Raises:
         ConfigError: The scheduler does not answer, or the extra is not installed.
     """
-    if scheduler is not None:
-        with _dask(scheduler) as executor:
-            yield _as_they_come(executor, task, ids)
+    if scheduler_address is not None:
+        with _dask(scheduler_address) as executor:
+            yield _completed(executor, task, ids)
     elif workers == 1 or len(ids) < 2:
         yield map(task, ids)
     else:
         yield _in_processes(task, ids, workers)
 
 
-def _as_they_come(executor: Any, task: Task, ids: Sequence[str]) -> Iterator[CompileOutcome]:
+def _completed(executor: Any, task: CompileTask, ids: Sequence[str]) -> Iterator[CompileOutcome]:
     futures = {executor.submit(task, house_id): house_id for house_id in ids}
     for future in as_completed(futures):
         try:
             yield future.result()
         except Exception as problem:  # the worker died, or the cluster lost the task
-            yield CompileOutcome(futures[future], FAILED, 0.0, described(problem))
+            yield CompileOutcome(futures[future], FAILED, 0.0, error_record(problem))
 
 
 @contextmanager
@@ -53,7 +55,7 @@ def _dask(scheduler: str) -> Iterator[Any]:
     except ModuleNotFoundError:
         raise ConfigError("a scheduler needs the package `distributed`", hint=install_hint("distributed")) from None
     try:
-        client = Client(scheduler, timeout=CONNECT_SECONDS)
+        client = Client(scheduler, timeout=CONNECT_TIMEOUT)
     except (OSError, ValueError) as error:
         hint = "Start one with `dask scheduler` and workers with `dask worker ADDRESS`."
         raise ConfigError(f"no Dask scheduler answers at `{scheduler}`: {error}", hint=hint) from error
@@ -61,7 +63,7 @@ def _dask(scheduler: str) -> Iterator[Any]:
         yield executor
 
 
-def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[CompileOutcome]:
+def _in_processes(task: CompileTask, ids: Sequence[str], workers: int) -> Iterator[CompileOutcome]:
     """Yield outcomes from worker processes; a house that kills its worker, for example by lack of memory, fails."""
     left = dict.fromkeys(ids)
     while left:
@@ -75,13 +77,13 @@ def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[Comp
         # Pools process tasks in order, so if the pool broke, one of the first remaining houses caused it.
         for house_id in list(left)[:workers]:
             del left[house_id]
-            yield _alone(task, house_id)
+            yield _retry_alone(task, house_id)
 
 
-def _alone(task: Task, house_id: str) -> CompileOutcome:
+def _retry_alone(task: CompileTask, house_id: str) -> CompileOutcome:
     with worker_pool(1) as pool:
         try:
             return pool.submit(task, house_id).result()
         except BrokenProcessPool:
             death = MemoryError("the process that compiled the house died, possibly for lack of memory")
-            return CompileOutcome(house_id, FAILED, 0.0, described(death))
+            return CompileOutcome(house_id, FAILED, 0.0, error_record(death))

@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import Any
 from zipfile import is_zipfile
 
-from home_mjx.core.files import unwritable
+from home_mjx.core.files import write_error
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.houses.version import version_folder
 from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
-FREE = "Free some space and start it again with --resume: finished houses are kept."
+DISK_FULL_HINT = "Free some space and start it again with --resume: finished houses are kept."
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
-BEGINNING = b'{"id": "'  # first bytes of every line
-KINDS = {"id": str, "status": str, "entry": str | None}  # types of the fields that are read
+LINE_PREFIX = b'{"id": "'  # first bytes of every line
+FIELD_TYPES = {"id": str, "status": str, "entry": str | None}  # types of the fields that are read
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def report_path(root: Path, options: CompileOptions) -> Path:
     return version_folder() / "reports" / f"{name}.jsonl"
 
 
-def described(problem: Exception) -> dict[str, str | None]:
+def error_record(problem: Exception) -> dict[str, str | None]:
     """Convert an error to its form in the report: type, message, file, element and hint."""
     if isinstance(problem, HomeMjxError):
         where = {"file": problem.file, "element": problem.element, "hint": problem.hint}
@@ -72,7 +72,7 @@ def described(problem: Exception) -> dict[str, str | None]:
     return {"type": type(problem).__name__, "message": str(problem), "file": None, "element": None, "hint": None}
 
 
-def done_houses(lines: list[dict[str, Any]]) -> set[str]:
+def find_done_houses(lines: list[dict[str, Any]]) -> set[str]:
     """Return the ids of the houses that are done according to the report and whose entries exist."""
     entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
     return {house_id for house_id, entry in entries.items() if entry and _is_there(entry)}
@@ -86,7 +86,7 @@ def _is_there(entry: str) -> bool:
         return False
 
 
-def earlier_lines(path: Path) -> list[dict[str, Any]]:
+def load_report(path: Path) -> list[dict[str, Any]]:
     """Return the lines of an earlier report; raise if the file is not a report, so that it is not overwritten."""
     try:
         lines = read_report(path)
@@ -100,7 +100,7 @@ def earlier_lines(path: Path) -> list[dict[str, Any]]:
 
 def _may_be_cut(line: bytes) -> bool:
     """Return whether a line can be a truncated line of a killed run."""
-    return line.startswith(BEGINNING) or BEGINNING.startswith(line)
+    return line.startswith(LINE_PREFIX) or LINE_PREFIX.startswith(line)
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:
@@ -112,13 +112,13 @@ def read_report(path: Path) -> list[dict[str, Any]]:
             entry = json.loads(line)
         except (ValueError, RecursionError):
             continue
-        if isinstance(entry, dict) and all(isinstance(entry.get(name, ""), kind) for name, kind in KINDS.items()):
+        if isinstance(entry, dict) and all(isinstance(entry.get(name, ""), kind) for name, kind in FIELD_TYPES.items()):
             found += [entry] if {"id", "status"} <= entry.keys() else []
     return found
 
 
 @contextmanager
-def journal(path: Path, append: bool) -> Iterator[Callable[[CompileOutcome], None]]:
+def open_journal(path: Path, append: bool) -> Iterator[Callable[[CompileOutcome], None]]:
     """Open a report and yield a function that appends one outcome.
 
     Each outcome is one write, so that a kill truncates at most the last line.
@@ -138,6 +138,6 @@ def journal(path: Path, append: bool) -> Iterator[Callable[[CompileOutcome], Non
             try:
                 file.write((json.dumps(asdict(outcome)) + "\n").encode())
             except OSError as error:
-                raise unwritable("report", path, error, FREE) from None
+                raise write_error("report", path, error, DISK_FULL_HINT) from None
 
         yield note

@@ -11,10 +11,10 @@ from home_mjx.core.checks import check_names
 from home_mjx.errors import ConfigError
 from home_mjx.geometry.polygons import polygon_area
 from home_mjx.schema.categories import COARSE, FINE
-from home_mjx.schema.compiled import CompiledHouse, Rooms
+from home_mjx.schema.compiled import CompiledHouse, RoomTable
 from home_mjx.schema.semantic import Semantic
 
-Range = tuple[float, float]  # minimum and maximum, both inclusive
+ClosedRange = tuple[float, float]  # minimum and maximum, both inclusive
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,9 @@ class HouseFilter:
         HouseFilter(levels=(1, 1), rooms=(3, 8), area=None, categories=('bed', 'toilet'))
     """
 
-    levels: Range | None = None
-    rooms: Range | None = None
-    area: Range | None = None
+    levels: ClosedRange | None = None
+    rooms: ClosedRange | None = None
+    area: ClosedRange | None = None
     categories: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -46,9 +46,9 @@ class HouseFilter:
 
     def accepts(self, house: CompiledHouse) -> bool:
         """Return whether a compiled house has all required properties."""
-        return self.fits(contents_of(house.report, house.rooms, house.semantics))
+        return self.matches(summarize_contents(house.report, house.rooms, house.semantics))
 
-    def fits(self, contents: "HouseContents") -> bool:
+    def matches(self, contents: "HouseContents") -> bool:
         """Return whether contents meet all requirements."""
         sizes = ((contents.levels, self.levels), (contents.rooms, self.rooms), (contents.area, self.area))
         met = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
@@ -72,7 +72,9 @@ class HouseContents:
     categories: frozenset[str]
 
 
-def contents_of(report: Mapping[str, int], rooms: Rooms, semantics: Int[np.ndarray, "q columns"]) -> HouseContents:
+def summarize_contents(
+    report: Mapping[str, int], rooms: RoomTable, semantics: Int[np.ndarray, "q columns"]
+) -> HouseContents:
     """Return the filter properties of a compiled house; its models are not needed.
 
     Args:

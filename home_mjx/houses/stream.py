@@ -16,13 +16,13 @@ from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank, to_bank
 from home_mjx.bank.packing.agent_model import agent_model
-from home_mjx.bank.packing.capacity import capacity_of, row_stride
+from home_mjx.bank.packing.capacity import capacity_of, slot_stride
 from home_mjx.bank.packing.library import Library
 from home_mjx.bank.packing.pack import pack_house_slot, pack_house_slots
-from home_mjx.bank.records.bank_arrays import array_of, with_arrays
+from home_mjx.bank.records.bank_arrays import get_array, replace_arrays
 from home_mjx.bank.records.declaration import Key
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
-from home_mjx.core.array_store.entry import BROKEN
+from home_mjx.core.array_store.entry import READ_ERRORS
 from home_mjx.core.checks import check_number
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError, HomeMjxError
@@ -58,19 +58,19 @@ class HouseStream:
         root: Folder of the dataset, an open `Dataset`, or a `HouseSet`; None: the dataset of `SUNCG_DATA_DIR`.
         ids: House ids; all by default.
         num_slots: Number of houses in the bank at a time.
-        spare: Number of slots that are retired at a time.
-        headroom: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see `skipped`.
+        num_retiring: Number of slots that are retired at a time.
+        capacity_factor: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see `skipped`.
         split: Restrict to houses of this split.
         seed: Seed of the order of houses, which differs in every pass over the dataset.
         options: Compiler options.
         progress: Show a progress bar while models and textures of all houses are collected.
-        where: Restrict to houses that meet this filter.
+        filter: Restrict to houses that meet this filter.
         num_houses: Maximum number of houses; the first are taken.
 
     Attributes:
         bank: The current bank. Earlier banks are invalid after `advance`, since their memory is overwritten.
         skipped: Reason for each skipped house, by id.
-        swaps: Number of houses exchanged so far.
+        num_swaps: Number of houses exchanged so far.
 
     Raises:
         ConfigError: There are fewer houses than slots.
@@ -88,31 +88,31 @@ class HouseStream:
         ids: Sequence[str] | None = None,
         *,
         num_slots: int = 8,
-        spare: int = 1,
-        headroom: float = 1.5,
+        num_retiring: int = 1,
+        capacity_factor: float = 1.5,
         split: str | None = None,
         seed: int = 0,
         options: CompileOptions = DEFAULT_OPTIONS,
         progress: bool = False,
-        where: HouseFilter | None = None,
+        filter: HouseFilter | None = None,
         num_houses: int | None = None,
     ) -> None:
-        for name, value, least in (("num_slots", num_slots, 2), ("spare", spare, 1), ("seed", seed, 0)):
-            check_number(name, value, least, whole=True)
-        check_number("headroom", headroom, 1)
-        choice = {"ids": ids, "split": split, "options": options, "where": where, "num_houses": num_houses}
-        houses = HouseSet.of(root, **choice)
-        if not 0 < spare < num_slots:
-            raise ConfigError(f"`spare` must be from 1 to num_slots - 1, got {spare} of {num_slots}")
+        for name, value, least in (("num_slots", num_slots, 2), ("num_retiring", num_retiring, 1), ("seed", seed, 0)):
+            check_number(name, value, least, integer=True)
+        check_number("capacity_factor", capacity_factor, 1)
+        choice = {"ids": ids, "split": split, "options": options, "filter": filter, "num_houses": num_houses}
+        houses = HouseSet.coerce(root, **choice)
+        if not 0 < num_retiring < num_slots:
+            raise ConfigError(f"`num_retiring` must be from 1 to num_slots - 1, got {num_retiring} of {num_slots}")
         self.skipped: dict[str, str] = {}
-        self.swaps = 0
+        self.num_swaps = 0
         self._cache = houses.open_cache()
-        houses.opened.prepare(houses.house_ids, progress)
+        houses.resolved_dataset.prepare(houses.house_ids, progress)
         models, textures = self._look_through(houses.house_ids, progress)
         self._order = self._endless(houses.house_ids, np.random.default_rng(seed))
         first = self._first_houses(num_slots)
         self._library = Library(models, textures, first[0].agent_materials)
-        self._capacity, self._stride = capacity_of(first, headroom), row_stride(first, headroom)
+        self._capacity, self._stride = capacity_of(first, capacity_factor), slot_stride(first, capacity_factor)
         self.bank: HouseBank = to_bank(pack_house_slots(first, self._library, self._capacity, self._stride))
         self.bank = _write(
             self.bank, *self._prepare(first[0], 0)[1:]
@@ -122,14 +122,14 @@ class HouseStream:
         self._worker = ThreadPoolExecutor(1, "house-stream")
         self._active = list(range(num_slots))
         self._retiring: list[_Retiring] = []
-        for _ in range(spare):
+        for _ in range(num_retiring):
             self._retire()
 
     def advance(self, houses: Int[Array, "..."]) -> HouseBank:
         """Exchange each retired house whose successor is ready; call it before every step, or less often.
 
         Args:
-            houses: House indices of all environments, as in `states.world.house`.
+            houses: House indices of all environments, as in `first.world.house`.
 
         Returns:
             The bank for the next steps; do not use an earlier one.
@@ -178,8 +178,8 @@ class HouseStream:
                 notes = self._cache.notes(house_id)
                 for key in notes["instances.model"][ARCHITECTURE + 1 :]:
                     models[key] = self._cache.model(key)
-                textures.update(filter(None, self._cache.textures(notes)))
-            except (HomeMjxError, *BROKEN) as error:
+                textures.update(filter(None, self._cache.texture_paths(notes)))
+            except (HomeMjxError, *READ_ERRORS) as error:
                 self.skipped[house_id] = str(error)
         return models, tuple(sorted(textures))
 
@@ -207,7 +207,9 @@ class HouseStream:
     def _retire(self) -> None:
         """Retire the slot that was filled first and start to prepare the next house for it."""
         house_slot = self._active.pop(0)
-        self.bank = self.bank.replace(draw=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32))
+        self.bank = self.bank.replace(
+            reset_houses=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32)
+        )
         self._retiring.append(_Retiring(house_slot, self._calls, self._worker.submit(self._next, house_slot)))
 
     def _exchange(self, item: _Retiring) -> None:
@@ -218,7 +220,7 @@ class HouseStream:
         _, rows, starts = prepared
         self.bank = _write(self.bank, rows, starts)
         self._active.append(item.house_slot)
-        self.swaps += 1
+        self.num_swaps += 1
         self._retire()
 
     def _next(self, house_slot: int) -> Prepared | None:
@@ -243,7 +245,7 @@ class HouseStream:
 def _write(bank: HouseBank, rows: Mapping[Key, Array], starts: Mapping[Key, Array]) -> HouseBank:
     """Overwrite rows of the bank in its own memory."""
     write = functools.partial(jax.lax.dynamic_update_slice_in_dim, axis=0)
-    bank = with_arrays(bank, {key: write(array_of(bank, key), values, starts[key]) for key, values in rows.items()})
+    bank = replace_arrays(bank, {key: write(get_array(bank, key), values, starts[key]) for key, values in rows.items()})
     if bank.geometry.gpu is not None:
         bank = bank.replace(geometry=bank.geometry.replace(gpu=gpu_geometry(bank.geometry)))
     return bank

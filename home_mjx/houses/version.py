@@ -10,13 +10,13 @@ import shutil
 import time
 from pathlib import Path
 
-from home_mjx.core.files import sweep
+from home_mjx.core.files import remove_leftovers
 from home_mjx.core.paths import cache_folder
 
 FORMAT = 8
-PACKAGE = Path(__file__).parents[1]
+PACKAGE_ROOT = Path(__file__).parents[1]
 # Code that determines an entry; changing any of it recompiles all houses. A test compares this list with the imports.
-COMPILER = (
+COMPILER_PATHS = (
     "core/array_store/flatten.py",
     "core/color.py",
     "core/files.py",
@@ -49,8 +49,8 @@ COMPILER = (
     ),
 )
 VERSION_FOLDER = re.compile(r"v\d+-[0-9a-f]{12}")
-DISCARDED = ".discarded-"
-KEEP_SECONDS = 30 * 24 * 3600.0  # time until an unused version folder is removed
+DISCARDED_PREFIX = ".discarded-"
+MAX_UNUSED_SECONDS = 30 * 24 * 3600.0  # time until an unused version folder is removed
 
 log = logging.getLogger(__name__)
 
@@ -63,7 +63,7 @@ def version_folder() -> Path:
 @functools.cache
 def version() -> str:
     """Return the name of this version."""
-    return version_of(PACKAGE)
+    return version_of(PACKAGE_ROOT)
 
 
 def version_of(package: Path) -> str:
@@ -78,9 +78,9 @@ def version_of(package: Path) -> str:
     return f"v{FORMAT}-{code.hexdigest()[:12]}"
 
 
-def compiler_files(root: Path = PACKAGE) -> list[Path]:
-    """Return the files of `COMPILER`, code and tables, sorted."""
-    named = [root / name for name in COMPILER]
+def compiler_files(root: Path = PACKAGE_ROOT) -> list[Path]:
+    """Return the files of `COMPILER_PATHS`, code and tables, sorted."""
+    named = [root / name for name in COMPILER_PATHS]
     found = [path for place in named for path in (place.rglob("*") if place.is_dir() else (place,))]
     return sorted(path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
 
@@ -91,20 +91,20 @@ def mark_used(folder: Path) -> None:
         os.utime(folder)
 
 
-def claim(folder: Path) -> None:
+def create_version_folder(folder: Path) -> None:
     """Create a version folder; if it is new, remove folders of versions that were not used for a month."""
     if folder.is_dir():
         return
     folder.mkdir(parents=True, exist_ok=True)
     for other in folder.parent.iterdir():
-        old = VERSION_FOLDER.fullmatch(other.name) and time.time() - other.stat().st_mtime > KEEP_SECONDS
-        if other.name.startswith(DISCARDED) or old:
-            discard(other)
+        old = VERSION_FOLDER.fullmatch(other.name) and time.time() - other.stat().st_mtime > MAX_UNUSED_SECONDS
+        if other.name.startswith(DISCARDED_PREFIX) or old:
+            remove_folder(other)
 
 
-def discard(folder: Path) -> None:
+def remove_folder(folder: Path) -> None:
     """Remove a folder of the cache; it is renamed first, so that no process sees it half removed."""
-    hidden = folder.with_name(DISCARDED + folder.name.removeprefix(DISCARDED))
+    hidden = folder.with_name(DISCARDED_PREFIX + folder.name.removeprefix(DISCARDED_PREFIX))
     try:
         folder.replace(hidden)
         shutil.rmtree(hidden)
@@ -119,6 +119,6 @@ def prepare_folder() -> None:
         OSError: The folder is not writable.
     """
     folder = version_folder()
-    claim(folder)
+    create_version_folder(folder)
     for entries in folder.iterdir():
-        sweep(entries)
+        remove_leftovers(entries)

@@ -2,13 +2,13 @@
 
 import xml.etree.ElementTree as ET
 
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 
 # An impact at speed v penetrates by v T / e, where T is the time constant: 4 cm at 5 m/s, resolved within a control
 # step. With T = 0.05 s, thrown light objects stayed deep inside furniture for several steps. The price: the friction
 # pyramid lifts sliding objects. A light box that is pushed at 1 m/s hops by 12 mm instead of 9 (friction 0.4).
 TIME_CONSTANT = 0.02  # [s]
-SOLREF = f"{TIME_CONSTANT} 1"  # for agents, door limits and contacts without restitution, see `contact`
+SOLREF = f"{TIME_CONSTANT} 1"  # for agents, door limits and contacts without restitution, see `in_contact`
 # Impedance of all contacts and limits: minimum, maximum, and width of the transition [m]; MuJoCo's defaults.
 SOLIMP = (0.9, 0.95, 0.001)
 
@@ -24,10 +24,10 @@ def solimp() -> str:
 
 
 # Geom attributes that make all contacts of an agent frictionless.
-FRICTIONLESS = {"condim": "1", "priority": "2", "solref": SOLREF, "solimp": solimp()}
+FRICTIONLESS_CONTACT = {"condim": "1", "priority": "2", "solref": SOLREF, "solimp": solimp()}
 
 
-def add_agent(world: ET.Element, shape: Body, name: str, **capsule: str) -> ET.Element:
+def add_agent(world: ET.Element, shape: AgentBody, name: str, **capsule: str) -> ET.Element:
     """Add an agent: a capsule on three slides and a yaw hinge, so its joint positions are x, y, z and yaw.
 
     Args:

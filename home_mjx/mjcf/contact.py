@@ -17,10 +17,10 @@ import numpy as np
 
 from home_mjx.mjcf.agent import SOLIMP, TIME_CONSTANT
 
-TIP = 25.0  # [m/s^2], width of the impedance transition per squared length of a physics step
+IMPEDANCE_WIDTH_RATE = 25.0  # [m/s^2], width of the impedance transition per squared length of a physics step
 
 
-def contact_numbers(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, Any, Any, Any]:
+def contact_parameters(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, Any, Any, Any]:
     """Return contact parameters: stiffness [1/s^2], damping [1/s], minimum impedance and transition width [m].
 
     Stiffness and damping, negated, are `solref` in MuJoCo's direct format. For a contact of two movable objects, MuJoCo
@@ -28,7 +28,7 @@ def contact_numbers(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, Any
     and damping ratio), it would take the means, and a ball would sink into a cushion. Impedances are always averaged.
 
     Args:
-        ratio: Damping ratio, see `materials.contact.damping_ratio`; 1: no restitution.
+        ratio: Damping ratio, see `sound_materials.in_contact.damping_ratio`; 1: no restitution.
         timestep: Length of a physics step [s].
         xp: `numpy` or `jax.numpy`.
 
@@ -39,5 +39,5 @@ def contact_numbers(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, Any
     constant = max(TIME_CONSTANT, 2 * timestep)  # the minimum that MuJoCo allows
     rate = xp.full_like(ratio, 1 / constant)  # natural frequency; equal for all ratios, stable up to damping 2 rate
     low = xp.where(ratio < 1, ratio * ratio / 2, SOLIMP[0])
-    width = xp.where(ratio < 1, xp.full_like(ratio, max(TIP * timestep**2, SOLIMP[2])), SOLIMP[2])
+    width = xp.where(ratio < 1, xp.full_like(ratio, max(IMPEDANCE_WIDTH_RATE * timestep**2, SOLIMP[2])), SOLIMP[2])
     return rate * rate, 2 * ratio * rate, low, width

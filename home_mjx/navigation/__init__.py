@@ -1,35 +1,35 @@
 """Navigation grids, geodesic distances, rooms and free positions on the device; a path follower on the host."""
 
-from home_mjx.navigation.doors import door_angles, joined_rooms, open_portals
+from home_mjx.navigation.doors import connected_rooms, door_angles, passable_portals
 from home_mjx.navigation.fields import distance_field, goal_fields
 from home_mjx.navigation.grid import (
     cell_of,
     geodesic_distance,
+    grid_position,
     ground_fields,
-    near_home,
-    place_position,
+    is_near_home_region,
     random_position,
     room_of,
 )
-from home_mjx.navigation.path_follower import Walker, make_walker
-from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
+from home_mjx.navigation.path_follower import PathFollower, make_path_follower
+from home_mjx.navigation.spawn import random_source, random_yaw, sample_starts
 
 __all__ = [
-    "Walker",
+    "PathFollower",
     "cell_of",
+    "connected_rooms",
     "distance_field",
     "door_angles",
     "geodesic_distance",
     "goal_fields",
+    "grid_position",
     "ground_fields",
-    "joined_rooms",
-    "make_walker",
-    "near_home",
-    "open_portals",
-    "place_position",
+    "is_near_home_region",
+    "make_path_follower",
+    "passable_portals",
     "random_position",
     "random_source",
     "random_yaw",
     "room_of",
-    "spread_starts",
+    "sample_starts",
 ]

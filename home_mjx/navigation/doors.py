@@ -20,14 +20,14 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
             leaf open or closed).
         key: Random key; used by "random" only.
     """
-    physics, house = bank.physics, bank.known_house(house)
-    wide, closed = physics.door_wide[house], physics.door_closed[house]
+    physics, house = bank.physics, bank.clip_house_index(house)
+    wide, closed = physics.door_fully_open[house], physics.door_closed[house]
     shut = jax.random.bernoulli(key, 0.5, wide.shape)
     known = {"open": wide, "closed": closed, "placed": jnp.zeros_like(wide), "random": jnp.where(shut, closed, wide)}
     return jnp.clip(known[state], physics.door_low[house], physics.door_high[house])
 
 
-def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:
+def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:
     """Return whether an agent can pass each portal: it has no door, or one of its leaves is sufficiently open.
 
     A hinged leaf of width w at an angle t from closed leaves a gap of 2 w sin(t / 2) to the frame or to another closed
@@ -41,7 +41,7 @@ def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
     Returns:
         One flag per portal; False for padding, and for portals that agents cannot pass with any door state.
     """
-    physics, navigation, house = bank.physics, bank.navigation, bank.known_house(house)
+    physics, navigation, house = bank.physics, bank.navigation, bank.clip_house_index(house)
     width = 2 * jnp.max(physics.door_size[house, :, :2], axis=-1)
     turned = jnp.abs(door_angle - physics.door_closed[house])
     slides = jnp.any(physics.door_slide[house] != 0, axis=-1)
@@ -55,7 +55,7 @@ def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
     return (navigation.portal_width[house] > 0) & (no_leaf | by_leaf)
 
 
-def joined_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, "r r"]:
+def connected_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, "r r"]:
     """Return which pairs of rooms are connected for an agent that does not move doors.
 
     Args:
@@ -70,9 +70,9 @@ def joined_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
         >>> joined_rooms(bank, house, state.snapshot.door_angle)[bedroom, kitchen]  # doctest: +SKIP
         Array(False, dtype=bool)
     """
-    house = bank.known_house(house)
+    house = bank.clip_house_index(house)
     rooms, count = bank.navigation.portal_room[house], bank.navigation.room_type.shape[1]
-    passed = open_portals(bank, house, door_angle) & jnp.all(rooms >= 0, axis=-1)
+    passed = passable_portals(bank, house, door_angle) & jnp.all(rooms >= 0, axis=-1)
     a, b = (jnp.where(passed, rooms[:, k], count) for k in range(2))
     joined = jnp.eye(count + 1, dtype=bool).at[a, b].set(True).at[b, a].set(True)[:count, :count]
     for _ in range(max(count - 1, 1).bit_length()):  # each round doubles the number of portals per path

@@ -11,7 +11,7 @@ def distance_field(
     free: Bool[Array, "ny nx"],
     source: Bool[Array, "ny nx"],
     cell: float,
-    slow: Float[Array, "ny nx"] | float = 1.0,
+    step_factor: Float[Array, "ny nx"] | float = 1.0,
 ) -> Float[Array, "ny nx"]:
     """Compute the length of the shortest 8-connected path over free cells to the nearest source, without corner cuts.
 
@@ -23,7 +23,7 @@ def distance_field(
         free: Cells that a path may cross.
         source: Cells with distance 0; cells that are not free are ignored.
         cell: Cell size [m].
-        slow: Factor on the length of steps between cells, per cell; positive.
+        step_factor: Factor on the length of steps between cells, per cell; positive.
 
     Returns:
         Distances [m]; inf if there is no path. Equal to `scene_compile.navigation.geodesic.distance_fields` up to
@@ -34,7 +34,7 @@ def distance_field(
     """
     far = jnp.float32(jnp.inf)
     start = jnp.where(free & source, jnp.float32(0), far)
-    step = jnp.broadcast_to(jnp.float32(cell) * slow, free.shape)
+    step = jnp.broadcast_to(jnp.float32(cell) * step_factor, free.shape)
 
     def changed(carry: tuple[Array, Array]) -> Array:
         return jnp.any(carry[0] < carry[1])

@@ -6,22 +6,22 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_FAR, FIELD_UNIT
+from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE, MAX_DEPTH_BELOW_FLOOR
 
 # The shortest path from a point may begin over a neighbour of its cell.
 _OFFSETS = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
 _MIDDLE = _OFFSETS.index((0, 0))
-HOME, NOWHERE = 0, 3  # ranks of cells, see `_rank`
+HOME_RANK, UNREACHABLE_RANK = 0, 3  # ranks of cells, see `_rank`
 
 
 def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, "3"]:
     """Return level, row and column of the cell that contains a point, clipped to the grid.
 
-    The level is that of the highest floor that is not above the point, up to a tolerance of `BELOW_FLOOR`.
+    The level is that of the highest floor that is not above the point, up to a tolerance of `MAX_DEPTH_BELOW_FLOOR`.
     """
-    navigation, house = bank.navigation, bank.known_house(house)
+    navigation, house = bank.navigation, bank.clip_house_index(house)
     levels, rows, columns = navigation.room.shape[1:]
-    above = pos[2] >= navigation.floor[house] - jnp.float32(BELOW_FLOOR)
+    above = pos[2] >= navigation.floor[house] - jnp.float32(MAX_DEPTH_BELOW_FLOOR)
     level = jnp.maximum(jnp.sum(above.astype(jnp.int32)) - 1, 0)
     index = jnp.floor((pos[:2] - navigation.origin[house]) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
     return jnp.clip(jnp.stack([level, index[1], index[0]]), 0, jnp.array([levels, rows, columns], jnp.int32) - 1)
@@ -30,7 +30,7 @@ def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> I
 def room_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, ""]:
     """Return the index of the room that contains a point; -1 outside."""
     level, row, column = cell_of(bank, house, pos)
-    return bank.navigation.room[bank.known_house(house), level, row, column].astype(jnp.int32)
+    return bank.navigation.room[bank.clip_house_index(house), level, row, column].astype(jnp.int32)
 
 
 def geodesic_distance(
@@ -44,7 +44,7 @@ def geodesic_distance(
 
     It is the minimum over the 3 × 3 cells around the point of the cell's distance plus that to its centre. Near
     obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
-    `scene_compile.navigation.fringe`. Elsewhere it is the distance of the nearest cell plus the straight line to it.
+    `scene_compile.navigation.extrapolated`. Elsewhere it is the distance of the nearest cell plus the straight line to it.
 
     Args:
         bank: The houses.
@@ -56,14 +56,14 @@ def geodesic_distance(
     Returns:
         Distances [m], in the shape of `goal`; finite, because all goals are in the home region.
     """
-    navigation, house = bank.navigation, bank.known_house(house)
-    level, y, x = _around(bank, cell_of(bank, house, pos))
+    navigation, house = bank.navigation, bank.clip_house_index(house)
+    level, y, x = _neighbourhood(bank, cell_of(bank, house, pos))
     cell = navigation.cell[house, level, y, x]
     rank = _rank(bank, house, cell)
     # Cells inside an obstacle have other distances than free cells beside it, so cells of a higher rank are excluded.
-    usable = (rank <= rank[_MIDDLE]) & (rank < NOWHERE)
+    usable = (rank <= rank[_MIDDLE]) & (rank < UNREACHABLE_RANK)
     usable = usable.at[_MIDDLE].set(True)
-    nearest = navigation.place[row_of_cell(cell[_MIDDLE])]
+    nearest = navigation.cell_coords[row_of_cell(cell[_MIDDLE])]
     plan = jnp.stack([x, y], axis=-1).at[_MIDDLE].set(nearest[:0:-1].astype(jnp.int32))
     centre = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
     way = jnp.linalg.norm(centre + (navigation.origin[house] - pos[:2])[None], axis=-1)
@@ -72,7 +72,7 @@ def geodesic_distance(
     return jnp.min(around + way.reshape(way.shape + (1,) * (around.ndim - 1)), axis=0)
 
 
-def near_home(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Bool[Array, ""]:
+def is_near_home_region(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Bool[Array, ""]:
     """Return whether a point is in or next to a cell of the home region, from which all goals are reachable.
 
     Args:
@@ -80,12 +80,14 @@ def near_home(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) ->
         house: Index of the house.
         pos: The point [m], world frame.
     """
-    house = bank.known_house(house)
-    level, y, x = _around(bank, cell_of(bank, house, pos))
-    return jnp.any(_rank(bank, house, bank.navigation.cell[house, level, y, x]) == HOME)
+    house = bank.clip_house_index(house)
+    level, y, x = _neighbourhood(bank, cell_of(bank, house, pos))
+    return jnp.any(_rank(bank, house, bank.navigation.cell[house, level, y, x]) == HOME_RANK)
 
 
-def _around(bank: HouseBank, place: Int[Array, "3"]) -> tuple[Int[Array, ""], Int[Array, " n"], Int[Array, " n"]]:
+def _neighbourhood(
+    bank: HouseBank, place: Int[Array, "3"]
+) -> tuple[Int[Array, ""], Int[Array, " n"], Int[Array, " n"]]:
     """Return level, rows and columns of the 3 × 3 cells around a cell, clipped to the grid."""
     rows, columns = bank.navigation.room.shape[2:]
     offsets = jnp.array(_OFFSETS, jnp.int32)
@@ -93,21 +95,21 @@ def _around(bank: HouseBank, place: Int[Array, "3"]) -> tuple[Int[Array, ""], In
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return ranks of `Navigation.cell` entries: `HOME`, 1 free near obstacles, 2 in a movable object, `NOWHERE`."""
+    """Return ranks of `Navigation.cell` entries: `HOME_RANK`, 1 free near obstacles, 2 in a movable object, `UNREACHABLE_RANK`."""
     navigation = bank.navigation
     number = cell - navigation.first_cell[house]
-    ends = jnp.stack([navigation.num_cells[house], navigation.num_free[house]])
+    ends = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])
     rank = jnp.sum((number[..., None] >= ends.reshape((1,) * number.ndim + (2,))).astype(jnp.int32), axis=-1)
-    return jnp.where(cell >= 0, rank, NOWHERE)
+    return jnp.where(cell >= 0, rank, UNREACHABLE_RANK)
 
 
-def is_home(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
+def is_home_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
     """Return whether entries of `Navigation.cell` are in the home region, where agents can walk."""
     return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
 
 def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return the row of `field` and `place` for entries of `Navigation.cell`."""
+    """Return the row of `field` and `cell_coords` for entries of `Navigation.cell`."""
     return jnp.where(cell >= 0, cell, ~cell)
 
 
@@ -118,7 +120,7 @@ def stored_distance(
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)
-    return jnp.where(stored == jnp.uint16(FIELD_FAR), jnp.float32(jnp.inf), metres)
+    return jnp.where(stored == jnp.uint16(FIELD_UNREACHABLE), jnp.float32(jnp.inf), metres)
 
 
 def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
@@ -128,7 +130,7 @@ def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
     """
     cell = bank.navigation.cell[house, 0]
     stored = np.asarray(stored_distance(bank.navigation.field, cell.ravel(), None))
-    known = np.asarray(_rank(bank, jnp.asarray(house), cell) == HOME).ravel()
+    known = np.asarray(_rank(bank, jnp.asarray(house), cell) == HOME_RANK).ravel()
     return np.where(known[:, None], stored, np.inf).T.reshape(-1, *cell.shape)
 
 
@@ -145,7 +147,7 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
         Point [m], at most `margin` / 2 from a cell's centre in x and y, so obstacles are outside the agent's radius.
     """
     which, shift = jax.random.split(key)
-    navigation, house = bank.navigation, bank.known_house(house)
+    navigation, house = bank.navigation, bank.clip_house_index(house)
     cell = navigation.first_cell[house] + jax.random.randint(which, (), 0, navigation.num_cells[house])
     return cell_position(bank, house, cell) + jnp.concatenate(
         [jax.random.uniform(shift, (2,), jnp.float32, -margin / 2, margin / 2), jnp.zeros(1, jnp.float32)]
@@ -154,13 +156,13 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
     """Return the centre of the cell with a given row number, on its floor or ramp [m]."""
-    middle = place_position(bank, house, bank.navigation.place[cell].astype(jnp.int32))
+    middle = grid_position(bank, house, bank.navigation.cell_coords[cell].astype(jnp.int32))
     return middle.at[2].set(bank.navigation.height[cell])
 
 
-def place_position(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Float[Array, "3"]:
+def grid_position(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Float[Array, "3"]:
     """Return the centre of the cell at (level, row, column), as from `cell_of`, on its level's floor [m]."""
-    house = bank.known_house(house)
+    house = bank.clip_house_index(house)
     level, row, column = place
     plan = (jnp.stack([column, row]).astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
     return jnp.append(plan + bank.navigation.origin[house], bank.navigation.floor[house, level])

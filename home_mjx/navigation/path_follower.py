@@ -8,11 +8,11 @@ from jaxtyping import Float
 from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.grid import ground_fields
 
-LOOK_AHEAD = 5  # [cells], distance of the point that the agent steers to
+LOOK_AHEAD_CELLS = 5  # [cells], distance of the point that the agent steers to
 
 
 @dataclass
-class Walker:
+class PathFollower:
     """Controller that steers one agent through the rooms of its house.
 
     Args:
@@ -56,8 +56,8 @@ class Walker:
         return int(nearest[0]), int(nearest[1])
 
     def _downhill(self, cell: tuple[int, int]) -> tuple[int, int]:
-        """Return the cell `LOOK_AHEAD` steps down the field."""
-        for _ in range(LOOK_AHEAD):
+        """Return the cell `LOOK_AHEAD_CELLS` steps down the field."""
+        for _ in range(LOOK_AHEAD_CELLS):
             y, x = cell
             y0, x0 = max(y - 1, 0), max(x - 1, 0)
             window = self._field[y0 : y + 2, x0 : x + 2]
@@ -92,11 +92,11 @@ def turn_towards(pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray
     return float((np.arctan2(offset[1], offset[0]) - yaw + np.pi) % (2 * np.pi) - np.pi)
 
 
-def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> Walker:
+def make_path_follower(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> PathFollower:
     """Make a walker that visits other rooms first, nearest goals first, and all rooms once before any room twice."""
     navigation = bank.navigation
     fields = ground_fields(bank, house)
-    walker = Walker(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)
+    walker = PathFollower(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)
     rooms = [_room(bank, house, goal) for goal in np.asarray(navigation.goal[house])]
     seen = [_room(bank, house, pos)]
     reach = fields[:, *walker._free_cell(walker._cell(pos))]

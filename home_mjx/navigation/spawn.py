@@ -7,13 +7,13 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
 
-ROOM = 0.005  # [m], minimum clearance between a spawned agent and bodies
+MIN_SPAWN_CLEARANCE = 0.005  # [m], minimum clearance between a spawned agent and bodies
 
 
-def spread_starts(
-    bank: HouseBank, house: Int[Array, ""], num: int, apart: float, key: Array
+def sample_starts(
+    bank: HouseBank, house: Int[Array, ""], num: int, min_distance: float, key: Array
 ) -> tuple[Int[Array, " a"], Float[Array, "a 3"]]:
-    """Sample start points of a house, each at least `apart` [m] from earlier ones if possible.
+    """Sample start points of a house, each at least `min_distance` [m] from earlier ones if possible.
 
     Returns:
         Indices into the house's start points, and the points [m].
@@ -24,7 +24,9 @@ def spread_starts(
     chosen = []
     for a in range(num):
         # Points too close to an earlier agent rank below all others, but are still chosen if no others are left.
-        index = jnp.argmax(jnp.where(clearance < jnp.float32(apart), gumbel[a] - 1e6, gumbel[a])).astype(jnp.int32)
+        index = jnp.argmax(jnp.where(clearance < jnp.float32(min_distance), gumbel[a] - 1e6, gumbel[a])).astype(
+            jnp.int32
+        )
         chosen.append(index)
         clearance = jnp.minimum(clearance, jnp.linalg.norm(points - points[index][None], axis=-1))
     indices = jnp.stack(chosen)
@@ -52,21 +54,23 @@ def random_arrangement(
     Returns:
         Index of the arrangement; -1 (the initial poses of the house) if no arrangement is free.
     """
-    house = bank.known_house(house)
-    poses = bank.physics.arrangement[house]
+    house = bank.clip_house_index(house)
+    poses = bank.physics.arrangement_pose[house]
     if not poses.shape[0] or not poses.shape[1]:
         return jnp.full((), -1, jnp.int32)
-    over_bodies = jax.vmap(_distance, (None, None, 0, 0))
+    over_bodies = jax.vmap(_distance_to_box, (None, None, 0, 0))
     over_points = jax.vmap(over_bodies, (None, 0, None, None))
     size, height = bank.physics.body_size[house], jnp.float32(bank.spec.agent_height)
     away = jax.vmap(over_points, (None, None, 0, None))(height, points, poses, size)
-    near = (away < jnp.float32(bank.spec.agent_radius + ROOM)) & bank.physics.body_valid[house][None, None]
+    near = (away < jnp.float32(bank.spec.agent_radius + MIN_SPAWN_CLEARANCE)) & bank.physics.body_valid[house][
+        None, None
+    ]
     free = ~jnp.any(near, axis=(1, 2))
     drawn = jnp.argmax(jnp.where(free, jax.random.uniform(key, free.shape), jnp.float32(-1.0)))
     return jnp.where(jnp.any(free), drawn, -1).astype(jnp.int32)
 
 
-def _distance(
+def _distance_to_box(
     height: Float[Array, ""], point: Float[Array, "3"], pose: Float[Array, "7"], half: Float[Array, "3"]
 ) -> Float[Array, ""]:
     """Compute the distance from a vertical segment of `height` above a point to an upright box [m]."""

@@ -10,50 +10,50 @@ Standalone use:
 """
 
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.base.state import PhysicsState, Scale
+from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.dynamics import (
     agent_contact,
     agent_pose,
     agent_velocity,
     body_pose,
     door_angle,
-    is_broken,
+    is_unstable,
     reset,
     step,
     step_checked,
     undo_where,
     with_agent_speed,
 )
-from home_mjx.physics.hands import Commands, obey, settle
-from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.hands import HandCommands, apply_hand_commands, update_hands
+from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.exported import ExportedTemplate
-from home_mjx.physics.mujoco.model import ModelInC
+from home_mjx.physics.mujoco.model import MujocoModel
 from home_mjx.physics.mujoco.robot import robot_in_house
-from home_mjx.physics.outside import is_outside
+from home_mjx.physics.outside import is_out_of_bounds
 
 __all__ = [
-    "Commands",
+    "BodyScale",
     "ExportedTemplate",
-    "Lost",
-    "ModelInC",
+    "HandCommands",
+    "MujocoModel",
+    "Overflow",
     "PhysicsConfig",
     "PhysicsState",
-    "Scale",
     "Template",
     "agent_contact",
     "agent_pose",
     "agent_velocity",
+    "apply_hand_commands",
     "body_pose",
     "door_angle",
-    "is_broken",
-    "is_outside",
-    "obey",
+    "is_out_of_bounds",
+    "is_unstable",
     "reset",
     "robot_in_house",
-    "settle",
     "step",
     "step_checked",
     "undo_where",
+    "update_hands",
     "with_agent_speed",
 ]

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import jax
 from jaxtyping import Array
 
-from home_mjx.core.native.fork_guard import note_start
-from home_mjx.core.native.platforms import problem_of, works
+from home_mjx.core.native.fork_guard import record_process
+from home_mjx.core.native.platforms import find_problem, is_usable
 
 TARGET = "home_mjx_step"
 
@@ -22,11 +22,11 @@ def step_cpu(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct])
 @functools.cache
 def cpu_available() -> bool:
     """Return whether the CPU kernel works in this process; warn once if JAX has a CPU backend and it fails."""
-    return works("cpu", problem_of("cpu", _start), "falling back to slower MJX physics")
+    return is_usable("cpu", find_problem("cpu", _start), "falling back to slower MJX physics")
 
 
 def _start() -> None:
-    note_start()
+    record_process()
     from home_mjx.physics.numba.handler import build_handler
 
     compiled = build_handler()

@@ -8,19 +8,19 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_shape
 from home_mjx.physics.base.control import FORWARD_SPEED, TURN_RATE
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.servo import FREE, GRAVITY
-from home_mjx.physics.base.state import AWAKE, PhysicsState, Scale
+from home_mjx.physics.base.servo import GRAVITY, NOT_DRIVEN
+from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION, BodyScale, PhysicsState
 from home_mjx.physics.base.touch import NOTHING
 from home_mjx.physics.fused import step_fused
 from home_mjx.physics.kinematic.step import step_kinematic
 from home_mjx.physics.mjx.house_model import movable_bodies
-from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.step import step_mjx
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.mujoco.step import step_c
+from home_mjx.physics.mujoco.step import step_mujoco
 
-STEPS = {"fused": step_fused, "jax": step_mjx, "c": step_c, "kinematic": step_kinematic}
-ABSURD = 1e6  # maximum magnitude of a valid pose or speed [m], [rad], [m/s], [rad/s]
+STEPS = {"fused": step_fused, "jax": step_mjx, "c": step_mujoco, "kinematic": step_kinematic}
+MAX_VALID_MAGNITUDE = 1e6  # maximum magnitude of a valid pose or speed [m], [rad], [m/s], [rad/s]
 
 
 def reset(
@@ -31,7 +31,7 @@ def reset(
     agent_yaw: Float[Array, " a"],
     door_angle: Float[Array, " h"] | None = None,
     arrangement: Int[Array, ""] | int | None = None,
-    scale: Scale | None = None,
+    scale: BodyScale | None = None,
 ) -> PhysicsState:
     """Return the initial state: agents, movable bodies and doors at rest, hands empty.
 
@@ -43,21 +43,21 @@ def reset(
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m].
             None: the authored pose.
-        arrangement: Index into the house's settled poses of movable bodies, see `arrangements.settled_poses`. -1 or
+        arrangement: Index into the house's settled poses of movable bodies, see `arrangements.with_arrangements`. -1 or
             None: the authored poses.
         scale: Factors for the friction and mass of bodies in this episode. None: the house's values.
 
     Raises:
         ConfigError: Positions or angles do not have one row per agent or door.
     """
-    _check_places(template.layout, agent_pos, agent_yaw, door_angle)
+    _check_initial_poses(template.layout, agent_pos, agent_yaw, door_angle)
     layout, bodies = template.layout, movable_bodies(bank.physics, house)
     half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)
     agents = jnp.concatenate([agent_pos.at[:, 2].add(half), agent_yaw[:, None]], axis=-1)
     placed = jnp.concatenate([bodies.pos, bodies.quat], axis=-1)
-    if arrangement is not None and bank.physics.arrangement.shape[1]:
+    if arrangement is not None and bank.physics.arrangement_pose.shape[1]:
         number = jnp.asarray(arrangement, jnp.int32)
-        arranged = bank.physics.arrangement[house, jnp.maximum(number, 0)]
+        arranged = bank.physics.arrangement_pose[house, jnp.maximum(number, 0)]
         placed = jnp.where((bodies.valid & (number >= 0))[:, None], arranged, placed)
     angle = jnp.zeros(layout.num_doors, jnp.float32) if door_angle is None else door_angle
     still = jnp.zeros(layout.num_dofs, jnp.float32)
@@ -66,31 +66,34 @@ def reset(
     return PhysicsState(
         qpos=jnp.concatenate([agents.reshape(-1), placed.reshape(-1), angle]),
         qvel=still,
-        qacc=_falling(layout),
+        qacc=_awake_accelerations(layout),
         held=nothing,
         grip=jnp.tile(upright, (layout.num_agents, 1)),
-        spot=jnp.full((layout.num_agents, 3), jnp.inf, jnp.float32),
-        tries=jnp.zeros(layout.num_agents, jnp.int32),
-        goal=jnp.full(layout.num_doors, FREE, jnp.float32),
-        touched=jnp.zeros(layout.num_agents, jnp.int32),
-        impulse=jnp.zeros(layout.num_mobiles, jnp.float32),
-        place=jnp.zeros((layout.num_mobiles, 3), jnp.float32),
-        other=jnp.full(layout.num_mobiles, NOTHING, jnp.int32),
+        place_target=jnp.full((layout.num_agents, 3), jnp.inf, jnp.float32),
+        hand_steps=jnp.zeros(layout.num_agents, jnp.int32),
+        door_goal=jnp.full(layout.num_doors, NOT_DRIVEN, jnp.float32),
+        num_contacts=jnp.zeros(layout.num_agents, jnp.int32),
+        contact_impulse=jnp.zeros(layout.num_dynamic, jnp.float32),
+        contact_pos=jnp.zeros((layout.num_dynamic, 3), jnp.float32),
+        contact_partner=jnp.full(layout.num_dynamic, NOTHING, jnp.int32),
         scale=scale,
     )
 
 
-def _check_places(layout: Layout, agent_pos: Array, agent_yaw: Array, door_angle: Array | None) -> None:
+def _check_initial_poses(layout: Layout, agent_pos: Array, agent_yaw: Array, door_angle: Array | None) -> None:
     check_shape("agent_pos", jnp.shape(agent_pos), (layout.num_agents, 3))
     check_shape("agent_yaw", jnp.shape(agent_yaw), (layout.num_agents,))
     if door_angle is not None:
         check_shape("door_angle", jnp.shape(door_angle), (layout.num_doors,))
 
 
-def _falling(layout: Layout) -> Float[Array, " v"]:
+def _awake_accelerations(layout: Layout) -> Float[Array, " v"]:
     """Return initial accelerations that keep bodies and doors awake: zero acceleration marks a sleeping body."""
     bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
-    agents, doors = jnp.zeros(4 * layout.num_agents, jnp.float32), jnp.full(layout.num_doors, AWAKE, jnp.float32)
+    agents, doors = (
+        jnp.zeros(4 * layout.num_agents, jnp.float32),
+        jnp.full(layout.num_doors, MIN_AWAKE_ACCELERATION, jnp.float32),
+    )
     return jnp.concatenate([agents, bodies.reshape(-1), doors])
 
 
@@ -119,7 +122,7 @@ def step(
 
 def step_checked(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
-) -> tuple[PhysicsState, Lost]:
+) -> tuple[PhysicsState, Overflow]:
     """Step as `step` does and report overflows of fixed-size buffers.
 
     MJX reports overflow of contact pairs and contact points for the last physics step only. All other flags cover the
@@ -153,9 +156,9 @@ def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsStat
     return jax.tree.map(lambda new, old: jnp.where(broken, old, new), state, before)
 
 
-def is_broken(state: PhysicsState) -> Bool[Array, ""]:
-    """Return whether any pose or speed is NaN or exceeds `ABSURD`."""
-    return ~(jnp.all(jnp.abs(state.qpos) < ABSURD) & jnp.all(jnp.abs(state.qvel) < ABSURD))
+def is_unstable(state: PhysicsState) -> Bool[Array, ""]:
+    """Return whether any pose or speed is NaN or exceeds `MAX_VALID_MAGNITUDE`."""
+    return ~(jnp.all(jnp.abs(state.qpos) < MAX_VALID_MAGNITUDE) & jnp.all(jnp.abs(state.qvel) < MAX_VALID_MAGNITUDE))
 
 
 def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a 3"], Float[Array, " a"]]:
@@ -186,4 +189,4 @@ def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
 
 def agent_contact(template: Template, state: PhysicsState) -> Bool[Array, " a"]:
     """Return whether each agent touched anything except the floor during the last control step."""
-    return state.touched > 0
+    return state.num_contacts > 0

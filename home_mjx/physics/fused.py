@@ -12,66 +12,66 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
-from home_mjx.core.native.fork_guard import refuse_forked
-from home_mjx.core.native.platforms import choose
+from home_mjx.core.native.fork_guard import check_not_forked
+from home_mjx.core.native.platforms import select_at_lowering
 from home_mjx.core.native.sharding import varying_as
-from home_mjx.core.native.vmap_call import Step, batched, without_gradient
+from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.base.doors import Leaf, door_table
-from home_mjx.physics.base.state import PhysicsState, Scale
+from home_mjx.physics.base.doors import DoorLeaves, door_table
+from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.base.surfaces import body_surfaces
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
-from home_mjx.physics.mjx.overflow import Lost
+from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.slots import half_above_floor
 from home_mjx.physics.mjx.step import step_mjx
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.numba.data.numbers import numbers_of, reference_surfaces
+from home_mjx.physics.numba.data.numbers import reference_surfaces, step_params
 from home_mjx.physics.numba.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
 
 STEPS = {"cpu": step_cpu, "cuda": step_cuda}
 PLATFORMS = {"cpu": cpu_available, "cuda": cuda_available}
-NUM_LOST = 2  # overflow flags: static boxes, contact points
+NUM_OVERFLOWS = 2  # overflow flags: static boxes, contact points
 
 
 def step_fused(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
-) -> tuple[PhysicsState, Lost]:
+) -> tuple[PhysicsState, Overflow]:
     """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
     Raises:
         ExecutorError: This is a forked child of a process that has already stepped.
     """
-    refuse_forked("step physics")
+    check_not_forked("step physics")
 
-    def mjx(house: Array, state: PhysicsState, action: Array) -> tuple[PhysicsState, Lost]:
+    def mjx(house: Array, state: PhysicsState, action: Array) -> tuple[PhysicsState, Overflow]:
         return step_mjx(template, physics, house, state, action)
 
     branches = {
         name: functools.partial(_step_native, name, template, physics) for name, here in PLATFORMS.items() if here()
     }
-    return choose(mjx, branches, house, state, action)
+    return select_at_lowering(mjx, branches, house, state, action)
 
 
 def _step_native(
     platform: str, template: Template, physics: Physics, house: Array, state: PhysicsState, action: Array
-) -> tuple[PhysicsState, Lost]:
-    numbers = jnp.asarray(numbers_of(template.config), jnp.float32)
-    scale = (state.scale or Scale()).factors
+) -> tuple[PhysicsState, Overflow]:
+    numbers = jnp.asarray(step_params(template.config), jnp.float32)
+    scale = (state.scale or BodyScale()).factors
     held = jnp.clip(state.held, -1, physics.body_valid.shape[1] - 1)  # native code does not check bounds
-    own = (house, state.qpos, state.qvel, state.qacc, action, held, state.grip, state.goal, scale)
+    own = (house, state.qpos, state.qvel, state.qacc, action, held, state.grip, state.door_goal, scale)
     shared = (*_house_arrays(template.config, physics), jnp.asarray(template.agents, jnp.float32), numbers)
     batch = jax.tree.map(lambda x: x[None], own)
     results = _batched(platform)(*shared, *batch)
     qpos, qvel, qacc, touched, lost, push, other = (x[0] for x in results)
     no = jnp.zeros((), bool)
     pushed = {"impulse": push[:, 0], "place": push[:, 1:], "other": other}
-    pushed = _with_sleepers(template, state, (qvel, qacc), pushed)
-    state = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, touched=touched, **pushed)
-    return state, Lost(static_boxes=lost[0] > 0, contact_pairs=no, contact_points=lost[1] > 0)
+    pushed = _keep_sleeping_contacts(template, state, (qvel, qacc), pushed)
+    state = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, num_contacts=touched, **pushed)
+    return state, Overflow(static_boxes=lost[0] > 0, contact_pairs=no, contact_points=lost[1] > 0)
 
 
-def _with_sleepers(
+def _keep_sleeping_contacts(
     template: Template, before: PhysicsState, rates: tuple[Array, Array], pushed: dict[str, Array]
 ) -> dict[str, Array]:
     """Return contact reports in which sleeping bodies keep the values of their last awake step.
@@ -79,15 +79,15 @@ def _with_sleepers(
     A body that woke within the step reports at least its earlier impulse, since the kernel covered only the rest of the
     step.
     """
-    slept, sleeps = _asleep(template, before.qvel, before.qacc), _asleep(template, *rates)
+    slept, sleeps = _is_asleep(template, before.qvel, before.qacc), _is_asleep(template, *rates)
     kept = sleeps & (pushed["impulse"] == 0)
     old = {name: getattr(before, name) for name in pushed}
     now = jax.tree.map(lambda a, b: jnp.where(kept.reshape(-1, *[1] * (b.ndim - 1)), a, b), old, pushed)
-    least = jnp.where(slept, before.impulse, jnp.float32(0.0))
+    least = jnp.where(slept, before.contact_impulse, jnp.float32(0.0))
     return now | {"impulse": jnp.maximum(now["impulse"], least)}
 
 
-def _asleep(template: Template, qvel: Array, qacc: Array) -> Array:
+def _is_asleep(template: Template, qvel: Array, qacc: Array) -> Array:
     """Return whether each dynamic body sleeps; agents never do."""
     layout, moves = template.layout, (qvel != 0) | (qacc != 0)
     free = moves[layout.body_qvel].reshape(-1, 6).any(axis=-1)
@@ -100,14 +100,14 @@ def _house_arrays(config: PhysicsConfig, physics: Physics) -> tuple[Array, ...]:
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
     surfaces = reference_surfaces(body_surfaces(config, physics))
-    doors = door_table(Leaf.of(physics))
+    doors = door_table(DoorLeaves.from_physics(physics))
     return (physics.collider_pos, physics.collider_quat, half, *bodies, surfaces, doors, physics.ramp, physics.floor)
 
 
 @functools.cache
 def _batched(platform: str) -> Step:
     run = functools.partial(_run, STEPS[platform])
-    return without_gradient(batched(run, NUM_SHARED, NUM_RESULTS), "the fused physics step")
+    return forbid_gradient(batch_kernel(run, NUM_SHARED, NUM_RESULTS), "the fused physics step")
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
@@ -117,7 +117,7 @@ def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array,
     envs, agents = action.shape[:2]
     mobiles = agents + given[BODY_VALID].shape[1] + goal.shape[1]
     results = [jax.ShapeDtypeStruct(x.shape, jnp.float32) for x in (qpos, qvel, qacc)]
-    results += [jax.ShapeDtypeStruct((envs, size), jnp.int32) for size in (agents, NUM_LOST)]
+    results += [jax.ShapeDtypeStruct((envs, size), jnp.int32) for size in (agents, NUM_OVERFLOWS)]
     results += [jax.ShapeDtypeStruct((envs, mobiles, 4), jnp.float32), jax.ShapeDtypeStruct((envs, mobiles), jnp.int32)]
     if 0 in (envs, agents):
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)

@@ -4,9 +4,9 @@ A hand is empty, holds a body, or is placing the body that it holds:
 
     empty   -- pick -->  holds  -- place -->  placing  -- body at the target -->  empty
                          holds  -- drop, throw, or the body is torn away -->  empty
-                         placing  -- no success within `TRIES` steps -->  holds
+                         placing  -- no success within `MAX_PLACE_STEPS` steps -->  holds
 
-Call `obey` before a control step and `settle` after it.
+Call `apply_hand_commands` before a control step and `update_hands` after it.
 """
 
 import jax
@@ -15,27 +15,27 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
-from home_mjx.physics.base.servo import FREE
+from home_mjx.core.transforms import quat_matrix, quat_multiply, yaw_quat
+from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.dynamics import agent_pose, body_pose, door_angle
 from home_mjx.physics.mjx.house_model import MovableBodies, house_doors, movable_bodies
 from home_mjx.physics.mjx.template import Template
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 
-CARRY = 0.1  # [m], clearance between an agent and the body that it carries
-LOW = 0.45  # [m], height of the eyes above a carried body
-TORN = 0.5  # [m], maximum distance of a held body from its grip; a hand loses a body that is farther away
-PLACED = 0.03  # [m], distance from its target within which a body is placed and the hand opens
-GAP = 0.005  # [m], clearance of the placement target above the surface
-TRIES = 20  # maximum number of control steps for placing a body or pulling it to the hand
-TURNED = 0.03  # [rad] or [m], distance from its goal within which a door is no longer driven
-THROW_IMPULSE = 20.0  # [N s], maximum impulse of a throw
-FALLS = 1e-3  # [m/s], initial downward speed of a released body
-THROW_SPEED = 5.0  # [m/s], maximum speed of a throw
+CARRY_CLEARANCE = 0.1  # [m], clearance between an agent and the body that it carries
+CARRY_HEIGHT_BELOW_EYES = 0.45  # [m], height of the eyes above a carried body
+MAX_HOLD_DISTANCE = 0.5  # [m], maximum distance of a held body from its grip; a hand loses a body that is farther away
+PLACE_TOLERANCE = 0.03  # [m], distance from its target within which a body is placed and the hand opens
+PLACE_CLEARANCE = 0.005  # [m], clearance of the placement target above the surface
+MAX_PLACE_STEPS = 20  # maximum number of control steps for placing a body or pulling it to the hand
+DOOR_TOLERANCE = 0.03  # [rad] or [m], distance from its goal within which a door is no longer driven
+MAX_THROW_IMPULSE = 20.0  # [N s], maximum impulse of a throw
+RELEASE_SPEED = 1e-3  # [m/s], initial downward speed of a released body
+MAX_THROW_SPEED = 5.0  # [m/s], maximum speed of a throw
 
 
-class Commands(Pytree):
+class HandCommands(Pytree):
     """Hand commands of all agents for one control step; A agents."""
 
     pick: Int[Array, " a"]  # movable body to pick; -1 none
@@ -46,33 +46,33 @@ class Commands(Pytree):
     open: Bool[Array, " a"]  # True opens the door, False closes it
 
     @classmethod
-    def none(cls, num_agents: int) -> "Commands":
+    def idle(cls, num_agents: int) -> "HandCommands":
         """Return commands that leave all hands unchanged."""
         nothing, no = jnp.full(num_agents, -1, jnp.int32), jnp.zeros(num_agents, bool)
         nowhere = jnp.full((num_agents, 3), jnp.inf, jnp.float32)
         return cls(nothing, nowhere, no, jnp.zeros_like(nowhere), nothing, no)
 
 
-def obey(
-    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, commands: Commands
+def apply_hand_commands(
+    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, commands: HandCommands
 ) -> PhysicsState:
     """Apply hand commands; ignore commands that are not possible.
 
-    An empty hand picks a body within its agent's `reach` if the body's mass is at most `lift` and no other hand holds
+    An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other hand holds
     it. Surfaces and doors must be within reach as well. The caller must check the line of sight.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
         if template.layout.num_bodies:
             state = _release(template, bodies, state, a, commands)
-            state = _take(template, bodies, state, a, commands.pick[a])
-            state = _aim(template, bodies, state, a, commands.place[a])
+            state = _pick(template, bodies, state, a, commands.pick[a])
+            state = _start_place(template, bodies, state, a, commands.place[a])
         if template.layout.num_doors:
-            state = _turn(template, bank, house, state, a, commands)
+            state = _command_door(template, bank, house, state, a, commands)
     return state
 
 
-def settle(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
+def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
     """Update hands and door goals after a control step.
 
     Hands release placed and torn-away bodies. Doors that have reached their goal are no longer driven.
@@ -80,11 +80,11 @@ def settle(template: Template, bank: HouseBank, house: Int[Array, ""], state: Ph
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
         for a in range(template.layout.num_agents):
-            state = _settle_hand(template, bodies, state, a)
+            state = _update_hand(template, bodies, state, a)
     leaves = house_doors(bank.physics, house)
-    goal = jnp.clip(state.goal, leaves.low, leaves.high)
-    there = jnp.abs(door_angle(template, state) - goal) < jnp.float32(TURNED)
-    return state.replace(goal=jnp.where(there, jnp.float32(FREE), state.goal))
+    goal = jnp.clip(state.door_goal, leaves.low, leaves.high)
+    there = jnp.abs(door_angle(template, state) - goal) < jnp.float32(DOOR_TOLERANCE)
+    return state.replace(door_goal=jnp.where(there, jnp.float32(NOT_DRIVEN), state.door_goal))
 
 
 def _body(template: Template, state: PhysicsState, body: Int[Array, ""]) -> tuple[Array, Array]:
@@ -100,19 +100,19 @@ def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Arra
 
 
 def _release(
-    template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: Commands
+    template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
     """Open a hand that is commanded to drop or to throw."""
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
     mass = bodies.mass[jnp.maximum(held, 0)]
-    speed = jnp.minimum(jnp.float32(THROW_SPEED), jnp.float32(THROW_IMPULSE) / mass)
+    speed = jnp.minimum(jnp.float32(MAX_THROW_SPEED), jnp.float32(MAX_THROW_IMPULSE) / mass)
     start = template.layout.body_qvel.start + 6 * jnp.maximum(held, 0)
     rows = start + jnp.arange(3, dtype=jnp.int32)
     thrown = state.qvel[4 * a : 4 * a + 3] + aim * speed
     qvel = state.qvel.at[rows].set(jnp.where(throws, thrown, state.qvel[rows]))
     opens = (held >= 0) & (throws | commands.drop[a])
-    return _opened(template, state.replace(qvel=qvel), a, opens)
+    return _open_hand(template, state.replace(qvel=qvel), a, opens)
 
 
 def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
@@ -123,29 +123,29 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
     return jnp.where(points, scaled / jnp.linalg.norm(scaled), 0.0)
 
 
-def _opened(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
+def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
     """Release the held body with a small downward speed, which starts its fall in kinematic physics."""
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     return state.replace(
-        qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-FALLS), 0.0)),
+        qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0)),
         held=state.held.at[a].set(jnp.where(opens, -1, state.held[a])),
-        spot=state.spot.at[a].set(jnp.where(opens, jnp.inf, state.spot[a])),
+        place_target=state.place_target.at[a].set(jnp.where(opens, jnp.inf, state.place_target[a])),
     )
 
 
-def _take(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
+def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
     config, own = template.config.agents[a], jnp.clip(body, 0, template.layout.num_bodies - 1)
     _, quat = _body(template, state, own)
     near = _distance(template, bodies, state, a, own) <= jnp.float32(config.reach)
     free = (state.held[a] < 0) & ~jnp.any(state.held == own)
-    takes = (body == own) & bodies.valid[own] & free & near & (bodies.mass[own] <= jnp.float32(config.lift))
+    takes = (body == own) & bodies.valid[own] & free & near & (bodies.mass[own] <= jnp.float32(config.max_lift_mass))
     _, yaw = _agent(template, state, a)
-    turned = quat_multiply(body_quat(-yaw), quat)
+    turned = quat_multiply(yaw_quat(-yaw), quat)
     return state.replace(
         held=state.held.at[a].set(jnp.where(takes, own, state.held[a])),
-        grip=state.grip.at[a].set(jnp.where(takes, _carried(template, bodies, a, own, turned), state.grip[a])),
-        spot=state.spot.at[a].set(jnp.where(takes, jnp.inf, state.spot[a])),
-        tries=state.tries.at[a].set(jnp.where(takes, 0, state.tries[a])),
+        grip=state.grip.at[a].set(jnp.where(takes, _carry_grip(template, bodies, a, own, turned), state.grip[a])),
+        place_target=state.place_target.at[a].set(jnp.where(takes, jnp.inf, state.place_target[a])),
+        hand_steps=state.hand_steps.at[a].set(jnp.where(takes, 0, state.hand_steps[a])),
     )
 
 
@@ -166,88 +166,90 @@ def _distance(
     return jnp.min(jnp.linalg.norm(beyond, axis=-1))
 
 
-def _beyond(offset: Float[Array, "3"], body: Body) -> Float[Array, "3"]:
+def _offset_from_axis(offset: Float[Array, "3"], body: AgentBody) -> Float[Array, "3"]:
     """Return an offset from an agent's centre, measured from the nearest point of its axis instead."""
     return offset.at[2].set(jnp.maximum(jnp.abs(offset[2]) - jnp.float32(body.height / 2), 0.0))
 
 
-def _carried(
+def _carry_grip(
     template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
 ) -> Float[Array, "7"]:
     """Return the carrying grip: in front of the agent, below its eyes, with the orientation that the body has."""
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
-    ahead = jnp.float32(config.radius + CARRY) + jnp.linalg.norm(extent[:2])
-    height = jnp.float32(config.eye_height - config.height / 2 - LOW)
+    ahead = jnp.float32(config.radius + CARRY_CLEARANCE) + jnp.linalg.norm(extent[:2])
+    height = jnp.float32(config.eye_height - config.height / 2 - CARRY_HEIGHT_BELOW_EYES)
     return jnp.concatenate([jnp.stack([ahead, jnp.zeros_like(ahead), height]), turned])
 
 
-def _aim(
+def _start_place(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
     """Start to place the held body at a reachable point."""
     at, _ = _agent(template, state, a)
-    away = jnp.linalg.norm(_beyond(spot - at, template.config.agents[a]))
+    away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
     state = state.replace(
-        spot=state.spot.at[a].set(jnp.where(starts, spot, state.spot[a])),
-        tries=state.tries.at[a].set(jnp.where(starts, 0, state.tries[a])),
+        place_target=state.place_target.at[a].set(jnp.where(starts, spot, state.place_target[a])),
+        hand_steps=state.hand_steps.at[a].set(jnp.where(starts, 0, state.hand_steps[a])),
     )
-    return _follow(template, bodies, state, a)
+    return _track_place_target(template, bodies, state, a)
 
 
-def _target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
+def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
     """Return the target of the centre of the body that an agent places [m]."""
     _, quat = _body(template, state, state.held[a])
     half = bodies.size[jnp.maximum(state.held[a], 0)]
-    rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(GAP)
-    return state.spot[a].at[2].add(rise)
+    rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(PLACE_CLEARANCE)
+    return state.place_target[a].at[2].add(rise)
 
 
-def _follow(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
+def _track_place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
     """Update the grip of a placing hand as its agent moves: first above the spot, then down to it."""
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
-    target = _target(template, bodies, state, a)
-    above = jnp.linalg.norm(pos[:2] - target[:2]) > jnp.float32(2 * PLACED)
+    target = _place_target(template, bodies, state, a)
+    above = jnp.linalg.norm(pos[:2] - target[:2]) > jnp.float32(2 * PLACE_TOLERANCE)
     target = jnp.where(above, target.at[2].set(jnp.maximum(target[2] + 0.1, pos[2])), target)
-    local = jnp.matmul(quat_matrix(body_quat(-yaw)), target - at, precision="highest")
-    puts = jnp.isfinite(state.spot[a, 0])
+    local = jnp.matmul(quat_matrix(yaw_quat(-yaw)), target - at, precision="highest")
+    puts = jnp.isfinite(state.place_target[a, 0])
     return state.replace(grip=state.grip.at[a, :3].set(jnp.where(puts, local, state.grip[a, :3])))
 
 
-def _settle_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
+def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
-    puts = jnp.isfinite(state.spot[a, 0])
-    there = puts & (jnp.linalg.norm(pos - _target(template, bodies, state, a)) < jnp.float32(PLACED))
-    hand = at + jnp.matmul(quat_matrix(body_quat(yaw)), state.grip[a, :3], precision="highest")
-    # A picked body may start far from the hand: it counts as torn away once it was near, or after `TRIES` steps.
-    torn = ~puts & (jnp.linalg.norm(pos - hand) > jnp.float32(TORN)) & (state.tries[a] > TRIES)
-    near = jnp.linalg.norm(pos - hand) < jnp.float32(TORN)
-    tries = jnp.where(near & ~puts, TRIES, state.tries[a]) + 1
+    puts = jnp.isfinite(state.place_target[a, 0])
+    there = puts & (jnp.linalg.norm(pos - _place_target(template, bodies, state, a)) < jnp.float32(PLACE_TOLERANCE))
+    hand = at + jnp.matmul(quat_matrix(yaw_quat(yaw)), state.grip[a, :3], precision="highest")
+    # A picked body may start far from the hand: it counts as torn away once it was near, or after `MAX_PLACE_STEPS` steps.
+    torn = (
+        ~puts & (jnp.linalg.norm(pos - hand) > jnp.float32(MAX_HOLD_DISTANCE)) & (state.hand_steps[a] > MAX_PLACE_STEPS)
+    )
+    near = jnp.linalg.norm(pos - hand) < jnp.float32(MAX_HOLD_DISTANCE)
+    tries = jnp.where(near & ~puts, MAX_PLACE_STEPS, state.hand_steps[a]) + 1
     tries = jnp.where(state.held[a] >= 0, tries, 0)
-    state = _opened(template, state.replace(tries=state.tries.at[a].set(tries)), a, there | torn)
-    vain = puts & (tries > TRIES) & (state.held[a] >= 0)
-    carried = _carried(template, bodies, a, jnp.maximum(state.held[a], 0), state.grip[a, 3:])
+    state = _open_hand(template, state.replace(hand_steps=state.hand_steps.at[a].set(tries)), a, there | torn)
+    vain = puts & (tries > MAX_PLACE_STEPS) & (state.held[a] >= 0)
+    carried = _carry_grip(template, bodies, a, jnp.maximum(state.held[a], 0), state.grip[a, 3:])
     return state.replace(
-        spot=state.spot.at[a].set(jnp.where(vain, jnp.inf, state.spot[a])),
-        tries=state.tries.at[a].set(jnp.where(vain, 0, state.tries[a])),
+        place_target=state.place_target.at[a].set(jnp.where(vain, jnp.inf, state.place_target[a])),
+        hand_steps=state.hand_steps.at[a].set(jnp.where(vain, 0, state.hand_steps[a])),
         grip=state.grip.at[a].set(jnp.where(vain, carried, state.grip[a])),
     )
 
 
-def _turn(
-    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: Commands
+def _command_door(
+    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
     """Set the goal of a door within reach to open or closed."""
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
-    middle, quat = jax.tree.map(lambda x: x[door], leaves.moved(door_angle(template, state)))
+    middle, quat = jax.tree.map(lambda x: x[door], leaves.pose_at(door_angle(template, state)))
     local = jnp.matmul(at - middle, quat_matrix(quat), precision="highest")
     body = template.config.agents[a]
-    beyond = jnp.maximum(_beyond(jnp.abs(local), body) - leaves.size[door], 0.0)
+    beyond = jnp.maximum(_offset_from_axis(jnp.abs(local), body) - leaves.size[door], 0.0)
     near = jnp.linalg.norm(beyond) <= jnp.float32(body.reach)
     turns = (commands.door[a] == door) & bank.physics.door_valid[house, door] & near
-    goal = jnp.where(commands.open[a], bank.physics.door_wide[house, door], bank.physics.door_closed[house, door])
-    return state.replace(goal=state.goal.at[door].set(jnp.where(turns, goal, state.goal[door])))
+    goal = jnp.where(commands.open[a], bank.physics.door_fully_open[house, door], bank.physics.door_closed[house, door])
+    return state.replace(door_goal=state.door_goal.at[door].set(jnp.where(turns, goal, state.door_goal[door])))

@@ -13,19 +13,19 @@ from home_mjx.raycast_render.cameras.schedule import render_every, render_some
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.images.render import KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.scene.types import Hit, Moving, Rays, Scene
-from home_mjx.raycast_render.shaders.preset import Lit, Preset
+from home_mjx.raycast_render.scene.types import DynamicInstances, Hit, Rays, Scene
+from home_mjx.raycast_render.shaders.preset import LitShader, ShaderSpec
 
 __all__ = [
     "KINDS",
     "Camera",
+    "DynamicInstances",
     "Hit",
     "Lens",
-    "Lit",
-    "Moving",
-    "Preset",
+    "LitShader",
     "Rays",
     "Scene",
+    "ShaderSpec",
     "camera_rays",
     "cast",
     "depth_points",

@@ -3,10 +3,22 @@
 Host only: no module here imports JAX.
 """
 
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
-from home_mjx.schema.compiled import BANDS, CompiledHouse, PortalKind, Ray
-from home_mjx.schema.house import Box, Ground, House, Level, Light, Material, Mesh, Metadata, ModelInfo, Object, Room
+from home_mjx.schema.compiled import BANDS, CompiledHouse, PortalKind, RayKind
+from home_mjx.schema.house import (
+    BoxNode,
+    GroundNode,
+    House,
+    Level,
+    Light,
+    Material,
+    Mesh,
+    Metadata,
+    ModelInfo,
+    ObjectNode,
+    RoomNode,
+)
 from home_mjx.schema.semantic import Semantic
 from home_mjx.schema.timing import Timing
 
@@ -16,10 +28,10 @@ __all__ = [
     "FINE",
     "NYU40",
     "ROOM_TYPES",
-    "Body",
-    "Box",
+    "AgentBody",
+    "BoxNode",
     "CompiledHouse",
-    "Ground",
+    "GroundNode",
     "House",
     "Level",
     "Light",
@@ -27,10 +39,10 @@ __all__ = [
     "Mesh",
     "Metadata",
     "ModelInfo",
-    "Object",
+    "ObjectNode",
     "PortalKind",
-    "Ray",
-    "Room",
+    "RayKind",
+    "RoomNode",
     "Semantic",
     "Timing",
 ]

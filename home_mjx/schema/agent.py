@@ -7,7 +7,7 @@ from home_mjx.errors import ConfigError
 
 
 @dataclass(frozen=True)
-class Body:
+class AgentBody:
     """An upright capsule with eyes and ears: the only definition of an agent's size, strength and speed.
 
     Attributes:
@@ -18,9 +18,9 @@ class Body:
         forward_speed: Forward speed at action 1 [m/s].
         strafe_speed: Sideways speed at action 1 [m/s].
         turn_rate: Turn rate at action 1 [rad/s].
-        push_force: Maximum force of the motors, in any horizontal direction [N].
+        max_push_force: Maximum force of the motors, in any horizontal direction [N].
         reach: Reach of the hand from the body's axis [m].
-        lift: Maximum mass of an object that the hand lifts [kg].
+        max_lift_mass: Maximum mass of an object that the hand lifts [kg].
 
     Raises:
         ConfigError: A value is out of range.
@@ -37,9 +37,9 @@ class Body:
     forward_speed: float = 1.0
     strafe_speed: float = 0.7
     turn_rate: float = 1.5708
-    push_force: float = 300.0
+    max_push_force: float = 300.0
     reach: float = 1.0
-    lift: float = 10.0
+    max_lift_mass: float = 10.0
 
     def __post_init__(self) -> None:
         for name in (
@@ -49,9 +49,9 @@ class Body:
             "forward_speed",
             "strafe_speed",
             "turn_rate",
-            "push_force",
+            "max_push_force",
             "reach",
-            "lift",
+            "max_lift_mass",
         ):
             check_number(f"body.{name}", getattr(self, name), 1e-6)
         check_number("body.eye_height", self.eye_height, 0)

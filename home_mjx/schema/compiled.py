@@ -19,7 +19,7 @@ ARCHITECTURE = 0  # instance index of walls, floors and ceilings in every house
 NUM_BANDS = 7  # octaves 125 .. 8000 Hz
 
 
-class Ray(IntFlag):
+class RayKind(IntFlag):
     """Ray kinds as bits of a material's blocking mask."""
 
     CAMERA = 1
@@ -29,7 +29,7 @@ class Ray(IntFlag):
 
 
 @dataclass(frozen=True)
-class Tree:
+class BVH:
     """A binary bounding-volume hierarchy; node 0 is the root.
 
     A child code >= 0 is an inner node; a negative one is a leaf: `~code` encodes `first << 4 | count`,
@@ -63,7 +63,7 @@ class Model:
     normal: Float[np.ndarray, "t 3 3"]  # unit, per corner; interpolated on smooth surfaces
     slot: Int[np.ndarray, " t"]  # material slot
     part: Int[np.ndarray, " t"]  # semantic part; 0 for objects
-    tree: Tree
+    tree: BVH
     box: Float[np.ndarray, "2 3"]
 
 
@@ -115,7 +115,7 @@ class Doors:
     instance: Int[np.ndarray, " h"]
     pivot: Float[np.ndarray, "h 2"]  # [m], position of the hinge in plan; for a sliding leaf the centre of its box
     closed: Float[np.ndarray, " h"]  # [rad] or [m], coordinate at which the leaf is closed
-    wide: Float[np.ndarray, " h"]  # [rad] or [m], coordinate at which the leaf is fully open
+    fully_open: Float[np.ndarray, " h"]  # [rad] or [m], coordinate at which the leaf is fully open
     low: Float[np.ndarray, " h"]  # [rad] or [m], minimum coordinate; `low` or `high` equals `closed`
     high: Float[np.ndarray, " h"]  # [rad] or [m], maximum coordinate
     pos: Float[np.ndarray, "h 3"]  # [m], centre of the leaf's box at q = 0
@@ -125,21 +125,21 @@ class Doors:
     slide: Float[np.ndarray, "h 2"]  # unit direction of sliding; 0: hinged
 
     @property
-    def slides(self) -> Bool[np.ndarray, " h"]:
+    def is_sliding(self) -> Bool[np.ndarray, " h"]:
         """Mask of sliding leaves."""
         return (self.slide != 0).any(axis=1)
 
-    def rows(self, num_doors: int, num_slides: int) -> Int[np.ndarray, " h"]:
+    def bank_rows(self, num_doors: int, num_slides: int) -> Int[np.ndarray, " h"]:
         """Return the row of each leaf in a table of `num_doors` rows; sliding leaves use the last `num_slides` rows."""
-        hinged, sliding = np.cumsum(~self.slides) - 1, num_doors - num_slides + np.cumsum(self.slides) - 1
-        return np.where(self.slides, sliding, hinged).astype(np.int32)
+        hinged, sliding = np.cumsum(~self.is_sliding) - 1, num_doors - num_slides + np.cumsum(self.is_sliding) - 1
+        return np.where(self.is_sliding, sliding, hinged).astype(np.int32)
 
     @staticmethod
-    def none() -> "Doors":
+    def empty() -> "Doors":
         """Return an empty table of doors."""
         flat = np.zeros(0)
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
-        angles = dict.fromkeys(("closed", "wide", "low", "high"), flat)
+        angles = dict.fromkeys(("closed", "fully_open", "low", "high"), flat)
         return Doors(np.zeros(0, np.int32), np.zeros((0, 2)), **angles, **box, mass=flat, slide=np.zeros((0, 2)))
 
 
@@ -156,7 +156,7 @@ class Ramps:
     collider: Int[np.ndarray, " f"]  # row of Colliders with the same box
 
     @staticmethod
-    def none() -> "Ramps":
+    def empty() -> "Ramps":
         """Return an empty table of ramps."""
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
         rows = np.zeros(0, np.int32)
@@ -175,7 +175,7 @@ class Planes:
 
 
 @dataclass(frozen=True)
-class Rooms:
+class RoomTable:
     """Rooms in file order."""
 
     type: Int[np.ndarray, " r"]  # index into ROOM_TYPES; -1 unknown
@@ -205,31 +205,31 @@ class Portals:
 
 
 FIELD_UNIT = 0.0025  # [m], unit of stored geodesic distances
-FIELD_FAR = 65535  # stored distance where there is no path
-BELOW_FLOOR = 0.3  # [m], maximum depth below a level's lowest floor of points assigned to that level
+FIELD_UNREACHABLE = 65535  # stored distance where there is no path
+MAX_DEPTH_BELOW_FLOOR = 0.3  # [m], maximum depth below a level's lowest floor of points assigned to that level
 
 
 @dataclass(frozen=True)
-class Fringe:
+class ExtrapolatedCells:
     """Reachable cells outside the home region: cells close to walls, and cells occupied by movable objects.
 
     Their numbers follow those of the home cells.
     """
 
-    narrow: int  # number of leading cells that are free as authored, with less clearance than the home region
-    place: Int[np.ndarray, "e 3"]  # grid, row and column
+    num_free: int  # number of leading cells that are free as authored, with less clearance than the home region
+    coords: Int[np.ndarray, "e 3"]  # grid, row and column
     height: Float[np.ndarray, " e"]  # [m], of the floor or ramp
-    field: UInt16[np.ndarray, "e g"]  # [FIELD_UNIT], extrapolated distances to the goals; see `navigation.fringe`
-    nearest: Int[np.ndarray, "l ny nx"]  # number of each cell, or of the nearest numbered cell
+    field: UInt16[np.ndarray, "e g"]  # [FIELD_UNIT], extrapolated distances to the goals; see `navigation.extrapolated`
+    nearest_cell: Int[np.ndarray, "l ny nx"]  # number of each cell, or of the nearest numbered cell
 
 
 @dataclass(frozen=True)
-class Navigation:
+class HouseNavigation:
     """Walkable grids, one per level that has rooms, the lowest first; row = y, column = x.
 
     Region 0 is the home region: the connected region with the largest area on the ground floor, including levels that
     agents reach by stairs. Its cells are numbered in the order of the grids. It contains ramps: the part of a ramp
-    that is more than `BELOW_FLOOR` below the upper level is in the lower level's grid. Starts and goals are on floors.
+    that is more than `MAX_DEPTH_BELOW_FLOOR` below the upper level is in the lower level's grid. Starts and goals are on floors.
     """
 
     origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid
@@ -245,24 +245,26 @@ class Navigation:
     start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
     goal: Float[np.ndarray, "g 3"]
     field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
-    fringe: Fringe
+    extrapolated: ExtrapolatedCells
     portals: Portals
     room_hops: Int[np.ndarray, "r r"]  # minimum number of portals between two rooms; -1 unreachable
 
     @property
-    def free(self) -> Bool[np.ndarray, "l ny nx"]:
+    def home_mask(self) -> Bool[np.ndarray, "l ny nx"]:
         """Mask of the home region."""
         return self.region == 0
 
     @property
-    def place(self) -> Int[np.ndarray, "c 3"]:
+    def cell_coords(self) -> Int[np.ndarray, "c 3"]:
         """Grid, row and column of each home cell."""
-        return np.argwhere(self.free)
+        return np.argwhere(self.home_mask)
 
     def distance(self, goal: int) -> Float[np.ndarray, "l ny nx"]:
         """Return the geodesic distance to a goal [m]; inf if unreachable."""
         field = np.full(self.region.shape, np.inf)
-        field[self.free] = np.where(self.field[:, goal] == FIELD_FAR, np.inf, self.field[:, goal] * FIELD_UNIT)
+        field[self.home_mask] = np.where(
+            self.field[:, goal] == FIELD_UNREACHABLE, np.inf, self.field[:, goal] * FIELD_UNIT
+        )
         return field
 
 
@@ -274,25 +276,25 @@ class CompiledHouse:
     offset: Float[np.ndarray, " 3"]  # [m], added to file coordinates (after Z up) to get the world frame
     box: Float[np.ndarray, "2 3"]
     instances: Instances
-    top: Tree  # over static instances
+    top_bvh: BVH  # over static instances
     materials: MaterialTable
     semantics: Int[np.ndarray, "q columns"]  # columns: Semantic
     colliders: Colliders
     bodies: Bodies
     planes: Planes
-    rooms: Rooms
-    navigation: Navigation
+    rooms: RoomTable
+    navigation: HouseNavigation
     models: Mapping[str, Model]
     ground_floor: float  # [m], top of the lowest level that has rooms
     lot: Float[np.ndarray, "2 2"]  # [m], minimum and maximum x and y of the area that the fence encloses
     agent_materials: MaterialTable  # one row per material slot of the agent's model
     report: Mapping[str, int]  # counts: levels, rooms, objects, parts, triangles, ...
-    doors: Doors = field(default_factory=Doors.none)
-    ramps: Ramps = field(default_factory=Ramps.none)
-    lights: LightTable = field(default_factory=LightTable.none)
+    doors: Doors = field(default_factory=Doors.empty)
+    ramps: Ramps = field(default_factory=Ramps.empty)
+    lights: LightTable = field(default_factory=LightTable.empty)
     gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the others are matt
     # Ids of objects that would be movable if they did not intersect other geometry.
-    stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))
+    blocked_objects: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))
 
 
 TextureArray = UInt8[np.ndarray, "l p 4"]  # layers, texels of all mip levels

@@ -4,50 +4,50 @@ import math
 from typing import NamedTuple
 
 
-class Contact(NamedTuple):
+class ContactProperties(NamedTuple):
     """Contact properties of a movable object."""
 
     friction: float  # coefficient of sliding (Coulomb) friction
     restitution: float  # ratio of the speeds after and before an impact
 
 
-USUAL = Contact(0.4, 0.2)  # default for materials without an entry
+DEFAULT_CONTACT = ContactProperties(0.4, 0.2)  # default for materials without an entry
 
 # Friction: sliding, dry, on wood or stone, after tables of handbooks (wood 0.2 to 0.5, metal on wood 0.2 to 0.6,
 # leather on wood 0.3 to 0.5, brick on wood 0.6, rubber on concrete 0.7); glass and glaze are taken as smoother.
 # Restitution: half the value of solid balls on a hard floor, since furniture is hollow and jointed (wood 0.6, steel
 # 0.6, glass 0.66, hard plastic 0.69: The Physics Factbook). Soft materials do not bounce. The rounding is ours.
-CONTACTS = {
-    "bricks": Contact(0.6, 0.2),
-    "carpet": Contact(0.6, 0.0),
-    "ceramic": Contact(0.35, 0.3),
-    "concrete": Contact(0.6, 0.2),
-    "decoration stone": Contact(0.5, 0.2),
-    "facing stone": Contact(0.5, 0.2),
-    "glass": Contact(0.3, 0.3),
-    "grass": Contact(0.6, 0.0),
-    "ground": Contact(0.6, 0.0),
-    "laminate": Contact(0.35, 0.3),
-    "leather": Contact(0.5, 0.1),
-    "linen": Contact(0.5, 0.0),
-    "linoleum": Contact(0.5, 0.2),
-    "metal": Contact(0.3, 0.3),
-    "paper": Contact(0.4, 0.0),
-    "plant": Contact(0.5, 0.1),
-    "plastic": Contact(0.35, 0.35),
-    "stone": Contact(0.5, 0.2),
-    "textile": Contact(0.5, 0.0),
-    "tile": Contact(0.35, 0.3),
-    "wallpaper": Contact(0.4, 0.0),
-    "wood": Contact(0.4, 0.3),
+CONTACT_BY_KIND = {
+    "bricks": ContactProperties(0.6, 0.2),
+    "carpet": ContactProperties(0.6, 0.0),
+    "ceramic": ContactProperties(0.35, 0.3),
+    "concrete": ContactProperties(0.6, 0.2),
+    "decoration stone": ContactProperties(0.5, 0.2),
+    "facing stone": ContactProperties(0.5, 0.2),
+    "glass": ContactProperties(0.3, 0.3),
+    "grass": ContactProperties(0.6, 0.0),
+    "ground": ContactProperties(0.6, 0.0),
+    "laminate": ContactProperties(0.35, 0.3),
+    "leather": ContactProperties(0.5, 0.1),
+    "linen": ContactProperties(0.5, 0.0),
+    "linoleum": ContactProperties(0.5, 0.2),
+    "metal": ContactProperties(0.3, 0.3),
+    "paper": ContactProperties(0.4, 0.0),
+    "plant": ContactProperties(0.5, 0.1),
+    "plastic": ContactProperties(0.35, 0.35),
+    "stone": ContactProperties(0.5, 0.2),
+    "textile": ContactProperties(0.5, 0.0),
+    "tile": ContactProperties(0.35, 0.3),
+    "wallpaper": ContactProperties(0.4, 0.0),
+    "wood": ContactProperties(0.4, 0.3),
 }
 # Coarse categories whose contact material differs from their surface: furniture has wooden feet, toys are of rubber.
 ON_WOODEN_FEET = ("bed", "bench_chair", "chair", "ottoman", "sofa", "storage_bench")
-RUBBER = Contact(0.7, 0.6)
-HEAVY = 5.0  # [kg], maximum mass with restitution; the joints of heavier objects absorb impacts
+RUBBER_CONTACT = ContactProperties(0.7, 0.6)
+MAX_BOUNCING_MASS = 5.0  # [kg], maximum mass with restitution; the joints of heavier objects absorb impacts
 
 
-def contact_of(kind: str, coarse: str, mass: float) -> Contact:
+def contact_properties(kind: str, coarse: str, mass: float) -> ContactProperties:
     """Return the friction and restitution of an object.
 
     Args:
@@ -59,13 +59,13 @@ def contact_of(kind: str, coarse: str, mass: float) -> Contact:
         >>> contact_of("glass", "vase", 1.0), contact_of("textile", "sofa", 40.0)
         (Contact(friction=0.3, restitution=0.3), Contact(friction=0.4, restitution=0.0))
     """
-    own = RUBBER if coarse == "toy" else CONTACTS.get(kind, USUAL)
-    friction = CONTACTS["wood"].friction if coarse in ON_WOODEN_FEET else own.friction
-    return Contact(friction, own.restitution if mass <= HEAVY else 0.0)
+    own = RUBBER_CONTACT if coarse == "toy" else CONTACT_BY_KIND.get(kind, DEFAULT_CONTACT)
+    friction = CONTACT_BY_KIND["wood"].friction if coarse in ON_WOODEN_FEET else own.friction
+    return ContactProperties(friction, own.restitution if mass <= MAX_BOUNCING_MASS else 0.0)
 
 
 def damping_ratio(restitution: float) -> float:
-    """Return the damping ratio z of a contact with restitution e = exp(-pi z / sqrt(1 - z^2)), see `mjcf.contact`.
+    """Return the damping ratio z of a contact with restitution e = exp(-pi z / sqrt(1 - z^2)), see `mjcf.in_contact`.
 
     Args:
         restitution: Restitution e, in [0, 1).

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-EDGES = 12
+NUM_EDGES = 12
 
 
 def edge_rows() -> np.ndarray:

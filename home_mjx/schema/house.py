@@ -22,12 +22,18 @@ class Material:
     opacity: float | None = None  # 1 = opaque
     specular: tuple[float, float, float] | None = None  # linear light, `Ks`
     shininess: float | None = None  # `Ns`, Blinn-Phong exponent
-    lacking: str = ""  # name of a missing texture, or of a missing material library if it ends with `.mtl`
+    missing_file: str = ""  # name of a missing texture, or of a missing material library if it ends with `.mtl`
 
     @property
     def texture_name(self) -> str:
         """Name of its texture, even if the image is missing; "" without a texture."""
-        return self.texture.stem if self.texture is not None else "" if self.lacking.endswith(".mtl") else self.lacking
+        return (
+            self.texture.stem
+            if self.texture is not None
+            else ""
+            if self.missing_file.endswith(".mtl")
+            else self.missing_file
+        )
 
 
 @dataclass(frozen=True)
@@ -57,7 +63,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Object(Node):
+class ObjectNode(Node):
     """An instance of a library model."""
 
     model_id: str
@@ -71,18 +77,18 @@ class Object(Node):
         return self.model_id if not self.state else f"{self.model_id}_{self.state - 1}"
 
     @property
-    def other_key(self) -> str:
+    def other_state_key(self) -> str:
         """Stem of the OBJ of the other state: the closed variant of an open object, else the open base model."""
         return self.model_id if self.state else f"{self.model_id}_0"
 
     @property
-    def mirrored(self) -> bool:
+    def is_mirrored(self) -> bool:
         """True if the transform mirrors the model."""
         return bool(np.linalg.det(self.transform[:3, :3]) < 0)
 
 
 @dataclass(frozen=True)
-class Box(Node):
+class BoxNode(Node):
     """A solid axis-aligned box in its local frame, centred at its origin."""
 
     dimensions: Float[np.ndarray, " 3"]  # [m], full edge lengths
@@ -91,7 +97,7 @@ class Box(Node):
 
 
 @dataclass(frozen=True)
-class Room(Node):
+class RoomNode(Node):
     """A room; its meshes are already in scene coordinates."""
 
     model_id: str
@@ -103,7 +109,7 @@ class Room(Node):
 
 
 @dataclass(frozen=True)
-class Ground(Node):
+class GroundNode(Node):
     """A slab of outdoor ground, in scene coordinates."""
 
     model_id: str
@@ -111,7 +117,7 @@ class Ground(Node):
 
 
 @dataclass(frozen=True)
-class Unknown(Node):
+class UnknownNode(Node):
     """A node of unknown type, which is not visible but preserved for writing."""
 
     data: Mapping[str, Any]
@@ -123,13 +129,13 @@ class Level:
 
     id: str
     index: int
-    rooms: tuple[Room, ...]
-    objects: tuple[Object, ...]
-    boxes: tuple[Box, ...]
-    grounds: tuple[Ground, ...]
-    unknown: tuple[Unknown, ...] = ()
+    rooms: tuple[RoomNode, ...]
+    objects: tuple[ObjectNode, ...]
+    boxes: tuple[BoxNode, ...]
+    grounds: tuple[GroundNode, ...]
+    unknown: tuple[UnknownNode, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
-    hidden: tuple[Unknown, ...] = ()  # disabled or empty nodes, preserved for writing
+    hidden: tuple[UnknownNode, ...] = ()  # disabled or empty nodes, preserved for writing
 
 
 @dataclass(frozen=True)
@@ -142,21 +148,21 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class StandIn:
+class Fallback:
     """A missing part of the dataset and the fallback used instead."""
 
     kind: str  # one of STAND_INS
     name: str  # name of the texture, material library, model, room mesh or metadata row
     element: str  # first user: an element path or a file
-    taken: str  # description of the fallback
+    replacement: str  # description of the fallback
     reason: str = ""  # cause, if the file is not simply missing
 
     def __str__(self) -> str:
         reason = f": {self.reason}" if self.reason else ""
-        return f"{self.kind} {self.name} of {self.element}{reason}: {self.taken}"
+        return f"{self.kind} {self.name} of {self.element}{reason}: {self.replacement}"
 
 
-STAND_INS = ("texture", "material library", "model", "room mesh", "metadata row")
+FALLBACK_KINDS = ("texture", "material library", "model", "room mesh", "metadata row")
 
 
 @dataclass(frozen=True)
@@ -168,10 +174,12 @@ class House:
     path: Path  # house.json
     levels: tuple[Level, ...]
     models: Mapping[str, Mesh]  # by Object.model_key
-    others: Mapping[str, Mesh] = field(default_factory=dict)  # by Object.other_key, for objects with another state
+    other_state_models: Mapping[str, Mesh] = field(
+        default_factory=dict
+    )  # by Object.other_key, for objects with another state
     problems: tuple[Problem, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
-    stand_ins: tuple[StandIn, ...] = ()  # fallbacks for missing parts of the dataset
+    fallbacks: tuple[Fallback, ...] = ()  # fallbacks for missing parts of the dataset
 
 
 def base_model(model_id: str, known: Callable[[str], bool]) -> str:

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-REFLECTANCE = 0.4  # mean diffuse reflectance of a room's surfaces
+MEAN_REFLECTANCE = 0.4  # mean diffuse reflectance of a room's surfaces
 
 
-SOURCES = ("lamps", "daylight")  # sources of ambient light
+AMBIENT_SOURCES = ("lamps", "daylight")  # sources of ambient light
 
 
 @dataclass(frozen=True)
@@ -31,15 +31,15 @@ class LightTable:
     daylight: Bool[np.ndarray, " n"]
     instance: Int[np.ndarray, " n"]  # instance that carries it and casts no shadow of it
     room: Int[np.ndarray, " n"]  # illuminated room; -1 none
-    ambient: Float[np.ndarray, "r 2 3"]  # irradiance [W/m^2] by room + 1 (0: no room) and source (`SOURCES`)
+    ambient: Float[np.ndarray, "r 2 3"]  # irradiance [W/m^2] by room + 1 (0: no room) and source (`AMBIENT_SOURCES`)
 
     @staticmethod
-    def none() -> "LightTable":
+    def empty() -> "LightTable":
         """Return a table without lights and ambient light."""
         vectors = dict.fromkeys(("pos", "axis_u", "axis_v", "direction", "intensity"), np.zeros((0, 3)))
         numbers = dict.fromkeys(("exponent", "cutoff", "area"), np.zeros(0))
         rows = dict.fromkeys(("instance", "room"), np.zeros(0, np.int32))
-        ambient = np.zeros((1, len(SOURCES), 3))
+        ambient = np.zeros((1, len(AMBIENT_SOURCES), 3))
         return LightTable(**vectors, **numbers, **rows, daylight=np.zeros(0, bool), ambient=ambient)
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 
-LONGEST = 3600.0  # [s], maximum length of a step
-FASTEST = 10**7  # [Hz], maximum sample rate
+MAX_STEP_SECONDS = 3600.0  # [s], maximum length of a step
+MAX_SAMPLE_RATE = 10**7  # [Hz], maximum sample rate
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Timing:
 
     def __post_init__(self) -> None:
         for name in ("ctrl_dt", "sim_dt"):
-            check_number(name, getattr(self, name), 1e-6, LONGEST)
-        check_number("sample_rate", self.sample_rate, 1, FASTEST, whole=True)
+            check_number(name, getattr(self, name), 1e-6, MAX_STEP_SECONDS)
+        check_number("sample_rate", self.sample_rate, 1, MAX_SAMPLE_RATE, integer=True)
         if self.substeps < 1 or abs(self.substeps * self.sim_dt - self.ctrl_dt) > 1e-9 * self.ctrl_dt:
             raise ConfigError(
                 f"`ctrl_dt` {self.ctrl_dt} s is not a whole number of `sim_dt` {self.sim_dt} s",

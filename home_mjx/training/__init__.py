@@ -10,7 +10,7 @@ from home_mjx.errors import ConfigError, install_hint
 
 if TYPE_CHECKING:
     from home_mjx.training.checkpoint import (
-        CHECKPOINT,
+        CHECKPOINT_FILE,
         load_checkpoint,
         load_net,
         load_policy,
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
         save_checkpoint,
         save_net,
     )
-    from home_mjx.training.cloning import Advised, Cloning
+    from home_mjx.training.cloning import AdvisedPPO, BehaviorCloning
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
-    from home_mjx.training.evaluation import evaluate, expert_policy, judged, random_policy, summary
+    from home_mjx.training.evaluation import evaluate, evaluation_spec, expert_policy, random_policy, summarize
     from home_mjx.training.networks import NetworkConfig, RecurrentAgent
     from home_mjx.training.ppo import PPO, TrainState
     from home_mjx.training.rollout import Policy
     from home_mjx.training.run import evaluate_checkpoint, train
 
 __all__ = [
-    "CHECKPOINT",
+    "CHECKPOINT_FILE",
     "CPU_CONFIG",
     "PPO",
-    "Advised",
-    "Cloning",
+    "AdvisedPPO",
+    "BehaviorCloning",
     "NetworkConfig",
     "PPOConfig",
     "Policy",
@@ -40,8 +40,8 @@ __all__ = [
     "TrainState",
     "evaluate",
     "evaluate_checkpoint",
+    "evaluation_spec",
     "expert_policy",
-    "judged",
     "load_checkpoint",
     "load_net",
     "load_policy",
@@ -49,7 +49,7 @@ __all__ = [
     "read_config",
     "save_checkpoint",
     "save_net",
-    "summary",
+    "summarize",
     "train",
 ]
 

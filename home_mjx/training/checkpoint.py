@@ -16,15 +16,15 @@ from home_mjx.training.config import RunConfig
 from home_mjx.training.ppo import PPO
 from home_mjx.training.rollout import Policy
 
-CHECKPOINT = "checkpoint.npz"  # file name in the folder of a run
-AGENT = "agent.npz"  # file name of the final network alone, in the same folder
-CLONED = "cloned.npz"  # file name of the network after cloning, before PPO
-CONFIG = "config"  # key of the configuration in a file; keys of arrays begin with a dot
-NET = ".net"  # key prefix of the parameters of a `TrainState`
-MAX_SHOWN = 5  # maximum number of differences that an error names
-FREE_SPACE = "Free some space, then continue with --resume; or choose another folder with --out."
-DIVERGED = "Training has diverged; try a lower learning rate, such as --ppo learning_rate=0.0001."
-NAME_ONE = "Pass the folder of a `home-mjx train` run, its checkpoint.npz or its agent.npz."
+CHECKPOINT_FILE = "checkpoint.npz"  # file name in the folder of a run
+AGENT_FILE = "agent.npz"  # file name of the final network alone, in the same folder
+CLONED_FILE = "cloned.npz"  # file name of the network after cloning, before PPO
+CONFIG_KEY = "config"  # key of the configuration in a file; keys of arrays begin with a dot
+NET_PREFIX = ".net"  # key prefix of the parameters of a `TrainState`
+MAX_SHOWN_DIFFERENCES = 5  # maximum number of differences that an error names
+FREE_SPACE_HINT = "Free some space, then continue with --resume; or choose another folder with --out."
+DIVERGED_HINT = "Training has diverged; try a lower learning rate, such as --ppo learning_rate=0.0001."
+CHECKPOINT_HINT = "Pass the folder of a `home-mjx train` run, its checkpoint.npz or its agent.npz."
 
 
 def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
@@ -38,7 +38,7 @@ def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
     Raises:
         ConfigError: The file cannot be written, or the configuration does not consist of numbers, text and dataclasses.
     """
-    _save(as_path(path, "a checkpoint"), _named(state), config)
+    _save(as_path(path, "a checkpoint"), _arrays_by_path(state), config)
 
 
 def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
@@ -53,17 +53,17 @@ def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
         ConfigError: As in `save_checkpoint`.
     """
     half = jax.tree.map(lambda x: np.asarray(x).astype(np.float16), net)
-    _save(as_path(path, "a checkpoint"), {NET + name: x for name, x in _named(half).items()}, config)
+    _save(as_path(path, "a checkpoint"), {NET_PREFIX + name: x for name, x in _arrays_by_path(half).items()}, config)
 
 
-def _named(tree: Any) -> dict[str, np.ndarray]:
+def _arrays_by_path(tree: Any) -> dict[str, np.ndarray]:
     return {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(tree)}
 
 
 def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig) -> None:
     text = np.array(to_json(config))
-    with write_durably(path, "checkpoint", FREE_SPACE) as file:
-        np.savez(file, **{CONFIG: text}, **arrays)  # pyright: ignore[reportArgumentType]
+    with write_durably(path, "checkpoint", FREE_SPACE_HINT) as file:
+        np.savez(file, **{CONFIG_KEY: text}, **arrays)  # pyright: ignore[reportArgumentType]
 
 
 def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
@@ -79,13 +79,13 @@ def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
         MissingFileError: The file does not exist.
         DatasetError: The file is not a checkpoint, or its arrays have other shapes.
     """
-    check_same(read_config(path), config, path)
-    return _load(path, like, "")
+    check_same_config(read_config(path), config, path)
+    return _load_tree(path, like, "")
 
 
 def load_net(path: str | Path, like: Any) -> Any:
     """Load the parameters alone, from a checkpoint or from a file of `save_net`; errors as in `load_checkpoint`."""
-    return _load(path, like, NET)
+    return _load_tree(path, like, NET_PREFIX)
 
 
 def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> tuple[Callable[[Any], Policy], Any]:
@@ -113,10 +113,10 @@ def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> t
 
 def read_updates(path: str | Path) -> int:
     """Read the number of updates that a checkpoint's run had made; errors as in `read_config`."""
-    (updates,) = _read(path, [".updates"])
+    (updates,) = _read_checked(path, [".updates"])
     if updates.shape or updates.dtype.kind != "i" or updates < 0:
         message = f"expected a whole number of at least 0, got {updates.dtype} {updates!s:.40}"
-        raise DatasetError(message, file=path, element=".updates", hint=NAME_ONE)
+        raise DatasetError(message, file=path, element=".updates", hint=CHECKPOINT_HINT)
     return int(updates)
 
 
@@ -128,14 +128,14 @@ def read_config(path: str | Path) -> RunConfig:
         DatasetError: The file is not a checkpoint.
         ConfigError: Its configuration cannot be read by this version, or its environment is not registered here.
     """
-    (text,) = _read(path, [CONFIG])
+    (text,) = _read_checked(path, [CONFIG_KEY])
     config = from_json(str(text), Path(path))
     if not isinstance(config, RunConfig):
-        raise DatasetError("file is not a training checkpoint", file=path, hint=NAME_ONE)
+        raise DatasetError("file is not a training checkpoint", file=path, hint=CHECKPOINT_HINT)
     return config
 
 
-def check_same(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
+def check_same_config(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
     """Reject a checkpoint of another configuration.
 
     Raises:
@@ -144,8 +144,10 @@ def check_same(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
     there, here = (dict(_flat(json.loads(to_json(config)), "")) for config in (theirs, ours))
     wrong = [name for name in {**there, **here} if there.get(name) != here.get(name)]
     if wrong:
-        shown = "; ".join(f"`{name}` is {there.get(name)} there, {here.get(name)} here" for name in wrong[:MAX_SHOWN])
-        more = f"; and {len(wrong) - MAX_SHOWN} more" if len(wrong) > MAX_SHOWN else ""
+        shown = "; ".join(
+            f"`{name}` is {there.get(name)} there, {here.get(name)} here" for name in wrong[:MAX_SHOWN_DIFFERENCES]
+        )
+        more = f"; and {len(wrong) - MAX_SHOWN_DIFFERENCES} more" if len(wrong) > MAX_SHOWN_DIFFERENCES else ""
         message = f"checkpoint has another configuration: {shown}{more}"
         raise ConfigError(message, file=path, hint="Pass the same options, or train into another folder.")
 
@@ -169,21 +171,21 @@ def is_finite(net: Any) -> bool:
     return all(bool(np.isfinite(np.asarray(x)).all()) for x in jax.tree.leaves(net))
 
 
-def _load(path: str | Path, like: Any, below: str) -> Any:
+def _load_tree(path: str | Path, like: Any, below: str) -> Any:
     leaves, structure = jax.tree_util.tree_flatten_with_path(like)
     names = [below + jax.tree_util.keystr(place) for place, _ in leaves]
-    arrays = _read(path, names)
+    arrays = _read_checked(path, names)
     for name, (_, leaf), array in zip(names, leaves, arrays, strict=True):
         kinds = (leaf.dtype, np.dtype(np.float16)) if leaf.dtype == np.float32 else (leaf.dtype,)
         if array.shape != leaf.shape or array.dtype not in kinds:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape}"
             hint = "Made with other sensors, actions or networks, houses of another capacity, or another version."
             raise DatasetError(message, file=path, element=name, hint=hint)
-        if name.startswith(NET) and not is_finite(array):
-            raise DatasetError("network has numbers that are not finite", file=path, element=name, hint=DIVERGED)
+        if name.startswith(NET_PREFIX) and not is_finite(array):
+            raise DatasetError("network has numbers that are not finite", file=path, element=name, hint=DIVERGED_HINT)
     whole = [array.astype(leaf.dtype, copy=False) for array, (_, leaf) in zip(arrays, leaves, strict=True)]
     return jax.tree.unflatten(structure, whole)
 
 
-def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
-    return read_arrays(as_path(path, "a checkpoint"), names, "checkpoint", NAME_ONE)
+def _read_checked(path: str | Path, names: list[str]) -> list[np.ndarray]:
+    return read_arrays(as_path(path, "a checkpoint"), names, "checkpoint", CHECKPOINT_HINT)

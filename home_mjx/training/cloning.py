@@ -14,20 +14,22 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
+from home_mjx.tasks.experts.teacher import EXPERT, ExpertObservationEnv
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.distributions import Distribution
-from home_mjx.training.ppo import PPO, Batch, Loss, TrainState
+from home_mjx.training.ppo import PPO, LossFunction, TrainBatch, TrainState
 from home_mjx.training.rollout import Policy
 
-ADVISED = 0.7  # fraction of the run over which the weight of advice in PPO falls to 0
-LED = 0.5  # fraction of the run over which the expert's share of the actions falls linearly from 1
-LEAST = 0.3  # minimum share of expert actions until `ALONE`; with less, most states are where the network is stuck
-ALONE = 0.8  # fraction of the run after which only the network acts, so that its value function fits its own behaviour
-AGREES = 0.25  # maximum distance of a continuous action from the expert's to count as the same
+ADVICE_DECAY_FRACTION = 0.7  # fraction of the run over which the weight of advice in PPO falls to 0
+EXPERT_DECAY_FRACTION = 0.5  # fraction of the run over which the expert's share of the actions falls linearly from 1
+MIN_EXPERT_SHARE = 0.3  # minimum share of expert actions until `STUDENT_ONLY_AFTER`; with less, most states are where the network is stuck
+STUDENT_ONLY_AFTER = (
+    0.8  # fraction of the run after which only the network acts, so that its value function fits its own behaviour
+)
+MAX_AGREEING_DISTANCE = 0.25  # maximum distance of a continuous action from the expert's to count as the same
 
 
-class Advised(PPO):
+class AdvisedPPO(PPO):
     """PPO with an additional cloning loss on an expert's advice, because rewards alone are sparse at first.
 
     The loss is PPO's plus `advice_cost` times the negative log-likelihood of the expert's action. The weight falls
@@ -48,31 +50,33 @@ class Advised(PPO):
     def __init__(
         self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[Any] | None = None
     ) -> None:
-        super().__init__(core if isinstance(core, WithExpert) else WithExpert(core), config, devices)
+        super().__init__(
+            core if isinstance(core, ExpertObservationEnv) else ExpertObservationEnv(core), config, devices
+        )
 
-    def loss_now(self, state: TrainState) -> Loss:
+    def current_loss(self, state: TrainState) -> LossFunction:
         """Return PPO's loss plus the cloning loss at its current weight."""
-        left = 1 - state.updates.astype(jnp.float32) / (ADVISED * self.config.num_updates)
+        left = 1 - state.updates.astype(jnp.float32) / (ADVICE_DECAY_FRACTION * self.config.num_updates)
         weight = self.config.advice_cost * jnp.clip(left, 0, 1)
 
-        def loss(net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
-            params, value = self.read(net, batch)
+        def loss(net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
+            params, value = self.apply_net(net, batch)
             own, parts = self.clipped_loss(params, value, batch)
-            advice, told = told_apart(self.agent.distribution, params, batch.steps.obs[EXPERT])
+            advice, told = advice_loss(self.agent.distribution, params, batch.steps.obs[EXPERT])
             return own + weight * advice, parts | told
 
         return loss
 
 
-def told_apart(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
+def advice_loss(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
     """Return the negative log-likelihood of advice, and metrics with the share of most likely actions that agree."""
     clone_loss = -jnp.mean(choose.log_prob(params, advice))
     apart = jnp.abs(choose.clip(choose.mode(params)) - advice).reshape(*params.shape[:-1], -1)
-    same = jnp.all(apart <= AGREES, axis=-1)
+    same = jnp.all(apart <= MAX_AGREEING_DISTANCE, axis=-1)
     return clone_loss, {"clone": clone_loss, "agreement": jnp.mean(same.astype(jnp.float32))}
 
 
-class Cloning(Advised):
+class BehaviorCloning(AdvisedPPO):
     """Learn from an expert's advice alone; the value function is learned too, so that PPO can continue from it.
 
     Options are PPO's; `entropy_cost`, `clip_range` and `advice_cost` have no effect here. For continuous actions the
@@ -96,7 +100,7 @@ class Cloning(Advised):
         """Return a policy that takes the expert's action with a scheduled probability, else the network's."""
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates
-        led = jnp.where(done < ALONE, jnp.clip(1 - done / LED, LEAST, 1), 0.0)
+        led = jnp.where(done < STUDENT_ONLY_AFTER, jnp.clip(1 - done / EXPERT_DECAY_FRACTION, MIN_EXPERT_SHARE, 1), 0.0)
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
             memory, action, outputs = student.act(memory, obs, begins, keys)
@@ -106,13 +110,13 @@ class Cloning(Advised):
 
         return student._replace(act=act)
 
-    def loss_now(self, state: TrainState) -> Loss:
+    def loss_now(self, state: TrainState) -> LossFunction:
         """Return the loss, which does not depend on the state."""
         return self.loss
 
-    def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
+    def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
         """Compute the negative log-likelihood of the expert's actions plus the weighted squared error of the value."""
-        params, value = self.read(net, batch)
-        clone_loss, parts = told_apart(self.agent.distribution, params, batch.steps.obs[EXPERT])
+        params, value = self.apply_net(net, batch)
+        clone_loss, parts = advice_loss(self.agent.distribution, params, batch.steps.obs[EXPERT])
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)
         return clone_loss + self.config.value_cost * value_loss, parts | {"value": value_loss}

@@ -10,10 +10,10 @@ from home_mjx.training.networks.agent import NetworkConfig
 ALGORITHMS = ("ppo", "advised", "clone")
 OPTIMIZERS = ("adam", "lamb")
 FINAL_OBS = ("cheap", "all")
-WHOLE = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
-MOST_STEPS = 2**31 - 1  # maximum number of gradient steps; they are counted in 32 bits
-LEAST_SECONDS = 1e-3
-PARTS = ("discount", "gae_lambda", "final_rate")
+INTEGER_OPTIONS = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
+MAX_GRADIENT_STEPS = 2**31 - 1  # maximum number of gradient steps; they are counted in 32 bits
+MIN_SECONDS = 1e-3
+FRACTION_OPTIONS = ("discount", "gae_lambda", "final_rate")
 
 
 @dataclass(frozen=True)
@@ -81,17 +81,15 @@ class PPOConfig:
         check_type("network", self.network, NetworkConfig)
         for option in fields(self):
             value = getattr(self, option.name)
-            if option.name in WHOLE:
-                check_number(option.name, value, 1, whole=True)
-            elif option.name in PARTS:
+            if option.name in INTEGER_OPTIONS:
+                check_number(option.name, value, 1, integer=True)
+            elif option.name in FRACTION_OPTIONS:
                 check_number(option.name, value, 0, 1)
             elif isinstance(option.default, float):
                 check_number(option.name, value, 0)
         steps = self.num_updates * self.num_epochs * self.num_minibatches
-        if steps > MOST_STEPS:
-            message = (
-                f"`num_timesteps` of {self.num_timesteps} needs {steps} gradient steps, the maximum is {MOST_STEPS}"
-            )
+        if steps > MAX_GRADIENT_STEPS:
+            message = f"`num_timesteps` of {self.num_timesteps} needs {steps} gradient steps, the maximum is {MAX_GRADIENT_STEPS}"
             raise ConfigError(message, hint="Reduce it, or use larger batches: `num_envs`, `unroll_length`.")
 
     @property
@@ -143,7 +141,7 @@ class RunConfig:
         env: Spec of the environment: task, houses, sensors.
         ppo: Options of the training.
         seed: Seed of all random numbers.
-        algorithm: "ppo"; "clone": an expert's advice alone, see `Cloning`; "advised": both, see `Advised`.
+        algorithm: "ppo"; "clone": an expert's advice alone, see `BehaviorCloning`; "advised": both, see `Advised`.
         start: Checkpoint whose network training starts from; None: a fresh one.
         clone_timesteps: Environment steps of cloning before PPO; 0: none.
         max_seconds: Time limit of training without compilation, checked after each update; learning rates do not depend
@@ -165,10 +163,10 @@ class RunConfig:
         check_known("algorithm", [self.algorithm], ALGORITHMS)
         check_type("env", self.env, EnvSpec)
         check_type("ppo", self.ppo, PPOConfig)
-        check_number("seed", self.seed, 0, 2**32 - 1, whole=True)
-        check_number("clone_timesteps", self.clone_timesteps, 0, whole=True)
+        check_number("seed", self.seed, 0, 2**32 - 1, integer=True)
+        check_number("clone_timesteps", self.clone_timesteps, 0, integer=True)
         if self.max_seconds is not None:
-            check_number("max_seconds", self.max_seconds, LEAST_SECONDS)
+            check_number("max_seconds", self.max_seconds, MIN_SECONDS)
         if self.start is not None:
             check_type("start", self.start, str)
         if self.clone_timesteps and self.algorithm == "clone":

@@ -15,23 +15,23 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.base.task import path_scores
-from home_mjx.tasks.env.autoreset import where_envs
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.autoreset import select_envs
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.episodes import sample_episodes
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 
 MAX_EPISODES = 1_000_000  # maximum episodes of one evaluation; their rows are sampled in advance, all at once
-MAX_BATCH = 256  # maximum number of episodes that run in parallel
+MAX_PARALLEL_EPISODES = 256  # maximum number of episodes that run in parallel
 
 Results = dict[str, np.ndarray]  # metric name -> one number per episode
 
 
-FOR_TRAINING = ("mistakes_end", "episodes")  # options that make a task easier to learn, and the training episodes
+TRAINING_ONLY = ("mistakes_end", "episodes")  # options that make a task easier to learn, and the training episodes
 
 
-def judged(
+def evaluation_spec(
     spec: EnvSpec, split: str | None = "val", num_houses: int = 16, *, episode_file: str | Path | None = None,
     dataset: str | Path | None = None,
 ) -> EnvSpec:  # fmt: skip
@@ -51,7 +51,7 @@ def judged(
         >>> judged(spec, None).options, judged(spec, None).num_houses
         ({'stop': True}, 8)
     """
-    options = {name: value for name, value in spec.options.items() if name not in FOR_TRAINING}
+    options = {name: value for name, value in spec.options.items() if name not in TRAINING_ONLY}
     spec = dataclasses.replace(spec, houses=spec.houses if dataset is None else str(dataset))
     if episode_file is not None:
         return dataclasses.replace(spec, options=options | {"episodes": str(episode_file)}, split=None)
@@ -61,23 +61,23 @@ def judged(
     return dataclasses.replace(spec, options=options, split=split, num_houses=num_houses)
 
 
-class Play(Pytree):
+class EpisodeBatch(Pytree):
     """Loop state of N episodes that run in parallel."""
 
     env: State
     memory: Any
     keys: UInt32[Array, "r 2"]
-    alive: Any  # (N,) bool, not yet ended
-    figures: dict[str, Float[Array, " n"]]  # running values, frozen when the episode ends
+    is_running: Any  # (N,) bool, not yet ended
+    metrics: dict[str, Float[Array, " n"]]  # running values, frozen when the episode ends
 
 
 def evaluate(
-    env: BoundEnv[HouseholdEnv],
-    policy_of: Callable[[Any], Policy],
+    env: Env[HouseholdEnv],
+    make_policy: Callable[[Any], Policy],
     net: Any = None,
     num_episodes: int = 1000,
     seed: int = 0,
-    max_batch: int = MAX_BATCH,
+    max_batch: int = MAX_PARALLEL_EPISODES,
 ) -> Results:
     """Run episodes to their end and return their metrics.
 
@@ -86,7 +86,7 @@ def evaluate(
 
     Args:
         env: Houses and task; use held-out houses, `split="val"`, to measure generalisation.
-        policy_of: Function from parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
+        make_policy: Function from parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
         net: The parameters.
         num_episodes: Number of episodes, at most `MAX_EPISODES`.
         seed: Seed of episodes and actions.
@@ -105,7 +105,7 @@ def evaluate(
     env = with_episodes(env, num_episodes, seed)
     batch = min(num_episodes, max_batch)
     keys = jax.random.key_data(jax.random.split(jax.random.key(seed), num_episodes + batch))
-    play = jax.jit(lambda params, net, keys, numbers: _play(env.core, policy_of(net), params, keys, numbers))
+    play = jax.jit(lambda params, net, keys, numbers: _run_batch(env.core, make_policy(net), params, keys, numbers))
     parts = []
     for start in range(0, num_episodes, batch):
         numbers = jnp.arange(start, start + batch, dtype=jnp.int32)
@@ -119,10 +119,10 @@ def check_episodes(num: object) -> None:
     Raises:
         ConfigError: It is not a whole number from 1 to `MAX_EPISODES`.
     """
-    check_number("num_episodes", num, 1, MAX_EPISODES, whole=True)
+    check_number("num_episodes", num, 1, MAX_EPISODES, integer=True)
 
 
-def with_episodes(env: BoundEnv[HouseholdEnv], num: int, seed: int = 0) -> BoundEnv[HouseholdEnv]:
+def with_episodes(env: Env[HouseholdEnv], num: int, seed: int = 0) -> Env[HouseholdEnv]:
     """Return the environment with sampled episodes, unless it has episodes or its task has no columns."""
     if env.params.tasks is not None or not env.task.columns:
         return env
@@ -131,7 +131,7 @@ def with_episodes(env: BoundEnv[HouseholdEnv], num: int, seed: int = 0) -> Bound
 
 def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
     """Return a policy that samples actions uniformly within the bounds of the action spec."""
-    spec = core.action_spec.of_one(core.num_agents)
+    spec = core.action_spec.for_one_agent(core.num_agents)
     low, high = spec.bounds()
 
     def draw(key: Array) -> Array:
@@ -146,7 +146,7 @@ def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
 
 
 def expert_policy(net: Any = None) -> Policy:
-    """Return a policy that takes the expert's actions, for environments of `with_expert`.
+    """Return a policy that takes the expert's actions, for environments of `add_expert`.
 
     Example:
         >>> evaluate(with_expert(env), expert_policy)  # doctest: +SKIP
@@ -154,7 +154,7 @@ def expert_policy(net: Any = None) -> Policy:
     return Policy(lambda memory, obs, begins, keys: (memory, obs[EXPERT], {}))
 
 
-def summary(results: Results) -> dict[str, dict[str, float]]:
+def summarize(results: Results) -> dict[str, dict[str, float]]:
     """Compute mean and standard error of every metric.
 
     Example:
@@ -166,7 +166,7 @@ def summary(results: Results) -> dict[str, dict[str, float]]:
     }
 
 
-def _play(
+def _run_batch(
     core: HouseholdEnv, policy: Policy, params: EnvParams, keys: UInt32[Array, "n 2"], numbers: Int[Array, " n"]
 ) -> dict[str, Float[Array, " n"]]:
     num, agents = keys.shape[0], core.num_agents
@@ -176,41 +176,43 @@ def _play(
     env = jax.vmap(core.reset, (None, 0, None, 0 if known else None))(
         params, reset_keys, None, numbers if known else None
     )
-    length = _shortest(params, numbers)
+    length = _shortest_lengths(params, numbers)
     zero = jnp.zeros(num, jnp.float32)
     figures = {"return": zero, "episode_steps": zero, "walked": zero} | env.metrics
 
-    def step(play: Play) -> Play:
+    def step(play: EpisodeBatch) -> EpisodeBatch:
         following, now = split_keys(play.keys)
         begins = jnp.repeat(play.env.world.step == 0, agents)
         memory, action, _ = policy.act(play.memory, to_rows(play.env.obs, agents), begins, now)
         env = jax.vmap(core.step, (None, 0, 0))(params, play.env, to_envs(policy.clip(action), agents))
-        figures = where_envs(play.alive, _figures(core, params, play, env), play.figures)
-        return Play.unchecked(env=env, memory=memory, keys=following, alive=play.alive & ~env.done, figures=figures)
+        figures = select_envs(play.is_running, _update_metrics(core, params, play, env), play.metrics)
+        return EpisodeBatch.build_unchecked(
+            env=env, memory=memory, keys=following, alive=play.is_running & ~env.done, figures=figures
+        )
 
-    begin = Play.unchecked(
-        env=env, memory=policy.memory(num * agents), keys=rows, alive=jnp.ones(num, bool), figures=figures
+    begin = EpisodeBatch.build_unchecked(
+        env=env, memory=policy.initial_memory(num * agents), keys=rows, alive=jnp.ones(num, bool), figures=figures
     )
-    end = jax.lax.while_loop(lambda play: jnp.any(play.alive), step, begin)
-    return end.figures | _path_figures(end.figures, length)
+    end = jax.lax.while_loop(lambda play: jnp.any(play.is_running), step, begin)
+    return end.metrics | _path_metrics(end.metrics, length)
 
 
-def _figures(core: HouseholdEnv, params: EnvParams, play: Play, env: State) -> dict[str, Array]:
+def _update_metrics(core: HouseholdEnv, params: EnvParams, play: EpisodeBatch, env: State) -> dict[str, Array]:
     """Compute the metrics after a step; `return`, `episode_steps` and `walked` accumulate."""
     look = jax.vmap(lambda state: core.snapshot(params, state).pose.pos[0])
     moved = jnp.linalg.norm(look(env) - look(play.env), axis=-1)
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
     gained = {"return": reward, "episode_steps": jnp.ones_like(reward), "walked": moved}
-    return {name: play.figures[name] + x for name, x in gained.items()} | env.metrics
+    return {name: play.metrics[name] + x for name, x in gained.items()} | env.metrics
 
 
-def _shortest(params: EnvParams, numbers: Int[Array, " n"]) -> Float[Array, " n"] | None:
+def _shortest_lengths(params: EnvParams, numbers: Int[Array, " n"]) -> Float[Array, " n"] | None:
     """Return the lengths of the shortest paths [m]; None if unknown."""
     lengths = getattr(params.tasks, "columns", {}).get("length")
     return None if lengths is None else lengths[numbers % lengths.shape[0]]
 
 
-def _path_figures(figures: dict[str, Array], length: Array | None) -> dict[str, Array]:
+def _path_metrics(figures: dict[str, Array], length: Array | None) -> dict[str, Array]:
     """Compute SPL and soft SPL if the task does not report them itself."""
     if length is None or "success" not in figures or "spl" in figures:
         return {}

@@ -21,17 +21,17 @@ from jax.sharding import AxisType, Mesh, NamedSharding, PartitionSpec
 from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.tasks.base.keys import to_raw
+from home_mjx.tasks.base.keys import to_raw_key
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.begin import in_order
+from home_mjx.tasks.env.begin import is_sequential
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
-from home_mjx.training.rollout import Actor, Policy, Steps, advantages, rollout, to_rows
+from home_mjx.training.rollout import Policy, RolloutState, Transitions, compute_advantages, rollout, to_rows
 
-AXIS = "envs"  # mesh axis: environments are sharded over devices, everything else is replicated
-Loss = Callable[[Any, "Batch"], tuple[Array, dict[str, Array]]]
+ENV_AXIS = "envs"  # mesh axis: environments are sharded over devices, everything else is replicated
+LossFunction = Callable[[Any, "TrainBatch"], tuple[Array, dict[str, Array]]]
 
 
 class TrainState(Pytree):
@@ -39,15 +39,15 @@ class TrainState(Pytree):
 
     net: Any  # parameters
     opt: Any  # the optimizer's state
-    actor: Actor
+    actor: RolloutState
     key: UInt32[Array, "2"]
     updates: Int[Array, ""]  # updates of the run so far
 
 
-class Batch(Pytree):
+class TrainBatch(Pytree):
     """Training data of one update: T steps of R rows."""
 
-    steps: Steps
+    steps: Transitions
     memory: Float[Array, "r m"]  # before the first step
     advantage: Float[Array, "t r"]
     target: Float[Array, "t r"]  # of the value
@@ -68,8 +68,8 @@ class PPO:
         config: The options.
         batch: The environments, with automatic resets.
         update: Compiled function from `(params, state)` to the next state and metrics. On several devices, `params`
-            should first be put there: `jax.device_put(params, ppo.whole)`.
-        whole: Sharding of replicated values.
+            should first be put there: `jax.device_put(params, ppo.replicated)`.
+        replicated: Sharding of replicated values.
 
     Raises:
         ConfigError: Batch sizes do not divide evenly, or the environment's observations or actions have no network.
@@ -81,56 +81,56 @@ class PPO:
         self.core, self.config = core, config or PPOConfig()
         devices = list(devices or jax.devices())
         self.config.check_devices(len(devices), core.num_agents)
-        self.agent = agent_of(core, self.config)
-        costly = {name for sensor in core.sensors if sensor.costly for name in sensor.spec(core.config)}
+        self.agent = make_agent(core, self.config)
+        costly = {name for sensor in core.sensors if sensor.casts_rays for name in sensor.spec(core.config)}
         casts_rays = bool(costly & {name for name, _ in self.agent.specs})
-        self._sees_last = self.config.final_obs == "all" or not casts_rays
+        self._evaluates_last = self.config.final_obs == "all" or not casts_rays
         self.batch = AutoReset(core, final_obs=self.config.final_obs if casts_rays else "cheap")
-        self.optimizer = optimizer_of(self.config)
-        self.mesh = Mesh(np.array(devices), (AXIS,), axis_types=(AxisType.Auto,))
-        whole, split = PartitionSpec(), PartitionSpec(AXIS)
-        self.whole = NamedSharding(self.mesh, whole)
-        self._places = TrainState.unchecked(net=whole, opt=whole, actor=split, key=whole, updates=whole)
-        self._put = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._places)
+        self.optimizer = make_optimizer(self.config)
+        self.mesh = Mesh(np.array(devices), (ENV_AXIS,), axis_types=(AxisType.Auto,))
+        whole, split = PartitionSpec(), PartitionSpec(ENV_AXIS)
+        self.replicated = NamedSharding(self.mesh, whole)
+        self._specs = TrainState.build_unchecked(net=whole, opt=whole, actor=split, key=whole, updates=whole)
+        self._shardings = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._specs)
         # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
-        self._begin = jax.jit(jax.shard_map(
-            self._begin_local, mesh=self.mesh, in_specs=(whole, split), out_specs=split, check_vma=False
+        self._reset = jax.jit(jax.shard_map(
+            self._reset_local, mesh=self.mesh, in_specs=(whole, split), out_specs=split, check_vma=False
         ))  # fmt: skip
         update = jax.shard_map(
-            self._update_local, mesh=self.mesh, in_specs=(whole, self._places),
-            out_specs=(self._places, whole), check_vma=False,
+            self._update_local, mesh=self.mesh, in_specs=(whole, self._specs),
+            out_specs=(self._specs, whole), check_vma=False,
         )  # fmt: skip
         # Explicit, because otherwise arrays without elements change their sharding from input to output.
-        self.update = jax.jit(update, out_shardings=(self._put, self.whole))
+        self.update = jax.jit(update, out_shardings=(self._shardings, self.replicated))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
         """Initialize a network, and environments at the start of an episode."""
-        net_key, env_key, own = jax.random.split(jax.random.wrap_key_data(to_raw(key)), 3)
+        net_key, env_key, own = jax.random.split(jax.random.wrap_key_data(to_raw_key(key)), 3)
         net = self.agent.init_net(net_key)
-        actor = self._begin(params, jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
-        return self.place(TrainState(
-            net=net, opt=self.optimizer.init(net), actor=actor, key=to_raw(own), updates=jnp.zeros((), jnp.int32)
+        actor = self._reset(params, jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
+        return self.to_devices(TrainState(
+            net=net, opt=self.optimizer.init(net), actor=actor, key=to_raw_key(own), updates=jnp.zeros((), jnp.int32)
         ))  # fmt: skip
 
-    def place(self, state: TrainState) -> TrainState:
+    def to_devices(self, state: TrainState) -> TrainState:
         """Move a state, such as one from a file, to the devices with the sharding of `update`."""
-        return jax.device_put(state, self._put)
+        return jax.device_put(state, self._shardings)
 
-    def _begin_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> Actor:
+    def _reset_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> RolloutState:
         """Reset this device's environments."""
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
-        first = jax.lax.axis_index(AXIS) * num  # each device starts at different rows
-        episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(params.tasks) else None
+        first = jax.lax.axis_index(ENV_AXIS) * num  # each device starts at different rows
+        episodes = first + jnp.arange(num, dtype=jnp.int32) if is_sequential(params.tasks) else None
         env = self.batch.reset(params, env_keys, None, episodes)
         if self.config.stagger:
             step = jax.vmap(lambda key: jax.random.randint(key, (), 0, config.episode_length))(time_keys)
             env = env.replace(world=env.world.replace(step=step.astype(jnp.int32)))
         rows = jax.vmap(lambda key: jax.random.split(key, self.core.num_agents))(row_keys).reshape(-1, 2)
         zero = jnp.zeros(num, jnp.float32)
-        return Actor.unchecked(
+        return RolloutState.build_unchecked(
             env=env.replace(info={}),
-            memory=self.agent.first_memory(len(rows)),
+            memory=self.agent.initial_memory(len(rows)),
             begins=jnp.ones(len(rows), bool),
             keys=rows,
             totals={"return": zero, "length": zero},
@@ -139,20 +139,20 @@ class PPO:
     def _update_local(self, params: EnvParams, state: TrainState) -> tuple[TrainState, dict[str, Array]]:
         """Compute one update with this device's environments; gradients are averaged over devices."""
         config, memory = self.config, state.actor.memory
-        policy = self.behaviour(state)
+        policy = self.behavior_policy(state)
         actor, steps, episodes = rollout(self.batch, params, state.actor, policy, config.unroll_length)
         obs = to_rows(actor.env.obs, self.core.num_agents)
-        last = self.agent.read_one(state.net, actor.memory, obs, actor.begins)[2]
-        advantage = advantages(steps, last, config.discount, config.gae_lambda)
-        batch = Batch.unchecked(
+        last = self.agent.unroll_step(state.net, actor.memory, obs, actor.is_first)[2]
+        advantage = compute_advantages(steps, last, config.discount, config.gae_lambda)
+        batch = TrainBatch.build_unchecked(
             steps=steps, memory=memory, advantage=advantage, target=advantage + steps.outputs["value"]
         )
         key, order = jax.random.split(state.key)
-        net, opt, metrics = self.fit(self.loss_now(state), state.net, state.opt, batch, order)
-        new = TrainState.unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
-        return new, metrics | {f"episode/{name}": jax.lax.psum(x, AXIS) for name, x in episodes.items()}
+        net, opt, metrics = self.optimize(self.current_loss(state), state.net, state.opt, batch, order)
+        new = TrainState.build_unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
+        return new, metrics | {f"episode/{name}": jax.lax.psum(x, ENV_AXIS) for name, x in episodes.items()}
 
-    def behaviour(self, state: TrainState) -> Policy:
+    def behavior_policy(self, state: TrainState) -> Policy:
         """Return the policy that acts during training, here the network itself."""
         return self.policy(state.net)
 
@@ -161,36 +161,36 @@ class PPO:
         choose = self.agent.distribution
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
-            memory, params, value = self.agent.read_one(net, memory, obs, begins)
+            memory, params, value = self.agent.unroll_step(net, memory, obs, begins)
             action = choose.mode(params) if greedy else jax.vmap(choose.sample)(params, keys)
             return memory, action, {"log_prob": choose.log_prob(params, action), "value": value}
 
         def value(memory: Array, last: dict[str, Array], outputs: dict[str, Array]) -> Array:
-            if not self._sees_last:
+            if not self._evaluates_last:
                 return outputs["value"]
-            return self.agent.read_one(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
+            return self.agent.unroll_step(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
 
-        return Policy(act, value, choose.clip, self.agent.first_memory)
+        return Policy(act, value, choose.clip, self.agent.initial_memory)
 
-    def loss_now(self, state: TrainState) -> Loss:
+    def current_loss(self, state: TrainState) -> LossFunction:
         """Return the loss function of an update from this state."""
         return self.loss
 
-    def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
+    def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
         """Compute PPO's loss; the network is applied to the whole sequence again."""
-        return self.clipped_loss(*self.read(net, batch), batch)
+        return self.clipped_loss(*self.apply_net(net, batch), batch)
 
-    def read(self, net: Any, batch: Batch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
+    def apply_net(self, net: Any, batch: TrainBatch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
         """Apply the network to a batch; return distribution parameters and values."""
-        return self.agent.read(net, batch.memory, batch.steps.obs, batch.steps.begins)[1:]
+        return self.agent.unroll(net, batch.memory, batch.steps.obs, batch.steps.is_first)[1:]
 
-    def clipped_loss(self, params: Array, value: Array, batch: Batch) -> tuple[Array, dict[str, Array]]:
+    def clipped_loss(self, params: Array, value: Array, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
         """Compute the clipped policy loss, the value loss and the entropy bonus."""
         config, steps = self.config, batch.steps
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
-        mean = jax.lax.pmean(jnp.mean(batch.advantage), AXIS)
-        spread = jnp.sqrt(jax.lax.pmean(jnp.mean((batch.advantage - mean) ** 2), AXIS))
+        mean = jax.lax.pmean(jnp.mean(batch.advantage), ENV_AXIS)
+        spread = jnp.sqrt(jax.lax.pmean(jnp.mean((batch.advantage - mean) ** 2), ENV_AXIS))
         weight = (batch.advantage - mean) / (spread + 1e-8)
         policy_loss = -jnp.mean(jnp.minimum(ratio * weight, clipped * weight))
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)
@@ -204,7 +204,9 @@ class PPO:
         }
         return policy_loss + config.value_cost * value_loss - config.entropy_cost * entropy, parts
 
-    def fit(self, loss: Loss, net: Any, opt: Any, batch: Batch, key: Array) -> tuple[Any, Any, dict[str, Array]]:
+    def optimize(
+        self, loss: LossFunction, net: Any, opt: Any, batch: TrainBatch, key: Array
+    ) -> tuple[Any, Any, dict[str, Array]]:
         """Optimize a loss over minibatches of whole rows; call it inside `shard_map`, where the mesh axis is bound.
 
         Returns:
@@ -214,11 +216,11 @@ class PPO:
 
         def descend(carry: tuple[Any, Any], rows: Array) -> tuple[tuple[Any, Any], dict[str, Array]]:
             net, opt = carry
-            part = Batch.unchecked(
+            part = TrainBatch.build_unchecked(
                 memory=batch.memory[rows],
-                **{name: jax.tree.map(lambda x: x[:, rows], getattr(batch, name)) for name in TIMED},
+                **{name: jax.tree.map(lambda x: x[:, rows], getattr(batch, name)) for name in TIME_MAJOR_FIELDS},
             )
-            grads, parts = jax.lax.pmean(jax.grad(loss, has_aux=True)(net, part), AXIS)
+            grads, parts = jax.lax.pmean(jax.grad(loss, has_aux=True)(net, part), ENV_AXIS)
             change, opt = self.optimizer.update(grads, opt, net)
             parts = {f"loss/{name}": x for name, x in parts.items()} | {"grad_norm": optax.tree.norm(grads)}
             return (optax.apply_updates(net, change), opt), parts
@@ -230,16 +232,16 @@ class PPO:
         return net, opt, jax.tree.map(jnp.mean, parts)
 
 
-TIMED = ("steps", "advantage", "target")  # fields of `Batch` with a leading axis of time
+TIME_MAJOR_FIELDS = ("steps", "advantage", "target")  # fields of `TrainBatch` with a leading axis of time
 
 
-def agent_of(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
+def make_agent(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
     """Build the network for one agent of an environment."""
-    specs = {name: spec.of_one(core.num_agents) for name, spec in core.observation_spec.items()}
-    return RecurrentAgent.of(specs, core.action_spec.of_one(core.num_agents), config.network)
+    specs = {name: spec.for_one_agent(core.num_agents) for name, spec in core.observation_spec.items()}
+    return RecurrentAgent.from_specs(specs, core.action_spec.for_one_agent(core.num_agents), config.network)
 
 
-def optimizer_of(config: PPOConfig) -> optax.GradientTransformation:
+def make_optimizer(config: PPOConfig) -> optax.GradientTransformation:
     """Build the optimizer, with a linear learning rate schedule and clipped gradients."""
     num = config.num_updates * config.num_epochs * config.num_minibatches
     rate = optax.linear_schedule(config.learning_rate, config.learning_rate * config.final_rate, num)

@@ -6,7 +6,7 @@ from typing import Any
 from tqdm import tqdm
 
 
-class Clock:
+class RunClock:
     """Time of a run, without compilation."""
 
     def __init__(self, last: dict[str, Any]) -> None:
@@ -18,7 +18,7 @@ class Clock:
         self.steps, self.time = steps, time.perf_counter()
         self.compile_seconds += self.time - self.begun
 
-    def now(self) -> float:
+    def elapsed(self) -> float:
         """Return the seconds since the first step of the run."""
         return self.seconds + time.perf_counter() - self.time
 
@@ -30,7 +30,7 @@ class Clock:
         return {"seconds": self.seconds, "compile_seconds": self.compile_seconds, "steps_per_second": rate}
 
 
-class Sums:
+class MetricMeans:
     """Metrics of several updates; those of episodes are averaged over the episodes that ended."""
 
     def __init__(self) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from home_mjx.core.files import read_text, write_durably, write_through, writing
+from home_mjx.core.files import convert_write_errors, read_text, write_durably, write_synced
 from home_mjx.errors import ConfigError, DatasetError, install_hint
 
 CURVES = (
@@ -25,13 +25,13 @@ CURVES = (
     "loss/agreement",
 )
 
-SMOOTH = 20  # number of windows of the moving average over a curve
-FREE_SPACE = "Free some space, then continue with --resume."
+NUM_SMOOTHING_WINDOWS = 20  # number of windows of the moving average over a curve
+FREE_SPACE_HINT = "Free some space, then continue with --resume."
 
 Line = dict[str, Any]
 
 
-class Records:
+class MetricsLog:
     """Records of one run, appended line by line. Nothing is written before the context is entered.
 
     Args:
@@ -55,10 +55,10 @@ class Records:
         self.path, self.folder, self.steps = folder / "metrics.jsonl", folder, steps
         self.lines = [line for line in read_lines(self.path) if line["steps"] <= steps]
 
-    def __enter__(self) -> "Records":
-        with write_durably(self.path, "metrics", FREE_SPACE) as file:
+    def __enter__(self) -> "MetricsLog":
+        with write_durably(self.path, "metrics", FREE_SPACE_HINT) as file:
             file.write("".join(f"{json.dumps(line)}\n" for line in self.lines).encode())
-        self._events = Events(self.folder / "tensorboard", self.steps).__enter__()
+        self._events = TensorBoardWriter(self.folder / "tensorboard", self.steps).__enter__()
         return self
 
     def __exit__(
@@ -70,8 +70,10 @@ class Records:
         """Write a line, without the values that are not finite."""
         line = {name: x for name, x in line.items() if not isinstance(x, float) or math.isfinite(x)}
         self.lines.append(line)
-        with writing("metrics", self.path, FREE_SPACE):  # on disk before the checkpoint that continues from it
-            write_through(self.path, f"{json.dumps(line)}\n".encode(), "ab")
+        with convert_write_errors(
+            "metrics", self.path, FREE_SPACE_HINT
+        ):  # on disk before the checkpoint that continues from it
+            write_synced(self.path, f"{json.dumps(line)}\n".encode(), "ab")
         for name, x in line.items():
             if isinstance(x, float):
                 self._events.add(name if "/" in name else f"episode/{name}", x, line["steps"])
@@ -82,7 +84,7 @@ class Records:
         draw_curves(self.folder / "curves.png", self.lines)
 
 
-class Events:
+class TensorBoardWriter:
     """Scalars for TensorBoard, written synchronously.
 
     tensorboardX's `SummaryWriter` writes in a thread; if that dies of a full disk, the run waits for it forever.
@@ -101,7 +103,7 @@ class Events:
         self.path, self.steps = folder / name, steps
         self._proto, self._writer_of = _events_package()
 
-    def __enter__(self) -> "Events":
+    def __enter__(self) -> "TensorBoardWriter":
         with self._writing():
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._writer = self._writer_of(str(self.path))
@@ -130,7 +132,7 @@ class Events:
             self._writer.write(self._proto.Event(wall_time=time.time(), **event).SerializeToString())
 
     def _writing(self) -> AbstractContextManager[None]:
-        return writing("events of TensorBoard", self.path, FREE_SPACE)
+        return convert_write_errors("events of TensorBoard", self.path, FREE_SPACE_HINT)
 
 
 def read_lines(path: Path) -> list[Line]:
@@ -142,10 +144,10 @@ def read_lines(path: Path) -> list[Line]:
     if not path.exists():
         return []
     *whole, _ = read_text(path).split("\n")
-    return [_line(text, path, number) for number, text in enumerate(whole, 1)]
+    return [_parse_line(text, path, number) for number, text in enumerate(whole, 1)]
 
 
-def _line(text: str, path: Path, number: int) -> Line:
+def _parse_line(text: str, path: Path, number: int) -> Line:
     try:
         line = json.loads(text)
         if isinstance(line, dict) and type(line.get("steps")) is int and all(_is_number(x) for x in line.values()):
@@ -176,25 +178,25 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
         found = [line for line in lines if name in line]
         steps, values = [line["steps"] for line in found], [line[name] for line in found]
         axis.plot(steps, values, color="C0", linewidth=0.8, alpha=0.35)
-        axis.plot(steps, smoothed(values), color="C0", linewidth=1.6)
+        axis.plot(steps, moving_average(values), color="C0", linewidth=1.6)
         axis.set_title(name, fontsize=10, loc="left")
         axis.grid(alpha=0.3)
         if name in ("success", "spl"):
             axis.set_ylim(0, 1)
         axis.set_xlabel("environment steps", fontsize=8)
         axis.tick_params(labelsize=8)
-    with write_durably(path, "curves", FREE_SPACE) as file:
+    with write_durably(path, "curves", FREE_SPACE_HINT) as file:
         axes[0].figure.savefig(file, format="png", dpi=120)
 
 
-def smoothed(values: list[float]) -> list[float]:
-    """Compute a moving average over each value and those before it; the window is 1 / `SMOOTH` of the length.
+def moving_average(values: list[float]) -> list[float]:
+    """Compute a moving average over each value and those before it; the window is 1 / `NUM_SMOOTHING_WINDOWS` of the length.
 
     Example:
         >>> smoothed([1.0, 3.0] * 20)[:2]
         [1.0, 2.0]
     """
-    size = math.ceil(len(values) / SMOOTH)
+    size = math.ceil(len(values) / NUM_SMOOTHING_WINDOWS)
     windows = (values[max(0, i + 1 - size) : i + 1] for i in range(len(values)))
     return [sum(window) / len(window) for window in windows]
 

@@ -14,42 +14,42 @@ from home_mjx.tasks.env.autoreset import AutoReset
 # R rows are the agents of all N environments, in the order of environments.
 
 
-class Actor(Pytree):
+class RolloutState(Pytree):
     """Carry of a rollout from step to step."""
 
     env: Any  # `State` of N environments, without `info`
     memory: Any  # memory of the policy, R rows
-    begins: Bool[Array, " r"]  # True if the observation in `env` is an episode's first
+    is_first: Bool[Array, " r"]  # True if the observation in `env` is an episode's first
     keys: UInt32[Array, "r 2"]  # of each row, so that actions do not depend on the sharding
     totals: dict[str, Float[Array, " n"]]  # of running episodes: `return`; `length` [steps], the key in checkpoints
 
 
-class Steps(Pytree):
+class Transitions(Pytree):
     """T steps of R rows."""
 
     obs: dict[str, Array]  # (T, R, ...)
-    begins: Bool[Array, "t r"]
+    is_first: Bool[Array, "t r"]
     action: Array  # (T, R, ...), before it is clipped
     outputs: Any  # other outputs of the policy, such as `log_prob` and `value`
     reward: Float[Array, "t r"]
     done: Bool[Array, "t r"]
-    cut: Float[Array, "t r"]  # value of the observation after a truncated step; else 0
+    truncation_value: Float[Array, "t r"]  # value of the observation after a truncated step; else 0
 
 
 class Policy(NamedTuple):
     """Policy as functions: PPO's network, an expert, or random actions.
 
     Attributes:
-        act: Function from `(memory, obs, begins, keys)` to memory, actions, and other outputs to store; R rows each.
-        value: Function from `(memory, obs, outputs)` to the values (R,) of observations after truncated steps; None: 0.
+        act: Function from `(initial_memory, obs, is_first, keys)` to memory, actions, and other outputs to store; R rows each.
+        value: Function from `(initial_memory, obs, outputs)` to the values (R,) of observations after truncated steps; None: 0.
         clip: Function from actions to valid actions of the environment.
-        memory: Function from a number of rows to their memory before the first step.
+        initial_memory: Function from a number of rows to their memory before the first step.
     """
 
     act: Callable[[Any, dict[str, Array], Array, Array], tuple[Any, Array, dict[str, Array]]]
     value: Callable[[Any, dict[str, Array], dict[str, Array]], Array] | None = None
     clip: Callable[[Array], Array] = lambda action: action
-    memory: Callable[[int], Any] = lambda num_rows: ()
+    initial_memory: Callable[[int], Any] = lambda num_rows: ()
 
 
 def to_rows(tree: Any, num_agents: int) -> Any:
@@ -69,8 +69,8 @@ def split_keys(keys: UInt32[Array, "r 2"]) -> tuple[UInt32[Array, "r 2"], UInt32
 
 
 def rollout(
-    batch: AutoReset, params: EnvParams, actor: Actor, policy: Policy, num_steps: int
-) -> tuple[Actor, Steps, dict[str, Float[Array, ""]]]:
+    batch: AutoReset, params: EnvParams, actor: RolloutState, policy: Policy, num_steps: int
+) -> tuple[RolloutState, Transitions, dict[str, Float[Array, ""]]]:
     """Run `num_steps` steps.
 
     Returns:
@@ -79,23 +79,25 @@ def rollout(
     """
     agents = batch.core.num_agents
 
-    def step(actor: Actor, _: None) -> tuple[Actor, tuple[Steps, dict[str, Array]]]:
+    def step(actor: RolloutState, _: None) -> tuple[RolloutState, tuple[Transitions, dict[str, Array]]]:
         obs, (keys, now) = to_rows(actor.env.obs, agents), split_keys(actor.keys)
-        memory, action, outputs = policy.act(actor.memory, obs, actor.begins, now)
+        memory, action, outputs = policy.act(actor.memory, obs, actor.is_first, now)
         env = batch.step(params, actor.env, to_envs(policy.clip(action), agents))
-        totals, ended = _count(actor.totals, env)
+        totals, ended = _update_totals(actor.totals, env)
         done, late = (jnp.repeat(x, agents) for x in (env.done, env.truncated))
         last = to_rows(env.info.get("final_obs", {}), agents)
-        taken = Steps.unchecked(
+        taken = Transitions.build_unchecked(
             obs=obs,
-            begins=actor.begins,
+            begins=actor.is_first,
             action=action,
             outputs=outputs,
             reward=to_rows(env.reward, agents),
             done=done,
-            cut=_cut_off(policy, memory, last, outputs, late),
+            cut=_truncation_values(policy, memory, last, outputs, late),
         )
-        return Actor.unchecked(env=env.replace(info={}), memory=memory, begins=done, keys=keys, totals=totals), (
+        return RolloutState.build_unchecked(
+            env=env.replace(info={}), memory=memory, begins=done, keys=keys, totals=totals
+        ), (
             taken,
             ended,
         )
@@ -104,7 +106,9 @@ def rollout(
     return actor, steps, jax.tree.map(lambda x: jnp.sum(x, axis=0), ended)
 
 
-def _cut_off(policy: Policy, memory: Any, last: dict[str, Array], outputs: dict[str, Array], late: Array) -> Array:
+def _truncation_values(
+    policy: Policy, memory: Any, last: dict[str, Array], outputs: dict[str, Array], late: Array
+) -> Array:
     """Return the values of the observations after truncated steps; 0 elsewhere."""
     nothing, value = jnp.zeros(late.shape, jnp.float32), policy.value
     if value is None:
@@ -113,7 +117,7 @@ def _cut_off(policy: Policy, memory: Any, last: dict[str, Array], outputs: dict[
     return jnp.where(late, values, nothing)
 
 
-def _count(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
+def _update_totals(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return running totals after a step, and sums over episodes that it ended; rewards are averaged over agents."""
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
     now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
@@ -123,16 +127,18 @@ def _count(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict
     return {name: jnp.where(env.done, 0.0, x) for name, x in now.items()}, sums
 
 
-def advantages(steps: Steps, last_value: Float[Array, " r"], discount: float, gae_lambda: float) -> Float[Array, "t r"]:
+def compute_advantages(
+    steps: Transitions, bootstrap_value: Float[Array, " r"], discount: float, gae_lambda: float
+) -> Float[Array, "t r"]:
     """Compute generalised advantages, Schulman et al., 2016 (arXiv:1506.02438).
 
-    A truncated step is bootstrapped with the value of its last observation (`Steps.cut`). A step at which the task
+    A truncated step is bootstrapped with the value of its last observation (`Transitions.truncation_value`). A step at which the task
     ended the episode counts its reward alone (Pardo et al., "Time Limits in Reinforcement Learning", 2018,
     arXiv:1712.00378).
 
     Args:
         steps: The steps; `outputs` contain `value`.
-        last_value: Values of the observations after the last step.
+        bootstrap_value: Values of the observations after the last step.
         discount: γ.
         gae_lambda: λ.
 
@@ -140,11 +146,11 @@ def advantages(steps: Steps, last_value: Float[Array, " r"], discount: float, ga
         Advantages, without normalisation.
     """
     value, goes_on = steps.outputs["value"], 1.0 - steps.done.astype(jnp.float32)
-    following = jnp.concatenate([value[1:], last_value[None]])
-    error = steps.reward + discount * (following * goes_on + steps.cut) - value
+    following = jnp.concatenate([value[1:], bootstrap_value[None]])
+    error = steps.reward + discount * (following * goes_on + steps.truncation_value) - value
 
     def back(later: Array, now: tuple[Array, Array]) -> tuple[Array, Array]:
         advantage = now[0] + discount * gae_lambda * now[1] * later
         return advantage, advantage
 
-    return jax.lax.scan(back, jnp.zeros_like(last_value), (error, goes_on), reverse=True)[1]
+    return jax.lax.scan(back, jnp.zeros_like(bootstrap_value), (error, goes_on), reverse=True)[1]

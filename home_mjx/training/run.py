@@ -13,14 +13,14 @@ from tqdm import tqdm
 
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import EnvSpec
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.checkpoint import (
-    AGENT,
-    CHECKPOINT,
-    CLONED,
-    DIVERGED,
-    check_same,
+    AGENT_FILE,
+    CHECKPOINT_FILE,
+    CLONED_FILE,
+    DIVERGED_HINT,
+    check_same_config,
     is_finite,
     load_checkpoint,
     load_net,
@@ -30,23 +30,23 @@ from home_mjx.training.checkpoint import (
     save_checkpoint,
     save_net,
 )
-from home_mjx.training.cloning import Advised, Cloning
+from home_mjx.training.cloning import AdvisedPPO, BehaviorCloning
 from home_mjx.training.config import RunConfig
-from home_mjx.training.evaluation import check_episodes, evaluate, judged, random_policy, summary
+from home_mjx.training.evaluation import check_episodes, evaluate, evaluation_spec, random_policy, summarize
 from home_mjx.training.ppo import PPO, TrainState
-from home_mjx.training.progress import Clock, Sums, progress_bar
-from home_mjx.training.records import Records
+from home_mjx.training.progress import MetricMeans, RunClock, progress_bar
+from home_mjx.training.records import MetricsLog
 
-LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": Advised, "clone": Cloning}
-NUM_LINES = 200  # minimum number of metrics lines per stage; shorter stages have one per update
-REST = 20.0  # [s] minimum time between checkpoints
-NUM_EPISODES = 1000  # default number of episodes of an evaluation
-SHOWN = ("success", "return")  # metrics beside the progress bar
+LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": AdvisedPPO, "clone": BehaviorCloning}
+MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter stages have one per update
+MIN_CHECKPOINT_INTERVAL = 20.0  # [s] minimum time between checkpoints
+DEFAULT_EPISODES = 1000  # default number of episodes of an evaluation
+PROGRESS_METRICS = ("success", "return")  # metrics beside the progress bar
 
 
 def train(
     config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None,
-    turn: AbstractContextManager[Any] | None = None,
+    device_lock: AbstractContextManager[Any] | None = None,
 ) -> PPO:  # fmt: skip
     """Train and write the results to a folder.
 
@@ -60,7 +60,7 @@ def train(
         out: The folder, which exists.
         resume: Continue from the folder's checkpoint if there is one; the result equals that of an uninterrupted run.
         progress: Show a progress bar; None: in a terminal.
-        turn: Context entered after compilation and left at the end, such as a lock of the device, so that measured
+        device_lock: Context entered after compilation and left at the end, such as a lock of the device, so that measured
             training time excludes other processes that compile.
 
     Returns:
@@ -72,25 +72,25 @@ def train(
             broken. Nothing has been written in this case.
         ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; earlier files stay.
     """
-    path, size = out / CHECKPOINT, config.ppo.batch_size
+    path, size = out / CHECKPOINT_FILE, config.ppo.batch_size
     done = _updates_done(path, config, resume)
-    records = Records(out, done * size)
-    clock = Clock(records.lines[-1] if records.lines else {})
-    stages = _stages(config, made(config.env, progress), done, path)
-    with records, turn or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
+    records = MetricsLog(out, done * size)
+    clock = RunClock(records.lines[-1] if records.lines else {})
+    stages = _compile_stages(config, make_env(config.env, progress), done, path)
+    with records, device_lock or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
         clock.start(done * size)
         run, net = _Run(config, path, records, bar, clock), None
         for stage in stages:
             net = run.learn(stage, net)
             if stage is not stages[-1]:
-                save_net(out / CLONED, net, config)
-    save_net(out / AGENT, net, config)
+                save_net(out / CLONED_FILE, net, config)
+    save_net(out / AGENT_FILE, net, config)
     return stages[-1].ppo
 
 
 def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
     """Return the updates of an earlier part of the run; reject invalid runs before any house is compiled."""
-    core = config.env.core()
+    core = config.env.make_core()
     for _, options in config.stages:
         if core is not None:
             options.check_devices(len(jax.devices()), core.num_agents)
@@ -101,7 +101,7 @@ def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
     if not resume:
         hint = "Add --resume to continue it, or choose another folder with --out."
         raise ConfigError("the folder contains a training run", file=path, hint=hint)
-    check_same(read_config(path), config, path)
+    check_same_config(read_config(path), config, path)
     done, whole = read_updates(path), sum(options.num_updates for _, options in config.stages)
     if done > whole:
         hint = "The file was changed, or written by another version; train into another folder with --out."
@@ -130,7 +130,7 @@ class _Stage:
     last: int
 
 
-def _stages(config: RunConfig, env: BoundEnv[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
+def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
     """Compile the stages that are not complete after `done` updates, in parallel, before the first one starts."""
     found, last = [], 0
     with ThreadPoolExecutor() as pool:
@@ -139,13 +139,13 @@ def _stages(config: RunConfig, env: BoundEnv[HouseholdEnv], done: int, path: Pat
             if done >= last and number < len(config.stages) - 1:
                 continue
             ppo, key = LEARNERS[algorithm](env.core, options), jax.random.key(config.seed)
-            params = jax.device_put(env.params, ppo.whole)
+            params = jax.device_put(env.params, ppo.replicated)
             state = ppo.init(params, jax.random.fold_in(key, number) if number else key)
             before = config.start if number == 0 else path if done == first else None
             if before is not None:
                 state = state.replace(net=load_net(before, state.net))
             state = load_checkpoint(path, state, config) if done > first else state.replace(updates=jnp.int32(first))
-            state = ppo.place(state)
+            state = ppo.to_devices(state)
             update = pool.submit(ppo.update.lower(params, state).compile)
             found.append(_Stage(ppo, params, state, update, first, last))
     for stage in found:
@@ -159,16 +159,16 @@ class _Run:
 
     config: RunConfig
     path: Path
-    records: Records
+    records: MetricsLog
     bar: tqdm
-    clock: Clock
+    clock: RunClock
 
     def learn(self, stage: _Stage, net: Any) -> Any:
         """Run a stage's updates until the last one or the time limit; map the previous stage's net to the new one."""
-        size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, Sums()
-        per_line = max(1, num // NUM_LINES)
-        saved = -REST
-        state = stage.state if net is None else stage.ppo.place(stage.state.replace(net=net))
+        size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, MetricMeans()
+        per_line = max(1, num // MIN_LINES_PER_STAGE)
+        saved = -MIN_CHECKPOINT_INTERVAL
+        state = stage.state if net is None else stage.ppo.to_devices(stage.state.replace(net=net))
         over = bool(state.updates) and self.is_over()  # a run makes at least one update
         for i in range(int(state.updates) + 1, stage.last + 1):
             if over:
@@ -181,22 +181,22 @@ class _Run:
             if (i - stage.first) % per_line == 0 or ends:
                 line = {"steps": i * size, **self.clock.lap(i * size), **sums.means()}
                 self.records.add(line)
-                self.bar.set_postfix({name: f"{line[name]:.2f}" for name in SHOWN if name in line})
-            if ends or self.clock.now() >= saved + REST:
+                self.bar.set_postfix({name: f"{line[name]:.2f}" for name in PROGRESS_METRICS if name in line})
+            if ends or self.clock.elapsed() >= saved + MIN_CHECKPOINT_INTERVAL:
                 self._check(state.net, i * size)
                 save_checkpoint(self.path, state, self.config)
                 self.records.draw()
-                saved = self.clock.now()
+                saved = self.clock.elapsed()
         return state.net
 
     def _check(self, net: Any, steps: int) -> None:
         if not is_finite(net):
-            hint = f"{DIVERGED} The last checkpoint, if there is one, is from before it diverged."
+            hint = f"{DIVERGED_HINT} The last checkpoint, if there is one, is from before it diverged."
             raise ConfigError(f"after {steps} steps the network has numbers that are not finite", hint=hint)
 
     def is_over(self) -> bool:
         """Return whether the time limit of the run is reached."""
-        return self.config.max_seconds is not None and self.clock.now() >= self.config.max_seconds
+        return self.config.max_seconds is not None and self.clock.elapsed() >= self.config.max_seconds
 
 
 def evaluate_checkpoint(
@@ -219,20 +219,20 @@ def evaluate_checkpoint(
         dataset: Root of a dataset other than that of training.
 
     Returns:
-        `trained` and `random`, each a `summary`, and the settings of the evaluation.
+        `trained` and `random`, each a `summarize`, and the settings of the evaluation.
     """
-    check_episodes(NUM_EPISODES if num_episodes is None else num_episodes)
-    spec = judged(read_config(path).env, split, num_houses, episode_file=episode_file, dataset=dataset)
-    env = made(spec, progress)
+    check_episodes(DEFAULT_EPISODES if num_episodes is None else num_episodes)
+    spec = evaluation_spec(read_config(path).env, split, num_houses, episode_file=episode_file, dataset=dataset)
+    env = make_env(spec, progress)
     if num_episodes is None:
-        num_episodes = NUM_EPISODES if episode_file is None else len(env.params.tasks)
+        num_episodes = DEFAULT_EPISODES if episode_file is None else len(env.params.tasks)
     policy = load_policy(path, env.core, greedy)
     begun = time.perf_counter()
     trained = evaluate(env, *policy, num_episodes, seed)
     chance = evaluate(env, random_policy(env.core), None, num_episodes, seed)
     return {
-        "trained": summary(trained),
-        "random": summary(chance),
+        "trained": summarize(trained),
+        "random": summarize(chance),
         "episodes": num_episodes,
         "houses": env.bank.num_houses,
         "split": spec.split if episode_file is None else str(episode_file),
@@ -243,7 +243,7 @@ def evaluate_checkpoint(
     }
 
 
-def made(spec: EnvSpec, progress: bool | None = None) -> BoundEnv[HouseholdEnv]:
+def make_env(spec: EnvSpec, progress: bool | None = None) -> Env[HouseholdEnv]:
     """Build the environment of a spec.
 
     Raises:

@@ -13,33 +13,33 @@ from home_procgen.primitives.palette import choose
 from home_procgen.v1.furniture import family_models
 from home_procgen.v1.plan import draw_rooms, draw_types
 
-DOOR_Y, SILL_Y = 0.02, 0.85  # [m], of the models' origins, as in SUNCG
-HIGH_SILL_Y = 1.4  # [m], of the small windows of bathrooms
-PASSAGE = 0.9  # [m], depth of the floor that stays free on either side of a door
-MARGIN = 0.12  # [m], between an opening and the end of its wall
+DOOR_Y, SILL_Y = 0.02, 0.85  # [m], heights of the models' origins, as in SUNCG
+HIGH_SILL_Y = 1.4  # [m], sill height of the small windows of bathrooms
+PASSAGE = 0.9  # [m], depth of the free floor on either side of a door
+MARGIN = 0.12  # [m], minimum distance between an opening and the end of its wall
 WINDOWLESS = ("Storage", "Wardrobe")
 WET = ("Bathroom", "Toilet")
 
-# How unwilling a type of room is to be walked through.
+# Reluctance to route a way through a type of room.
 PRIVACY = {"Hallway": 0, "Living_Room": 1, "Dining_Room": 2, "Kitchen": 3, "Office": 6}
 _PRIVATE = 10
 
 
 @dataclass(frozen=True)
 class Opening:
-    """A door or window in a wall, and the rooms that it joins; a single one if it leads outside."""
+    """A door or window in a wall, and the rooms it connects; a single room if it leads outside."""
 
     placed: PlacedFurniture
     rooms: tuple[int, ...]  # the first one owns the object
 
     @property
     def is_door(self) -> bool:
-        """Whether one can walk through."""
+        """True if an agent can walk through the opening."""
         return self.placed.model.fine == "door"
 
     @property
     def passage(self) -> Box:
-        """The space that must stay free for walking through, on both sides [m]."""
+        """Box on both sides of the opening that must stay free for walking [m]."""
         x, y, z = self.placed.position
         width, height, _ = self.placed.model.size
         half = np.array([width / 2, PASSAGE])[:: 1 if self.placed.quarter % 2 == 0 else -1]
@@ -55,20 +55,20 @@ class HousePlan:
     height: float  # [m], of the walls
 
     def openings_of(self, room: int) -> list[Opening]:
-        """The doors and windows of a room, whoever owns them."""
+        """Return the doors and windows of a room, including those that another room owns."""
         return [opening for opening in self.openings if room in opening.rooms]
 
 
 class Site(NamedTuple):
-    """A stretch of wall where an opening may go."""
+    """A stretch of wall that can take an opening."""
 
-    wall: Wall  # seen from the first room
+    wall: Wall  # with the normal towards the first room
     span: tuple[float, float]
     rooms: tuple[int, ...]
 
 
 def draw_plan(rng: np.random.Generator) -> HousePlan:
-    """A floor plan in which every room can be reached from the entrance."""
+    """Draw a floor plan in which every room is reachable from the entrance."""
     types = draw_types(rng)
     x, z = np.round(rng.uniform(30, 50, 2), 1).tolist()
     while True:
@@ -101,7 +101,10 @@ def _privacy(rooms: Sequence[RoomPlan], site: Site) -> int:
 
 
 def _draw_doors(rng: np.random.Generator, rooms: Sequence[RoomPlan]) -> list[Opening] | None:
-    """A spanning tree of doors through the least private rooms, some more between public rooms, and an entrance."""
+    """Draw a spanning tree of doors through the least private rooms, extra doors between public rooms, and an entrance.
+
+    Return None if a room or the entrance has no place for a door.
+    """
     model = choose(family_models()["door"], rng)
     ranked = sorted(
         ((_privacy(rooms, site) + rng.uniform(0, 2), i, site) for i, site in enumerate(_inner_sites(rooms)))
@@ -126,7 +129,7 @@ def _draw_doors(rng: np.random.Generator, rooms: Sequence[RoomPlan]) -> list[Ope
 def _draw_entrance(
     rng: np.random.Generator, rooms: Sequence[RoomPlan], model: Furniture, doors: Sequence[Opening]
 ) -> Opening | None:
-    """A closed door to the outside, into the most public room that has a place for it."""
+    """Return a closed door to the outside, in the most public room with a place for it; None if no room has one."""
     public = [room for room, plan in enumerate(rooms) if plan.type in PRIVACY]
     for room in sorted(public, key=lambda i: PRIVACY[rooms[i].type]):
         for site in _outer_sites(rooms, room):
@@ -138,7 +141,7 @@ def _draw_entrance(
 def _fit_door(
     rng: np.random.Generator, rooms: Sequence[RoomPlan], site: Site, model: Furniture, doors: Sequence[Opening]
 ) -> Opening | None:
-    """A door in a stretch of wall whose leaf and passage keep clear of the other doors; None if there is none.
+    """Return a door in a stretch of wall, with leaf and passage clear of the other doors; None if none fits.
 
     The leaf swings into the more private room; a door to the outside is closed.
     """
@@ -159,7 +162,7 @@ def _fit_door(
 
 
 def _positions(rng: np.random.Generator, span: tuple[float, float], width: float) -> Iterator[float]:
-    """Positions of the middle of an opening, in random order, on a 0.1 m grid."""
+    """Generate centre positions of an opening along the wall, in random order, on a 0.1 m grid."""
     slack = span[1] - span[0] - width - 2 * MARGIN
     if slack >= 0:
         low = span[0] + width / 2 + MARGIN
@@ -167,7 +170,7 @@ def _positions(rng: np.random.Generator, span: tuple[float, float], width: float
 
 
 def _draw_windows(rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Sequence[Opening]) -> list[Opening]:
-    """Windows in the outer walls: at least one per habitable room where a wall allows it."""
+    """Draw windows in outer walls: at least one per habitable room if a wall allows it."""
     windows: list[Opening] = []
     for room, plan in enumerate(rooms):
         if plan.type in WINDOWLESS:
@@ -183,7 +186,7 @@ def _draw_windows(rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Se
 
 
 def _fit_windows(rng: np.random.Generator, site: Site, wet: bool, taken: Sequence[Opening]) -> Iterator[Opening]:
-    """One window in the middle of a stretch of outer wall, or two in a long one; `wet` rooms get a small high one."""
+    """Generate one centred window in a stretch of outer wall, or two in a long one; small and high in `wet` rooms."""
     low, high = site.span
     middles = [low + (high - low) * share for share in ((0.25, 0.75) if high - low > 5 else (0.5,))]
     models = family_models()["window"]

@@ -1,4 +1,4 @@
-"""A model that stands somewhere: the generator's own record of an object."""
+"""Placed instances of models: the generator's own record of an object."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from home_procgen.primitives.solids import Vector
 Box = Float[np.ndarray, "2 3"]
 Boxes = Float[np.ndarray, "_ 2 3"]
 
-KEPT = 64  # shapes of one model that are kept
-FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) that the front points to after 0..3 quarter turns
+KEPT = 64  # maximum number of cached shapes per model
+FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) direction of the front after 0..3 quarter turns
 
 
 @dataclass(frozen=True)
@@ -24,15 +24,15 @@ class PlacedFurniture:
 
     model: Furniture
     position: Vector  # [m], of the model's origin
-    quarter: int = 0  # quarter turns about the vertical axis; `FACING` tells where the front then is
+    quarter: int = 0  # quarter turns about the vertical axis; `FACING` lists the directions of the front
     scale: Vector = (1.0, 1.0, 1.0)  # along the model's own axes
     mirrored: bool = False  # left and right swapped
-    closed: bool = False  # shows the closed variant of a door
+    closed: bool = False  # the closed variant of a door
     materials: tuple[Material, ...] = ()  # one per slot
 
     @cached_property
     def linear(self) -> Float[np.ndarray, "3 3"]:
-        """Rotation times scale and mirror."""
+        """Linear part of the transform: rotation times scale and mirror."""
         return self._shape[0]
 
     @cached_property
@@ -41,8 +41,8 @@ class PlacedFurniture:
         return self.model.size * np.asarray(self.scale)
 
     def at(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedFurniture":
-        """The same object somewhere else [m]."""
-        # Not by `dataclasses.replace`, which takes ten times as long: rooms try many places.
+        """Return the same object at another position [m]."""
+        # `dataclasses.replace` takes ten times as long, and rooms try many places.
         moved = object.__new__(type(self))
         own = moved.__dict__
         own.update(self.__dict__)
@@ -52,7 +52,7 @@ class PlacedFurniture:
         return moved
 
     def beside(self, right: float, front: float) -> tuple[float, float]:
-        """(x, z) of the point `right` and `front` metres from the origin, as the object faces."""
+        """Return the point (x, z) at `right` and `front` metres from the origin, in the object's own directions."""
         x, z = FACING[self.quarter]
         return self.position[0] + z * right + x * front, self.position[2] - x * right + z * front
 
@@ -68,7 +68,7 @@ class PlacedFurniture:
 
     @cached_property
     def _shape(self) -> Shape:
-        """Rotation times scale and mirror; boxes of the parts, and the one around, at the origin."""
+        """Linear transform, boxes of the parts, and bounding box, all with the object at the origin."""
         turn = self.quarter, self.scale, self.mirrored
         if turn not in self.model.shapes:
             if len(self.model.shapes) >= KEPT:
@@ -79,7 +79,7 @@ class PlacedFurniture:
 
 @dataclass(frozen=True)
 class Slanted(PlacedFurniture):
-    """An instance that is turned by any angle: boxes are upright ones around turned ones. Subclasses give `linear`."""
+    """An instance turned by an arbitrary angle; boxes are axis-aligned ones around it. Subclasses define `linear`."""
 
     @cached_property
     def parts(self) -> Boxes:
@@ -107,7 +107,7 @@ def _turned(model: Furniture, quarter: int, scale: Vector, mirrored: bool) -> Sh
 
 
 def quarter_towards(x: float, z: float) -> int:
-    """Quarter turns that point a model's front along the axis direction (x, z).
+    """Return the quarter turns that point a model's front along the axis direction (x, z).
 
     Example:
         >>> quarter_towards(1.0, 0.0)
@@ -119,11 +119,14 @@ def quarter_towards(x: float, z: float) -> int:
 def overlaps(
     box: Float[np.ndarray, "*b 2 3"], others: Float[np.ndarray, "*n 2 3"], tolerance: float = 0.012
 ) -> Bool[np.ndarray, "*k"]:
-    """Which boxes a box enters by more than `tolerance` [m] along every axis; a rug is thinner than that."""
+    """Return a mask of the boxes that intersect a box by more than `tolerance` [m] on every axis.
+
+    The default tolerance exceeds the thickness of a rug.
+    """
     depth = np.minimum(box[..., 1, :], others[..., 1, :]) - np.maximum(box[..., 0, :], others[..., 0, :])
     return depth.min(-1) > tolerance
 
 
 def stack(boxes: Sequence[Box]) -> Boxes:
-    """Boxes as one array, also when there is none."""
+    """Stack boxes into one array; an empty sequence becomes shape (0, 2, 3)."""
     return np.array(boxes, float).reshape(-1, 2, 3)

@@ -1,4 +1,4 @@
-"""Rooms in the floor plan: rectangles or L-shapes, their outlines and walls."""
+"""Rooms of the floor plan: rectangles or L-shapes, their outlines and walls."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-TOUCH = 0.05  # [m], half the grid of the wall lines: what is closer is the same line
+TOUCH = 0.05  # [m], half the grid of the wall lines: closer lines count as the same line
 
 
 class Rect(NamedTuple):
@@ -27,7 +27,7 @@ class Rect(NamedTuple):
 
 @dataclass(frozen=True)
 class Wall:
-    """One straight wall of a room; the interior lies at `normal`."""
+    """One straight wall of a room; the interior is on the side of `normal`."""
 
     start: tuple[float, float]  # (x, z) [m], on the centre-line
     end: tuple[float, float]
@@ -50,7 +50,7 @@ class Wall:
 
     @cached_property
     def length(self) -> float:
-        """[m]."""
+        """Length [m]."""
         return self.span[1] - self.span[0]
 
     @cached_property
@@ -64,7 +64,7 @@ class Wall:
         return np.array([-self.direction[1], self.direction[0]])
 
     def point(self, along: float, off: float = 0.0) -> tuple[float, float]:
-        """(x, z) of a coordinate along the wall, `off` metres into the room."""
+        """Return the point (x, z) at a coordinate along the wall, `off` metres into the room."""
         at = np.empty(2)
         at[self.axis], at[1 - self.axis] = along, self.line
         x, z = np.round(at + off * self.normal, 6).tolist()
@@ -85,19 +85,19 @@ class RoomPlan:
 
     @cached_property
     def walls(self) -> tuple[Wall, ...]:
-        """One per side of the polygon."""
+        """One wall per side of the polygon."""
         corners = [(float(x), float(z)) for x, z in self.polygon]
         return tuple(Wall(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Floor area [m^2]."""
         return sum(width * depth for width, depth in (rect.sides for rect in self.rects))
 
 
 def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
-    """Corners of a connected union of rectangles, clockwise seen from above with x right and z down."""
-    # Sets and lists: for so few numbers NumPy takes several times as long.
+    """Return the corners of a connected union of rectangles, clockwise seen from above with x right and z down."""
+    # Sets and lists, because NumPy takes several times as long for a few numbers.
     xs, zs = sorted({x for r in rects for x in (r.x0, r.x1)}), sorted({z for r in rects for z in (r.z0, r.z1)})
     edges: set[tuple[tuple[int, int], tuple[int, int]]] = set()
     for i, x in enumerate(xs[:-1]):
@@ -105,7 +105,7 @@ def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
             if any(r.x0 <= x < r.x1 and r.z0 <= z < r.z1 for r in rects):
                 loop = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
                 edges |= set(zip(loop, loop[1:] + loop[:1], strict=True))
-    after = dict(edge for edge in edges if edge[::-1] not in edges)  # else the neighbouring cell has it too
+    after = dict(edge for edge in edges if edge[::-1] not in edges)  # edges between two cells occur in both directions
     corners = [min(after)]
     while len(corners) < len(after):
         corners.append(after[corners[-1]])
@@ -115,7 +115,7 @@ def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
 
 
 def shared_span(wall: Wall, other: Wall) -> tuple[float, float] | None:
-    """The common span of two walls of different rooms that coincide, or None."""
+    """Return the common span of two coinciding walls of different rooms; None if they have none."""
     if wall.axis != other.axis or abs(wall.line - other.line) > TOUCH:
         return None
     low, high = max(wall.span[0], other.span[0]), min(wall.span[1], other.span[1])
@@ -123,7 +123,7 @@ def shared_span(wall: Wall, other: Wall) -> tuple[float, float] | None:
 
 
 def outer_spans(wall: Wall, others: Sequence[Wall]) -> list[tuple[float, float]]:
-    """The parts of a wall that no other room shares."""
+    """Return the spans of a wall that no other room shares."""
     shared = sorted(span for other in others if (span := shared_span(wall, other)))
     spans, low = [], wall.span[0]
     for start, end in [*shared, (wall.span[1], wall.span[1])]:

@@ -1,4 +1,4 @@
-"""The floor of one room as a grid: where an agent can still pass."""
+"""Walkability of a room's floor on a grid."""
 
 from bisect import bisect_left
 from collections.abc import Sequence
@@ -11,16 +11,16 @@ from home_procgen.floor_plan.placed import Box
 from home_procgen.floor_plan.rooms import RoomPlan
 from home_procgen.floor_plan.walls import FLOOR_TOP
 
-CELL = 0.1  # [m]
-REACH = 0.28  # [m], radius that must be able to pass: 0.2 m and a margin
-HEAD = 1.7  # [m], above this nothing is in the way
-FLAT = 0.05  # [m], an agent walks over what is lower
-BESIDE = ndimage.generate_binary_structure(2, 1)  # cells that one gets to from a cell
-CONNECTED = 0.85  # least share of the free floor that is connected to the doors
+CELL = 0.1  # [m], edge of a cell
+REACH = 0.28  # [m], radius that must be able to pass: an agent's 0.2 m and a margin
+HEAD = 1.7  # [m], height above which nothing obstructs an agent
+FLAT = 0.05  # [m], height up to which an agent walks over an object
+BESIDE = ndimage.generate_binary_structure(2, 1)  # 4-connectivity of the cells
+CONNECTED = 0.85  # minimum share of the free floor that is connected to the doors
 
 
 class WalkingGrid:
-    """Cells of a room's floor in which the middle of an agent may be.
+    """Cells of a room's floor that can hold the centre of an agent.
 
     Args:
         room: The room.
@@ -45,11 +45,11 @@ class WalkingGrid:
         return (i, j) if 0 <= i < len(self.x) and 0 <= j < len(self.z) else None
 
     def block(self, boxes: Sequence[Box]) -> None:
-        """Removes the cells from which an agent would touch one of the boxes."""
+        """Remove the cells in which an agent would touch one of the boxes."""
         self._free = self._without(boxes)
 
     def stays_connected(self, boxes: Sequence[Box]) -> bool:
-        """Whether the doors stay connected with each other and with nearly all free floor if the boxes are added."""
+        """Return whether the doors and nearly all free floor stay connected with the boxes added."""
         free = self._without(boxes)
         label = np.empty(free.shape, np.int32)
         ndimage.label(free, BESIDE, output=label)
@@ -60,7 +60,7 @@ class WalkingGrid:
 
     def _without(self, boxes: Sequence[Box]) -> Bool[np.ndarray, "nx nz"]:
         free = self._free.copy()
-        # Lists and `bisect`: for two numbers at a time NumPy takes ten times as long.
+        # Lists and `bisect`, because NumPy takes ten times as long for two numbers at a time.
         xs, zs = self._lines
         for (x0, low, z0), (x1, high, z1) in np.array(boxes, float).reshape(-1, 2, 3).tolist():
             if low < HEAD and high > FLOOR_TOP + FLAT:

@@ -1,4 +1,4 @@
-"""Furniture of homes: what goes into each room, and where."""
+"""Furniture of homes: recipes of each room type, and the placement of objects."""
 
 from home_procgen.furnish.level import furnish_home
 

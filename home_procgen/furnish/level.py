@@ -1,4 +1,4 @@
-"""Furnishes a home storey by storey."""
+"""Furnishing of a home, storey by storey."""
 
 from collections.abc import Sequence
 
@@ -12,20 +12,20 @@ from home_procgen.plan.home import HomePlan
 from home_procgen.plan.needs.room_program import OUTDOORS
 from home_procgen.style import Style
 
-TRIES = 3  # of furnishing one room
+TRIES = 3  # maximum attempts to furnish one room
 WASHING = ("bathtub", "shower")
-LAMPS = ((0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))  # [m], from the middle of a room
+LAMPS = ((0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))  # [m], offsets from the middle of a room
 LONG = ("Hallway", "Hall", "Lobby")
 GRAND = ("Living_Room", "Bedroom", "Dining_Room", "Hall", "Lobby", "Guest_Room")  # may have chandeliers and fans
 RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoes_cabinet", "coffee_table")
 
-Furnished = tuple[tuple[tuple[PlacedFurniture, ...], ...], ...]  # of every storey, of every room
+Furnished = tuple[tuple[tuple[PlacedFurniture, ...], ...], ...]  # by storey and room
 
 
 def furnish_home(home: HomePlan, style: Style) -> Furnished | None:
-    """The furniture of every room of every storey; None if the plan does not serve.
+    """Return the furniture of every room of every storey; None if the plan cannot be furnished.
 
-    That is if a room has no place for what it is for, or no bathroom has a tub or a shower.
+    Every room needs its essential objects. The home needs a tub or a shower, and a radio or a loudspeaker.
     """
     levels: list[list[Room]] = []
     for number in range(len(home.levels)):
@@ -47,7 +47,7 @@ def _empty(home: HomePlan, level: int, index: int, style: Style) -> Room:
 
 
 def _furnished(home: HomePlan, level: int, index: int, style: Style) -> Room | None:
-    """A furnished room; None if it cannot serve."""
+    """Return a furnished room; None if its essential objects do not fit."""
     for _ in range(TRIES):
         room = _empty(home, level, index, style)
         outdoors = room.kind in OUTDOORS
@@ -64,7 +64,7 @@ def _furnished(home: HomePlan, level: int, index: int, style: Style) -> Room | N
 
 
 def _lamp(room: Room) -> None:
-    """A lamp in the middle of the room, low above a dining table; in long halls one in each part."""
+    """Place a lamp in the middle of the room, or low above a dining table; in long halls, one in each part."""
     tables = [item for item in room.items if item.model.fine == "dining_table"]
     if tables and under_ceiling(room, room.object("pendant"), tables[0].position[0], tables[0].position[2]):
         return
@@ -77,12 +77,12 @@ def _lamp(room: Room) -> None:
 
 
 def _washes(rooms: Sequence[Room]) -> bool:
-    """Whether one bathroom of the home has a tub or a shower."""
+    """Return whether the home has a tub or a shower."""
     return any(item.model.fine in WASHING for room in rooms for item in room.items)
 
 
 def _radio(rooms: Sequence[Room], style: Style) -> bool:
-    """One radio in the home at least: on a piece of furniture, or else a loudspeaker on the floor."""
+    """Ensure one audio device in the home: a radio on a piece of furniture, else a loudspeaker on the floor."""
     if any(item.model.fine == "loudspeaker" for room in rooms for item in room.items):
         return True
     order = [rooms[i] for i in style.rng.permutation(len(rooms)) if rooms[i].kind not in OUTDOORS]

@@ -1,4 +1,4 @@
-"""The recipe of each type of room."""
+"""Recipes and essential objects of each room type."""
 
 from collections.abc import Callable, Mapping
 
@@ -37,7 +37,7 @@ RECIPES: Mapping[str, Callable[[Room], None]] = {
     "Loggia": balcony,
     "Terrace": terrace,
 }
-# What a room is for: one of these fine classes must be in it.
+# Fine classes of each room type, one of which the room must contain.
 ESSENTIALS: Mapping[str, tuple[str, ...]] = {
     "Living_Room": ("sofa",),
     "Kitchen": ("sink",),

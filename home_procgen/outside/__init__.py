@@ -1,4 +1,4 @@
-"""What is around a home: its roof, a garden, a street, neighbours."""
+"""Surroundings of a home: roof, garden, street and neighbours."""
 
 from home_procgen.outside.surroundings import Outside, draw_outside
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.geometry.pieces import Piece, join_pieces
+from home_mjx.geometry.pieces import MeshPiece, join_pieces
 from home_mjx.geometry.slabs import slab
-from home_mjx.schema.house import Ground, Material
+from home_mjx.schema.house import GroundNode, Material
 from home_procgen.floor_plan.rooms import Rect
 
-UNDER = -0.1  # [m], of all slabs
+UNDER = -0.1  # [m], height of the undersides of all slabs
 
 
 @dataclass(frozen=True)
@@ -18,9 +18,9 @@ class Patch:
     """A rectangle of ground.
 
     Attributes:
-        rect: Where [m].
-        top: Height [m]; walls begin at 0.
-        material: Of its surface.
+        rect: The rectangle [m].
+        top: Height of its surface [m]; walls begin at 0.
+        material: Material of its surface.
     """
 
     rect: Rect
@@ -28,17 +28,19 @@ class Patch:
     material: Material
 
 
-def ground_node(patch: Patch, index: int, folder: Path) -> Ground:
-    """The node of a patch on the lowest level.
+def ground_node(patch: Patch, index: int, folder: Path) -> GroundNode:
+    """Return the node of a patch on the lowest level.
 
     Args:
-        patch: Where and of what.
-        index: Of the node in its level.
-        folder: Of the house's meshes.
+        patch: The patch.
+        index: Index of the node in its level.
+        folder: Folder of the house's meshes.
     """
     x0, z0, x1, z1 = patch.rect
     outline = np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
     stem = f"fr_0gd_{index}"
-    piece = Piece(f"Ground#0_{index}", *slab([outline], UNDER, patch.top, 0.0), np.zeros(12, int))
+    piece = MeshPiece(f"Ground#0_{index}", *slab([outline], UNDER, patch.top, 0.0), np.zeros(12, int))
     mesh = join_pieces(folder / f"{stem}f.obj", [piece], [patch.material])
-    return Ground(id=f"0_{index}", index=index, path=f"levels[0].nodes[{index}]", bbox=None, model_id=stem, mesh=mesh)
+    return GroundNode(
+        id=f"0_{index}", index=index, path=f"levels[0].nodes[{index}]", bbox=None, model_id=stem, mesh=mesh
+    )

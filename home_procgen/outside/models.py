@@ -1,4 +1,4 @@
-"""Library models of what stands outside: roofs, trees, bushes, hedges. Few triangles: they are seen from afar."""
+"""Library models outside the home: roofs, trees, bushes, hedges. They have few triangles because they are far away."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -16,9 +16,9 @@ from home_procgen.shapes.normals import corner_normals
 
 T = TypeVar("T")
 PITCH = 0.65  # rise per run of the models' roofs
-EAVES, EDGE = 0.4, 0.14  # [m], overhang of a roof, and its thickness there
-ROOF = ("tiles", "gable", "eaves")  # slots
-SIZES = ((5.0, 4.0), (8.0, 6.0), (12.0, 9.0), (16.0, 8.0), (20.0, 12.0))  # [m], along the ridge and across
+EAVES, EDGE = 0.4, 0.14  # [m], overhang of a roof, and thickness of its edge
+ROOF = ("tiles", "gable", "eaves")  # material slots
+SIZES = ((5.0, 4.0), (8.0, 6.0), (12.0, 9.0), (16.0, 8.0), (20.0, 12.0))  # [m], lengths along the ridge and across
 PARTS: Mapping[str, Material] = {
     "tiles": textured("roof_1"),
     "gable": plain("#e8e2d4"),
@@ -29,11 +29,11 @@ PARTS: Mapping[str, Material] = {
 
 
 def gable_roof(length: float, across: float) -> Solid:
-    """A roof with its ridge along x, flat underneath, so that its eaves keep above the ceilings.
+    """Return a roof with its ridge along x, flat underneath so that its eaves stay above the ceilings.
 
     Args:
-        length: Of the walls below, along the ridge [m].
-        across: Of the walls below, across it [m].
+        length: Length of the walls below, along the ridge [m].
+        across: Length of the walls below, across the ridge [m].
     """
     x, z = length / 2 + EAVES, across / 2 + EAVES
     profile = np.array([(-z, 0.0), (z, 0.0), (z, EDGE), (0.0, EDGE + PITCH * z), (-z, EDGE)])
@@ -52,7 +52,7 @@ def gable_roof(length: float, across: float) -> Solid:
 
 
 def round_tree(height: float, wide: float) -> Iterator[Solid]:
-    """A crown as round as an apple tree's."""
+    """Generate a tree with a round crown, like an apple tree."""
     low = 0.3 * height
     yield cylinder("bark", 0.05 * wide, low + 0.15 * height, top=0.03 * wide, sides=6)
     middle, half = (low + height) / 2, (height - low) / 2
@@ -65,7 +65,7 @@ def round_tree(height: float, wide: float) -> Iterator[Solid]:
 
 
 def fir(height: float, wide: float) -> Iterator[Solid]:
-    """Cones of branches, one above the other."""
+    """Generate a fir as cones of branches, one above the other."""
     yield cylinder("bark", 0.04 * wide, 0.25 * height, sides=6)
     for k in range(4):
         low, high = (0.12 + 0.2 * k) * height, min(0.12 + 0.2 * k + 0.36, 1.0) * height
@@ -73,14 +73,14 @@ def fir(height: float, wide: float) -> Iterator[Solid]:
 
 
 def bush(height: float, wide: float) -> Iterator[Solid]:
-    """Leaves from the ground up."""
+    """Generate a bush with leaves from the ground up."""
     for x, z, size in ((0.0, 0.0, 1.0), (0.28, 0.1, 0.7), (-0.22, 0.2, 0.75), (0.02, -0.3, 0.65)):
         part = [(0.32 * size * wide * np.sin(a), 0.5 * size * height * (1 - np.cos(a))) for a in (0.6, 1.4, 2.1, 2.8)]
         yield lathe("leaf", part, (x * wide, 0.0, z * wide), sides=8)
 
 
 def hedge(length: float, height: float) -> Iterator[Solid]:
-    """Cut straight."""
+    """Generate a hedge as a box."""
     yield box("leaf", (length, height, 0.6))
 
 
@@ -95,7 +95,7 @@ def _model(name: str, number: int, fine: str, solids: Iterable[Solid], slots: Se
 
 @cache
 def outside_models() -> Mapping[str, tuple[Furniture, ...]]:
-    """The models by family.
+    """Return the models by family.
 
     Example:
         >>> list(outside_models())

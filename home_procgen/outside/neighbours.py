@@ -1,34 +1,34 @@
-"""Neighbours' houses, or blocks of flats: boxes with painted fronts, seen through windows."""
+"""Neighbours' houses or blocks of flats: boxes with painted fronts, visible through windows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from home_mjx.schema.house import Box, Material
+from home_mjx.schema.house import BoxNode, Material
 from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.outside.roof import gable
 from home_procgen.outside.site import WIDTH, Side, Site
 from home_procgen.primitives.palette import choose, plain, textured
 
-CITY = 0.22  # chance of blocks of flats
-BEHIND = (3.0, 7.0)  # [m], from hedges, or the street's far edge, to neighbours
-APART = (3.5, 9.0)  # [m], from each other
-GAP = 0.8  # [m], least between them
+CITY = 0.22  # probability of blocks of flats
+BEHIND = (3.0, 7.0)  # [m], range from the hedges, or the street's far edge, to the neighbours
+APART = (3.5, 9.0)  # [m], range of the gap between neighbours
+GAP = 0.8  # [m], minimum gap between neighbours
 TINTS = ("#ffffff", "#f3e6cf", "#e8d3bd", "#dfe3e4", "#e9d9b4", "#d9c4b4", "#cfd8cf", "#c98f78")
-FRONTS = {1: ("front_1", "front_2"), 2: ("front_3", "front_4"), 3: ("front_5", "front_6")}  # 3: blocks of flats
-FLAT = plain("#8a8784")  # what covers blocks
+FRONTS = {1: ("front_1", "front_2"), 2: ("front_3", "front_4"), 3: ("front_5", "front_6")}  # by storeys; 3: blocks
+FLAT = plain("#8a8784")  # material of the tops of blocks
 
 
 @dataclass(frozen=True)
 class Block:
-    """A neighbour's walls.
+    """Walls of a neighbour's house.
 
     Attributes:
-        rect: Where [m].
-        height: Of the walls [m].
-        front: All of each wall.
+        rect: Its rectangle [m].
+        height: Height of the walls [m].
+        front: Material of the four walls; its image covers a whole wall.
     """
 
     rect: Rect
@@ -39,12 +39,12 @@ class Block:
 def neighbours(
     rng: np.random.Generator, site: Site, tiles: Sequence[Material]
 ) -> tuple[tuple[Block, ...], tuple[PlacedFurniture, ...]]:
-    """Blocks on all sides, and their roofs.
+    """Return blocks on all sides, and their roofs.
 
     Args:
         rng: Source of randomness.
         site: The plot.
-        tiles: Of roofs.
+        tiles: Materials of roofs.
     """
     city = rng.random() < CITY
     blocks: list[Block] = []
@@ -58,7 +58,7 @@ def neighbours(
 
 
 def _row(rng: np.random.Generator, site: Site, side: Side, city: bool) -> list[Block]:
-    """Houses side by side along one side."""
+    """Return houses in a row along one side of the plot."""
     low, high = (site.home[1], site.home[3]) if side.way[0] else (site.home[0], site.home[2])
     at, found = low - float(rng.uniform(0.0, 8.0)), []
     while at < high + 3.0:
@@ -83,15 +83,15 @@ def _roof(rng: np.random.Generator, block: Block, tiles: Sequence[Material]) -> 
     return gable((x0 + x1) / 2, (z0 + z1) / 2, block.rect.sides, block.height, float(rng.uniform(0.5, 0.8)), materials)
 
 
-def block_node(block: Block, index: int) -> Box:
-    """The node of a block on the lowest level."""
+def block_node(block: Block, index: int) -> BoxNode:
+    """Return the node of a block on the lowest level."""
     x0, z0, x1, z1 = block.rect
     transform = np.eye(4)
     transform[:3, 3] = (x0 + x1) / 2, block.height / 2, (z0 + z1) / 2
     size = np.round([x1 - x0, block.height, z1 - z0], 4)
-    # By GAPS's order: above, below, then the four walls.
+    # GAPS order: top, bottom, then the four walls.
     materials = (FLAT, FLAT, block.front)
     path = f"levels[0].nodes[{index}]"
-    return Box(
+    return BoxNode(
         id=f"0_{index}", index=index, path=path, bbox=None, dimensions=size, transform=transform, materials=materials
     )

@@ -1,4 +1,4 @@
-"""Roofs: gables over the largest rectangles of a home's top storey, which meet where these do."""
+"""Roofs: gables over the largest rectangles of a home's top storey; gables of adjacent rectangles intersect."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,23 +10,23 @@ from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.outside.models import EAVES, PITCH, SIZES, outside_models
 
-ABOVE = 0.05  # [m], of the nominal height of walls: ceilings and walls end below
-LEAST = 0.3  # [m^2]: less may stay without a roof
-MOST = 8  # gables
+ABOVE = 0.05  # [m], above the nominal wall height; ceilings and walls end lower
+LEAST = 0.3  # [m^2], maximum area without a roof
+MOST = 8  # maximum number of gables
 
-Spans = tuple[Int[np.ndarray, "_"], Int[np.ndarray, "_"]]  # numbers of the lines where they begin and end
+Spans = tuple[Int[np.ndarray, "_"], Int[np.ndarray, "_"]]  # indices of the lines at which the spans begin and end
 
 
 def roofs(
     rects: Sequence[Rect], height: float, pitch: float, materials: tuple[Material, ...]
 ) -> Iterator[PlacedFurniture]:
-    """Gables over rooms.
+    """Generate gables over rooms.
 
     Args:
-        rects: Of the rooms [m].
-        height: Of the walls [m].
+        rects: Rectangles of the rooms [m].
+        height: Height of the walls [m].
         pitch: Rise per run.
-        materials: By slot of the models.
+        materials: Materials by slot of the models.
     """
     for rect in cover(rects):
         yield gable((rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2, rect.sides, height + ABOVE, pitch, materials)
@@ -35,7 +35,7 @@ def roofs(
 def gable(
     x: float, z: float, sides: tuple[float, float], y: float, pitch: float, materials: tuple[Material, ...]
 ) -> PlacedFurniture:
-    """A gable over a rectangle with extents along x and z, its ridge along the longer one [m]."""
+    """Return a gable over a rectangle with extents along x and z, its ridge along the longer one [m]."""
     long, short = max(sides), min(sides)
     fit = [abs(np.log(long / a)) + abs(np.log(short / b)) for a, b in SIZES]
     number = int(np.argmin(fit))
@@ -47,7 +47,7 @@ def gable(
 
 
 def cover(rects: Sequence[Rect]) -> list[Rect]:
-    """Rectangles within a union of some that together are nearly all of it, the largest first.
+    """Return rectangles that cover nearly all of a union of rectangles, each within the union, the largest gain first.
 
     Example:
         >>> cover([Rect(0.0, 0.0, 2.0, 1.0), Rect(2.0, 0.0, 3.0, 1.0)])
@@ -71,7 +71,7 @@ def cover(rects: Sequence[Rect]) -> list[Rect]:
 
 
 def _sums(cells: np.ndarray, x: Spans, z: Spans) -> Float[np.ndarray, "i j"]:
-    """Of the cells between each two lines along x and each two along z."""
+    """Return the sum of the cells between each pair of lines along x and each pair along z."""
     total = np.zeros(np.add(cells.shape, 1))
     total[1:, 1:] = cells.cumsum(0).cumsum(1)
     across = total[x[1]] - total[x[0]]

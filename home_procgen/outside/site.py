@@ -1,4 +1,4 @@
-"""The plot of a home: where the street, the garden and the neighbours are."""
+"""Plot of a home: position of the street, the garden and the neighbours."""
 
 from dataclasses import dataclass
 
@@ -8,11 +8,11 @@ from home_procgen.floor_plan.placed import FACING
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.plan.home import HomePlan
 
-LAWN = 32.0  # [m] around the home; the horizon is beyond
-GARDEN = (6.5, 10.0)  # [m], from the home to the hedges
-STREET = (8.0, 11.0)  # [m], from the home to the street
+LAWN = 32.0  # [m], width around the home; the horizon is beyond
+GARDEN = (6.5, 10.0)  # [m], range from the home to the hedges
+STREET = (8.0, 11.0)  # [m], range from the home to the street
 WIDTH = 5.0  # [m], of the street
-CLEAR = 2.1  # [m], from the home to plants: nobody gets to them, since the compiler's fence is nearer
+CLEAR = 2.1  # [m], minimum distance of plants from the home; unreachable, because the compiler's fence is nearer
 TRIES = 12
 
 
@@ -21,9 +21,9 @@ class Side:
     """One side of a home.
 
     Attributes:
-        way: (x, z) unit direction out of it.
+        way: Outward unit direction (x, z).
         home: The box around the home [m].
-        away: Of a line along the side [m].
+        away: Distance of the street's edge or the hedge from the home [m].
     """
 
     way: tuple[int, int]
@@ -31,23 +31,23 @@ class Side:
     away: float
 
     def at(self, away: float) -> float:
-        """Coordinate across the side [m]."""
+        """Return the coordinate across the side at a distance from the home [m]."""
         x, z = self.way
         edge = (self.home.x1 if x > 0 else self.home.x0) if x else (self.home.z1 if z > 0 else self.home.z0)
         return edge + (x + z) * away
 
     def strip(self, lawn: Rect, wider: float) -> Rect:
-        """A street along the side, or what reaches beyond its edges [m]."""
+        """Return the rectangle of a street along the side, widened by `wider` at both edges [m]."""
         p, q = sorted((self.at(self.away - wider), self.at(self.away + WIDTH + wider)))
         return Rect(p, lawn.z0, q, lawn.z1) if self.way[0] else Rect(lawn.x0, p, lawn.x1, q)
 
     def line(self, garden: Rect) -> Rect:
-        """The line along the side of the garden [m]."""
+        """Return the line along the side of the garden, as a rectangle of zero width [m]."""
         at = self.at(self.away)
         return Rect(at, garden.z0, at, garden.z1) if self.way[0] else Rect(garden.x0, at, garden.x1, at)
 
     def distance(self, point: tuple[float, float]) -> float:
-        """From a point to the line [m]."""
+        """Return the distance from a point to the line [m]."""
         return abs(self.at(self.away) - point[int(self.way[0] == 0)])
 
 
@@ -56,11 +56,11 @@ class Site:
     """A plot.
 
     Attributes:
-        rects: Of all rooms on all storeys [m].
-        home: The box around them.
-        garden: What hedges enclose.
-        lawn: All of the ground.
-        sides: That of the street first.
+        rects: Rectangles of all rooms on all storeys [m].
+        home: The box around them [m].
+        garden: Area inside the hedges [m].
+        lawn: Area of the whole ground [m].
+        sides: The four sides; the first is the street's.
     """
 
     rects: tuple[Rect, ...]
@@ -71,7 +71,7 @@ class Site:
 
     @classmethod
     def around(cls, rng: np.random.Generator, plan: HomePlan) -> "Site":
-        """A plot at random; the street is before the entrance."""
+        """Draw a plot; the street is in front of the entrance."""
         rects = tuple(rect for level in plan.levels for room in level.rooms for rect in room.rects)
         corners = np.array(rects)
         home = Rect(*np.round([*corners[:, :2].min(0), *corners[:, 2:].max(0)], 6).tolist())
@@ -88,7 +88,7 @@ class Site:
         return self.sides[0]
 
     def spot(self, rng: np.random.Generator, radius: float) -> tuple[float, float] | None:
-        """A place in the garden for a plant of a radius [m]; None if none was found."""
+        """Draw a point (x, z) in the garden for a plant of a radius [m]; None if none was found."""
         street = self.street.strip(self.lawn, 1.5)
         for _ in range(TRIES):
             x, z = np.round(rng.uniform(self.garden[:2], self.garden[2:]), 3).tolist()

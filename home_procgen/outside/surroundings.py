@@ -1,6 +1,6 @@
-"""What is around a home: roofs, lawn and street, hedges, trees, neighbours. Nothing of it can be reached.
+"""Surroundings of a home: roofs, lawn, street, hedges, trees and neighbours. None of them is reachable.
 
-It is drawn from a source of randomness of its own, so that what is inside does not depend on it.
+They use a source of randomness of their own, so that the interior does not depend on them.
 """
 
 from collections.abc import Iterator
@@ -29,15 +29,15 @@ LEAVES = tuple(
     textured(*leaf) for leaf in (("foliage_1",), ("foliage_2",), ("foliage_3", "#d8e0c8"), ("foliage_1", "#c8d4b8"))
 )
 BARK = textured("wood_2", "#c8c0b8")
-TREES, BUSHES = (4, 9), (2, 6)  # how many, at least and less than
+TREES, BUSHES = (4, 9), (2, 6)  # range of the number; the upper end is exclusive
 
 
 @dataclass(frozen=True)
 class Outside:
-    """What is around a home.
+    """Surroundings of a home.
 
     Attributes:
-        things: With a model, roofs first.
+        things: Objects with a model, roofs first.
         blocks: Neighbours' walls.
         grounds: Patches of ground.
     """
@@ -48,12 +48,12 @@ class Outside:
 
 
 def draw_outside(seed: int, plan: HomePlan, facade: Material) -> Outside:
-    """The surroundings of a seed's home.
+    """Draw the surroundings of a seed's home.
 
     Args:
-        seed: Of the home.
+        seed: Seed of the home.
         plan: Its storeys.
-        facade: Of its outer walls.
+        facade: Material of its outer walls.
 
     Example:
         >>> from home_procgen.design import draw_design
@@ -75,7 +75,7 @@ def draw_outside(seed: int, plan: HomePlan, facade: Material) -> Outside:
 
 
 def _grounds(rng: np.random.Generator, site: Site, plan: HomePlan) -> Iterator[Patch]:
-    """The lawn; the street with its pavement; paths from the doors to it."""
+    """Generate the lawn, the street with its pavement, and the paths from doors to the street."""
     yield Patch(site.lawn, 0.0, choose(LAWNS, rng))
     yield Patch(site.street.strip(site.lawn, 1.5), 0.01, PAVEMENT)
     yield Patch(site.street.strip(site.lawn, 0.0), 0.02, ASPHALT)
@@ -90,7 +90,7 @@ def _grounds(rng: np.random.Generator, site: Site, plan: HomePlan) -> Iterator[P
 
 
 def _path(site: Site, door: PlacedFurniture, way: tuple[int, int]) -> Rect | None:
-    """The way from a door to the street, or some steps out of it; None where the home itself is in the way."""
+    """Return the path from a door to the street, or 3 m of it on other sides; None if the home itself is in the way."""
     (x, _, z), half = door.position, float(door.size[0]) / 2 + 0.1
     far = site.street.distance((x, z)) if way == site.street.way else 3.0
     ends = np.array([(x, z), (x + way[0] * far, z + way[1] * far)]) + 0.05 * np.array(way)
@@ -105,7 +105,7 @@ def _meet(a: Rect, b: Rect, gap: float = 0.0) -> bool:
 
 
 def _hedges(rng: np.random.Generator, site: Site) -> Iterator[PlacedFurniture]:
-    """Along the other sides of the garden."""
+    """Generate hedges along the sides of the garden without the street."""
     models, leaves = outside_models()["hedge"], (choose(LEAVES, rng),)
     tall = round(float(rng.uniform(0.8, 1.25)), 2)
     for side in site.sides[1:]:
@@ -124,7 +124,7 @@ def _hedges(rng: np.random.Generator, site: Site) -> Iterator[PlacedFurniture]:
 
 
 def _plants(rng: np.random.Generator, site: Site) -> Iterator[PlacedFurniture]:
-    """Trees, whose crowns keep clear of the home, and bushes."""
+    """Generate trees, with crowns clear of the home, and bushes."""
     for kind, numbers in (("tree", TREES), ("bush", BUSHES)):
         for _ in range(int(rng.integers(*numbers))):
             model, size = choose(outside_models()[kind], rng), round(float(rng.uniform(0.8, 1.2)), 3)

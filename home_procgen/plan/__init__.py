@@ -1,1 +1,1 @@
-"""Floor plans of homes: storeys of rooms along halls, doors that leave private rooms at the ends, windows, stairs."""
+"""Floor plans of homes: storeys with rooms along halls, doors, windows and stairs."""

@@ -1,4 +1,4 @@
-"""The plan of a home: storeys with their rooms, doors and windows."""
+"""Random plan of a home: storeys with their rooms, doors and windows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,25 +18,25 @@ from home_procgen.plan.shape.storeys import Stairwell, Storey, draw_storeys
 from home_procgen.plan.slants import add_slants
 from home_procgen.primitives.palette import choose
 from home_procgen.structure import structure_models
-from home_procgen.things import model_of
+from home_procgen.things import get_model
 
-TRIES = 6000  # of drawing storeys; a few dozen is usual
-PATIENCE = 1500  # tries, after which another program is drawn where none was given
-HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
-AGAIN = 0.9  # chance that an entrance has to lead into the hall where there is one, and not into the living room
-WAYS = 5  # of placing doors and windows in the same rooms that are tried
-SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9, 10, 11, 13), (3, 6, 12)  # numbers of the doors' models
-PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
+TRIES = 6000  # maximum attempts to draw storeys; a few dozen are typical
+PATIENCE = 1500  # attempts before another program is drawn; only if the caller passed none
+HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], wall heights of one-storey homes
+AGAIN = 0.9  # probability that the entrance must lead into the hall, if there is one, and not into the living room
+WAYS = 5  # attempts to place doors and windows in the same rooms
+SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9, 10, 11, 13), (3, 6, 12)  # model numbers of doors
+PITCHES = (2.7, 2.8, 2.9)  # [m], floor-to-floor heights of homes of several storeys
 
 
 @dataclass(frozen=True)
 class HomePlan:
-    """Storeys from below.
+    """Plan of a home, storeys from bottom to top.
 
     Attributes:
         storeys: Rooms, with the places of stairs.
         levels: The same rooms with their openings.
-        height: From floor to floor, and of walls [m].
+        height: Height from floor to floor, and of walls [m].
     """
 
     storeys: tuple[Storey, ...]
@@ -44,16 +44,16 @@ class HomePlan:
     height: float
 
     def stairwell(self, level: int) -> Stairwell | None:
-        """The place of stairs on a level, wherever they lead."""
+        """Return the place of stairs on a level, from stairs up or down; None if the level has none."""
         return self.storeys[level].stairs or self.storeys[level].well
 
 
 def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomePlan:
-    """A home at random.
+    """Draw a random home plan.
 
     Args:
         rng: Source of randomness.
-        program: What is to be built; None: draw that as well.
+        program: Room program to build; None draws a program as well.
 
     Raises:
         ConfigError: No plan was found for the program.
@@ -64,8 +64,8 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
         True
     """
     wanted = draw_program(rng) if program is None else program
-    solid, glazed = (model_of("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
-    entry, double = (model_of(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
+    solid, glazed = (get_model("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
+    entry, double = (get_model(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
     models = Models(solid, glazed, choose(structure_models()["garage_door"], rng), entry, double)
     for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)
@@ -85,7 +85,10 @@ def _past_the_hall(rooms: Sequence[RoomPlan], entrance: Opening) -> bool:
 
 
 def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models, into_hall: bool) -> HomePlan | None:
-    """Doors, open rooms and windows of all storeys; None if a room, or the hall, cannot be reached as it should be."""
+    """Add outdoor rooms, doors and windows to all storeys.
+
+    Return None if a room cannot be reached or crossed, or if `into_hall` is set and the entrance bypasses the hall.
+    """
     height = float(rng.choice(HEIGHTS, p=ODDS) if len(storeys) == 1 else rng.choice(PITCHES))
     found, levels = [], []
     for number, plain in enumerate(storeys):

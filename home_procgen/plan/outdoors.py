@@ -1,4 +1,4 @@
-"""Balconies, loggias and terraces: open rooms at outer walls of common rooms."""
+"""Balconies, loggias and terraces: outdoor rooms along outer walls of common rooms."""
 
 from collections.abc import Sequence
 
@@ -11,21 +11,21 @@ from home_procgen.plan.shape.cut_rooms import beside_cut
 from home_procgen.plan.shape.rows import snap
 
 HOSTS = ("Living_Room", "Dining_Room", "Kitchen", "Hallway", "Hall")
-ODDS = 0.33  # of a storey with such a room
-LEAST = 2.0  # [m], along the wall
-SHELTERED = 2  # sides of a loggia that walls bound
+ODDS = 0.33  # probability of an outdoor room on a storey with a possible host
+LEAST = 2.0  # [m], minimum length of the wall
+SHELTERED = 2  # minimum number of walled sides of a loggia
 
 
 def add_outdoors(
     rng: np.random.Generator, rooms: tuple[RoomPlan, ...], ground: bool, below: Sequence[RoomPlan]
 ) -> tuple[RoomPlan, ...]:
-    """The rooms of a storey, and sometimes one outdoors.
+    """Return the rooms of a storey, sometimes with one outdoor room added.
 
     Args:
         rng: Source of randomness.
-        rooms: Of the storey.
+        rooms: Rooms of the storey.
         ground: Whether it is the ground floor.
-        below: Rooms of the storey below, none of which it may stand on.
+        below: Rooms of the storeys below, which the outdoor room must not overlap.
     """
     if rng.random() > ODDS or len(rooms) >= MOST or any(room.type == "Terrace" for room in rooms):
         return rooms
@@ -57,7 +57,7 @@ def _meet(a: Rect, b: Rect) -> bool:
 
 
 def _sheltered(rect: Rect, rooms: Sequence[RoomPlan]) -> str:
-    """A loggia has walls on two sides at least, a balcony on one."""
+    """Return "Loggia" if at least `SHELTERED` sides have walls, else "Balcony"."""
     walls = [wall for room in rooms for wall in room.walls]
     open_length = [sum(b - a for a, b in outer_spans(wall, walls)) for wall in RoomPlan("Balcony", (rect,)).walls]
     closed = sum(left < 0.2 * wall.length for left, wall in zip(open_length, RoomPlan("", (rect,)).walls, strict=True))

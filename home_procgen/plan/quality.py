@@ -1,4 +1,4 @@
-"""What an architect would send back: halls that are too large, sprawling outlines, kitchens far from the table."""
+"""Quality limits of plans: size of halls, compactness of outlines, distance from kitchens to tables."""
 
 from collections.abc import Sequence
 
@@ -7,16 +7,16 @@ import numpy as np
 from home_procgen.floor_plan.rooms import RoomPlan, outer_spans, shared_span
 from home_procgen.plan.shape.storeys import Storey
 
-HALL_SHARE, HALL_ROOM = 0.165, 3.5  # greatest of a floor's area, and [m^2] that any floor may have for it
-# Greatest length of outer walls, in those of a square of the same area; and of flats around their living room.
+HALL_SHARE, HALL_ROOM = 0.165, 3.5  # maximum hall area: a share of the floor area, plus a constant [m^2]
+# Maximum perimeter relative to a square of the same area; the second value is for flats around their living room.
 SPRAWL, SPRAWL_SMALL = 1.36, 1.28
-SLENDER = 2.3  # greatest length of a home, in widths
+SLENDER = 2.3  # maximum ratio of length to width
 HALLS = ("Hallway", "Hall", "Lobby")
 TABLES = ("Dining_Room", "Living_Room")
 
 
 def is_liveable(storeys: Sequence[Storey]) -> bool:
-    """Whether storeys pass."""
+    """Return whether the storeys meet all quality limits."""
     return all(_fair_hall(s) and _compact(s.rooms) for s in storeys) and _short_ways(storeys[0].rooms)
 
 
@@ -40,7 +40,7 @@ def _compact(rooms: Sequence[RoomPlan]) -> bool:
 
 
 def _short_ways(rooms: Sequence[RoomPlan]) -> bool:
-    """A kitchen is beside the table, or nearly so."""
+    """Return whether every kitchen is next to a room with a table, or at most 5.5 m from it."""
     tables = [room for room in rooms if room.type in TABLES]
     kitchens = [room for room in rooms if room.type == "Kitchen"]
     return all(any(_beside(kitchen, table) or _near(kitchen, table) for table in tables) for kitchen in kitchens)

@@ -1,4 +1,4 @@
-"""Walls at an angle: corners of homes that are cut off, and bays before living rooms."""
+"""Slanted walls: cut-off corners of homes, and bays of living and dining rooms."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -12,13 +12,13 @@ from home_procgen.plan.shape.cut_rooms import CutRoom, Point
 from home_procgen.plan.shape.rows import snap
 from home_procgen.plan.shape.storeys import Storey
 
-CUT_CORNER, BAY = 0.14, 0.12  # chances
+CUT_CORNER, BAY = 0.14, 0.12  # probabilities
 BAYED = ("Living_Room", "Dining_Room")
-LEFT = 1.2  # [m], least of a wall beside a corner that is cut
+LEFT = 1.2  # [m], minimum remaining wall length next to a cut corner
 
 
 def add_slants(rng: np.random.Generator, storeys: tuple[Storey, ...]) -> tuple[Storey, ...]:
-    """The storeys, sometimes with a corner that is cut off on all of them, or a bay on the ground floor."""
+    """Return the storeys, sometimes with one corner cut off on all of them, or with a bay on the ground floor."""
     if rng.random() < CUT_CORNER:
         storeys = _cut_corner(rng, storeys)
     if rng.random() < BAY:
@@ -46,7 +46,7 @@ def _replaced(rooms: Sequence[RoomPlan], index: int, **cuts: tuple) -> tuple[Roo
 
 
 def _corners(rooms: Sequence[RoomPlan], size: float) -> Iterator[tuple[int, Point]]:
-    """Convex corners between two outer walls that stay long enough, of rooms where it is roomy enough."""
+    """Generate convex corners of roomy rooms between two outer walls that stay long enough after the cut."""
     for index, room in enumerate(rooms):
         if room.type not in ROOMY:
             continue
@@ -58,14 +58,14 @@ def _corners(rooms: Sequence[RoomPlan], size: float) -> Iterator[tuple[int, Poin
 
 
 def _free(wall: Wall, corner: Point, length: float, others: Sequence[Wall]) -> bool:
-    """Whether a wall is an outer one so far from its end at a corner [m]."""
+    """Return whether a wall is an outer wall over the given length from its end at a corner [m]."""
     at = corner[wall.axis]
     low, high = (at, at + length) if abs(wall.span[0] - at) < 1e-6 else (at - length, at)
     return any(a - 1e-6 <= low and high <= b + 1e-6 for a, b in outer_spans(wall, others))
 
 
 def _with_bay(rng: np.random.Generator, rooms: tuple[RoomPlan, ...]) -> tuple[RoomPlan, ...]:
-    """A bay before the living room, or the dining room."""
+    """Return the rooms with a bay added to a living or dining room, if a site has space for it."""
     hosts = [
         i for i, room in enumerate(rooms) if room.type in ("Living_Room", "Dining_Room") and type(room) is RoomPlan
     ]

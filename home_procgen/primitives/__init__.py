@@ -1,1 +1,1 @@
-"""Solids, joinery, colours and textures that furniture is made of."""
+"""Solids, joinery, colours and textures of furniture."""

@@ -1,4 +1,4 @@
-"""Furniture families, whose variants become library models."""
+"""Furniture families; each variant is a library model."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -19,20 +19,20 @@ from home_procgen.primitives.solids import Solid, Vector, move, to_mesh
 
 @dataclass(frozen=True)
 class Bulb:
-    """A light in a model."""
+    """A light source of a model."""
 
     position: Vector  # [m]
     power: float  # [W]
 
 
 _PICKS, _AXES = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)]), np.arange(3)  # corners of a box
-# Rotation times scale and mirror; boxes of the parts, and the one around them, at the origin [m].
+# Rotation times scale and mirror, boxes of the parts, and bounding box, with the object at the origin [m].
 Shape = tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "p 2 3"], Float[np.ndarray, "2 3"]]
 
 
 @dataclass(frozen=True)
 class Furniture:
-    """A library model: origin at the bottom centre, front towards +z, Y up, metres."""
+    """A library model: origin at the bottom centre, front towards +z, Y up, in metres."""
 
     id: str
     family: str
@@ -41,7 +41,7 @@ class Furniture:
     mesh: Mesh
     parts: Float[np.ndarray, "p 2 3"]  # boxes of the solids [m]
     lights: tuple[Light, ...] = ()
-    closed: Mesh | None = None  # the `_0` variant of a door, whose own mesh stands open
+    closed: Mesh | None = None  # the `_0` variant of a door, whose own mesh is open
     joints: tuple[Joint, ...] = ()
 
     @cached_property
@@ -66,7 +66,7 @@ class Furniture:
 
     @cached_property
     def shapes(self) -> dict[tuple[int, Vector, bool], Shape]:
-        """By quarter turns, scale and mirror: a cache for what is placed, which tries the same few at many places."""
+        """Cache of shapes by quarter turns, scale and mirror; placement tries the same few at many places."""
         return {}
 
 
@@ -75,12 +75,12 @@ class Family:
     """A parametric design and the parameters of its library models.
 
     Args:
-        name: Names the models `gen_<name>_<k>`.
+        name: Family name; the models are `gen_<name>_<k>`.
         fine: Fine class.
-        build: Gives the solids (and bulbs) for one set of parameters.
+        build: Returns the solids (and bulbs) for one set of parameters.
         slots: Slot name -> finish.
         variants: Parameter sets.
-        closed: Parameters that turn a variant into its closed state, for doors.
+        closed: Parameters of the closed state of a variant, for doors.
         centred: Move the middle of the box to x = z = 0; openings stay on their wall's centre-line.
     """
 
@@ -93,7 +93,7 @@ class Family:
     centred: bool = True
 
     def models(self) -> Iterator[Furniture]:
-        """The library models of the family."""
+        """Generate the library models of the family."""
         for number, variant in enumerate(self.variants, 1):
             yield self._model(f"gen_{self.name}_{number}", number, variant)
 
@@ -125,20 +125,20 @@ class Family:
 
 @runtime_checkable
 class Models(Protocol):
-    """What makes library models."""
+    """Source of library models."""
 
     def models(self) -> Iterator[Furniture]:
-        """The models, in order."""
+        """Generate the models in order."""
         ...
 
 
 def models_by_id(families: Iterable[Models]) -> Mapping[str, Furniture]:
-    """The models of all families, in order."""
+    """Return the models of all families in order, by id."""
     return MappingProxyType({model.id: model for family in families for model in family.models()})
 
 
 def models_by_family(models: Iterable[Furniture]) -> Mapping[str, Sequence[Furniture]]:
-    """Models by the names of their families."""
+    """Return models grouped by family name."""
     families: dict[str, list[Furniture]] = defaultdict(list)
     for model in models:
         families[model.family].append(model)
@@ -146,7 +146,7 @@ def models_by_family(models: Iterable[Furniture]) -> Mapping[str, Sequence[Furni
 
 
 def variant(**parameters: Any) -> Mapping[str, Any]:
-    """One set of parameters of a design."""
+    """Return one set of parameters of a design."""
     return parameters
 
 
@@ -156,7 +156,7 @@ def _light(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Light:
 
 
 def slots(*names: str, **finishes: str) -> Mapping[str, str]:
-    """Slot names with their finishes; a name's finish is the name less a trailing number.
+    """Return slot names with their finishes; a name's finish is the name without a trailing number.
 
     Example:
         >>> slots("wood", "wood_1", color_1="glass")

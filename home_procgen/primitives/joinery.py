@@ -10,7 +10,7 @@ BOARD = 0.02  # [m], thickness of boards and doors
 def legs(
     material: str, width: float, depth: float, height: float, thickness: float = 0.05, turned: bool = False
 ) -> Iterator[Solid]:
-    """Four legs whose outer sides span width x depth, square or turned (tapering downwards)."""
+    """Generate four legs whose outer sides span width x depth, square or turned (tapering downwards)."""
     for x in (-1, 1):
         for z in (-1, 1):
             at = (x * (width - thickness) / 2, 0.0, z * (depth - thickness) / 2)
@@ -31,18 +31,18 @@ def fronts(
     rows: int = 1,
     upright: bool = True,
 ) -> Iterator[Solid]:
-    """Doors or drawers that cover width x height from `bottom` up, with their faces at z = `front`.
+    """Generate doors or drawers that cover width x height from `bottom` up, with their faces at z = `front`.
 
     Args:
         material: Slot of the panels.
         handle: Slot of the handles.
-        width: [m].
-        height: [m].
-        bottom: [m].
+        width: Total width [m].
+        height: Total height [m].
+        bottom: Height of the lower edge [m].
         front: z of the panels' outer face [m].
         columns: Panels side by side.
         rows: Panels above one another.
-        upright: Handles of doors, at the edge away from the hinge; else of drawers, in the middle.
+        upright: Door handles at the edge away from the hinge; else drawer handles in the middle.
     """
     wide, high, gap = width / columns, height / rows, 0.006
     for column in range(columns):
@@ -62,7 +62,7 @@ def fronts(
 def case(
     material: str, width: float, height: float, depth: float, shelves: int, columns: int = 1, back: bool = True
 ) -> Iterator[Solid]:
-    """An open case of boards: sides, uprights, shelves (bottom and top come extra) and a back."""
+    """Generate an open case of boards: sides, uprights, `shelves` besides bottom and top, and a back."""
     for column in range(columns + 1):
         x = -width / 2 + BOARD / 2 + column * (width - BOARD) / columns
         yield box(material, (BOARD, height, depth), (x, 0.0, 0.0))

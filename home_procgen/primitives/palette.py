@@ -1,4 +1,4 @@
-"""Colours and textures that a material slot may take, by the kind of its surface."""
+"""Colours and textures of material slots by finish."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 def rgb(code: str) -> Color:
-    """SRGB 0..1 from `#rrggbb`.
+    """Return sRGB in 0..1 from `#rrggbb`.
 
     Example:
         >>> rgb("#ff0000")
@@ -29,7 +29,7 @@ def textured(name: str, tint: str = "#ffffff", slot: str = "") -> Material:
 
 
 def plain(color: str, opacity: float = 1.0, slot: str = "") -> Material:
-    """A material of one colour."""
+    """Return a material of one colour."""
     return Material(slot, rgb(color), None, opacity)
 
 
@@ -77,5 +77,5 @@ CUT = plain("#808080")  # SUNCG's grey of cut wall faces
 
 
 def choose(options: Sequence[T], rng: np.random.Generator) -> T:
-    """One of the options at random."""
+    """Draw one of the options."""
     return options[int(rng.integers(len(options)))]

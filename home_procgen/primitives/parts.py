@@ -1,4 +1,4 @@
-"""Movable parts, as the code of a shape marks them on the solids that it draws."""
+"""Movable parts, attached to the solids of a shape."""
 
 from dataclasses import dataclass, replace
 
@@ -10,14 +10,14 @@ from home_mjx.datasets.joints import JointKind, Vector
 
 @dataclass(frozen=True)
 class Part:
-    """A drawer, a door or a lid; solids that bear an equal one move together.
+    """A drawer, a door or a lid; solids with equal parts move together.
 
     Args:
-        name: What it is, without a number.
-        kind: How it moves.
-        axis: Unit vector: about it by the right hand, or along it.
-        point: On a hinge's axis, or a slide's corner, by which equal drawers differ [m].
-        reach: How far it goes from where it is drawn [rad] or [m].
+        name: Name without a number.
+        kind: Kind of joint.
+        axis: Unit vector: of rotation by the right-hand rule, or of translation.
+        point: Point on a hinge's axis, or corner of a slide, which distinguishes equal drawers [m].
+        reach: Range from the drawn position [rad] or [m].
     """
 
     name: str
@@ -27,13 +27,13 @@ class Part:
     reach: float
 
     def mapped(self, turn: Float[np.ndarray, "3 3"], shift: Float[np.ndarray, " 3"]) -> "Part":
-        """The part of solids that were turned or mirrored about the origin, and then moved.
+        """Return the part of solids that were rotated or mirrored about the origin, and then moved.
 
         Args:
             turn: An orthogonal matrix.
-            shift: [m].
+            shift: Translation [m].
         """
-        sense = np.sign(np.linalg.det(turn)) if self.kind == "hinge" else 1.0  # mirrored, a left hand is a right one
+        sense = np.sign(np.linalg.det(turn)) if self.kind == "hinge" else 1.0  # a mirror reverses the sense of rotation
         return replace(self, axis=_triple(sense * turn @ self.axis), point=_triple(turn @ self.point + shift))
 
 

@@ -1,4 +1,4 @@
-"""Closed solids with outward faces and UVs in metres: what walls and furniture are made of."""
+"""Closed solids with outward faces and UVs in metres, for walls and furniture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull
 
-from home_mjx.geometry.wall_prisms import extrude
+from home_mjx.geometry.wall_prisms import extrude_grid
 from home_mjx.schema.house import Material, Mesh
 from home_procgen.primitives.parts import Part
 
@@ -17,14 +17,14 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Solid:
-    """A closed, outward-wound piece of a mesh, made of one material or of one per face."""
+    """A closed, outward-wound piece of a mesh, with one material or one per face."""
 
     vertices: Float[np.ndarray, "v 3"]  # [m], Y up
     faces: Int[np.ndarray, "f 3"]
     uv: Float[np.ndarray, "f 3 2"]  # [m] per corner
     material: str | tuple[int, ...]  # slot name, or slot number per face
     group: str | None = None  # name of the `o` line
-    part: Part | None = None  # which movable part it belongs to
+    part: Part | None = None  # its movable part; None if it is fixed
 
     @property
     def box(self) -> Float[np.ndarray, "2 3"]:
@@ -33,13 +33,16 @@ class Solid:
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """`np.cross` of rows of three, which takes most of its time to look at their shapes."""
+    """Compute `np.cross` of rows of three, without its costly shape checks."""
     (x, y, z), (u, v, w) = a.T, b.T
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u]).T
 
 
 def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Float[np.ndarray, "f 3 2"]:
-    """UVs in metres by projecting each face along its dominant axis, u along the longer way, as wood grain runs."""
+    """Return UVs in metres from the projection of each face along its dominant axis, u along the longer extent.
+
+    Wood grain runs along u.
+    """
     corners = vertices[faces]
     normal = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normal).argmax(-1)
@@ -50,13 +53,13 @@ def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]
 
 
 def picture_uv(piece: Solid) -> Solid:
-    """UVs that show the texture exactly once on the front and back of a solid."""
+    """Return a solid with UVs that show the texture exactly once on its front and back."""
     low, high = piece.box[:, :2]
     return replace(piece, uv=(piece.vertices[piece.faces][..., :2] - low) / (high - low))
 
 
 def solid(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
-    """A solid with projected UVs whose faces are turned outwards if they are not."""
+    """Return a solid with projected UVs; faces are reversed if they point inwards."""
     corners = vertices[faces] - vertices.mean(0)
     if np.einsum("fi,fi->", corners[:, 0], _cross(corners[:, 1], corners[:, 2])) < 0:
         faces = faces[:, ::-1]
@@ -64,7 +67,7 @@ def solid(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarr
 
 
 def cushion(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), bevel: float = 0.03) -> Solid:
-    """A box with bevelled edges.
+    """Return a box with bevelled edges.
 
     Args:
         material: Slot name.
@@ -83,7 +86,7 @@ def cushion(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), bevel: fl
 
 
 def box(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
-    """A box; `at` is the centre of its bottom face [m].
+    """Return a box; `at` is the centre of its bottom face [m].
 
     Example:
         >>> box("wood", (1, 0.5, 2)).box.tolist()
@@ -91,7 +94,7 @@ def box(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
     """
     low, high = np.array([-0.5, 0.0, -0.5]), np.array([0.5, 1.0, 0.5])
     ends = np.stack([low, high]) * size + at
-    points, faces = extrude(ends[:, 2], ends[:, 0], np.ones((1, 1), bool), (ends[0, 1], ends[1, 1]))[:2]
+    points, faces = extrude_grid(ends[:, 2], ends[:, 0], np.ones((1, 1), bool), (ends[0, 1], ends[1, 1]))[:2]
     return solid(material, points[:, [1, 2, 0]], faces)
 
 
@@ -103,12 +106,12 @@ def lathe(
     closed: bool = False,
     stretch: float = 1.0,
 ) -> Solid:
-    """A solid of revolution about the vertical axis.
+    """Return a solid of revolution about the vertical axis.
 
     Args:
         material: Slot name.
         profile: Points (radius, height) [m] from the bottom up; an end off the axis is capped.
-        at: Where the axis meets height 0 [m].
+        at: Point of the axis at height 0 [m].
         sides: Number of facets.
         closed: The profile is a loop, as of a hollow lampshade, and gets no caps.
         stretch: Factor on z, for oval bowls.
@@ -129,12 +132,12 @@ def lathe(
 def cylinder(
     material: str, radius: float, height: float, at: Vector = (0.0, 0.0, 0.0), top: float | None = None, sides: int = 16
 ) -> Solid:
-    """An upright cylinder, or a cone's frustum with radius `top` at its upper end."""
+    """Return an upright cylinder, or a cone's frustum with radius `top` at its upper end."""
     return lathe(material, [(radius, 0.0), (radius if top is None else top, height)], at, sides)
 
 
 def _band(low: int, low_size: int, high: int, high_size: int, sides: int) -> Int[np.ndarray, "f 3"]:
-    """Triangles between two rings; a ring of one vertex is a tip."""
+    """Return triangles between two rings; a ring of one vertex is a tip."""
     j = np.arange(sides)
     a, b = low + j % low_size, low + (j + 1) % low_size
     c, d = high + (j + 1) % high_size, high + j % high_size
@@ -147,13 +150,13 @@ def _normals(corners: Float[np.ndarray, "f 3 3"]) -> Float[np.ndarray, "f 3"]:
 
 
 def move(piece: Solid, by: Vector | Float[np.ndarray, " 3"]) -> Solid:
-    """A solid moved by a vector [m]; its UVs and its part go with it."""
+    """Translate a solid by a vector [m], with its UVs and its part."""
     part = piece.part and piece.part.mapped(np.eye(3), np.asarray(by, float))
     return replace(piece, vertices=piece.vertices + np.asarray(by), part=part)
 
 
 def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Solid:
-    """Turns a solid about a coordinate axis through `pivot` by `angle` radians; its UVs and its part go with it."""
+    """Rotate a solid about a coordinate axis through `pivot` by `angle` radians, with its UVs and its part."""
     turn = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)
@@ -162,12 +165,12 @@ def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0
 
 
 def to_mesh(path: Path, pieces: Sequence[Solid], slots: Sequence[str], materials: tuple[Material, ...]) -> Mesh:
-    """Joins solids into one mesh; vertices stay apart, so every solid remains closed.
+    """Join solids into one mesh; vertices are not merged, so every solid remains closed.
 
     Args:
-        path: Where the OBJ will be, relative to the dataset root.
+        path: Path of the OBJ file, relative to the dataset root.
         pieces: The solids.
-        slots: Names of the material slots in order, for solids that name theirs.
+        slots: Names of the material slots in order, for solids with a slot name.
         materials: One per slot.
     """
     first = np.cumsum([0] + [len(p.vertices) for p in pieces])

@@ -18,7 +18,7 @@ Color = tuple[float, float, float]
 
 
 def noise(rng: np.random.Generator, width: float = 1.0, height: float = 1.0) -> Gray:
-    """Periodic Gaussian noise with zero mean and unit variance.
+    """Return periodic Gaussian noise with zero mean and unit variance.
 
     Args:
         rng: Source of randomness.
@@ -33,13 +33,13 @@ def noise(rng: np.random.Generator, width: float = 1.0, height: float = 1.0) -> 
 
 
 def blend(dark: Color, light: Color, weight: Gray) -> Rgb:
-    """Mixes two colours by a weight of 0 (dark) .. 1 (light), clipped."""
+    """Mix two colours by a weight from 0 (dark) to 1 (light), clipped."""
     share = np.clip(weight, 0.0, 1.0)[..., None]
     return np.asarray(dark) * (1.0 - share) + np.asarray(light) * share
 
 
 def grid(rows: int, columns: int, shift: float = 0.0) -> tuple[np.ndarray, Float[np.ndarray, "128 128 2"]]:
-    """Index of the cell under each pixel, and the distance to the cell's edges (vertical, horizontal) in metres.
+    """Return the cell index of each pixel, and its distances to the cell's edges (vertical, horizontal) in metres.
 
     Args:
         rows: Cells per metre, downwards.
@@ -55,13 +55,13 @@ def grid(rows: int, columns: int, shift: float = 0.0) -> tuple[np.ndarray, Float
 
 
 def wood(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """Straight grain along the rows."""
+    """Draw straight grain along the rows."""
     bands = 0.5 + 0.22 * noise(rng, 60, 3) + 0.10 * noise(rng, 20, 1)
     return blend(dark, light, bands)
 
 
 def planks(rng: np.random.Generator, dark: Color, light: Color, rows: int = 8, columns: int = 2) -> Rgb:
-    """Boards of slightly different tone with dark joints."""
+    """Draw boards of slightly different tone with dark joints."""
     cell, edge = grid(rows, columns, shift=0.5)
     tone = 0.5 + 0.13 * rng.standard_normal(rows * columns)[cell] + 0.12 * noise(rng, 50, 2)
     joint = np.where(edge.min(-1) < 0.004, 0.72, 1.0)
@@ -69,7 +69,7 @@ def planks(rng: np.random.Generator, dark: Color, light: Color, rows: int = 8, c
 
 
 def tiles(rng: np.random.Generator, dark: Color, light: Color, count: int = 4, checker: bool = False) -> Rgb:
-    """Square tiles with pale grout, of one colour or as a checkerboard."""
+    """Draw square tiles with pale grout, of one colour or as a checkerboard."""
     cell, edge = grid(count, count)
     odd = (cell // count + cell % count) % 2
     tone = odd if checker else 0.6 + 0.15 * rng.standard_normal(count * count)[cell]
@@ -78,39 +78,39 @@ def tiles(rng: np.random.Generator, dark: Color, light: Color, count: int = 4, c
 
 
 def bricks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """Running bond with mortar."""
+    """Draw bricks in running bond with mortar."""
     cell, edge = grid(14, 4, shift=0.5)
     tone = 0.5 + 0.2 * rng.standard_normal(56)[cell] + 0.12 * noise(rng, 2, 2)
     return np.where((edge.min(-1) < 0.006)[..., None], (0.74, 0.72, 0.68), blend(dark, light, tone))
 
 
 def stripes(rng: np.random.Generator, dark: Color, light: Color, count: int = 8) -> Rgb:
-    """Upright wallpaper stripes."""
+    """Draw upright wallpaper stripes."""
     u = (np.arange(SIZE) + 0.5) / SIZE
     wave = np.tile(0.5 + 0.5 * np.tanh(6 * np.sin(2 * np.pi * count * u)), (SIZE, 1))
     return blend(dark, light, wave + 0.04 * noise(rng))
 
 
 def rosettes(rng: np.random.Generator, dark: Color, light: Color, count: int = 6) -> Rgb:
-    """Wallpaper with staggered soft dots."""
+    """Draw wallpaper with staggered soft dots."""
     v, u = np.meshgrid(np.arange(SIZE) / SIZE, np.arange(SIZE) / SIZE, indexing="ij")
     wave = np.cos(2 * np.pi * count * (u + v)) * np.cos(2 * np.pi * count * (u - v))
     return blend(dark, light, 0.5 + 0.35 * wave + 0.04 * noise(rng))
 
 
 def grain(rng: np.random.Generator, dark: Color, light: Color, size: float = 1.0, contrast: float = 0.2) -> Rgb:
-    """Isotropic speckle: carpet, leather, stone, stucco, by size and contrast."""
+    """Draw isotropic speckle: carpet, leather, stone or stucco, by size and contrast."""
     return blend(dark, light, 0.5 + contrast * noise(rng, size, size) + 0.5 * contrast * noise(rng, 5 * size, 5 * size))
 
 
 def weave(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """Threads over and under one another."""
+    """Draw woven threads."""
     rows, columns = np.indices((SIZE, SIZE)) // 2
     return blend(dark, light, 0.4 + 0.25 * ((rows + columns) % 2) + 0.08 * noise(rng, 6, 1) + 0.08 * noise(rng, 1, 6))
 
 
 def landscape(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """A picture: sky, sun and rows of hills."""
+    """Draw a picture: sky, sun and rows of hills."""
     v, u = np.meshgrid((np.arange(SIZE) + 0.5) / SIZE, (np.arange(SIZE) + 0.5) / SIZE, indexing="ij")
     image = blend(light, (0.98, 0.95, 0.88), v * 1.4)
     sun = np.hypot(u - rng.uniform(0.2, 0.8), v - rng.uniform(0.15, 0.3)) < rng.uniform(0.06, 0.1)
@@ -122,7 +122,7 @@ def landscape(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
 
 
 def blocks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """A picture: coloured rectangles between black bars."""
+    """Draw a picture: coloured rectangles between black bars."""
     palette = np.array([dark, light, (0.95, 0.93, 0.87), (0.93, 0.90, 0.82), (0.85, 0.68, 0.25)])
     across, down = (np.sort(rng.uniform(0.15, 0.85, 2)) for _ in range(2))
     pixel = (np.arange(SIZE) + 0.5) / SIZE
@@ -180,7 +180,7 @@ RECIPES: dict[str, Callable[[np.random.Generator], Rgb]] = {
 
 @cache
 def texture(name: str) -> Image:
-    """The image of a texture of `RECIPES`, row 0 at the top, sRGB.
+    """Return the image of a texture of `RECIPES`, row 0 at the top, sRGB.
 
     Example:
         >>> texture("wood_1").shape

@@ -1,1 +1,1 @@
-"""Round, swept, bent and leafy solids, from which things are made."""
+"""Round, swept, bent and leaf-shaped solids for models."""

@@ -1,4 +1,4 @@
-"""Points along curves: splines, arcs, rounded corners."""
+"""Points along curves: splines, arcs and rounded corners."""
 
 from collections.abc import Sequence
 
@@ -9,11 +9,11 @@ Points = Sequence[Sequence[float]] | Float[np.ndarray, "_ _"]
 
 
 def spline(points: Points, steps: int = 4) -> Float[np.ndarray, "_ _"]:
-    """A Catmull-Rom spline through points, each once.
+    """Sample a Catmull-Rom spline through points, without repetitions.
 
     Args:
-        points: Of two or three coordinates.
-        steps: Pieces between two points.
+        points: Points with two or three coordinates.
+        steps: Segments between two points.
 
     Example:
         >>> spline([(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], 2)[:, 0].tolist()
@@ -31,7 +31,7 @@ def _between(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, t: np.n
 
 
 def _distinct(points: np.ndarray) -> np.ndarray:
-    """Without points that repeat the one before."""
+    """Remove points equal to their predecessor."""
     step = np.linalg.norm(np.diff(points, axis=0), axis=1)
     return points[np.concatenate([[True], step > 1e-6])]
 
@@ -39,14 +39,14 @@ def _distinct(points: np.ndarray) -> np.ndarray:
 def arc(
     radius: float, start: float, end: float, steps: int = 8, center: Sequence[float] = (0.0, 0.0)
 ) -> Float[np.ndarray, "_ 2"]:
-    """Points on a circle, ends included.
+    """Sample points on a circular arc, both ends included.
 
     Args:
-        radius: [m].
+        radius: Radius [m].
         start: Angle of the first point from the first axis [rad].
-        end: Angle of the last.
-        steps: Pieces between them.
-        center: [m].
+        end: Angle of the last point [rad].
+        steps: Segments between them.
+        center: Centre [m].
 
     Example:
         >>> arc(1.0, 0.0, np.pi, 2).round(6).tolist()[1]
@@ -57,7 +57,7 @@ def arc(
 
 
 def loop(width: float, height: float, steps: int = 16, power: float = 2.0) -> Float[np.ndarray, "_ 2"]:
-    """A closed oval outline around the origin; a `power` above 2 makes it squarer (a superellipse).
+    """Sample a closed oval outline around the origin; a `power` above 2 makes it squarer (a superellipse).
 
     Example:
         >>> loop(2.0, 1.0, 4).round(6).tolist()
@@ -69,7 +69,7 @@ def loop(width: float, height: float, steps: int = 16, power: float = 2.0) -> Fl
 
 
 def fillet(points: Points, radius: float, steps: int = 3, closed: bool = False) -> Float[np.ndarray, "_ _"]:
-    """A polyline whose corners are rounded by arcs (as quadratic curves) that begin `radius` before them [m].
+    """Round the corners of a polyline by quadratic curves that begin `radius` before them [m].
 
     Example:
         >>> len(fillet([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], 0.2))
@@ -89,7 +89,7 @@ def fillet(points: Points, radius: float, steps: int = 3, closed: bool = False) 
 
 
 def star(outer: float, inner: float, tips: int) -> Float[np.ndarray, "_ 2"]:
-    """The outline of a star with its first tip up [m]."""
+    """Return the outline of a star with its first tip up [m]."""
     angle = np.pi / 2 + np.pi * np.arange(2 * tips) / tips
     radius = np.where(np.arange(2 * tips) % 2 == 0, outer, inner)[:, None]
     return np.stack([np.cos(angle), np.sin(angle)], -1) * radius

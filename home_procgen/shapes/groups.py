@@ -1,4 +1,4 @@
-"""Moves, turns and copies of several solids at once."""
+"""Translation, rotation and copies of several solids at once."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -13,13 +13,13 @@ Piece = Solid | Bulb
 
 
 def moved(pieces: Iterable[Piece], x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Iterator[Piece]:
-    """Pieces moved by a vector [m]."""
+    """Translate pieces by a vector [m]."""
     for piece in pieces:
         yield move(piece, (x, y, z)) if isinstance(piece, Solid) else _bulb(piece, np.eye(3), (x, y, z))
 
 
 def turned_about(pieces: Iterable[Piece], axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Iterator[Piece]:
-    """Pieces turned about a coordinate axis through `pivot` [rad]."""
+    """Rotate pieces about a coordinate axis through `pivot` [rad]."""
     for piece in pieces:
         if isinstance(piece, Solid):
             yield rotate(piece, axis, angle, pivot)
@@ -36,7 +36,7 @@ def _bulb(bulb: Bulb, turn: np.ndarray, by: Vector | np.ndarray) -> Bulb:
 
 
 def mirrored(pieces: Iterable[Solid]) -> Iterator[Solid]:
-    """Pieces, and then the same with left and right swapped."""
+    """Yield the pieces, then their copies with left and right swapped."""
     kept = list(pieces)
     yield from kept
     for piece in kept:
@@ -50,13 +50,13 @@ def around(pieces: Iterable[Solid], count: int, start: float = 0.0) -> Iterator[
 @overload
 def around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]: ...
 def around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]:
-    """Copies of pieces turned about the vertical axis, in equal steps from an angle on [rad]."""
+    """Yield copies of pieces rotated about the vertical axis in equal steps from a start angle [rad]."""
     kept = list(pieces)
     for i in range(count):
         yield from turned_about(kept, 1, start + 2 * np.pi * i / count)
 
 
 def stretched(pieces: Iterable[Solid], x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Iterator[Solid]:
-    """Pieces stretched about the origin by positive factors; none of a movable part, which no longer would turn."""
+    """Scale pieces about the origin by positive factors; drop movable parts, whose joints would no longer fit."""
     for piece in pieces:
         yield replace(piece, vertices=piece.vertices * (x, y, z), part=None)

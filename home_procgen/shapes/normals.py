@@ -1,18 +1,18 @@
-"""Normals of the corners of a mesh, smooth across its blunt edges."""
+"""Corner normals of a mesh, smooth across its blunt edges."""
 
 import numpy as np
 from jaxtyping import Float, Int
 
-CREASE = np.cos(np.deg2rad(47.0))  # sharper edges stay edges; an eight-sided rod is round
-_DECIMALS = 4  # enough for shading, and far fewer lines in a file
+CREASE = np.cos(np.deg2rad(47.0))  # cosine of the maximum angle across a smooth edge; an eight-sided rod is smooth
+_DECIMALS = 4  # enough for shading, with far fewer distinct lines in a file
 
 
 def corner_normals(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Float[np.ndarray, "f 3 3"]:
-    """Unit normals by corner: the sum over the faces at its vertex that turn by less than the crease angle, by area.
+    """Compute unit normals by corner: the area-weighted sum over the vertex's faces within the crease angle.
 
     Args:
-        vertices: [m]; faces that share one belong to one surface.
-        faces: Indices, counter-clockwise outwards.
+        vertices: Positions [m]; faces with a common vertex belong to one surface.
+        faces: Indices, counter-clockwise seen from outside.
     """
     corners = vertices[faces]
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -26,7 +26,7 @@ def corner_normals(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f
 
 
 def _pairs(vertex: Int[np.ndarray, " c"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
-    """Each corner with every face at its vertex, its own included."""
+    """Return pairs of each corner with every face at its vertex, its own included."""
     order = np.argsort(vertex, kind="stable")
     count = np.bincount(vertex)
     start = np.cumsum(count) - count

@@ -13,7 +13,7 @@ Profile = Sequence[tuple[float, float]]
 def turned(
     material: str, points: Profile, at: Vector = (0.0, 0.0, 0.0), sides: int = 16, steps: int = 3, stretch: float = 1.0
 ) -> Solid:
-    """A solid of revolution whose profile is a curve through (radius, height) [m], from the bottom up."""
+    """Return a solid of revolution whose profile is a curve through (radius, height) [m], from the bottom up."""
     return lathe(material, _pairs(spline(points, steps)), at, sides, stretch=stretch)
 
 
@@ -26,15 +26,15 @@ def vessel(
     steps: int = 3,
     stretch: float = 1.0,
 ) -> Solid:
-    """A hollow solid of revolution that is open at the top, as cups, bowls and pots are.
+    """Return a hollow solid of revolution with an open top, such as a cup, bowl or pot.
 
     Args:
         material: Slot name.
-        points: The outside's profile (radius, height) [m], from the bottom up.
+        points: Outer profile (radius, height) [m], from the bottom up.
         wall: Thickness [m].
-        at: Where the axis meets height 0 [m].
+        at: Point of the axis at height 0 [m].
         sides: Number of facets.
-        steps: Pieces of the profile between two points.
+        steps: Segments of the profile between two points.
         stretch: Factor on z.
     """
     outer = spline(points, steps)
@@ -47,12 +47,12 @@ def vessel(
 def shade(
     material: str, points: Profile, at: Vector = (0.0, 0.0, 0.0), wall: float = 0.005, sides: int = 20, steps: int = 1
 ) -> Solid:
-    """A thin wall around the axis, open below and above; the profile is that of its outside [m]."""
+    """Return a thin wall around the axis, open at the top and bottom; the profile is its outside [m]."""
     outer = spline(points, steps)
     inner = [(r - wall, h) for r, h in outer.tolist()]
     return lathe(material, [*_pairs(outer), *inner[::-1]], at, sides, closed=True)
 
 
 def _pairs(points: np.ndarray) -> list[tuple[float, float]]:
-    """With radii that reach the axis only at the ends."""
+    """Return points as pairs, with positive radii."""
     return [(max(float(r), 1e-4), float(h)) for r, h in points]

@@ -8,11 +8,11 @@ from jaxtyping import Float, Int
 from home_procgen.primitives.solids import Solid, Vector, lathe, move, solid
 from home_procgen.shapes.sweep import triangulate
 
-_MERGE = 7  # decimals of a metre to which corners must agree to be one
+_MERGE = 7  # decimals of a metre to which corners must agree to be merged
 
 
 def welded(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
-    """A solid whose equal corners are made one; triangles that vanish by it are dropped."""
+    """Return a solid with equal vertices merged and degenerate triangles removed."""
     unique, index = np.unique(np.round(vertices, _MERGE) + 0.0, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]
     kept = (faces != np.roll(faces, 1, 1)).all(1)
@@ -20,14 +20,14 @@ def welded(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndar
 
 
 def rounded(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), radius: float = 0.02, steps: int = 2) -> Solid:
-    """A box whose edges and corners are round.
+    """Return a box with rounded edges and corners.
 
     Args:
         material: Slot name.
         size: Extents along x, y, z [m].
         at: Centre of the bottom face [m].
-        radius: Of the edges [m].
-        steps: Facets of a quarter turn.
+        radius: Radius of the edges [m].
+        steps: Facets per quarter turn.
     """
     half = np.asarray(size, float) / 2
     r = min(radius, float(half.min()))
@@ -50,7 +50,7 @@ def rounded(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), radius: f
 
 
 def _grid_ball(material: str, rows: Float[np.ndarray, "r c 3"]) -> Solid:
-    """Rows of points around the vertical axis, joined and capped."""
+    """Join and cap rows of points around the vertical axis."""
     count, around = rows.shape[:2]
     i = np.arange(around)
     first = np.arange(count - 1)[:, None] * around
@@ -62,13 +62,13 @@ def _grid_ball(material: str, rows: Float[np.ndarray, "r c 3"]) -> Solid:
 
 
 def soft(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), power: float = 7.0, steps: int = 5) -> Solid:
-    """A padded block: all faces bulge a little, by a superellipsoid.
+    """Return a padded block whose faces bulge slightly: a superellipsoid.
 
     Args:
         material: Slot name.
         size: Extents along x, y, z [m].
-        at: Middle of the bottom [m].
-        power: The higher, the boxier.
+        at: Centre of the bottom [m].
+        power: Exponent; higher values are closer to a box.
         steps: Facets along each edge.
     """
     line = np.sin(np.linspace(-np.pi / 2, np.pi / 2, steps + 1))
@@ -89,14 +89,14 @@ def soft(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), power: float
 
 
 def pillow(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), steps: int = 8, sag: float = 0.0) -> Solid:
-    """A stuffed case, thin at its seams, with pointed corners; it lies on its larger face.
+    """Return a stuffed case with thin seams and pointed corners, on its larger face.
 
     Args:
         material: Slot name.
-        size: Extents along x, y (greatest thickness), z [m].
-        at: Middle of the bottom [m].
+        size: Extents along x, y (maximum thickness), z [m].
+        at: Centre of the bottom [m].
         steps: Facets along each edge.
-        sag: Share by which the middle is pressed in, as by a head.
+        sag: Relative depth of the dent in the middle, as by a head.
     """
     line = np.sin(np.linspace(-np.pi / 2, np.pi / 2, steps + 1))
     u, v = np.meshgrid(line, line, indexing="ij")
@@ -108,7 +108,7 @@ def pillow(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), steps: int
 
 
 def between(material: str, under: Float[np.ndarray, "n m 3"], upper: Float[np.ndarray, "n m 3"]) -> Solid:
-    """The solid between two grids of points, closed around their rims."""
+    """Return the solid between two grids of points, closed around their rims."""
     n, m = under.shape[:2]
     cells = np.arange(n * m).reshape(n, m)
     a, b, c, d = cells[:-1, :-1], cells[1:, :-1], cells[1:, 1:], cells[:-1, 1:]
@@ -121,7 +121,7 @@ def between(material: str, under: Float[np.ndarray, "n m 3"], upper: Float[np.nd
 
 
 def ball(material: str, radius: float | Vector, at: Vector, sides: int = 12, rings: int = 6) -> Solid:
-    """An ellipsoid around `at`; `radius` is one or one for each axis [m]."""
+    """Return an ellipsoid around `at`; `radius` is one value or one per axis [m]."""
     x, y, z = radius if isinstance(radius, tuple) else (radius, radius, radius)
     angle = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
     profile = [(float(x * np.cos(a)) if 0 < i < rings else 0.0, float(y * np.sin(a))) for i, a in enumerate(angle)]
@@ -129,7 +129,10 @@ def ball(material: str, radius: float | Vector, at: Vector, sides: int = 12, rin
 
 
 def between_loops(material: str, loops: Sequence[Float[np.ndarray, "n 3"]], closed: bool = False) -> Solid:
-    """A solid whose surface runs from loop to loop of points; its first and last are filled, or joined if `closed`."""
+    """Return a solid whose surface joins successive loops of points.
+
+    The first and last loops are capped, or joined if `closed`.
+    """
     around, count = len(loops[0]), len(loops)
     i = np.arange(around)
     first = np.arange(count if closed else count - 1)[:, None] * around

@@ -1,4 +1,4 @@
-"""Thin solids: cloth, moulded shells, leaves."""
+"""Thin solids: cloth, moulded shells and leaves."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ from home_procgen.shapes.rounded import between, welded
 
 
 def sheet(material: str, points: Float[np.ndarray, "n m 3"], thickness: float) -> Solid:
-    """A surface with two sides, `thickness` apart [m]."""
+    """Return a two-sided surface of a thickness [m]."""
     along, across = np.gradient(points, axis=0), np.gradient(points, axis=1)
     normal = np.cross(along, across)
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
@@ -21,7 +21,7 @@ def sheet(material: str, points: Float[np.ndarray, "n m 3"], thickness: float) -
 def surface(
     material: str, place: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, ...]], n: int, m: int, thickness: float
 ) -> Solid:
-    """A sheet whose points (x, y, z) [m] are a function of u and v, both from 0 to 1, in n x m pieces."""
+    """Return a sheet of n x m pieces, whose points (x, y, z) [m] are a function of u and v in 0..1."""
     u, v = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
     return sheet(material, np.stack(np.broadcast_arrays(*place(u, v), u)[:3], -1), thickness)
 
@@ -37,17 +37,17 @@ def leaf(
     shape: float = 1.0,
     pieces: int = 4,
 ) -> Solid:
-    """A pointed leaf with a fold along its middle.
+    """Return a pointed leaf with a fold along its middle.
 
     Args:
         material: Slot name.
-        length: Along its middle [m].
-        width: Greatest [m].
-        at: Where it begins [m].
-        yaw: Which way it points in the plan, from +z to +x [rad].
-        rise: Angle above the horizon at its beginning [rad].
-        droop: How far it bends down towards its tip [rad].
-        shape: Above 1 the greatest width is nearer to the tip, below nearer to the stem.
+        length: Length along its middle [m].
+        width: Maximum width [m].
+        at: Position of its base [m].
+        yaw: Direction in the plan, from +z to +x [rad].
+        rise: Angle above the horizon at its base [rad].
+        droop: Angle by which it bends down towards its tip [rad].
+        shape: Above 1 the maximum width is nearer to the tip, below 1 nearer to the base.
         pieces: Facets along its length.
     """
     s = np.linspace(0, 1, pieces + 1)
@@ -66,7 +66,7 @@ def leaf(
 
 
 def _leaf(material: str, vertices: Float[np.ndarray, "v 3"], count: int) -> Solid:
-    """Joins the rows of the left rim, right rim, upper and lower middle; all meet at both tips."""
+    """Join the rows of the left rim, right rim, upper and lower middle; all meet at both tips."""
     left, right, top, under = (np.arange(count) + k * count for k in range(4))
     left, right, under = (np.concatenate([top[:1], row[1:-1], top[-1:]]) for row in (left, right, under))
     strips = []

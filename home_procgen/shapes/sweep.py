@@ -1,4 +1,4 @@
-"""Solids made by moving an outline along a path or straight through a board."""
+"""Solids from an outline moved along a path, or extruded to a board."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -10,11 +10,11 @@ from jaxtyping import Float, Int
 from home_procgen.primitives.solids import Solid, Vector, solid
 from home_procgen.shapes.curves import Points, loop
 
-CHAMFERED = 0.018  # [m]: bars of a greater half thickness have cut edges
+CHAMFERED = 0.018  # [m], minimum half thickness of bars with chamfered edges
 
 
 def triangulate(outline: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "_ 3"]:
-    """Triangles of a simple polygon by cutting off ears.
+    """Triangulate a simple polygon by ear clipping.
 
     Example:
         >>> triangulate(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])).tolist()
@@ -25,7 +25,7 @@ def triangulate(outline: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "_ 3"]:
 
 @cache
 def _ears(outline_bytes: bytes, dtype: str) -> Int[np.ndarray, "_ 3"]:
-    """The triangles; sections of bars return thousands of times."""
+    """Return the triangles; cached, because sections of bars repeat thousands of times."""
     outline = np.frombuffer(outline_bytes, dtype).reshape(-1, 2)
     x, y = outline.T
     turn = 1.0 if (x * np.roll(y, -1) - np.roll(x, -1) * y).sum() > 0 else -1.0
@@ -57,14 +57,14 @@ def prism(
     at: Vector = (0.0, 0.0, 0.0),
     plane: Literal["front", "side", "top"] = "front",
 ) -> Solid:
-    """A board of any simple outline.
+    """Return a board of any simple outline.
 
     Args:
         material: Slot name.
         outline: (x, y) for `front`, (z, y) for `side`, (x, z) for `top` [m].
-        thickness: Across the outline, half to each side; for `top` upwards [m].
-        at: Where the outline's origin comes to lie [m].
-        plane: Which way the outline faces.
+        thickness: Extent across the outline, half to each side; for `top` upwards [m].
+        at: Position of the outline's origin [m].
+        plane: Direction that the outline faces.
     """
     flat = np.asarray(outline, float)
     flat = flat[np.linalg.norm(flat - np.roll(flat, 1, 0), axis=1) > 1e-6]
@@ -95,14 +95,14 @@ def sweep(
     up: Vector | None = None,
     closed: bool = False,
 ) -> Solid:
-    """An outline that is moved along a path, upright to it.
+    """Sweep an outline along a path, perpendicular to it.
 
     Args:
         material: Slot name.
         path: Points in space [m].
-        section: Outline, its first axis sideways and its second along `up` where that can be [m].
-        scale: Of the section, one for all or one for each point.
-        up: Where the section's second axis points at the path's start; by default up, or forward on an upright path.
+        section: Outline, its first axis sideways and its second along `up` if possible [m].
+        scale: Factor on the section, one value or one per point.
+        up: Direction of the section's second axis at the path's start; None: up, or forward on a vertical path.
         closed: The path returns to its start.
     """
     p = np.asarray(path, float)
@@ -124,7 +124,7 @@ def sweep(
 
 
 def _frames(p: np.ndarray, up: Vector | None, closed: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors across a path, carried along it with as little turning as can be."""
+    """Return unit vectors across a path, transported along it with minimal rotation."""
     before, after = (
         (np.roll(p, 1, 0), np.roll(p, -1, 0)) if closed else (p[[0, *range(len(p) - 1)]], p[[*range(1, len(p)), -1]])
     )
@@ -135,7 +135,7 @@ def _frames(p: np.ndarray, up: Vector | None, closed: bool) -> tuple[np.ndarray,
     last = np.asarray(hint, float)
     for i, t in enumerate(tangent):
         across = last - (last @ t) * t
-        if np.linalg.norm(across) < 1e-6:  # the path turns straight into `last`
+        if np.linalg.norm(across) < 1e-6:  # the path turns exactly into `last`
             across = -(last @ t) * tangent[i - 1]
         last = across / np.linalg.norm(across)
         rise[i] = last
@@ -149,19 +149,19 @@ def tube(
     sides: int = 8,
     closed: bool = False,
 ) -> Solid:
-    """A round bar along a path; `radius` is one for all or one for each point [m]."""
+    """Return a round bar along a path; `radius` is one value or one per point [m]."""
     return sweep(material, path, loop(2.0, 2.0, sides), radius, closed=closed)
 
 
 def rod(
     material: str, start: Vector, end: Vector, radius: float, end_radius: float | None = None, sides: int = 8
 ) -> Solid:
-    """A straight round bar between two points, tapering to `end_radius` [m]."""
+    """Return a straight round bar between two points, tapering to `end_radius` [m]."""
     return tube(material, [start, end], [radius, radius if end_radius is None else end_radius], sides)
 
 
 def beam(material: str, start: Vector, end: Vector, width: float, height: float | None = None) -> Solid:
-    """A straight square bar between two points; `height` is measured towards up, or forward if the bar stands [m]."""
+    """Return a straight square bar between two points; `height` is along up, or forward for a vertical bar [m]."""
     w, h = width / 2, (width if height is None else height) / 2
     c = 0.12 * min(w, h) if min(w, h) > CHAMFERED else 0.0
     cut = [(-w, c - h), (c - w, -h), (w - c, -h), (w, c - h), (w, h - c), (w - c, h), (c - w, h), (-w, h - c)]
@@ -170,7 +170,7 @@ def beam(material: str, start: Vector, end: Vector, width: float, height: float 
 
 
 def ring(material: str, radius: float, thickness: float, at: Vector, axis: int = 1, sides: int = 20) -> Solid:
-    """A torus about a coordinate axis: `radius` to the middle of a round bar of half `thickness` [m]."""
+    """Return a torus about a coordinate axis: `radius` of the centre line, `thickness` of the bar [m]."""
     flat = loop(2 * radius, 2 * radius, sides)
     path = np.zeros((sides, 3))
     path[:, [i for i in range(3) if i != axis]] = flat
@@ -178,6 +178,6 @@ def ring(material: str, radius: float, thickness: float, at: Vector, axis: int =
 
 
 def band(material: str, path: Points, width: float, thickness: float, up: Vector | None = None) -> Solid:
-    """A flat strip along a path, `width` across it and `thickness` along `up` [m]."""
+    """Return a flat strip along a path, with `width` across it and `thickness` along `up` [m]."""
     w, h = width / 2, thickness / 2
     return sweep(material, path, np.array([[-w, -h], [w, -h], [w, h], [-w, h]]), up=up)

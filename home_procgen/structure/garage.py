@@ -1,4 +1,4 @@
-"""Garage doors: shut, in the wall like windows."""
+"""Garage doors: always closed, placed in the wall like windows."""
 
 from collections.abc import Iterator
 
@@ -7,12 +7,12 @@ from home_procgen.primitives.solids import Solid, box, cushion
 
 
 def garage_door(width: float, height: float, panels: int) -> Iterator[Solid]:
-    """A sectional door in its frame.
+    """Generate the solids of a sectional door in its frame.
 
     Args:
-        width: Over the frame [m].
-        height: Over the frame [m].
-        panels: Sections, one above the other.
+        width: Width over the frame [m].
+        height: Height over the frame [m].
+        panels: Number of sections, one above the other.
     """
     rim = 0.08
     for side in (-1, 1):

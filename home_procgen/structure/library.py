@@ -1,4 +1,4 @@
-"""The library models of the building's own parts."""
+"""Library models of the building: stairs, railings and garage doors."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -9,7 +9,7 @@ from home_procgen.structure import garage, railings, stairs
 
 @cache
 def structure_models() -> Mapping[str, Sequence[Furniture]]:
-    """The models of every family.
+    """Return the models of every family, by family name.
 
     Example:
         >>> list(structure_models())

@@ -5,16 +5,16 @@ from collections.abc import Iterator
 from home_procgen.primitives.family import Family, slots, variant
 from home_procgen.primitives.solids import Solid, box
 
-HEIGHT = 1.0  # [m]
-DEPTH = 0.05  # [m]
+HEIGHT = 1.0  # [m], of a railing
+DEPTH = 0.05  # [m], thickness of a railing
 
 
 def railing(length: float, boards: bool) -> Iterator[Solid]:
-    """A straight railing along x on posts.
+    """Generate the solids of a straight railing along x on posts.
 
     Args:
-        length: [m].
-        boards: Horizontal boards instead of bars.
+        length: Length [m].
+        boards: Horizontal boards instead of vertical bars.
     """
     yield box("wood", (length, 0.05, DEPTH), (0.0, HEIGHT - 0.05, 0.0))
     posts = max(round(length / 1.2), 1)
@@ -30,7 +30,7 @@ def railing(length: float, boards: bool) -> Iterator[Solid]:
         yield box("chrome", (0.014, HEIGHT - 0.16, 0.014), ((i / bars - 0.5) * length, 0.11, 0.0))
 
 
-LENGTHS = (1.0, 1.5, 2.2, 3.2, 4.5)  # [m]
+LENGTHS = (1.0, 1.5, 2.2, 3.2, 4.5)  # [m], of the railing models
 FAMILIES = (
     Family(
         "railing",

@@ -1,4 +1,4 @@
-"""Stairs that turn back: two flights side by side, and a landing between them."""
+"""U-shaped stairs: two parallel flights with a landing between them."""
 
 from collections.abc import Iterator
 
@@ -7,20 +7,20 @@ import numpy as np
 from home_procgen.primitives.family import Family, slots, variant
 from home_procgen.primitives.solids import Solid, box, move, rotate
 
-# [m], of the model: it is stretched to the storey and to the place.
+# [m], dimensions of the model; instances are stretched to the storey height and the stairwell.
 RISE, RUN, WIDTH, LANDING = 2.8, 0.26, 2.06, 1.0
-STEPS = 8  # risers of each flight, the one to the landing and the one to the upper floor included
+STEPS = 8  # risers per flight, including those to the landing and to the upper floor
 GAP = 0.08  # [m], between the flights
-LENGTH = (STEPS - 1) * RUN + LANDING  # [m]
+LENGTH = (STEPS - 1) * RUN + LANDING  # [m], from the front edge to the back of the landing
 LANE = (WIDTH - GAP) / 2  # [m], width of a flight
 
 
 def back_stairs(closed: bool, left: bool = False) -> Iterator[Solid]:
-    """Up to -z on the right (+x), back to the front on the left. The front edge is at z = 0.
+    """Generate stairs that go up towards -z at +x and return to the front at -x. The front edge is at z = 0.
 
     Args:
-        closed: Boards between the treads.
-        left: The other way round: up on the left.
+        closed: Add riser boards between the treads.
+        left: Mirror the stairs: up at -x, back at +x.
     """
     rise = RISE / (2 * STEPS)
     yield box("wood", (WIDTH, 0.06, LANDING), (0.0, STEPS * rise - 0.06, -LENGTH + LANDING / 2))
@@ -36,7 +36,7 @@ def back_stairs(closed: bool, left: bool = False) -> Iterator[Solid]:
 
 
 def _stringers(x: float, bottom: float, side: int) -> Iterator[Solid]:
-    """The two boards that carry a flight."""
+    """Generate the two boards that carry a flight."""
     rise = RISE / (2 * STEPS)
     run, climb = (STEPS - 1) * RUN, (STEPS - 1) * rise
     slope = float(np.arctan2(climb, run))

@@ -1,4 +1,4 @@
-"""The taste of a home: which of the things of a kind it has, and how they are dressed."""
+"""Style of a home: its choice of models and materials."""
 
 from home_procgen.style.style import Style
 

@@ -1,11 +1,11 @@
-"""Kinds of things that recipes ask for: families of the library, or those of their models that serve alike."""
+"""Kinds of objects that recipes ask for: model families, or subsets of a family with the same purpose."""
 
 from collections.abc import Mapping
 
 from home_procgen.primitives.family import Furniture
-from home_procgen.things import families, model_of
+from home_procgen.things import families, get_model
 
-# Name: family, and the numbers of its models.
+# Kind -> family and model numbers.
 _PARTS: Mapping[str, tuple[str, str]] = {
     "bar_stool": ("stool", "1 2 3 4"),
     "low_stool": ("stool", "5"),
@@ -113,7 +113,7 @@ _PARTS: Mapping[str, tuple[str, str]] = {
 
 
 def choices(kind: str) -> tuple[str, tuple[int, ...]]:
-    """The family of a kind, or of that name, and the numbers of the models that serve.
+    """Return the family of a kind and its model numbers; a family's own name selects all of its models.
 
     Example:
         >>> choices("low_stool")
@@ -126,11 +126,11 @@ def choices(kind: str) -> tuple[str, tuple[int, ...]]:
 
 
 def models_of(kind: str) -> list[Furniture]:
-    """The models of a kind, smaller ones first.
+    """Return the models of a kind in ascending order of footprint.
 
     Example:
         >>> [model.id for model in models_of("low_stool")]
         ['home_stool_5']
     """
     family, numbers = choices(kind)
-    return sorted((model_of(family, n) for n in numbers), key=lambda model: float(model.size[0] * model.size[2]))
+    return sorted((get_model(family, n) for n in numbers), key=lambda model: float(model.size[0] * model.size[2]))

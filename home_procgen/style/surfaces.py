@@ -1,4 +1,4 @@
-"""Floors, walls and ceilings of rooms."""
+"""Materials of floors, walls and ceilings of rooms."""
 
 from collections.abc import Sequence
 
@@ -28,16 +28,16 @@ SOFT_ROOMS = ("Bedroom", "Child_Room", "Guest_Room", "Office", "Wardrobe", "Gym"
 BOARDS = (
     *map(plain, ("#f4f2ec", "#f4f2ec", "#dcd6c8", "#3a3632")),
     *_named("wood", (1, 3, 4)),
-)  # along the feet of walls
+)  # skirting boards
 HARD_ROOMS = ("Garage", "Boiler_room", "Storage")
 
 
 class Cladding:
-    """What a home's rooms are clad with: a few materials for all of them.
+    """Surface materials of a home's rooms: a few materials, shared by all of them.
 
     Args:
         rng: Source of randomness.
-        facade: Of the walls outside.
+        facade: Material of the outer walls.
     """
 
     def __init__(self, rng: np.random.Generator, facade: Material) -> None:
@@ -47,7 +47,7 @@ class Cladding:
         self._parquet, self._tiles, self._paint = choose(PARQUETS, rng), choose(TILES, rng), choose(PAINTS, rng)
 
     def of(self, kind: str) -> Surfaces:
-        """The surfaces of a room of a type."""
+        """Return the surfaces of a room of a type."""
         board = None if kind in (*WET, *HARD_ROOMS) else self._board
         return Surfaces(self._floor(kind), self._ceiling, self._walls(kind), self._facade, board)
 

@@ -12,7 +12,7 @@ def _thread(rng: Rng) -> Gray:
 
 
 def plaid(rng: Rng, ground: Color, stripe: Color, line: Color, count: int = 4) -> Rgb:
-    """A tartan: broad bands and thin lines both ways."""
+    """Draw a tartan: broad bands and thin lines in both directions."""
     u, v = pixels()
     image = np.tile(np.asarray(ground, float), (SIZE, SIZE, 1))
     for t in (u, v):
@@ -23,14 +23,14 @@ def plaid(rng: Rng, ground: Color, stripe: Color, line: Color, count: int = 4) -
 
 
 def gingham(rng: Rng, dark: Color, light: Color, count: int = 10) -> Rgb:
-    """Checks of two crossing bands."""
+    """Draw checks of two crossing bands."""
     u, v = pixels()
     share = 0.5 * ((u * count) % 1 < 0.5) + 0.5 * ((v * count) % 1 < 0.5)
     return blend(dark, light, 1 - share + _thread(rng))
 
 
 def houndstooth(rng: Rng, dark: Color, light: Color, count: int = 16) -> Rgb:
-    """Broken checks with teeth."""
+    """Draw broken checks with teeth."""
     u, v = pixels()
     x, y = (u * count) % 1, (v * count) % 1
     teeth = ((x + y) * 4 % 1 < 0.5) & ((x < 0.5) != (y < 0.5))
@@ -38,7 +38,7 @@ def houndstooth(rng: Rng, dark: Color, light: Color, count: int = 16) -> Rgb:
 
 
 def dots(rng: Rng, ground: Color, dot: Color, count: int = 12, size: float = 0.26) -> Rgb:
-    """Staggered dots."""
+    """Draw staggered dots."""
     u, v = pixels()
     row = (v * count).astype(int)
     x, y = (u * count + 0.5 * (row % 2)) % 1 - 0.5, (v * count) % 1 - 0.5
@@ -47,7 +47,7 @@ def dots(rng: Rng, ground: Color, dot: Color, count: int = 12, size: float = 0.2
 
 
 def bands(rng: Rng, colors: tuple[Color, ...], count: int = 3, upright: bool = True) -> Rgb:
-    """Stripes of several colours and widths."""
+    """Draw stripes of several colours and widths."""
     u, v = pixels()
     t = ((u if upright else v) * count) % 1
     edges = np.cumsum(np.linspace(1.0, 2.2, len(colors)))
@@ -56,7 +56,7 @@ def bands(rng: Rng, colors: tuple[Color, ...], count: int = 3, upright: bool = T
 
 
 def knit(rng: Rng, dark: Color, light: Color, count: int = 20) -> Rgb:
-    """Rows of stitches like small Vs."""
+    """Draw rows of V-shaped stitches."""
     u, v = pixels()
     x = np.abs((u * count) % 1 - 0.5)
     wave = np.sin(2 * np.pi * (v * count + 1.4 * x))
@@ -64,13 +64,13 @@ def knit(rng: Rng, dark: Color, light: Color, count: int = 20) -> Rgb:
 
 
 def cord(rng: Rng, dark: Color, light: Color, count: int = 32) -> Rgb:
-    """Upright ribs, as of corduroy."""
+    """Draw upright ribs, as of corduroy."""
     u, _ = pixels()
     return blend(dark, light, 0.5 + 0.35 * np.sin(2 * np.pi * count * u) + 0.08 * noise(rng, 1, 8))
 
 
 def terry(rng: Rng, dark: Color, light: Color, border: bool = False) -> Rgb:
-    """Small loops, as of towels, with a woven border or without."""
+    """Draw small loops, as of towels, with or without a woven border."""
     _, v = pixels()
     tone = 0.6 + 0.2 * noise(rng, 1.2, 1.2)
     if border:
@@ -79,12 +79,12 @@ def terry(rng: Rng, dark: Color, light: Color, border: bool = False) -> Rgb:
 
 
 def melange(rng: Rng, dark: Color, light: Color) -> Rgb:
-    """Mixed yarns: soft flecks."""
+    """Draw soft flecks of mixed yarns."""
     return blend(dark, light, 0.5 + 0.16 * noise(rng, 2.5, 1) + 0.16 * noise(rng, 1, 2.5) + 0.05 * noise(rng, 20, 20))
 
 
 def petals(rng: Rng, ground: Color, bloom: Color, green: Color, count: int = 16, size: float = 0.05) -> Rgb:
-    """Scattered flowers with leaves."""
+    """Draw scattered flowers with leaves."""
     u, v = pixels()
     image = np.asarray(ground) * (0.98 + 0.01 * noise(rng, 2, 2)[..., None])
     for x, y, turn, scale, tips in rng.uniform(0, 1, (count, 5)):
@@ -98,7 +98,7 @@ def petals(rng: Rng, ground: Color, bloom: Color, green: Color, count: int = 16,
 
 
 def vines(rng: Rng, ground: Color, green: Color, count: int = 4) -> Rgb:
-    """Upright winding stems with pairs of leaves."""
+    """Draw upright winding stems with pairs of leaves."""
     u, v = pixels()
     image = np.asarray(ground) * (0.98 + 0.01 * noise(rng, 2, 2)[..., None])
     for column in range(count):
@@ -112,7 +112,7 @@ def vines(rng: Rng, ground: Color, green: Color, count: int = 4) -> Rgb:
 
 
 def damask(rng: Rng, dark: Color, light: Color, count: int = 3) -> Rgb:
-    """Large symmetric ornaments, staggered."""
+    """Draw large symmetric staggered ornaments."""
     u, v = pixels()
     total = np.zeros((SIZE, SIZE))
     for shift in (0.0, 0.5):
@@ -124,7 +124,7 @@ def damask(rng: Rng, dark: Color, light: Color, count: int = 3) -> Rgb:
 
 
 def diamonds(rng: Rng, dark: Color, light: Color, line: Color, count: int = 6) -> Rgb:
-    """Argyle lozenges under thin crossing lines."""
+    """Draw argyle lozenges under thin crossing lines."""
     u, v = pixels()
     a, b = (u * count + v * count / 1.5 * 1.5) % 2, (u * count - v * count) % 2
     image = blend(dark, light, np.where((a < 1) == (b < 1), 0.1, 0.9) + _thread(rng))
@@ -133,7 +133,7 @@ def diamonds(rng: Rng, dark: Color, light: Color, line: Color, count: int = 6) -
 
 
 def fans(rng: Rng, dark: Color, light: Color, count: int = 6) -> Rgb:
-    """Overlapping scallops of rings, as art deco has them."""
+    """Draw overlapping scallops of rings in art deco style."""
     u, v = pixels()
     image = np.zeros((SIZE, SIZE))
     for row in range(-1, 2 * count + 2):
@@ -145,7 +145,7 @@ def fans(rng: Rng, dark: Color, light: Color, count: int = 6) -> Rgb:
 
 
 def triangles(rng: Rng, palette: tuple[Color, ...], count: int = 6) -> Rgb:
-    """Triangles of several colours."""
+    """Draw triangles of several colours."""
     u, v = pixels()
     x, y = u * count, v * count
     key = (x.astype(int) * 2 + ((x % 1) + (y % 1) > 1)) * 64 + y.astype(int)
@@ -153,7 +153,7 @@ def triangles(rng: Rng, palette: tuple[Color, ...], count: int = 6) -> Rgb:
 
 
 def leaves(rng: Rng, ground: Color, greens: tuple[Color, ...], count: int = 40, size: float = 0.12) -> Rgb:
-    """Large overlapping leaves, as of a jungle."""
+    """Draw large overlapping leaves, as of a jungle."""
     u, v = pixels()
     image = np.tile(np.asarray(ground, float), (SIZE, SIZE, 1))
     for x, y, turn, scale, kind in rng.uniform(0, 1, (count, 5)):
@@ -168,7 +168,7 @@ def leaves(rng: Rng, ground: Color, greens: tuple[Color, ...], count: int = 40, 
 
 
 def cane(rng: Rng, dark: Color, light: Color, count: int = 32) -> Rgb:
-    """Woven rattan with dark holes."""
+    """Draw woven rattan with dark holes."""
     u, v = pixels()
     x, y = (u * count) % 1 - 0.5, (v * count) % 1 - 0.5
     row, column = (v * count).astype(int), (u * count).astype(int)
@@ -177,5 +177,5 @@ def cane(rng: Rng, dark: Color, light: Color, count: int = 32) -> Rgb:
 
 
 def fur(rng: Rng, dark: Color, light: Color) -> Rgb:
-    """Long soft pile."""
+    """Draw a long soft pile."""
     return blend(dark, light, 0.5 + 0.22 * noise(rng, 1.2, 7) + 0.15 * noise(rng, 6, 12))

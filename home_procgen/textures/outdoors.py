@@ -1,4 +1,4 @@
-"""Roof tiles, and fronts of houses as a whole, windows and all."""
+"""Roof tiles, foliage, and whole fronts of houses with their windows."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ PANE, FRAME = (0.26, 0.32, 0.38), (0.93, 0.93, 0.91)
 
 
 def front(rng: Rng, wall: Color, storeys: int = 2, columns: int = 3, door: bool = False) -> Rgb:
-    """A front with rows of windows, some with curtains; the image covers all of it."""
+    """Draw a whole front with rows of windows, some with curtains."""
     u, v = pixels()
     tone = 1.0 + 0.025 * noise(rng, 2, 2) + 0.02 * noise(rng, 14, 30)
     image = np.asarray(wall)[None, None] * tone[..., None]
@@ -24,7 +24,7 @@ def front(rng: Rng, wall: Color, storeys: int = 2, columns: int = 3, door: bool 
 
 
 def _window(image: Rgb, place: tuple[np.ndarray, np.ndarray], is_door: bool, rng: Rng) -> None:
-    """Paints one at places -1..1 across and 0..1 from its top."""
+    """Draw a window in place; `place` holds -1..1 across and 0..1 down from its top per pixel."""
     across, down = place
     inside = (across < 1) & (down > 0) & (down < 1)
     rim = (across > 0.86) | (down < 0.07) | ((down > 0.93) & (not is_door)) | (across < 0.06)
@@ -39,7 +39,7 @@ def _window(image: Rgb, place: tuple[np.ndarray, np.ndarray], is_door: bool, rng
 
 
 def foliage(rng: Rng, dark: Color, light: Color, size: float = 4.0) -> Rgb:
-    """Leaves in light and shade, seen from some way off."""
+    """Draw leaves in light and shade, as seen from a distance."""
     clumps, leaves = noise(rng, 3 * size, 3 * size), noise(rng, size, size)
     return blend(dark, light, 0.5 + 0.2 * clumps + 0.28 * leaves + 0.1 * noise(rng, 1.5, 1.5))
 

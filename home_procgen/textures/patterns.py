@@ -8,14 +8,14 @@ Rng = np.random.Generator
 
 
 def pixels() -> tuple[Gray, Gray]:
-    """Coordinates of pixels, u to the right and v down, 0..1."""
+    """Return the coordinates of pixels, u to the right and v down, in 0..1."""
     line = (np.arange(SIZE) + 0.5) / SIZE
     v, u = np.meshgrid(line, line, indexing="ij")
     return u, v
 
 
 def knotty(rng: Rng, dark: Color, light: Color, knots: int = 3, bands: int = 7) -> Rgb:
-    """Wood with a lively grain that flows around knots."""
+    """Draw wood with a strong grain that flows around knots."""
     u, v = pixels()
     flow = v + 0.03 * noise(rng, 50, 14)
     for x, y in rng.uniform(0, 1, (knots, 2)):
@@ -25,7 +25,7 @@ def knotty(rng: Rng, dark: Color, light: Color, knots: int = 3, bands: int = 7) 
 
 
 def herringbone(rng: Rng, dark: Color, light: Color, count: int = 4) -> Rgb:
-    """Parquet of blocks that meet at right angles."""
+    """Draw parquet of blocks that meet at right angles."""
     u, v = pixels()
     x, y = (u * 4 * count).astype(int), (v * 4 * count).astype(int)
     step = (x - y) % 8
@@ -37,7 +37,7 @@ def herringbone(rng: Rng, dark: Color, light: Color, count: int = 4) -> Rgb:
 
 
 def basket(rng: Rng, dark: Color, light: Color, count: int = 4, slats: int = 4) -> Rgb:
-    """Parquet squares whose slats run across those of their neighbours."""
+    """Draw parquet squares whose slats run across those of their neighbours."""
     u, v = pixels()
     cell, edge = grid(count, count)
     odd = (cell // count + cell % count) % 2 == 1
@@ -49,7 +49,7 @@ def basket(rng: Rng, dark: Color, light: Color, count: int = 4, slats: int = 4) 
 
 
 def chevron(rng: Rng, dark: Color, light: Color, count: int = 4, rows: int = 10) -> Rgb:
-    """Zigzag bands."""
+    """Draw zigzag bands."""
     u, v = pixels()
     zig = np.abs((u * count) % 1 - 0.5) * 2
     band = ((v * rows + zig * rows / count / 1.5) % rows).astype(int)
@@ -58,21 +58,21 @@ def chevron(rng: Rng, dark: Color, light: Color, count: int = 4, rows: int = 10)
 
 
 def subway(rng: Rng, dark: Color, light: Color, rows: int = 10, columns: int = 5, grout: float = 0.9) -> Rgb:
-    """Oblong wall tiles in running bond."""
+    """Draw oblong wall tiles in running bond."""
     cell, edge = grid(rows, columns, shift=0.5)
     face = blend(dark, light, 0.6 + 0.14 * rng.standard_normal(rows * columns)[cell] + 0.03 * noise(rng, 5, 5))
     return np.where((edge.min(-1) < 0.005)[..., None], grout, face)
 
 
 def mosaic(rng: Rng, palette: tuple[Color, ...], count: int = 20, grout: float = 0.88) -> Rgb:
-    """Small square tiles of several colours."""
+    """Draw small square tiles of several colours."""
     cell, edge = grid(count, count)
     face = np.asarray(palette)[rng.integers(0, len(palette), count * count)][cell]
     return np.where((edge.min(-1) < 0.005)[..., None], grout, face * (1 + 0.03 * noise(rng, 2, 2)[..., None]))
 
 
 def hexagons(rng: Rng, dark: Color, light: Color, count: int = 6, line: float = 0.06) -> Rgb:
-    """A honeycomb of tiles."""
+    """Draw a honeycomb of tiles."""
     u, v = pixels()
     x, y = u * count, v * count
     near = []
@@ -89,7 +89,7 @@ def hexagons(rng: Rng, dark: Color, light: Color, count: int = 6, line: float = 
 
 
 def cement(rng: Rng, dark: Color, light: Color, accent: Color, count: int = 4) -> Rgb:
-    """Patterned cement tiles: a star in a ring, the same in every tile."""
+    """Draw patterned cement tiles: a star in a ring, the same in every tile."""
     u, v = pixels()
     x, y = (u * count) % 1 - 0.5, (v * count) % 1 - 0.5
     angle, radius = np.arctan2(y, x), np.hypot(x, y)
@@ -102,7 +102,7 @@ def cement(rng: Rng, dark: Color, light: Color, accent: Color, count: int = 4) -
 
 
 def terrazzo(rng: Rng, ground: Color, chips: tuple[Color, ...], count: int = 260) -> Rgb:
-    """Stone chips in cement."""
+    """Draw stone chips in cement."""
     u, v = pixels()
     image = np.asarray(ground) + 0.012 * noise(rng, 1, 1)[..., None]
     for x, y, size, turn, kind in rng.uniform(0, 1, (count, 5)):
@@ -113,14 +113,14 @@ def terrazzo(rng: Rng, ground: Color, chips: tuple[Color, ...], count: int = 260
 
 
 def marble(rng: Rng, dark: Color, light: Color, veins: float = 3.0) -> Rgb:
-    """Polished stone with veins."""
+    """Draw polished stone with veins."""
     u, v = pixels()
     wave = np.sin(2 * np.pi * (np.round(veins) * u + 2 * v) + 1.6 * noise(rng, 18, 18) + 0.5 * noise(rng, 5, 5))
     return blend(dark, light, 1 - 0.8 * np.exp(-((wave / 0.12) ** 2)) - 0.15 * np.clip(noise(rng, 22, 22), 0, 1))
 
 
 def flagstones(rng: Rng, dark: Color, light: Color, count: int = 14, joint: Color = (0.45, 0.43, 0.40)) -> Rgb:
-    """Irregular slabs."""
+    """Draw irregular slabs."""
     u, v = pixels()
     points = rng.uniform(0, 1, (count, 2))
     dx = np.abs((u[..., None] - points[:, 0] + 0.5) % 1 - 0.5)
@@ -133,12 +133,12 @@ def flagstones(rng: Rng, dark: Color, light: Color, count: int = 14, joint: Colo
 
 
 def brushed(rng: Rng, dark: Color, light: Color, length: float = 60.0) -> Rgb:
-    """Metal with fine scratches along the rows."""
+    """Draw metal with fine scratches along the rows."""
     return blend(dark, light, 0.5 + 0.16 * noise(rng, length, 1) + 0.08 * noise(rng, 40, 20))
 
 
 def boards(rng: Rng, dark: Color, light: Color, count: int = 8, upright: bool = True) -> Rgb:
-    """Panelling: boards side by side with dark grooves."""
+    """Draw panelling: boards side by side with dark grooves."""
     u, v = pixels()
     along = u if upright else v
     board = (along * count).astype(int)
@@ -149,7 +149,7 @@ def boards(rng: Rng, dark: Color, light: Color, count: int = 8, upright: bool = 
 
 
 def shingles(rng: Rng, dark: Color, light: Color, rows: int = 6, columns: int = 8) -> Rgb:
-    """Overlapping rounded roof tiles, each casting a shadow on the next."""
+    """Draw overlapping rounded roof tiles, each casting a shadow on the next."""
     u, v = pixels()
     cell, _ = grid(rows, columns, shift=0.5)
     fine = (v * rows) % 1

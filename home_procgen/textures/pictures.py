@@ -21,7 +21,7 @@ def _sky(rng: Rng, top: Color, low: Color) -> Rgb:
 
 
 def hills(rng: Rng, top: Color, low: Color, ground: Color, rows: int = 5) -> Rgb:
-    """Ranges of hills, paler the farther."""
+    """Draw ranges of hills, paler with distance."""
     u, v = pixels()
     image = _sky(rng, top, low)
     for i in range(rows):
@@ -34,7 +34,7 @@ def hills(rng: Rng, top: Color, low: Color, ground: Color, rows: int = 5) -> Rgb
 
 
 def sea(rng: Rng, top: Color, low: Color, water: Color, boat: bool = True) -> Rgb:
-    """The sea under the sun, with a sail."""
+    """Draw the sea under the sun, with a sail."""
     u, v = pixels()
     image = _sky(rng, top, low)
     x = rng.uniform(0.3, 0.7)
@@ -49,7 +49,7 @@ def sea(rng: Rng, top: Color, low: Color, water: Color, boat: bool = True) -> Rg
 
 
 def mountains(rng: Rng, top: Color, low: Color, rock: Color) -> Rgb:
-    """Snowy peaks above a forest."""
+    """Draw snowy peaks above a forest."""
     u, v = pixels()
     image = _sky(rng, top, low)
     for x, height, wide in ((0.25, 0.34, 0.9), (0.7, 0.24, 1.1), (0.5, 0.42, 0.8)):
@@ -64,7 +64,7 @@ def mountains(rng: Rng, top: Color, low: Color, rock: Color) -> Rgb:
 
 
 def forest(rng: Rng, mist: Color, trunk: Color, count: int = 16) -> Rgb:
-    """Tree trunks in mist."""
+    """Draw tree trunks in mist."""
     u, v = pixels()
     image = blend(mist, (1.0, 1.0, 0.97), 0.7 - 0.4 * v)
     for i in range(count):
@@ -76,7 +76,7 @@ def forest(rng: Rng, mist: Color, trunk: Color, count: int = 16) -> Rgb:
 
 
 def city(rng: Rng, top: Color, low: Color, tower: Color, lit: Color) -> Rgb:
-    """A skyline with lit windows."""
+    """Draw a skyline with lit windows."""
     u, v = pixels()
     image = _sky(rng, top, low)
     for row in range(3):
@@ -92,7 +92,7 @@ def city(rng: Rng, top: Color, low: Color, tower: Color, lit: Color) -> Rgb:
 
 
 def bouquet(rng: Rng, wall: Color, jug: Color, blooms: int = 22) -> Rgb:
-    """Flowers in a jug on a table."""
+    """Draw flowers in a jug on a table."""
     u, v = pixels()
     image = blend(wall, (1.0, 1.0, 1.0), 0.12 * noise(rng, 14, 14))
     image[v > 0.84] = np.asarray(wall) * 0.55
@@ -108,7 +108,7 @@ def bouquet(rng: Rng, wall: Color, jug: Color, blooms: int = 22) -> Rgb:
 
 
 def fruit(rng: Rng, wall: Color, cloth: Color) -> Rgb:
-    """A still life: fruit and a bottle."""
+    """Draw a still life: fruit and a bottle."""
     u, v = pixels()
     image = blend(wall, (0.0, 0.0, 0.0), 0.25 * u + 0.05 * noise(rng, 9, 9))
     image[v > 0.66] = cloth
@@ -123,7 +123,7 @@ def fruit(rng: Rng, wall: Color, cloth: Color) -> Rgb:
 
 
 def portrait(rng: Rng, wall: Color, skin: Color, hair: Color, coat: Color, long_hair: bool = False) -> Rgb:
-    """A head and shoulders."""
+    """Draw a head and shoulders."""
     u, v = pixels()
     x, y = u - 0.5, v - 0.42
     image = blend(wall, (0.0, 0.0, 0.0), 0.12 * noise(rng, 18, 18) + 0.4 * np.hypot(x, v - 0.5))
@@ -143,7 +143,7 @@ def portrait(rng: Rng, wall: Color, skin: Color, hair: Color, coat: Color, long_
 
 
 def atlas(rng: Rng, water: Color, land: Color) -> Rgb:
-    """A map: continents in a net of lines."""
+    """Draw a map: continents in a net of lines."""
     u, v = pixels()
     height = noise(rng, 14, 14) + 0.35 * noise(rng, 4, 4)
     image = np.where((height > 0.35)[..., None], np.asarray(land) * (1 + 0.15 * (height[..., None] > 0.9)), water)
@@ -156,7 +156,7 @@ def atlas(rng: Rng, water: Color, land: Color) -> Rgb:
 
 
 def grid_art(rng: Rng, palette: tuple[Color, ...], lines: int = 5) -> Rgb:
-    """Coloured fields between black bars."""
+    """Draw coloured fields between black bars."""
     u, v = pixels()
     xs, ys = (np.sort(rng.uniform(0.08, 0.92, lines)) for _ in range(2))
     color = rng.choice(len(palette), (lines + 1) ** 2, p=_mostly_first(len(palette)))
@@ -172,7 +172,7 @@ def _mostly_first(count: int) -> np.ndarray:
 
 
 def circles(rng: Rng, ground: Color, palette: tuple[Color, ...], count: int = 14) -> Rgb:
-    """Discs and rings of many sizes."""
+    """Draw discs and rings of many sizes."""
     u, v = pixels()
     image = _canvas(ground)
     for x, y, size, kind in rng.uniform(0, 1, (count, 4)):
@@ -183,7 +183,7 @@ def circles(rng: Rng, ground: Color, palette: tuple[Color, ...], count: int = 14
 
 
 def fields(rng: Rng, upper: Color, lower: Color, ground: Color) -> Rgb:
-    """Two soft blocks of colour on a ground."""
+    """Draw two soft blocks of colour on a ground."""
     u, v = pixels()
     image = blend(ground, (0.0, 0.0, 0.0), 0.04 + 0.04 * noise(rng, 9, 9))
     for low, high, color in ((0.08, 0.52, upper), (0.58, 0.92, lower)):
@@ -194,7 +194,7 @@ def fields(rng: Rng, upper: Color, lower: Color, ground: Color) -> Rgb:
 
 
 def strokes(rng: Rng, ground: Color, palette: tuple[Color, ...], count: int = 26) -> Rgb:
-    """Broad brush strokes across one another."""
+    """Draw broad crossing brush strokes."""
     u, v = pixels()
     image = _canvas(ground)
     for x, y, turn, long, kind in rng.uniform(0, 1, (count, 5)):
@@ -206,7 +206,7 @@ def strokes(rng: Rng, ground: Color, palette: tuple[Color, ...], count: int = 26
 
 
 def sprig(rng: Rng, paper: Color, green: Color, pairs: int = 7) -> Rgb:
-    """A botanical print: one stem with pairs of leaves."""
+    """Draw a botanical print: one stem with pairs of leaves."""
     u, v = pixels()
     image = blend(paper, (0.8, 0.75, 0.65), 0.05 * noise(rng, 9, 9))
     stem = 0.5 + 0.05 * np.sin(3 * v)
@@ -223,7 +223,7 @@ def sprig(rng: Rng, paper: Color, green: Color, pairs: int = 7) -> Rgb:
 
 
 def poster(rng: Rng, ground: Color, shape: Color, ink: Color, sides: int = 0) -> Rgb:
-    """A poster: one bold shape over lines of print."""
+    """Draw a poster: one bold shape over lines of print."""
     u, v = pixels()
     image = _canvas(ground)
     x, y = u - 0.5, v - 0.4
@@ -239,7 +239,7 @@ def poster(rng: Rng, ground: Color, shape: Color, ink: Color, sides: int = 0) ->
 
 
 def photo(rng: Rng, tint: Color) -> Rgb:
-    """An old photograph with a pale margin: a house and a tree."""
+    """Draw an old photograph with a pale margin: a house and a tree."""
     u, v = pixels()
     tone = 0.75 - 0.3 * v + 0.04 * noise(rng, 20, 20)
     tone = np.where(v > 0.68, 0.35 + 0.05 * noise(rng, 3, 2), tone)
@@ -254,7 +254,7 @@ def photo(rng: Rng, tint: Color) -> Rgb:
 
 
 def animal(rng: Rng, ground: Color, coat: Color, ears: float = 0.1) -> Rgb:
-    """A child's picture: the face of an animal."""
+    """Draw a child's picture: the face of an animal."""
     u, v = pixels()
     x, y = u - 0.5, v - 0.55
     image = _canvas(ground)

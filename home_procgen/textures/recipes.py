@@ -1,4 +1,4 @@
-"""Every texture by name; those of the first generator among them."""
+"""Recipes of all textures by name, with those of the first generator."""
 
 import zlib
 from collections.abc import Callable, Iterator, Mapping
@@ -14,7 +14,7 @@ from home_procgen.textures import fabrics, outdoors, patterns, pictures, rugs
 
 Recipe = Callable[[np.random.Generator], Rgb]
 Row = tuple[Callable[..., Rgb], str] | tuple[Callable[..., Rgb], str, Mapping[str, Any]]
-# A recipe's colours are its first arguments, in order; a tuple of colours is written with plus signs.
+# A recipe's first arguments are its colours, in order; plus signs join a tuple of colours.
 WOODS: tuple[Row, ...] = (
     (before.wood, "#8a5a33 #b98454"),
     (before.wood, "#5c3a22 #8a5f3c"),
@@ -289,7 +289,7 @@ RECIPES: Mapping[str, Recipe] = dict(_named())
 
 
 def texture_names(family: str, kind: Callable[..., Rgb] | None = None) -> tuple[str, ...]:
-    """Names of the new textures of a family, or only of those painted by one function.
+    """Return the names of the new textures of a family, or only of those drawn by one function.
 
     Example:
         >>> texture_names("marble")
@@ -304,7 +304,7 @@ ALL_NAMES = (*before.RECIPES, *RECIPES)
 
 @cache
 def texture(name: str) -> Image:
-    """The image of a texture of `ALL_NAMES`, row 0 at the top, sRGB.
+    """Return the image of a texture of `ALL_NAMES`, row 0 at the top, sRGB.
 
     Example:
         >>> texture("marble_1").shape

@@ -1,4 +1,4 @@
-"""Designs of rugs, each shown once over its whole rug."""
+"""Designs of rugs; an image covers its whole rug once."""
 
 import numpy as np
 
@@ -11,12 +11,12 @@ def _pile(rng: Rng, image: Rgb) -> Rgb:
 
 
 def _inward(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Distance from the edge, 0..0.5."""
+    """Return the distance from the edge, 0..0.5."""
     return np.minimum(np.minimum(u, 1 - u), np.minimum(v, 1 - v))
 
 
 def persian(rng: Rng, field: Color, border: Color, accent: Color, light: Color) -> Rgb:
-    """A medallion, corner pieces, and borders of small motifs."""
+    """Draw a medallion, corner pieces, and borders of small motifs."""
     u, v = pixels()
     x, y, edge = u - 0.5, v - 0.5, _inward(u, v)
     angle, radius = np.arctan2(y, x), np.hypot(x, y)
@@ -34,7 +34,7 @@ def persian(rng: Rng, field: Color, border: Color, accent: Color, light: Color) 
 
 
 def kilim(rng: Rng, colors: tuple[Color, ...], rows: int = 7) -> Rgb:
-    """Rows of stepped lozenges."""
+    """Draw rows of stepped lozenges."""
     u, v = pixels()
     row = (v * rows).astype(int)
     x = np.floor(np.abs((u * 4) % 1 - 0.5) * 16) / 16
@@ -44,7 +44,7 @@ def kilim(rng: Rng, colors: tuple[Color, ...], rows: int = 7) -> Rgb:
 
 
 def framed(rng: Rng, field: Color, border: Color, lines: int = 2) -> Rgb:
-    """A plain field with a broad border and thin lines."""
+    """Draw a plain field with a broad border and thin lines."""
     u, v = pixels()
     edge = _inward(u, v)
     image = np.where((edge < 0.1)[..., None], border, field) * np.ones((SIZE, SIZE, 1))
@@ -54,14 +54,14 @@ def framed(rng: Rng, field: Color, border: Color, lines: int = 2) -> Rgb:
 
 
 def steps(rng: Rng, colors: tuple[Color, ...], across: int = 11) -> Rgb:
-    """Broad stripes of several colours."""
+    """Draw broad stripes of several colours."""
     _, v = pixels()
     order = rng.integers(0, len(colors), across)
     return _pile(rng, np.asarray(colors)[order[(v * across).astype(int)]])
 
 
 def berber(rng: Rng, ground: Color, line: Color) -> Rgb:
-    """A pale shaggy field with a wobbly lattice."""
+    """Draw a pale shaggy field with an irregular lattice."""
     u, v = pixels()
     a = (3 * u + 3 * v + 0.04 * noise(rng, 8, 8)) % 1
     b = (3 * u - 3 * v + 0.04 * noise(rng, 8, 8)) % 1
@@ -70,7 +70,7 @@ def berber(rng: Rng, ground: Color, line: Color) -> Rgb:
 
 
 def abstract(rng: Rng, colors: tuple[Color, ...], blobs: int = 7) -> Rgb:
-    """Large overlapping shapes."""
+    """Draw large overlapping shapes."""
     u, v = pixels()
     image = np.tile(np.asarray(colors[0], float), (SIZE, SIZE, 1))
     for i, (x, y, size) in enumerate(rng.uniform(0, 1, (blobs, 3))):
@@ -80,14 +80,14 @@ def abstract(rng: Rng, colors: tuple[Color, ...], blobs: int = 7) -> Rgb:
 
 
 def rings(rng: Rng, colors: tuple[Color, ...], count: int = 9) -> Rgb:
-    """Circles around the middle, for round rugs."""
+    """Draw circles around the middle, for round rugs."""
     u, v = pixels()
     ring = (np.hypot(u - 0.5, v - 0.5) * 2 * count).astype(int)
     return _pile(rng, np.asarray(colors)[ring % len(colors)])
 
 
 def town(rng: Rng) -> Rgb:
-    """A play rug: streets, houses and a pond on grass."""
+    """Draw a play rug: streets, houses and a pond on grass."""
     u, v = pixels()
     image = np.tile(np.array([0.42, 0.62, 0.36]), (SIZE, SIZE, 1))
     streets = np.minimum(np.abs((u * 3) % 1 - 0.5) / 3, np.abs((v * 2) % 1 - 0.5) / 2)

@@ -10,7 +10,7 @@ from home_procgen.things.bath import basins, bathtubs, mirrors, paper, showers, 
 from home_procgen.things.beds import bunks, cots, double, single
 from home_procgen.things.decor import books, candles, clocks, figures, ornaments, pictures, table_clocks, vases
 from home_procgen.things.electronics import cleaning, gadgets, phones, screens, sound, televisions
-from home_procgen.things.family import Family
+from home_procgen.things.family import FurnitureFamily
 from home_procgen.things.green import plants
 from home_procgen.things.kitchen import cabinets, cookers, hanging, hoods, sinks
 from home_procgen.things.lamps import ceiling, chandeliers, floor, outdoor, pendants, table, wall
@@ -36,7 +36,7 @@ from home_procgen.things.toys import baskets, bins, pets, toys
 from home_procgen.things.vehicles import cars, cycles
 from home_procgen.things.walls import coolers, fans, fences, fireplaces, heaters, partitions, switches
 
-__all__ = ["families", "family_models", "library", "library_model", "model_of"]
+__all__ = ["families", "family_models", "get_model", "library", "library_model"]
 
 _MODULES = (
     *(chairs, stools, armchairs, office, sofas, ottomans, benches, patio),
@@ -65,13 +65,13 @@ _MODULES = (
 
 
 @cache
-def families() -> Mapping[str, Family]:
+def families() -> Mapping[str, FurnitureFamily]:
     """Return the families of the library by name."""
     return {family.name: family for module in _MODULES for family in module.FAMILIES}
 
 
 @cache
-def model_of(family: str, number: int) -> Furniture:
+def get_model(family: str, number: int) -> Furniture:
     """Return one library model, built on first use.
 
     Args:
@@ -93,7 +93,7 @@ def library_model(model_id: str) -> Furniture:
         True
     """
     family, _, number = model_id.removeprefix("home_").rpartition("_")
-    return model_of(family, int(number))
+    return get_model(family, int(number))
 
 
 @cache
@@ -104,7 +104,7 @@ def library() -> Mapping[str, Furniture]:
         >>> library()["home_sofa_2"].fine
         'sofa'
     """
-    models = (model_of(family.name, n) for family in families().values() for n in family.numbers)
+    models = (get_model(family.name, n) for family in families().values() for n in family.numbers)
     return MappingProxyType({model.id: model for model in models})
 
 

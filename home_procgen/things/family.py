@@ -13,11 +13,11 @@ from home_procgen.primitives.family import Bulb, Furniture
 from home_procgen.primitives.solids import Solid, move, to_mesh
 from home_procgen.shapes.normals import corner_normals
 from home_procgen.things.finishes import FINISHES
-from home_procgen.things.parts import joints_of
+from home_procgen.things.parts import make_joints
 
 
 @dataclass(frozen=True)
-class Design:
+class FurnitureDesign:
     """Construction function and its parameters."""
 
     build: Callable[..., Iterable[Solid | Bulb]]
@@ -29,18 +29,18 @@ class Design:
         return self.build.__name__
 
 
-def design(build: Callable[..., Iterable[Solid | Bulb]], **parameters: Any) -> Design:
-    """Return a `Design` with these parameters."""
-    return Design(build, parameters)
+def design(build: Callable[..., Iterable[Solid | Bulb]], **parameters: Any) -> FurnitureDesign:
+    """Return a `FurnitureDesign` with these parameters."""
+    return FurnitureDesign(build, parameters)
 
 
-def kinds_of(build: Callable[..., Iterable[Solid | Bulb]], *kinds: str) -> tuple[Design, ...]:
-    """Return one `Design` per kind, with default parameters otherwise."""
+def design_kinds(build: Callable[..., Iterable[Solid | Bulb]], *kinds: str) -> tuple[FurnitureDesign, ...]:
+    """Return one `FurnitureDesign` per kind, with default parameters otherwise."""
     return tuple(design(build, kind=kind) for kind in kinds)
 
 
 @dataclass(frozen=True)
-class Family:
+class FurnitureFamily:
     """Interchangeable library models of one kind of furniture.
 
     A slot's finish is its name without a trailing number, unless `finishes` overrides it. Slots are numbered in the
@@ -57,7 +57,7 @@ class Family:
 
     name: str
     fine: str
-    designs: tuple[Design, ...]
+    designs: tuple[FurnitureDesign, ...]
     closed: Mapping[str, Any] | None = None
     centred: bool = True
     finishes: Mapping[str, str] = field(default_factory=dict)
@@ -78,7 +78,7 @@ class Family:
             number: Number of the model, from 1.
         """
         model_id, made = f"home_{self.name}_{number}", self.designs[number - 1]
-        solids, bulbs, parts = _built(made, {}, self.centred)
+        solids, bulbs, parts = _build_solids(made, {}, self.centred)
         names = list(dict.fromkeys(str(solid.material) for solid in solids))
         slots = {name: self.finishes.get(name, name.rstrip("_0123456789")) for name in names}
         materials = tuple(
@@ -86,45 +86,45 @@ class Family:
             for i, finish in enumerate(slots.values())
         )
         folder = Path("object") / model_id
-        mesh = _smooth(to_mesh(folder / f"{model_id}.obj", solids, names, materials))
+        mesh = _add_normals(to_mesh(folder / f"{model_id}.obj", solids, names, materials))
         closed = None
         if self.closed is not None:
-            shut = _built(made, self.closed, self.centred)[0]
-            closed = _smooth(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
-        joints, lights = joints_of(model_id, solids, mesh), tuple(map(_light, bulbs))
+            shut = _build_solids(made, self.closed, self.centred)[0]
+            closed = _add_normals(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
+        joints, lights = make_joints(model_id, solids, mesh), tuple(map(_make_light, bulbs))
         return Furniture(model_id, self.name, self.fine, slots, mesh, parts, lights, closed, joints)
 
 
-def _built(
-    made: Design, change: Mapping[str, Any], centred: bool
+def _build_solids(
+    made: FurnitureDesign, change: Mapping[str, Any], centred: bool
 ) -> tuple[list[Solid], list[Bulb], Float[np.ndarray, "_ 2 3"]]:
     """Build the solids and bulbs of a design with its lowest point at height 0, and the solids' bounding boxes."""
     pieces = list(made.build(**{**made.parameters, **change}))
     solids = [piece for piece in pieces if isinstance(piece, Solid)]
     boxes = np.stack([solid.box for solid in solids])
-    shift = _to_origin(boxes, centred)
-    bulbs = [_shifted(piece, shift) for piece in pieces if isinstance(piece, Bulb)]
+    shift = _origin_shift(boxes, centred)
+    bulbs = [_move_bulb(piece, shift) for piece in pieces if isinstance(piece, Bulb)]
     return [move(solid, shift) for solid in solids], bulbs, boxes + shift
 
 
-def _to_origin(boxes: Float[np.ndarray, "_ 2 3"], centred: bool) -> Float[np.ndarray, " 3"]:
+def _origin_shift(boxes: Float[np.ndarray, "_ 2 3"], centred: bool) -> Float[np.ndarray, " 3"]:
     low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
     middle = (low + high) / 2 if centred else np.zeros(3)
     return -np.array([middle[0], low[1] if centred else 0.0, middle[2]])
 
 
-def _shifted(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Bulb:
+def _move_bulb(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Bulb:
     x, y, z = (np.asarray(bulb.position) + shift).tolist()
     return Bulb((x, y, z), bulb.power)
 
 
-def _smooth(mesh: Mesh) -> Mesh:
+def _add_normals(mesh: Mesh) -> Mesh:
     """Add vertex normals and drop unused vertices, which OBJ files do not store."""
     used, faces = np.unique(mesh.faces, return_inverse=True)
     faces = faces.reshape(mesh.faces.shape).astype(mesh.faces.dtype)
     return replace(mesh, vertices=mesh.vertices[used], faces=faces, normal=corner_normals(mesh.vertices[used], faces))
 
 
-def _light(bulb: Bulb) -> Light:
+def _make_light(bulb: Bulb) -> Light:
     x, y, z = np.round(bulb.position, 6).tolist()
     return Light("PointLight", bulb.power, (1.0, 1.0, 1.0), (x, y, z))

@@ -10,9 +10,9 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, sweep, tube
-from home_procgen.things.parts import Opens, front_part, marked
+from home_procgen.things.parts import OpeningMotion, assign_part, front_part
 
-BOARD = 0.02  # [m], thickness of boards
+BOARD_THICKNESS = 0.02  # [m], thickness of boards
 LegKind = Literal["square", "taper", "splay", "turned", "hairpin", "sled", "block", "cabriole"]
 HandleKind = Literal["bar", "knob", "cup", "slot", "ring", "none"]
 
@@ -82,7 +82,7 @@ def handle(material: str, at: Vector, kind: HandleKind, upright: bool, length: f
         yield rod(material, (x - dx, y - dy, z + 0.028), (x + dx, y + dy, z + 0.028), 0.006)
     elif kind == "knob":
         knob = turned(material, [(0.006, 0.0), (0.006, 0.012), (0.016, 0.02), (0.013, 0.03)], sides=10, steps=2)
-        yield from placed_front([knob], at)
+        yield from lay_towards_front([knob], at)
     elif kind == "cup":
         yield rounded(material, (0.08, 0.03, 0.026), (x, y - 0.015, z + 0.012), 0.012, 2)
     elif kind == "ring":
@@ -92,7 +92,7 @@ def handle(material: str, at: Vector, kind: HandleKind, upright: bool, length: f
         yield box(material, (1.6 * dx + 0.01, 1.6 * dy + 0.01, 0.006), (x, y - 0.8 * dy - 0.005, z + 0.002))
 
 
-def placed_front(pieces: Iterable[Solid], at: Vector) -> Iterator[Solid]:
+def lay_towards_front(pieces: Iterable[Solid], at: Vector) -> Iterator[Solid]:
     """Rotate upright pieces so that their axis points towards +z, and move their foot to `at` [m]."""
     for piece in pieces:
         laid = rotate(piece, 0, np.pi / 2)
@@ -106,7 +106,7 @@ def front(
     style: Literal["flat", "shaker", "raised", "cane", "glass", "slats", "grooves"] = "flat",
     grip: tuple[str, HandleKind, float, float] | None = None,
     upright: bool = True,
-    opens: Opens | None = None,
+    opens: OpeningMotion | None = None,
 ) -> Iterator[Solid]:
     """Build one door or drawer front of `size` with its lower left corner at `at`; its outer face is 2 cm in front.
 
@@ -120,9 +120,9 @@ def front(
         opens: Hinged edge, or the distance a drawer slides out [m]; None if fixed.
     """
     board = (size[0] - 0.005, size[1] - 0.005)
-    corner = (at[0] + 0.0025, at[1] + 0.0025, at[2] + BOARD)
+    corner = (at[0] + 0.0025, at[1] + 0.0025, at[2] + BOARD_THICKNESS)
     part = None if opens is None else front_part(opens, corner, board)
-    yield from marked(part, _front(material, size, at, style, grip, upright))
+    yield from assign_part(part, _front(material, size, at, style, grip, upright))
 
 
 def _front(
@@ -135,26 +135,26 @@ def _front(
 ) -> Iterator[Solid]:
     (w, h), (x, y, z) = (size[0] - 0.005, size[1] - 0.005), (at[0] + size[0] / 2, at[1] + 0.0025, at[2])
     if style in ("flat", "raised", "slats", "grooves"):
-        yield rounded(material, (w, h, BOARD), (x, y, z + BOARD / 2), 0.004, 1)
+        yield rounded(material, (w, h, BOARD_THICKNESS), (x, y, z + BOARD_THICKNESS / 2), 0.004, 1)
     else:
         yield from _framed(material, (w, h), (x, y, z), {"cane": "cane", "glass": "glass"}.get(style, material))
     if style == "raised" and min(w, h) > 0.14:
-        yield rounded(material, (w - 0.1, h - 0.1, 0.016), (x, y + 0.05, z + BOARD + 0.002), 0.008, 1)
+        yield rounded(material, (w - 0.1, h - 0.1, 0.016), (x, y + 0.05, z + BOARD_THICKNESS + 0.002), 0.008, 1)
     if style == "slats":
         count = max(int(w / 0.05), 3)
         for i in range(count):
             yield box(
                 material,
                 (0.5 * w / count, h - 0.02, 0.012),
-                (x + ((i + 0.5) / count - 0.5) * w, y + 0.01, z + BOARD + 0.005),
+                (x + ((i + 0.5) / count - 0.5) * w, y + 0.01, z + BOARD_THICKNESS + 0.005),
             )
     if style == "grooves":
         for k in (0.25, 0.5, 0.75):
-            yield box("black", (w - 0.03, 0.006, 0.004), (x, y + k * h, z + BOARD))
+            yield box("black", (w - 0.03, 0.006, 0.004), (x, y + k * h, z + BOARD_THICKNESS))
     if grip is not None:
         slot, kind, across, up = grip
         length = min(0.16, 0.5 * (size[1] if upright else size[0]))
-        place = (at[0] + across * size[0], at[1] + up * size[1], z + BOARD)
+        place = (at[0] + across * size[0], at[1] + up * size[1], z + BOARD_THICKNESS)
         yield from handle(slot, place, kind, upright, length)
 
 
@@ -162,8 +162,12 @@ def _framed(material: str, size: tuple[float, float], at: Vector, panel: str) ->
     (w, h), (x, y, z) = size, at
     rail = min(0.06, 0.25 * min(w, h))
     for side in (-1, 1):
-        yield box(material, (rail, h, BOARD), (x + side * (w - rail) / 2, y, z + BOARD / 2))
-        yield box(material, (w - 2 * rail, rail, BOARD), (x, y + (h - rail) * (side + 1) / 2, z + BOARD / 2))
+        yield box(material, (rail, h, BOARD_THICKNESS), (x + side * (w - rail) / 2, y, z + BOARD_THICKNESS / 2))
+        yield box(
+            material,
+            (w - 2 * rail, rail, BOARD_THICKNESS),
+            (x, y + (h - rail) * (side + 1) / 2, z + BOARD_THICKNESS / 2),
+        )
     yield box(panel, (w - 2 * rail, h - 2 * rail, 0.008), (x, y + rail, z + 0.006))
 
 
@@ -176,7 +180,7 @@ def doors(
     style: str = "flat",
     grip: tuple[str, HandleKind] = ("chrome", "bar"),
     up: float = 0.5,
-    opens: Opens | None = None,
+    opens: OpeningMotion | None = None,
 ) -> Iterator[Solid]:
     """Build doors side by side over width x height; `at` is the lower left corner of their back faces [m].
 
@@ -199,7 +203,7 @@ def drawers(
     style: str = "flat",
     grip: tuple[str, HandleKind] = ("chrome", "bar"),
     graded: bool = False,
-    opens: Opens = 0.3,
+    opens: OpeningMotion = 0.3,
 ) -> Iterator[Solid]:
     """Build drawers over width x height; `graded` makes lower ones taller, `opens` is their travel [m]."""
     share = np.linspace(1.5, 0.7, rows) if graded else np.ones(rows)
@@ -211,12 +215,12 @@ def drawers(
             yield from front(material, size, corner, style, (*grip, 0.5, 0.55), False, opens)  # type: ignore[arg-type]
 
 
-def body(material: str, width: float, height: float, depth: float, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
+def cabinet_body(material: str, width: float, height: float, depth: float, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
     """Build the solid body of a cabinet, 2 cm less deep than its doors reach [m]."""
-    return box(material, (width, height, depth - BOARD), (at[0], at[1], at[2] - BOARD / 2))
+    return box(material, (width, height, depth - BOARD_THICKNESS), (at[0], at[1], at[2] - BOARD_THICKNESS / 2))
 
 
-def case(
+def open_case(
     material: str,
     width: float,
     height: float,
@@ -229,13 +233,15 @@ def case(
     """Build an open case: sides, bottom, top, shelves at heights `levels` [m], uprights at fractions of the width."""
     x, y, z = at
     for side in (-1, 1):
-        yield box(material, (BOARD, height, depth), (x + side * (width - BOARD) / 2, y, z))
-    inner = width - 2 * BOARD
-    for level in (0.0, *levels, height - BOARD):
-        yield box(material, (inner, BOARD, depth - 0.012), (x, y + level, z + 0.006))
+        yield box(material, (BOARD_THICKNESS, height, depth), (x + side * (width - BOARD_THICKNESS) / 2, y, z))
+    inner = width - 2 * BOARD_THICKNESS
+    for level in (0.0, *levels, height - BOARD_THICKNESS):
+        yield box(material, (inner, BOARD_THICKNESS, depth - 0.012), (x, y + level, z + 0.006))
     for share in uprights:
         yield box(
-            material, (BOARD, height - 2 * BOARD, depth - 0.016), (x + (share - 0.5) * width, y + BOARD, z + 0.006)
+            material,
+            (BOARD_THICKNESS, height - 2 * BOARD_THICKNESS, depth - 0.016),
+            (x + (share - 0.5) * width, y + BOARD_THICKNESS, z + 0.006),
         )
     if back:
         yield box(back, (width - 0.01, height - 0.01, 0.01), (x, y + 0.005, z - depth / 2 + 0.005))
@@ -283,7 +289,7 @@ def roller(material: str, radius: float, wide: float, at: Vector, sides: int) ->
     return move(laid, np.asarray(at))
 
 
-def bow(
+def bow_handle(
     material: str, half: float, heights: tuple[float, float], z: float, bend: float, radius: float, sides: int = 8
 ) -> Solid:
     """Build a bent handle from x = -half to half, rising from the first to the second of `heights` [m]."""

@@ -14,21 +14,21 @@ from home_mjx.schema.house import Mesh
 from home_procgen.primitives.parts import Part
 from home_procgen.primitives.solids import Solid, Vector
 
-QUARTER = np.pi / 2
-TIPPED = 1.0  # [rad], range of tip-out fronts
-LIFTED = 1.3  # [rad], range of lids
-# Hinged edge of a front towards +z, or the travel of a drawer [m]; `tips`: lower edge, range `TIPPED`.
-Opens = Literal["left", "right", "bottom", "top", "tips"] | float
-_HUNG = {
-    "left": ("door", (0.0, -1.0, 0.0), (0.0, 0.0), QUARTER),
-    "right": ("door", (0.0, 1.0, 0.0), (1.0, 0.0), QUARTER),
-    "bottom": ("door", (1.0, 0.0, 0.0), (0.0, 0.0), QUARTER),
-    "top": ("flap", (-1.0, 0.0, 0.0), (0.0, 1.0), QUARTER),
-    "tips": ("flap", (1.0, 0.0, 0.0), (0.0, 0.0), TIPPED),
+QUARTER_TURN = np.pi / 2
+TIP_OUT_ANGLE = 1.0  # [rad], range of tip-out fronts
+LID_ANGLE = 1.3  # [rad], range of lids
+# Hinged edge of a front towards +z, or the travel of a drawer [m]; `tips`: lower edge, range `TIP_OUT_ANGLE`.
+OpeningMotion = Literal["left", "right", "bottom", "top", "tips"] | float
+_HINGES = {
+    "left": ("door", (0.0, -1.0, 0.0), (0.0, 0.0), QUARTER_TURN),
+    "right": ("door", (0.0, 1.0, 0.0), (1.0, 0.0), QUARTER_TURN),
+    "bottom": ("door", (1.0, 0.0, 0.0), (0.0, 0.0), QUARTER_TURN),
+    "top": ("flap", (-1.0, 0.0, 0.0), (0.0, 1.0), QUARTER_TURN),
+    "tips": ("flap", (1.0, 0.0, 0.0), (0.0, 0.0), TIP_OUT_ANGLE),
 }
 
 
-def front_part(opens: Opens, corner: Vector, size: tuple[float, float]) -> Part:
+def front_part(opens: OpeningMotion, corner: Vector, size: tuple[float, float]) -> Part:
     """Return the part of a front towards +z, hinged at an outer edge so that it clears its neighbours.
 
     Args:
@@ -42,23 +42,23 @@ def front_part(opens: Opens, corner: Vector, size: tuple[float, float]) -> Part:
     """
     if not isinstance(opens, str):
         return Part("drawer", "slide", (0.0, 0.0, 1.0), corner, opens)
-    name, axis, (across, up), reach = _HUNG[opens]
+    name, axis, (across, up), reach = _HINGES[opens]
     point = (corner[0] + across * size[0], corner[1] + up * size[1], corner[2])
     return Part(name, "hinge", axis, point, reach)
 
 
 def lid_part(y: float, z: float, x: float = 0.0) -> Part:
     """Return the part of a lid hinged at its back edge, at height y and depth z; x separates equal lids [m]."""
-    return Part("lid", "hinge", (-1.0, 0.0, 0.0), (x, y, z), LIFTED)
+    return Part("lid", "hinge", (-1.0, 0.0, 0.0), (x, y, z), LID_ANGLE)
 
 
-def marked(part: Part | None, pieces: Iterable[Solid]) -> Iterator[Solid]:
+def assign_part(part: Part | None, pieces: Iterable[Solid]) -> Iterator[Solid]:
     """Assign pieces to a part; None clears it."""
     for piece in pieces:
         yield replace(piece, part=part)
 
 
-def panel(opens: Opens, board: Solid, *others: Solid, name: str | None = None) -> Iterator[Solid]:
+def panel(opens: OpeningMotion, board: Solid, *others: Solid, name: str | None = None) -> Iterator[Solid]:
     """Build one part from a board towards +z and the pieces fixed to it.
 
     Args:
@@ -69,15 +69,15 @@ def panel(opens: Opens, board: Solid, *others: Solid, name: str | None = None) -
     """
     (x0, y0, _), (x1, y1, z1) = board.box.tolist()
     part = front_part(opens, (x0, y0, z1), (x1 - x0, y1 - y0))
-    yield from marked(replace(part, name=name or part.name), (board, *others))
+    yield from assign_part(replace(part, name=name or part.name), (board, *others))
 
 
-def parts_of(pieces: Iterable[Solid]) -> list[Part]:
+def collect_parts(pieces: Iterable[Solid]) -> list[Part]:
     """Return the distinct parts of pieces, in order."""
     return list(dict.fromkeys(piece.part for piece in pieces if piece.part is not None))
 
 
-def joints_of(model_id: str, solids: Sequence[Solid], mesh: Mesh) -> tuple[Joint, ...]:
+def make_joints(model_id: str, solids: Sequence[Solid], mesh: Mesh) -> tuple[Joint, ...]:
     """Return the joints of a model.
 
     Args:
@@ -85,18 +85,18 @@ def joints_of(model_id: str, solids: Sequence[Solid], mesh: Mesh) -> tuple[Joint
         solids: Solids of the model, in its frame.
         mesh: Mesh that `to_mesh` made from the solids.
     """
-    faces, count = _faces_by_part(solids, mesh), Counter[str]()
+    faces, count = _group_faces(solids, mesh), Counter[str]()
     joints = []
     for part, own in faces.items():
         count[part.name] += 1
-        axis, point = _rounded(part.axis), _rounded(part.point)
+        axis, point = _round_vector(part.axis), _round_vector(part.point)
         reach = round(float(part.reach), 6)
         name = f"{part.name}_{count[part.name]}"
-        joints.append(Joint(model_id, name, part.kind, axis, point, 0.0, reach, _runs(own)))
+        joints.append(Joint(model_id, name, part.kind, axis, point, 0.0, reach, _find_runs(own)))
     return tuple(joints)
 
 
-def _faces_by_part(solids: Sequence[Solid], mesh: Mesh) -> dict[Part, Int[np.ndarray, " _"]]:
+def _group_faces(solids: Sequence[Solid], mesh: Mesh) -> dict[Part, Int[np.ndarray, " _"]]:
     """Return the faces of each part as ascending positions in the OBJ file."""
     line = np.argsort(face_order(mesh))
     first = np.cumsum([0] + [len(solid.faces) for solid in solids])
@@ -107,12 +107,12 @@ def _faces_by_part(solids: Sequence[Solid], mesh: Mesh) -> dict[Part, Int[np.nda
     return {part: np.sort(np.concatenate(own)) for part, own in found.items()}
 
 
-def _runs(numbers: Int[np.ndarray, " n"]) -> tuple[tuple[int, int], ...]:
+def _find_runs(numbers: Int[np.ndarray, " n"]) -> tuple[tuple[int, int], ...]:
     """Return the first and last number of each run of consecutive numbers."""
     breaks = np.flatnonzero(np.diff(numbers) != 1) + 1
     return tuple((int(run[0]), int(run[-1])) for run in np.split(numbers, breaks))
 
 
-def _rounded(values: Vector) -> Vector:
+def _round_vector(values: Vector) -> Vector:
     x, y, z = (round(float(value), 6) + 0.0 for value in values)
     return x, y, z

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.datasets.seeds import house_id
-from home_mjx.schema.house import House, Level, Mesh, Object, Room
+from home_mjx.schema.house import House, Level, Mesh, ObjectNode, RoomNode
 from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.floor_plan.walls import room_meshes
 from home_procgen.v1.design import Design, draw_design
@@ -37,11 +37,11 @@ def to_house(name: str, design: Design) -> House:
     return House(name, "suncg@1.0.0", Path("house") / name / "house.json", (level,), models)
 
 
-def _room(design: Design, index: int, folder: Path) -> Room:
+def _room(design: Design, index: int, folder: Path) -> RoomNode:
     plan, count = design.plan, len(design.plan.rooms)
     openings = [opening.placed for opening in plan.openings]
     floor, ceiling, walls = room_meshes(folder, index, plan.rooms[index], plan.height, openings, design.surfaces[index])
-    return Room(
+    return RoomNode(
         id=f"0_{index}",
         index=index,
         path=f"levels[0].nodes[{index}]",
@@ -55,11 +55,11 @@ def _room(design: Design, index: int, folder: Path) -> Room:
     )
 
 
-def furniture_object(placed: PlacedFurniture, index: int) -> Object:
+def furniture_object(placed: PlacedFurniture, index: int) -> ObjectNode:
     """The node of a piece of furniture on the lowest level."""
     transform = np.eye(4)
     transform[:3, :3], transform[:3, 3] = placed.linear, placed.position
-    return Object(
+    return ObjectNode(
         id=f"0_{index}",
         index=index,
         path=f"levels[0].nodes[{index}]",

@@ -13,11 +13,11 @@ from typing import NamedTuple, SupportsIndex
 
 from tqdm import tqdm
 
-from home_mjx.core.files import write_through
+from home_mjx.core.files import write_synced
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.workers import usable_cores, worker_pool
-from home_mjx.datasets.seeds import MARKER, house_id
-from home_mjx.datasets.suncg.write.house import PARTIAL, is_whole_house, write_house, write_library
+from home_mjx.datasets.seeds import GENERATED_MARKER, house_id
+from home_mjx.datasets.suncg.write.house import PARTIAL_PREFIX, is_house_complete, write_house, write_library
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.schema.house import ModelInfo
@@ -103,18 +103,22 @@ def _claim(root: Path, version: int = VERSION) -> None:
     try:
         root.mkdir(parents=True, exist_ok=True)
         # Another process may be about to mark the same new folder: its unfinished marker does not count.
-        if all(path.name.startswith(f".{MARKER}.") for path in root.iterdir()):
-            temporary = root / f".{MARKER}.{os.getpid()}"
+        if all(path.name.startswith(f".{GENERATED_MARKER}.") for path in root.iterdir()):
+            temporary = root / f".{GENERATED_MARKER}.{os.getpid()}"
             # On the disk first: after a power cut the folder would else be nobody's, for ever.
-            write_through(temporary, json.dumps(marker).encode())
-            temporary.replace(root / MARKER)
-        found = json.loads((root / MARKER).read_text(encoding="utf-8")) if (root / MARKER).exists() else None
+            write_synced(temporary, json.dumps(marker).encode())
+            temporary.replace(root / GENERATED_MARKER)
+        found = (
+            json.loads((root / GENERATED_MARKER).read_text(encoding="utf-8"))
+            if (root / GENERATED_MARKER).exists()
+            else None
+        )
     except OSError as error:
         hint = f"Set {CACHE_VARIABLE} to a folder of yours." if ours else "Choose another folder."
         raise DatasetError(f"folder cannot be used: {error}", file=root, hint=hint) from None
     except (ValueError, RecursionError) as error:
         hint = REMOVE if ours else "Remove it or choose another folder."
-        raise DatasetError(f"folder has a broken {MARKER}: {error}", file=root, hint=hint) from None
+        raise DatasetError(f"folder has a broken {GENERATED_MARKER}: {error}", file=root, hint=hint) from None
     if found is None:
         hint = REMOVE if ours else "Choose an empty or new folder."
         raise DatasetError("folder holds something that was not generated here", file=root, hint=hint)
@@ -126,7 +130,7 @@ def _claim(root: Path, version: int = VERSION) -> None:
 
 def _sweep(root: Path) -> None:
     """Removes what killed writers have left."""
-    for path in (*root.glob(f"{PARTIAL}*"), *root.glob(f".{MARKER}.*")):
+    for path in (*root.glob(f"{PARTIAL_PREFIX}*"), *root.glob(f".{GENERATED_MARKER}.*")):
         with suppress(OSError):  # another process may be at it
             if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
@@ -134,7 +138,7 @@ def _sweep(root: Path) -> None:
 
 def _is_whole(root: Path, house: str) -> bool:
     """Whether a house exists as it was written. Another is removed, because writing keeps existing houses."""
-    if is_whole_house(root, house):
+    if is_house_complete(root, house):
         return True
     if (root / "house" / house).exists():
         log.warning("broken house %s is made again", root / "house" / house)

@@ -14,10 +14,10 @@ from streamed_houses import IDS, ids_of, run_until, write_streamed_houses
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing import pack
-from home_mjx.bank.packing.capacity import AXES, axis_lengths, capacity_of, row_stride
-from home_mjx.bank.packing.pack import check_house
-from home_mjx.bank.records import Finish, Physics, schema
-from home_mjx.bank.records.bank_arrays import RECORDS, array_of
+from home_mjx.bank.packing.capacity import AXES, axis_lengths, capacity_of, slot_stride
+from home_mjx.bank.packing.pack import check_house_fits
+from home_mjx.bank.records import Finish, Physics, declarations
+from home_mjx.bank.records.bank_arrays import RECORDS, get_array
 from home_mjx.bank.records.declaration import ROW_KINDS
 from home_mjx.bank.usage import bank_usage, planned_bytes
 from home_mjx.core.pytree import array
@@ -83,7 +83,7 @@ def test_a_declared_array_counts_as_its_houses(monkeypatch):
 
 
 def test_a_declared_array_is_exchanged_in_a_stream(more, root):
-    with HouseStream(root, IDS, num_slots=4, headroom=2.0) as stream:
+    with HouseStream(root, IDS, num_slots=4, capacity_factor=2.0) as stream:
         check(stream.bank)
         run_until(stream, 5)
         check(stream.bank)
@@ -94,14 +94,14 @@ def test_a_declared_array_is_exchanged_in_a_stream(more, root):
 def test_every_array_of_a_bank_is_declared_or_derived():
     bank = HouseBank.from_compiled([shoebox(furniture=[STOOL])])
     paths = [jax.tree_util.keystr(path).lstrip(".") for path, _ in jax.tree_util.tree_flatten_with_path(bank)[0]]
-    assert set(paths) - {declared.name for declared in schema()} == {"draw"}
+    assert set(paths) - {declared.name for declared in declarations()} == {"draw"}
 
 
 def test_arrays_have_the_shape_dtype_and_fill_that_they_are_declared_with():
     houses = [shoebox(furniture=[STOOL, STOOL]), two_rooms()]
     bank, lengths = HouseBank.from_compiled(houses), axis_lengths(capacity_of(houses)) | {"h": 2}
-    for declared in schema():
-        values = np.asarray(array_of(bank, declared.key))
+    for declared in declarations():
+        values = np.asarray(get_array(bank, declared.key))
         assert values.dtype == declared.dtype, declared.name
         assert values.ndim == len(declared.axes), declared.name
         for length, axis in zip(values.shape, declared.axes, strict=True):
@@ -111,7 +111,7 @@ def test_arrays_have_the_shape_dtype_and_fill_that_they_are_declared_with():
 def test_axes_are_known():
     """A name that is no axis would only be found when a bank is packed."""
     known = {*AXES, *ROW_KINDS, "h", "doors", "rooms_and_none", "bands", "columns", "id_bytes", "layers", "texels"}
-    assert {axis for declared in schema() for axis in declared.axes if not axis.isdigit()} <= known
+    assert {axis for declared in declarations() for axis in declared.axes if not axis.isdigit()} <= known
 
 
 def test_values_that_do_not_fit_their_axes_are_refused(monkeypatch):
@@ -138,10 +138,10 @@ def test_the_documented_table_is_that_of_the_schema():
 
 def test_a_house_beyond_the_capacity_is_refused_with_the_numbers(monkeypatch):
     houses = [shoebox(furniture=[STOOL] * count) for count in (8, 9)]
-    capacity, stride = capacity_of(houses[:1]), row_stride(houses, 1.0)
-    check_house(houses[0], capacity, stride)
+    capacity, stride = capacity_of(houses[:1]), slot_stride(houses, 1.0)
+    check_house_fits(houses[0], capacity, stride)
     with pytest.raises(CapacityError, match=r"house \S+ needs 9 bodies, 8 fit"):
-        check_house(houses[1], capacity, stride)
+        check_house_fits(houses[1], capacity, stride)
     bank = HouseBank.from_compiled(houses[:1])
     count = len(bank.geometry.triangle)
     monkeypatch.setattr(pack, "MAX_TRIANGLES", 50)

@@ -5,7 +5,7 @@ import jax
 from handmade import Furniture, shoebox, two_rooms
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.records import schema
+from home_mjx.bank.records import declarations
 from home_mjx.bank.usage import bank_bytes, bank_usage, planned_bytes
 
 STOOL, DESK = Furniture((1.0, 0.5), mass=4.0), Furniture((-1.5, -1.0), category="desk")
@@ -35,7 +35,7 @@ def test_a_models_bytes_are_those_of_its_arrays():
     model = house.models[house.instances.model[1]]
     triangles, nodes = len(model.triangle), len(model.tree.child)
     rows, bank = {"triangle": triangles, "node": nodes, "model": 1}, HouseBank.from_compiled([house])
-    tables = {declared.name: declared.kind for declared in schema() if declared.kind in rows}
+    tables = {declared.name: declared.kind for declared in declarations() if declared.kind in rows}
     assert len(tables) >= 9
     expected = sum(rows[kind] * attrgetter(name)(bank)[0].nbytes for name, kind in tables.items())
     assert bank_usage([house]).models[model.key] == expected
@@ -45,4 +45,4 @@ def test_bytes_are_known_before_a_bank_is_made():
     houses = [shoebox(furniture=[STOOL, DESK]), two_rooms()]
     planned, bank = planned_bytes(houses), HouseBank.from_compiled(houses)
     assert planned == {name: attrgetter(name)(bank).nbytes for name in planned}
-    assert bank_bytes(bank) == sum(planned.values()) + bank.draw.nbytes
+    assert bank_bytes(bank) == sum(planned.values()) + bank.reset_houses.nbytes

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from home_mjx.audio_jax.parameters.survey import SURVEY
+from home_mjx.audio_jax.parameters.survey import SURVEY_CONFIG
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
-from home_mjx.cli.commands.render import CUT_WALL, MARGIN
-from home_mjx.cli.floors import fewer_rays
-from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_view
+from home_mjx.cli.commands.render import CUT_WALL_GREY, STOREY_MARGIN
+from home_mjx.cli.floors import reduce_rays
+from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_free_direction
 from home_mjx.houses import house_cache, load_bank
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.schema.compiled import Rooms
-from home_mjx.viewer.pictures.pictures import id_colours
+from home_mjx.schema.compiled import RoomTable
+from home_mjx.viewer.pictures.pictures import colour_ids
 from home_procgen.v1.dataset import generate_dataset
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
@@ -173,18 +173,18 @@ def test_top_shows_every_room_where_the_navigation_grid_has_it(houses: Path, tmp
     (house,) = HouseSet(houses, num_houses=1).load()
     corners = np.concatenate(house.rooms.polygon)
     low, high = corners.min(0), corners.max(0)
-    fovy = max(high[1] - low[1], (high[0] - low[0]) * height / width) + 2 * MARGIN
+    fovy = max(high[1] - low[1], (high[0] - low[0]) * height / width) + 2 * STOREY_MARGIN
     rows, columns = np.nonzero(house.navigation.region[0] >= 0)
     points = house.navigation.origin + (np.stack([columns, rows], -1) + 0.5) * house.navigation.cell
     x, y = ((points - (low + high) / 2) * height / fovy).T
     seen = np.asarray(Image.open(tmp_path / "room.png"))[(height / 2 - y).astype(int), (width / 2 + x).astype(int)]
-    wanted = id_colours(house.navigation.room[0][rows, columns][None].astype(int))[0]
+    wanted = colour_ids(house.navigation.room[0][rows, columns][None].astype(int))[0]
     assert (seen == wanted).all(-1).mean() > 0.97  # a door's leaf may hang over the next room
 
 
 def test_cut_walls_are_dark_in_the_plan(houses: Path, tmp_path: Path):
     assert main(["render", "--dataset", str(houses), "--top", "--size", "320", "240", "--out", str(tmp_path)]) == 0
-    dark = (np.asarray(Image.open(tmp_path / "rgb.png")) == CUT_WALL).all(-1)
+    dark = (np.asarray(Image.open(tmp_path / "rgb.png")) == CUT_WALL_GREY).all(-1)
     assert dark.any(axis=0).sum() > 0.9 * np.ptp(np.flatnonzero(dark.any(axis=0)))  # outer walls run all around
     assert 0.01 < dark.mean() < 0.15
 
@@ -203,7 +203,7 @@ def test_a_storey_that_is_not_there_is_refused(houses: Path, tmp_path: Path, cap
 def test_a_terrace_does_not_lower_the_camera_of_a_plan():
     """What is outdoors ends where its floor is."""
     floor, ceiling = np.array([0.05, 0.05, 2.85]), np.array([2.69, 0.05, 5.5])
-    rooms = Rooms(np.zeros(3, int), np.zeros(3, int), (np.zeros((3, 2)),) * 3, floor, ceiling)
+    rooms = RoomTable(np.zeros(3, int), np.zeros(3, int), (np.zeros((3, 2)),) * 3, floor, ceiling)
     assert _lowest_ceiling(rooms, np.array([0, 1])) == pytest.approx(2.69)
     assert _lowest_ceiling(rooms, np.array([0, 1, 2])) == pytest.approx(2.69)
     assert 1 < _lowest_ceiling(rooms, np.array([1])) < 2
@@ -212,7 +212,7 @@ def test_a_terrace_does_not_lower_the_camera_of_a_plan():
 def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
     bank = load_bank(houses, num_houses=1)
     feet = np.asarray(bank.navigation.start[0, 0])
-    yaw = longest_view(bank, feet)  # so that nothing stands between head and source
+    yaw = longest_free_direction(bank, feet)  # so that nothing stands between head and source
     source = np.add(feet, [np.cos(yaw), np.sin(yaw), EYE_HEIGHT])
     where = ["--source", *map(str, source)]
     assert main(["listen", "--dataset", str(houses), "--out", str(tmp_path), "--clip", "tone", *where]) == 0
@@ -248,8 +248,8 @@ def test_listen_draws_level_and_decay_over_the_floor(houses: Path, tmp_path: Pat
 
 def test_the_map_has_as_many_rays_of_each_octave_as_if_one_carried_all():
     """A survey's rays carry one octave each; with as few of each as their share, far rooms heard nothing."""
-    shared = replace(SURVEY, octave_rays=False)
-    assert fewer_rays(SURVEY).num_rays == 7 * fewer_rays(shared).num_rays < SURVEY.num_rays
+    shared = replace(SURVEY_CONFIG, octave_rays=False)
+    assert reduce_rays(SURVEY_CONFIG).num_rays == 7 * reduce_rays(shared).num_rays < SURVEY_CONFIG.num_rays
 
 
 def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):

@@ -66,5 +66,5 @@ def test_check_that_raises_is_a_finding(monkeypatch: pytest.MonkeyPatch):
         yield
 
     monkeypatch.setattr(doctor, "_ffmpeg", _ffmpeg)
-    (found,) = [f for f in doctor.examine() if f.topic == "ffmpeg"]
+    (found,) = [f for f in doctor.run_checks() if f.topic == "ffmpeg"]
     assert (found.status, found.detail) == ("broken", "RuntimeError: no binary")

@@ -9,7 +9,7 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx.cli import main
-from home_mjx.scene_compile.materials.unknown import unknown_share
+from home_mjx.scene_compile.materials.unknown import unknown_material_share
 from home_procgen.v1.dataset import generate_dataset
 
 
@@ -20,7 +20,7 @@ def test_the_share_is_that_of_the_area():
     whole = sum(slabs) + 1.5
     for known in ([], [0], [0, 3], range(6)):
         kinds = tuple("wood" if i in known or i == 6 else "" for i in range(7))
-        found = unknown_share(replace(house, materials=replace(house.materials, kind=kinds)))
+        found = unknown_material_share(replace(house, materials=replace(house.materials, kind=kinds)))
         assert found == pytest.approx(1 - (1.5 + sum(slabs[i] for i in known)) / whole, abs=1e-5)
 
 

@@ -15,7 +15,7 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 from home_mjx import registry
 from home_mjx.cli import main
 from home_mjx.cli.learning import evaluate, play, record, train
-from home_mjx.cli.learning.named import checkpoint_of, checkpoint_path, import_modules, task_spec
+from home_mjx.cli.learning.named import find_checkpoint, import_modules, parse_checkpoint_path, task_spec
 from home_mjx.errors import ConfigError
 from home_mjx.training import CPU_CONFIG, RunConfig, read_config, save_net
 
@@ -53,7 +53,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for version in (0, 1):
         registry._REGISTRY.pop(f"NearPoint-v{version}", None)
         gymnasium.registry.pop(f"home_mjx/NearPoint-v{version}", None)
-    registry._LOCAL.pop(f"{MODULE}:NearPoint", None)
+    registry._LOCAL_ENTRY_POINTS.pop(f"{MODULE}:NearPoint", None)
 
 
 def parsed(command: object, *args: str) -> argparse.Namespace:
@@ -118,15 +118,15 @@ def test_a_module_that_cannot_be_used_is_one_message(task: str, words: str, caps
 
 
 def test_the_agent_in_the_box_has_a_name(folder: Path):
-    path = checkpoint_path("demo")
+    path = parse_checkpoint_path("demo")
     assert path.is_file()
     assert read_config(path).env.id == "AudioNav-v0"
-    assert str(checkpoint_path("./demo")) == "demo"  # a folder of the user's
+    assert str(parse_checkpoint_path("./demo")) == "demo"  # a folder of the user's
     (folder / "demo").mkdir()
-    assert checkpoint_path("demo") == path
+    assert parse_checkpoint_path("demo") == path
     assert parsed(evaluate, "demo").checkpoint == parsed(play, "--checkpoint", "demo").checkpoint == path
     assert train.run_config(parsed(train, "PointNav", "--start", "demo")).start == str(path)
-    assert checkpoint_of(folder) == folder / "checkpoint.npz"
+    assert find_checkpoint(folder) == folder / "checkpoint.npz"
 
 
 def test_modules_of_this_folder_do_not_hide_installed_ones():

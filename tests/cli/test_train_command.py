@@ -18,11 +18,11 @@ from processes import wait_for
 
 from home_mjx.cli import main
 from home_mjx.cli.learning import play
-from home_mjx.cli.learning.named import assignments, newest
+from home_mjx.cli.learning.named import newest_version, parse_assignments
 from home_mjx.cli.learning.train import add_arguments, run_config
 from home_mjx.datasets.splits import split_of
 from home_mjx.registry import find_spec
-from home_mjx.training import CPU_CONFIG, RunConfig, judged, save_net
+from home_mjx.training import CPU_CONFIG, RunConfig, evaluation_spec, save_net
 from home_mjx.training.checkpoint import read_config
 from home_procgen import generate_dataset
 
@@ -53,8 +53,8 @@ def arrays(out: Path) -> dict[str, np.ndarray]:
 def test_options_are_numbers_or_text():
     given = ["width=32", "actions=discrete", "stop=true", "sizes=[1, 2]", "name=a=b"]
     wanted = {"width": 32, "actions": "discrete", "stop": True, "sizes": [1, 2], "name": "a=b"}
-    assert assignments(given) == wanted
-    assert newest("PointNav") == "PointNav-v0"
+    assert parse_assignments(given) == wanted
+    assert newest_version("PointNav") == "PointNav-v0"
 
 
 def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: pytest.CaptureFixture):
@@ -71,11 +71,11 @@ def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: p
         (["train", "PointNav", "--env", "width"], "expected NAME=VALUE, got `width`"),
         (["train", "PointNav", "--seconds", "0"], "`max_seconds` must be a finite number of at least 0.001"),
         (["train", "PointNav", "--seconds", "nan"], "`max_seconds` must be"),
-        (["train", "PointNav", "--episodes", "2000000"], "`num_episodes` must be"),
+        (["train", "PointNav", "--episodes", "2000000"], "`count_episodes` must be"),
         (["train", "PointNav", "--start", str(tmp_path / "none")], "there is no checkpoint"),
         (["evaluate", "demo", "--episodes", "10000000000000"], "at most 2147483647"),
-        (["evaluate", "demo", "--episodes", "2000000"], "`num_episodes` must be"),
-        (["play", "PointNav", "--no-film", "--episodes", "2000000"], "`num_episodes` must be"),
+        (["evaluate", "demo", "--episodes", "2000000"], "`count_episodes` must be"),
+        (["play", "PointNav", "--no-film", "--episodes", "2000000"], "`count_episodes` must be"),
         (["evaluate", str(tmp_path)], "Pass the folder of a `home-mjx train` run"),
         (["evaluate", str(tmp_path)], "there is no checkpoint"),
     ):
@@ -99,11 +99,11 @@ def test_agents_play_by_the_rules_whatever_made_learning_easier(tmp_path: Path):
         (["--episode-file", "val.jsonl"], {"stop": True, "episodes": "val.jsonl"}),
     ):
         assert play.env_spec(parser.parse_args(args), tmp_path / "agent.npz").options == wanted
-    same = judged(spec, None)
+    same = evaluation_spec(spec, None)
     assert (same.options, same.split, same.num_houses) == (
         {"stop": True, "episodes": "trained.jsonl"}, "train", 3,
     )  # fmt: skip
-    told = judged(spec, episode_file="val.jsonl", dataset="suncg")
+    told = evaluation_spec(spec, episode_file="val.jsonl", dataset="suncg")
     assert (told.options, told.houses) == ({"stop": True, "episodes": "val.jsonl"}, "suncg")
 
 

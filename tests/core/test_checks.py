@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from home_mjx.core.checks import check_number, check_type, shown
+from home_mjx.core.checks import check_number, check_type, shorten
 from home_mjx.errors import ConfigError
 
 
 @pytest.mark.parametrize("value", [0, 5, 2**62, np.int32(7)])
 def test_whole_numbers(value: int):
-    check_number("n", value, 0, whole=True)
+    check_number("n", value, 0, integer=True)
 
 
 @pytest.mark.parametrize("value", [0, 0.5, 10**30, np.float32(2), -1e308])
@@ -21,18 +21,18 @@ def test_numbers(value: float):
 
 @pytest.mark.parametrize("whole", [True, False])
 @pytest.mark.parametrize(
-    "value", [True, None, "1", math.nan, -math.inf, 10**400, -(10**400), 10**10_000, [1], 1j], ids=shown
+    "value", [True, None, "1", math.nan, -math.inf, 10**400, -(10**400), 10**10_000, [1], 1j], ids=shorten
 )
 def test_what_is_no_number(value: object, whole: bool):
     with pytest.raises(ConfigError, match=r"^`n` must be a (whole|finite) number") as error:
-        check_number("n", value, whole=whole)
+        check_number("n", value, integer=whole)
     assert len(str(error.value)) < 150
 
 
 @pytest.mark.parametrize("value", [2**63, 10**30])
 def test_whole_numbers_have_64_bits(value: int):
     with pytest.raises(ConfigError, match="`n` must be"):
-        check_number("n", value, 1, whole=True)
+        check_number("n", value, 1, integer=True)
 
 
 def test_long_values_are_cut_off():

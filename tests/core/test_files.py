@@ -14,21 +14,21 @@ from home_mjx.core.files import (
     read_bytes,
     read_json_lines,
     replace_folder,
+    write_all_or_none,
+    write_atomically,
     write_durably,
-    write_together,
-    write_whole,
 )
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 
 
 def test_a_file_takes_its_place_when_it_is_whole(tmp_path):
     path = tmp_path / "new" / "a"
-    with write_whole(path) as file:
+    with write_atomically(path) as file:
         file.write(b"one")
         file.flush()
         assert not path.exists()
     assert path.read_bytes() == b"one"
-    with write_whole(path) as file:
+    with write_atomically(path) as file:
         file.write(b"two")
         file.flush()
         assert path.read_bytes() == b"one"
@@ -41,7 +41,7 @@ def test_what_fails_half_way_leaves_the_old_file(tmp_path):
     path.write_bytes(b"old")
 
     def interrupted() -> None:
-        with write_whole(path) as file:
+        with write_atomically(path) as file:
             file.write(b"half")
             raise KeyboardInterrupt
 
@@ -60,20 +60,20 @@ def test_what_killed_writers_left_is_swept_by_the_first_who_writes_there(tmp_pat
         path.write_text("half")
     for path in (old, others):
         os.utime(path, times=(0, 0))
-    with write_whole(folder / "a.ptx") as file:
+    with write_atomically(folder / "a.ptx") as file:
         file.write(b"whole")
     assert sorted(path.name for path in folder.iterdir()) == sorted((young.name, others.name, "a.ptx"))
     os.utime(young, times=(0, 0))
-    with write_whole(folder / "b.ptx") as file:
+    with write_atomically(folder / "b.ptx") as file:
         file.write(b"whole")
     assert young.exists()
-    files.sweep(folder)
+    files.remove_leftovers(folder)
     assert not young.exists()
 
 
 def test_names_of_unfinished_files_are_those_that_are_swept(tmp_path):
-    with write_whole(tmp_path / "a"):
-        (beside,) = tmp_path.glob(files.UNFINISHED)
+    with write_atomically(tmp_path / "a"):
+        (beside,) = tmp_path.glob(files.TEMPORARY_PATTERN)
     assert not beside.exists()
 
 
@@ -94,7 +94,7 @@ def test_files_have_the_permissions_that_the_user_wants(tmp_path, umask, mode):
     """So that a cache can be shared; temporary files of Python's own are private."""
     before = os.umask(umask)
     try:
-        with write_whole(tmp_path / "a") as file:
+        with write_atomically(tmp_path / "a") as file:
             file.write(b"1")
         with write_durably(tmp_path / "b", "test") as file:
             file.write(b"1")
@@ -157,7 +157,7 @@ def test_a_line_that_is_no_text_is_named(tmp_path):
 def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):
     np.savez_compressed(tmp_path / "a.npz", a=np.zeros(1 << 20), b=np.ones(2))
     assert (tmp_path / "a.npz").stat().st_size < 1 << 14
-    monkeypatch.setattr(files, "MAX_UNPACKED", 1 << 16)
+    monkeypatch.setattr(files, "MAX_UNPACKED_BYTES", 1 << 16)
     with pytest.raises(DatasetError, match=r"8388736 bytes after unpacking, at most 65536 are read"):
         read_arrays(tmp_path / "a.npz", ["a"], "checkpoint", "Name one.")
     assert read_arrays(tmp_path / "a.npz", ["b"], "checkpoint", "Name one.")[0].tolist() == [1, 1]
@@ -165,7 +165,7 @@ def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("order", ["<", ">"])
 def test_text_of_characters_that_there_are_not_is_refused(tmp_path, order):
-    """NumPy makes strings of them, of which `str.encode` and `difflib` raise what nobody expects."""
+    """NumPy makes strings of them, of which `str.encode_srgb` and `difflib` raise what nobody expects."""
     for letter, fits in ((0x10FFFF, True), (0x110000, False), (0xFFFFFFFF, False)):
         text = np.array([65, letter], f"{order}u4").view(f"{order}U2").reshape(())
         np.savez(tmp_path / "a.npz", text=text)
@@ -214,7 +214,7 @@ def test_files_come_together_or_not_at_all(tmp_path):
     out = tmp_path / "out"
 
     def written(content: bytes, error: Exception | None) -> None:
-        with write_together(out, "film") as beside:
+        with write_all_or_none(out, "film") as beside:
             (beside / "a").write_bytes(content)
             assert not (out / "a").exists() or (out / "a").read_bytes() != content
             if error:
@@ -230,4 +230,4 @@ def test_files_come_together_or_not_at_all(tmp_path):
     assert {path.name: path.read_bytes() for path in out.iterdir()} == {"a": b"1", "b": b"1"}
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(ConfigError, match="film cannot be written"):
-        write_together(tmp_path / "file", "film").__enter__()
+        write_all_or_none(tmp_path / "file", "film").__enter__()

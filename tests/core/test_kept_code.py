@@ -71,9 +71,9 @@ def test_a_folder_that_cannot_be_written_to_only_costs_time(build, monkeypatch):
 def test_code_of_the_compiler_of_houses_is_checked_once(monkeypatch):
     """Its functions are called for every model."""
     checks = []
-    monkeypatch.setattr(kept, "drop_unsound", lambda *place: checks.append(place))
-    double = kept.with_cache_checked_once(lambda x: 2 * x)
-    monkeypatch.setattr(kept, "_place", lambda _: (Path("/nowhere"), "code"))
+    monkeypatch.setattr(kept, "delete_unverified", lambda *place: checks.append(place))
+    double = kept.verify_cache_once(lambda x: 2 * x)
+    monkeypatch.setattr(kept, "_definition_of", lambda _: (Path("/nowhere"), "code"))
     assert [double(x) for x in (1, 2, 3)] == [2, 4, 6]
     assert len(checks) == 1
 
@@ -87,9 +87,9 @@ def test_one_compiles_while_the_others_wait(tmp_path, monkeypatch):
         time.sleep(0.02)
         stretches.append((begun, time.monotonic()))
 
-    monkeypatch.setattr(kept, "_place", lambda _: (tmp_path, "code"))
+    monkeypatch.setattr(kept, "_definition_of", lambda _: (tmp_path, "code"))
     monkeypatch.setattr(kept, "POLL_SECONDS", 0.001)
-    threads = [threading.Thread(target=kept.with_checked_cache(build)) for _ in range(8)]
+    threads = [threading.Thread(target=kept.verify_cache(build)) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -112,12 +112,12 @@ def test_who_is_killed_or_stuck_holds_nobody_up_for_long(tmp_path, monkeypatch):
     lock = tmp_path / "code.lock"
     with subprocess.Popen([sys.executable, "-c", HOLDS, lock], stdin=-1, stdout=-1) as holder:
         assert holder.stdout.readline() == b"held\n"
-        monkeypatch.setattr(kept, "WAIT_SECONDS", 0.3)
+        monkeypatch.setattr(kept, "MAX_LOCK_WAIT_SECONDS", 0.3)
         begun = time.monotonic()
-        with kept.alone(lock):
+        with kept.exclusive_lock(lock):
             assert 0.3 <= time.monotonic() - begun < 5
-        monkeypatch.setattr(kept, "WAIT_SECONDS", 60)
+        monkeypatch.setattr(kept, "MAX_LOCK_WAIT_SECONDS", 60)
         threading.Timer(0.2, holder.kill).start()
         begun = time.monotonic()
-        with kept.alone(lock):
+        with kept.exclusive_lock(lock):
             assert 0.1 < time.monotonic() - begun < 10

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 import trimesh
 
-from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
+from home_mjx.datasets.outlines import RoomOutline, WallOpening, outline_house
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.datasets.suncg.write.house import write_house, write_library
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.schema.house import Box
+from home_mjx.schema.house import BoxNode
 
 ROOMS = (
     RoomOutline("Living_Room", [(0, 0), (5, 0), (5, 4), (0, 4)]),
     RoomOutline("Bedroom", [(5, 4), (8, 4), (8, 0), (5, 0)]),  # the other way round
 )
-DOORWAY = Opening((5, 1.5), (5, 2.5))
+DOORWAY = WallOpening((5, 1.5), (5, 2.5))
 
 
 def cabin(openings=(DOORWAY,), boxes=()):
@@ -35,7 +35,7 @@ def compiled(tmp_path, house):
 
 
 def test_two_rooms_are_joined_by_their_doorway(tmp_path):
-    table = Box("", 0, "", None, dimensions=np.array([1, 0.7, 1]), transform=np.eye(4))
+    table = BoxNode("", 0, "", None, dimensions=np.array([1, 0.7, 1]), transform=np.eye(4))
     table.transform[:3, 3] = 2, 0.4, 2
     house = compiled(tmp_path, cabin(boxes=[table]))
     # 20 m² and 12 m² less walls, the table, and 0.15 m around each; the doorway adds what it is wide and deep
@@ -86,7 +86,7 @@ def test_an_outline_that_crosses_itself_is_refused():
 
 
 def test_stacked_levels_have_heights_and_names_of_their_own(tmp_path):
-    table = Box("", 0, "", None, dimensions=np.array([1, 0.7, 1]), transform=np.eye(4))
+    table = BoxNode("", 0, "", None, dimensions=np.array([1, 0.7, 1]), transform=np.eye(4))
     table.transform[:3, 3] = 2, 0.4, 2
     plain = cabin(boxes=[table])
     house = compiled(tmp_path, replace(plain, levels=stack_levels(plain.levels * 3, 2.8)))

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from home_mjx.geometry.boxes import box_set, footprint, overlap, turned
+from home_mjx.geometry.boxes import footprint, make_boxes, penetration_depth, rotate_boxes
 
 
 def test_overlap_is_the_depth_of_mujoco_and_no_more_than_its_distance(rng):
@@ -12,12 +12,12 @@ def test_overlap_is_the_depth_of_mujoco_and_no_more_than_its_distance(rng):
     met = 0
     for _ in range(200):
         center, half = np.c_[rng.uniform(-1, 1, (2, 2)), [0, 0]], np.c_[rng.uniform(0.05, 0.8, (2, 2)), [20, 20]]
-        boxes = box_set(center, half, rng.uniform(-np.pi, np.pi, 2))
-        (depth,) = overlap(boxes[:1], boxes[1:])
+        boxes = make_boxes(center, half, rng.uniform(-np.pi, np.pi, 2))
+        (depth,) = penetration_depth(boxes[:1], boxes[1:])
         contacts, distance = _mujoco(boxes)
         assert (depth > 0) == bool(contacts)
         assert depth == pytest.approx(-min(contacts), abs=1e-6) if contacts else -depth <= distance + 1e-6
-        np.testing.assert_allclose(overlap(boxes[1:], boxes[:1]), depth, atol=1e-12)
+        np.testing.assert_allclose(penetration_depth(boxes[1:], boxes[:1]), depth, atol=1e-12)
         met += bool(contacts)
     assert 50 < met < 150
 
@@ -36,7 +36,7 @@ def _mujoco(boxes) -> tuple[list[float], float]:
 
 
 def test_turned_boxes_keep_their_place_on_the_circle():
-    boxes = turned(box_set((2.0, 1.0, 0.5), (1.0, 0.1, 0.5)), np.pi / 2, np.array([1.0, 1.0]))
+    boxes = rotate_boxes(make_boxes((2.0, 1.0, 0.5), (1.0, 0.1, 0.5)), np.pi / 2, np.array([1.0, 1.0]))
     np.testing.assert_allclose(boxes.center, [[1.0, 2.0, 0.5]], atol=1e-12)
     corners = footprint(boxes, 0)
     np.testing.assert_allclose([corners.min(axis=0), corners.max(axis=0)], [[0.9, 1.0], [1.1, 3.0]], atol=1e-12)

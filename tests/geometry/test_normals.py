@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from home_mjx.datasets.suncg.formats.obj import read_obj
-from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.geometry.meshes import box_triangles
 from home_mjx.geometry.normals import crease_normals
 from home_mjx.scene_compile.objects.place import library_model
@@ -65,7 +65,7 @@ SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 def read_square(tmp_path, normals, faces="f 1//1 2//2 3//3 4//4\n"):
     path = tmp_path / "a.obj"
     path.write_text(SQUARE + normals + faces)
-    return read_obj(path, Textures(tmp_path)).normal
+    return read_obj(path, TextureLookup(tmp_path)).normal
 
 
 def test_normals_of_a_file_are_kept_corner_by_corner(tmp_path):
@@ -75,7 +75,7 @@ def test_normals_of_a_file_are_kept_corner_by_corner(tmp_path):
     np.testing.assert_allclose(
         found, [[expected[0], expected[1], expected[2]], [expected[0], expected[2], expected[3]]]
     )
-    model = library_model("a", read_obj(tmp_path / "a.obj", Textures(tmp_path)))
+    model = library_model("a", read_obj(tmp_path / "a.obj", TextureLookup(tmp_path)))
     np.testing.assert_allclose(model.normal[:, 0], [[0, -1, 0]] * 2, atol=1e-6)  # Z up: the square now faces -y
 
 

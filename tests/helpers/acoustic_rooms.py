@@ -8,7 +8,7 @@ from decay_oracle import Blocks
 from handmade import THICKNESS, Slab, _architecture_rows, _join_planes, _room_planes, _rooms, build_house, shoebox
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.propagation.paths import air_energy
+from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.schema.compiled import CompiledHouse, Planes
 
 DOOR = (0.9, 2.05)  # [m], width and height of the opening between two rooms
@@ -181,4 +181,4 @@ def _blocks(slabs: Sequence[tuple], absorption: object, scattering: object) -> B
     shape = (len(slabs), 7)
     low, high = np.array([s[0] for s in slabs]), np.array([s[1] for s in slabs])
     values = [np.broadcast_to(np.asarray(v, float), shape).copy() for v in (absorption, scattering)]
-    return Blocks(low, high, *values, air_energy(AudioConfig()).astype(float))
+    return Blocks(low, high, *values, air_attenuation(AudioConfig()).astype(float))

@@ -8,15 +8,15 @@ import numpy as np
 from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to
-from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
 from home_mjx.physics import PhysicsConfig
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.control import YAW_INERTIA, agent_table
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.surfaces import usual_surface
+from home_mjx.physics.base.surfaces import default_surface
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, template_mjcf
-from home_mjx.physics.numba.data.numbers import numbers_of, reference_surfaces
-from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
+from home_mjx.physics.numba.data.numbers import reference_surfaces, step_params
+from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, allocate_workspace, free_workspace
 from home_mjx.physics.numba.handler import sources_digest
 from home_mjx.physics.numba.step import load_agents, load_house, step_env
 
@@ -96,12 +96,12 @@ class Oracle:
         self.layout = Layout(config.num_agents, len(mass), len(doors.mass), slots, slots, slides)
         self.inertia = mass[:, None] / 3 * (bodies.half[:, [1, 0, 0]] ** 2 + bodies.half[:, [2, 2, 1]] ** 2)
         self.static, self.bodies, self.mass = static, bodies, mass
-        self.surfaces = np.tile(usual_surface(config), (len(mass), 1)) if surfaces is None else surfaces
+        self.surfaces = np.tile(default_surface(config), (len(mass), 1)) if surfaces is None else surfaces
         self.model = self._model()
         self.data = mujoco.MjData(self.model)
-        self.numbers = numbers_of(config)._replace(sleep=0.0)
+        self.numbers = step_params(config)._replace(sleep=0.0)
         self.door_rows = self._door_rows()
-        self.driven = np.full(self.agents, -1), np.zeros((self.agents, 7)), np.full(len(doors.mass), servo.FREE)
+        self.driven = np.full(self.agents, -1), np.zeros((self.agents, 7)), np.full(len(doors.mass), servo.NOT_DRIVEN)
         self.ramps = np.zeros((0, 8))
         self.table = agent_table(config, self.model.dof_M0[3 : 4 * self.agents : 4])
 
@@ -124,7 +124,7 @@ class Oracle:
         self._add_surfaces(model)
         mujoco.mj_setConst(model, mujoco.MjData(model))
         dof = self.layout.door_qvel
-        model.dof_damping[dof] = DOOR_DRAG * model.dof_M0[dof]
+        model.dof_damping[dof] = DOOR_DAMPING_RATE * model.dof_M0[dof]
         return model
 
     def _add_surfaces(self, model) -> None:
@@ -161,7 +161,7 @@ class Oracle:
             target = action[a] * [body.forward_speed, body.strafe_speed, body.turn_rate]
             turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
             force = body.mass * (turn @ target[:2] - velocity[:2]) / config.response_time
-            force *= min(1.0, body.push_force / max(np.linalg.norm(force), 1e-9))
+            force *= min(1.0, body.max_push_force / max(np.linalg.norm(force), 1e-9))
             torque = self.table[a, YAW_INERTIA] * (target[2] - velocity[3]) / config.response_time
             data.ctrl[3 * a : 3 * a + 3] = [*force, torque]
         data.qacc_warmstart[:] = 0
@@ -176,7 +176,7 @@ class Oracle:
         rows = reference_surfaces(self.surfaces).ravel()
         bodies = np.ones(len(self.mass), np.int64), self.bodies.half.ravel(), self.mass, self.inertia.ravel(), rows
         out = np.zeros(len(qpos)), np.zeros(len(qvel)), np.zeros(len(qvel))
-        mobiles = self.layout.num_mobiles
+        mobiles = self.layout.num_dynamic
         self.push, self.other = np.zeros((mobiles, 4)), np.zeros(mobiles, np.int64)
         touched, lost = np.zeros(self.agents, np.int64), np.zeros(2, np.int64)
         # All of one type, so that Numba compiles once.
@@ -196,7 +196,7 @@ class Oracle:
         turned = rng.normal(size=(self.agents, 4))
         grip = np.c_[rng.uniform(-0.8, 0.8, (self.agents, 3)), turned / np.linalg.norm(turned, axis=-1, keepdims=True)]
         goal = np.where(
-            rng.uniform(size=len(self.doors.mass)) < 0.7, rng.uniform(-2, 2, len(self.doors.mass)), servo.FREE
+            rng.uniform(size=len(self.doors.mass)) < 0.7, rng.uniform(-2, 2, len(self.doors.mass)), servo.NOT_DRIVEN
         )
         held = rng.permutation(len(self.mass))[: self.agents] - (rng.uniform(size=self.agents) < 0.3) * 100
         self.driven = np.maximum(held, -1), grip.astype(np.float32).astype(float), goal.astype(np.float32).astype(float)
@@ -221,7 +221,7 @@ def _compiled():
     @njit(cache=True)
     def fused(numbers, sizes, house, state, control, out, report):
         _ = digest
-        work = make_work(sizes[0], sizes[1], sizes[2], sizes[3])
+        work = allocate_workspace(sizes[0], sizes[1], sizes[2], sizes[3])
         (pos, quat, half), (valid, size, mass, inertia, surface), table, door, ramps = house
         load_agents(work, _at(table))
         bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia), _at(surface)
@@ -234,7 +234,7 @@ def _compiled():
         said = ints(touched.ctypes.data), ints(lost.ctypes.data), _at(push), ints(other.ctypes.data)
         step_env(work, numbers, (0.0, _at(ramps.reshape(-1)), len(ramps)), before, driven, after, said)
         count, steps = work.counts[NUM_CONTACTS], work.counts[NEWTON_STEPS]
-        free_work(work)
+        free_workspace(work)
         return count, steps
 
     return fused

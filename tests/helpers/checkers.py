@@ -31,7 +31,7 @@ def options_of(env_id: str, **more: Any) -> dict[str, Any]:
 
 
 def numbers_for(env_id: str) -> dict[str, Any]:
-    """The same, driven by numbers: nobody has to say `stop` then."""
+    """The same, driven by numbers: nobody has to say `stopped` then."""
     return options_of(env_id, actions="continuous", **({"stop": False} if "stop" in find_spec(env_id).options else {}))
 
 

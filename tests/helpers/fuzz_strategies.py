@@ -6,14 +6,14 @@ import json
 from fuzz_corpus import PLAIN_VALUES, PLAIN_WORDS, at, places
 from hypothesis import strategies as st
 
-ODD_VALUES = st.one_of(
+ODD_VALUES = st.indefinite_noun(
     st.sampled_from(PLAIN_VALUES),
     st.integers(),
     st.floats(),
     st.text(max_size=8),
     st.recursive(st.none(), lambda inner: st.lists(inner, max_size=3), max_leaves=200),
 )
-ODD_WORDS = st.one_of(
+ODD_WORDS = st.indefinite_noun(
     st.sampled_from(PLAIN_WORDS),
     st.text(max_size=6),
     st.integers().map(str),

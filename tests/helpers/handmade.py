@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_mjx.geometry.boxes import BoxSet, box_set, join
-from home_mjx.geometry.instance_tree import top_tree
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
+from home_mjx.geometry.instance_tree import build_instance_tree
 from home_mjx.geometry.meshes import box_triangles, make_model
-from home_mjx.geometry.polygons import smallest_room
+from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
-from home_mjx.scene_compile.architecture.rooms import ground_floor
-from home_mjx.scene_compile.collision.barriers import lot
+from home_mjx.scene_compile.architecture.rooms import ground_floor_height
+from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
 from home_mjx.scene_compile.navigation.build import build_navigation
-from home_mjx.scene_compile.navigation.free_space import free_space
+from home_mjx.scene_compile.navigation.free_space import find_free_space
 from home_mjx.scene_compile.pipeline.assemble import AGENT_SURFACES
-from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, MaterialTable, Model, Planes, Rooms
+from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, MaterialTable, Model, Planes, RoomTable
 from home_mjx.schema.semantic import semantic_row
 
 THICKNESS = 0.1  # [m], of walls, floors and ceilings
@@ -125,13 +125,13 @@ def build_house(
     name: str,
     slabs: Sequence[Slab],
     table: MaterialTable,
-    rooms: Rooms,
+    rooms: RoomTable,
     planes: Planes,
     furniture: Sequence[Furniture] = (),
 ) -> CompiledHouse:
     """A house of slabs (one part and one material row each) and furniture."""
-    shell = join(box_set(s.center, s.half) for s in slabs)
-    boxes = join(box_set((*f.position, f.size[2] / 2), np.array(f.size) / 2, f.yaw) for f in furniture)
+    shell = concat_boxes(make_boxes(s.center, s.half) for s in slabs)
+    boxes = concat_boxes(make_boxes((*f.position, f.size[2] / 2), np.array(f.size) / 2, f.yaw) for f in furniture)
     fixed = np.array([f.mass is None for f in furniture], bool)
     models = [_architecture(slabs), *(_furniture_model(f) for f in furniture)]
     instances = _instances(models, boxes, fixed, len(slabs))
@@ -141,19 +141,23 @@ def build_house(
         offset=np.zeros(3),
         box=models[0].box,
         instances=instances,
-        top=top_tree(instances, {m.key: m for m in models}),
+        top_bvh=build_instance_tree(instances, {m.key: m for m in models}),
         materials=_join_tables(table, material_table([SurfaceMaterial(f.color, kind="wood") for f in furniture])),
         semantics=np.array([*semantics, *_furniture_rows(furniture, instances.body, rooms)]),
-        colliders=join([shell, boxes[fixed]]).colliders(np.append(np.full(len(shell), -1), np.flatnonzero(fixed))),
+        colliders=concat_boxes([shell, boxes[fixed]]).colliders(
+            np.append(np.full(len(shell), -1), np.flatnonzero(fixed))
+        ),
         bodies=_bodies(furniture, boxes, instances.pose[1:]),
         planes=planes,
         rooms=rooms,
         navigation=build_navigation(
-            name, rooms, [free_space(rooms, join([shell, boxes]), fixed=join([shell, boxes[fixed]]))]
+            name,
+            rooms,
+            [find_free_space(rooms, concat_boxes([shell, boxes]), fixed=concat_boxes([shell, boxes[fixed]]))],
         ),
         models={m.key: m for m in models},
-        ground_floor=ground_floor(rooms),
-        lot=lot(rooms),
+        ground_floor=ground_floor_height(rooms),
+        lot=lot_bounds(rooms),
         agent_materials=material_table(AGENT_SURFACES),
         report={"levels": 1, "rooms": len(rooms.type), "objects": len(furniture)},
     )
@@ -217,10 +221,10 @@ def _bodies(furniture: Sequence[Furniture], boxes: BoxSet, pose: np.ndarray) -> 
     )
 
 
-def _furniture_rows(furniture: Sequence[Furniture], body: np.ndarray, rooms: Rooms) -> list[np.ndarray]:
+def _furniture_rows(furniture: Sequence[Furniture], body: np.ndarray, rooms: RoomTable) -> list[np.ndarray]:
     rows = []
     for i, f in enumerate(furniture):
-        room = int(smallest_room(rooms, np.arange(len(rooms.type)), np.array(f.position)))
+        room = int(find_smallest_room(rooms, np.arange(len(rooms.type)), np.array(f.position)))
         place = {"object_id": i, "room": room, "level": 0, "movable": int(body[i + 1])}
         rows.append(semantic_row(f.category, f.category, "otherfurniture", **place))
     return rows
@@ -249,10 +253,10 @@ def _join_tables(a: MaterialTable, b: MaterialTable) -> MaterialTable:
     return MaterialTable(**joined, **sound, texture=a.texture + b.texture, kind=a.kind + b.kind)
 
 
-def _rooms(corners: Sequence[tuple], height: float) -> Rooms:
+def _rooms(corners: Sequence[tuple], height: float) -> RoomTable:
     outlines = [np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) for (x0, y0), (x1, y1) in corners]
     count = len(outlines)
-    return Rooms(np.full(count, -1), np.zeros(count, int), tuple(outlines), np.zeros(count), np.full(count, height))
+    return RoomTable(np.full(count, -1), np.zeros(count, int), tuple(outlines), np.zeros(count), np.full(count, height))
 
 
 def _room_planes(low: tuple, high: tuple, z: float, first_row: int | Sequence[int]) -> Planes:

@@ -3,7 +3,7 @@
 import numpy as np
 from c_oracle import Boxes, Leaves, Oracle
 
-from home_mjx.mjcf.contact import contact_numbers
+from home_mjx.mjcf.contact import contact_parameters
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.contact_materials import damping_ratio
 
@@ -39,7 +39,9 @@ def heap(rng, num_bodies: int = BODIES) -> tuple[Oracle, np.ndarray, np.ndarray,
 def surfaces(rng, config, num_bodies: int) -> np.ndarray:
     """Of bodies of all kinds: slippery and rough ones, those that bounce and others."""
     ratio = [damping_ratio(e) for e in rng.choice([0.0, 0.1, 0.3, 0.6, 0.9], num_bodies)]
-    return np.stack([rng.uniform(0.1, 1, num_bodies), *contact_numbers(np.array(ratio), config.timing.sim_dt)], axis=1)
+    return np.stack(
+        [rng.uniform(0.1, 1, num_bodies), *contact_parameters(np.array(ratio), config.timing.sim_dt)], axis=1
+    )
 
 
 def leaves(rng) -> Leaves:

@@ -59,7 +59,7 @@ def obstacle_points(compiled: CompiledHouse, skip: tuple[str, ...]) -> np.ndarra
 
 def cell_points(compiled: CompiledHouse) -> np.ndarray:
     n = compiled.navigation
-    _, rows, columns = np.indices(n.free.shape)
+    _, rows, columns = np.indices(n.home_mask.shape)
     return np.stack([columns + 0.5, rows + 0.5], axis=-1) * n.cell + n.origin
 
 

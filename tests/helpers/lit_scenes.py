@@ -10,11 +10,11 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lights
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.preset import LitShader
 from home_mjx.schema.lighting import LightTable
 
 DOWN = (0.0, 0.0, -1.0)
-NIGHT = Lit(sun=0.0, sky=0.0)
+NIGHT = LitShader(sun=0.0, sky=0.0)
 
 
 def table(*rows, rooms=1):
@@ -56,9 +56,9 @@ def scene_of(bank, body_pos=None):
 def floor_points(xy, room=0, shininess=1.0):
     """Points of a floor at z = 0, seen from above."""
     count = len(xy)
-    up = Vec.of(jnp.tile(jnp.array([[0.0, 0.0, 1.0]], jnp.float32), (count, 1)))
-    pos = Vec.of(jnp.asarray(np.concatenate([xy, np.zeros((count, 1))], axis=1), jnp.float32))
-    return lights.Point(
+    up = Vec.unpack(jnp.tile(jnp.array([[0.0, 0.0, 1.0]], jnp.float32), (count, 1)))
+    pos = Vec.unpack(jnp.asarray(np.concatenate([xy, np.zeros((count, 1))], axis=1), jnp.float32))
+    return lights.ShadingPoint(
         pos=pos,
         normal=up,
         shading=up,

@@ -6,12 +6,12 @@ import numpy as np
 
 from home_mjx.audio_jax import AudioConfig, Paths
 from home_mjx.audio_jax.kernels import tail
-from home_mjx.audio_jax.kernels.first import longest_step
-from home_mjx.audio_jax.kernels.reads import Reads
+from home_mjx.audio_jax.kernels.first import max_path_change
+from home_mjx.audio_jax.kernels.reads import DelayReads
 from home_mjx.audio_jax.moving_sources import early
-from home_mjx.audio_jax.moving_sources.pairs import paired
+from home_mjx.audio_jax.moving_sources.pairs import match_paths
 from home_mjx.audio_jax.receivers.diffuse import num_noises
-from home_mjx.audio_jax.receivers.shares import Shares
+from home_mjx.audio_jax.receivers.shares import NoiseGains
 
 
 def some_paths(rng, count, away):
@@ -29,15 +29,15 @@ def moved(paths, rng):
     return paths.replace(distance=distance, direction=vector / distance[:, None], gain=paths.gain * 0.9)
 
 
-def some_reads(rng, sources: int, config: AudioConfig) -> Reads:
+def some_reads(rng, sources: int, config: AudioConfig) -> DelayReads:
     """What a frame reads of several sources: near and far ones, beyond the end of a response too."""
     old = [some_paths(rng, 6, (0.3, 90.0)) for _ in range(sources)]
     new = [moved(x, rng) for x in old]
     quats = jnp.float32(rng.normal(size=(sources, 2, 4)))
     quats = quats / jnp.linalg.norm(quats, axis=-1, keepdims=True)
-    pairs = [paired(a, b, q[0], q[1], longest_step(config)) for a, b, q in zip(old, new, quats, strict=True)]
+    pairs = [match_paths(a, b, q[0], q[1], max_path_change(config)) for a, b, q in zip(old, new, quats, strict=True)]
     past = config.memory_length - 1
-    signal = jnp.float32(rng.normal(size=(sources, past + config.frame + config.ahead)))
+    signal = jnp.float32(rng.normal(size=(sources, past + config.frame + config.num_lookahead)))
     reads = [early._reads(s, past, p, config, None) for s, p in zip(signal, pairs, strict=True)]
     return jax.tree.map(lambda *x: jnp.stack(x), *reads)
 
@@ -50,10 +50,10 @@ def some_late(rng, envs: int, sources: int, config: AudioConfig):
     shares = (config.num_bins, channels, bands), (channels, num_noises(config), bands), (config.num_bins, common, bands)
     power, mix, shared = (jnp.float32(rng.normal(size=(*ends, *shape))) for shape in shares)
     start = jnp.int32(rng.integers(0, config.num_bins, ends))
-    sound = tail.Late(
-        share=Shares(jnp.abs(power), mix, shared, start),
+    sound = tail.LateResponse(
+        shares=NoiseGains(jnp.abs(power), mix, shared, start),
         onset=jnp.int32(rng.integers(-100, config.response_length // 2, ends)),
-        tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail, 7))),
+        tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail_repeats, 7))),
     )
-    width = config.memory_length - 1 + config.frame + config.ahead
+    width = config.memory_length - 1 + config.frame + config.num_lookahead
     return jnp.float32(rng.normal(size=(envs, sources, width))), sound

@@ -1,4 +1,4 @@
-"""Room-acoustic measures of ISO 3382 in NumPy, apart from the engine: an oracle of `audio_jax.measures`."""
+"""Room-acoustic measures of ISO 3382 in NumPy, apart from the engine: an oracle of `audio_jax.parameters`."""
 
 import numpy as np
 from jaxtyping import Float

@@ -9,21 +9,21 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import (
     FAILURE,
     SUCCESS,
+    Condition,
     Feature,
-    Go,
     HouseView,
-    Meant,
-    Navigation,
-    Row,
-    Sound,
-    Stage,
-    When,
+    NavigationTask,
+    Selector,
+    SoundEvent,
+    TaskRow,
+    TaskStage,
+    Transition,
     tokenize,
 )
 
 
 @dataclass(frozen=True)
-class Rich(Navigation):
+class Rich(NavigationTask):
     """Go to a thing that can be seen, then into a room; or to a place, and say a word."""
 
     @property
@@ -41,29 +41,40 @@ class Rich(Navigation):
         """What sounds."""
         return ("bell",)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Two rows."""
-        thing = next(thing for thing in view.things if view.can_be_seen(thing) and thing.coarse == "chair")
+        thing = next(thing for thing in view.objects if view.is_visible(thing) and thing.coarse == "chair")
         room = int(view.room_types[view.room_types >= 0][0])
         places = view.graph.place[np.flatnonzero(~view.graph.at_leaf)[[0, -1]]].tolist()
-        stopped, late = When(Feature.STOPPED, least=1), When(Feature.TIME, least=40)
-        near = When(Feature.DISTANCE, 0, most=1.0), When(Feature.SEEN, 0, least=1)
-        there = When(Feature.INSIDE, 1, least=1), When(Feature.STRAIGHT, 3, agent=0, most=5.0)
+        stopped, late = Condition(Feature.STOPPED, least=1), Condition(Feature.TIME, least=40)
+        near = Condition(Feature.DISTANCE, 0, most=1.0), Condition(Feature.SEEN, 0, least=1)
+        there = Condition(Feature.INSIDE, 1, least=1), Condition(Feature.STRAIGHT, 3, agent=0, most=5.0)
         stages = [
-            Stage((Go(1, near, bars=(stopped,), reward=0.5), Go(FAILURE, (stopped,)), Go(FAILURE, (late,))), guide=0),
-            Stage((Go(SUCCESS, (*there, stopped), reward=2.5), Go(0, (late,))), guide=1),
+            TaskStage(
+                (
+                    Transition(1, near, forbid=(stopped,), reward=0.5),
+                    Transition(FAILURE, (stopped,)),
+                    Transition(FAILURE, (late,)),
+                ),
+                guide=0,
+            ),
+            TaskStage((Transition(SUCCESS, (*there, stopped), reward=2.5), Transition(0, (late,))), guide=1),
         ]
         meant = [
-            Meant.thing(coarse=thing.word(Semantic.COARSE), object_id=thing.object_id),
-            Meant.space(room_type=room),
-            Meant.at(places[0]),
-            Meant.someone(0),
+            Selector.objects(coarse=thing.semantic(Semantic.COARSE), object_id=thing.object_id),
+            Selector.rooms(room_type=room),
+            Selector.point(places[0]),
+            Selector.agent(0),
         ]
         yes, no = tokenize("yes no")
-        sounds = [Sound(2, "bell", every=3.0, lasts=1.0, gain=0.5, towards=0, speed=0.4)]
+        sounds = [SoundEvent(2, "bell", every=3.0, lasts=1.0, gain=0.5, towards=0, speed=0.4)]
         talk = {"answer": yes, "told": (0,), "oracle": [(yes, no)], "ask": 1}
-        yield Row(meant, stages, tokens=tokenize("find the chair"), sounds=sounds, then=(1,), **talk)
-        said = When(Feature.SAID, least=yes, most=yes)
-        beside = When(Feature.BESIDE, 1, 1, most=0.5), When(Feature.CLEAR, 1, least=1), When(Feature.TOUCHED, most=0)
-        stages = [Stage((Go(SUCCESS, (said,), reward=1.0), Go(FAILURE, beside)), guide=0)]
-        yield Row([Meant.at(places[1]), meant[0]], stages, sounds=[Sound(1, "bell")])
+        yield TaskRow(meant, stages, tokens=tokenize("find the chair"), sounds=sounds, later_goals=(1,), **talk)
+        said = Condition(Feature.SAID, least=yes, most=yes)
+        beside = (
+            Condition(Feature.BESIDE, 1, 1, most=0.5),
+            Condition(Feature.CLEAR, 1, least=1),
+            Condition(Feature.TOUCHED, most=0),
+        )
+        stages = [TaskStage((Transition(SUCCESS, (said,), reward=1.0), Transition(FAILURE, beside)), guide=0)]
+        yield TaskRow([Selector.point(places[1]), meant[0]], stages, sounds=[SoundEvent(1, "bell")])

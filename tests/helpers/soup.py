@@ -14,7 +14,7 @@ from handmade import shoebox
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
 from home_mjx.geometry.bvh import build_tree, build_triangle_tree
-from home_mjx.raycast_render.scene.types import Moving, Scene
+from home_mjx.raycast_render.scene.types import DynamicInstances, Scene
 
 # `JAX_PLATFORMS=cuda,cpu python -m pytest tests/raycast_render` includes the GPU.
 needs_gpu = pytest.mark.skipif(
@@ -115,7 +115,7 @@ class Soup:
         rows = [*range(start, len(self.placed)), -1]  # the last slot is unused
         placed = [self.placed[i] for i in rows[:-1]] + [Placed(0, np.eye(3, 4), -1)]
         box = np.array([self._box(i) for i in rows[:-1]] + [[[np.inf] * 3, [-np.inf] * 3]])
-        return Moving(
+        return DynamicInstances(
             instance=i32(rows),
             model=i32([p.model for p in placed]),
             pose=f32([p.pose for p in placed]),

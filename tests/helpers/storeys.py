@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from cuboids import cuboid
 
-from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
+from home_mjx.datasets.outlines import RoomOutline, WallOpening, outline_house
 from home_mjx.datasets.storeys import stack_levels
-from home_mjx.schema.house import Box, House, Level, Mesh, Metadata, ModelInfo, Object
+from home_mjx.schema.house import BoxNode, House, Level, Mesh, Metadata, ModelInfo, ObjectNode
 
 UP = 2.8  # [m], from floor to floor
 FLOOR = 0.05  # [m], height of the ground floor
@@ -20,8 +20,8 @@ class Storey:
     """One level, in the plan (x, z) of the file."""
 
     rooms: Sequence[RoomOutline]
-    openings: Sequence[Opening] = ()
-    boxes: Sequence[Box] = ()
+    openings: Sequence[WallOpening] = ()
+    boxes: Sequence[BoxNode] = ()
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,10 @@ def _level(storey: Storey, stairs: Sequence[Stairs]) -> Level:
     return replace(plain, objects=tuple(_object(s, first + i) for i, s in enumerate(stairs)))
 
 
-def _object(stairs: Stairs, index: int) -> Object:
+def _object(stairs: Stairs, index: int) -> ObjectNode:
     c, s = np.cos(stairs.heading), np.sin(stairs.heading)
     transform = np.array([[c, 0, s, stairs.foot[0]], [0, 1, 0, FLOOR], [-s, 0, c, stairs.foot[1]], [0, 0, 0, 1.0]])
-    return Object(f"0_{index}", index, f"levels[0].nodes[{index}]", None, stairs.key, None, transform)
+    return ObjectNode(f"0_{index}", index, f"levels[0].nodes[{index}]", None, stairs.key, None, transform)
 
 
 def straight(stairs: Stairs) -> list[np.ndarray]:

@@ -40,7 +40,7 @@ def ids_of(bank: HouseBank) -> list[str]:
 
 def run_until(stream: HouseStream, swaps: int, houses=()):
     end = time.monotonic() + 60
-    while stream.swaps < swaps:
+    while stream.num_swaps < swaps:
         assert time.monotonic() < end
         stream.advance(jnp.array(houses or [0], jnp.int32) if houses else jnp.zeros(0, jnp.int32))
         time.sleep(0.005)

@@ -10,7 +10,7 @@ import numba as nb
 import numpy as np
 from decay_oracle import QUIET, SPEED, _hear
 
-from home_mjx.schema.compiled import CompiledHouse, Ray
+from home_mjx.schema.compiled import CompiledHouse, RayKind
 
 SKIN = 2e-4  # [m], from a surface to where a particle starts anew
 AT_ONCE = 20_000  # particles
@@ -67,7 +67,7 @@ def surfaces_of(house: CompiledHouse, air: np.ndarray) -> Surfaces:
         turn, way = opened.get(number, (np.eye(3), np.zeros(3)))
         placed = (model.triangle.astype(float) @ pose[:, :3].T + pose[:, 3]) @ turn.T + way
         row = instances.material[number] + model.slot
-        stops = (house.materials.mask[row] & int(Ray.SOUND)) > 0
+        stops = (house.materials.mask[row] & int(RayKind.SOUND)) > 0
         corners.append(placed[stops])
         rows.append(row[stops])
     corner = np.concatenate(corners)
@@ -81,7 +81,7 @@ def surfaces_of(house: CompiledHouse, air: np.ndarray) -> Surfaces:
 def _opened(house: CompiledHouse, door: int) -> tuple[np.ndarray, np.ndarray]:
     """Rotation and translation of a leaf from where it stands to wide open."""
     doors = house.doors
-    far, slide = float(doors.wide[door]), doors.slide[door]
+    far, slide = float(doors.fully_open[door]), doors.slide[door]
     if slide.any():
         return np.eye(3), np.append(far * slide, 0.0)
     c, s = np.cos(far), np.sin(far)

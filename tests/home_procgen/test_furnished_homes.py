@@ -16,7 +16,7 @@ from home_procgen.plan.needs.room_program import LINKS, OUTDOORS, WANTS
 from home_procgen.style import Style
 from home_procgen.style.kinds import _PARTS, choices
 from home_procgen.style.style import FITTED, FRONTS, METALS
-from home_procgen.things import families, library_model, model_of
+from home_procgen.things import families, get_model, library_model
 from home_procgen.things.finishes import FINISHES
 
 SEEDS = (3, 5, 8)
@@ -120,7 +120,7 @@ def test_a_style_dresses_every_finish():
     assert set(style.materials) == set(FINISHES)
     assert set(style.look()) == set(FINISHES)
     for family, number in (("toy", 2), ("plant", 4), ("sofa", 3), ("curtain", 11), ("car", 1), ("place_setting", 2)):
-        model = model_of(family, number)
+        model = get_model(family, number)
         assert len(style.dress(model, style.look())) == len(model.slots)
 
 
@@ -128,7 +128,7 @@ def test_a_style_dresses_every_finish():
 def test_what_a_top_carries_lies_on_it(name):
     """Below every corner of a thing that a top carries, the highest face below its middle is at the top's height."""
     anchor = PlacedFurniture(library_model(name), (3.0, 0.05, 2.0), 1)
-    mesh, cup = anchor.model.mesh, model_of("plates", 1)
+    mesh, cup = anchor.model.mesh, get_model("plates", 1)
     world = mesh.vertices[mesh.faces] @ anchor.linear.T + anchor.position
     found, rng = 0, np.random.default_rng(0)
     for top in tops_of(name)[:2]:
@@ -156,7 +156,7 @@ def heights(triangles: np.ndarray, x: float, z: float) -> list[float]:
 
 
 def test_turned_things_are_in_their_boxes():
-    plain = PlacedFurniture(model_of("chair", 2), (0.0, 0.0, 0.0))
+    plain = PlacedFurniture(get_model("chair", 2), (0.0, 0.0, 0.0))
     item = turned(plain, 1.0, 0.05, 2.0, 0.7)
     points = item.model.mesh.vertices @ item.linear.T + item.position
     assert (points >= item.box[0] - 1e-9).all()
@@ -199,7 +199,7 @@ def test_stores_find_what_comparing_all_pairs_finds():
 
 
 def test_a_thing_that_is_moved_keeps_all_but_its_place():
-    item = PlacedFurniture(model_of("sofa", 1), (0.0, 0.0, 0.0), scale=(1.2, 1.0, 0.9), mirrored=True)
+    item = PlacedFurniture(get_model("sofa", 1), (0.0, 0.0, 0.0), scale=(1.2, 1.0, 0.9), mirrored=True)
     moved = item.at(1.0, 0.0, 2.0, 5)
     assert moved == replace(item, position=(1.0, 0.0, 2.0), quarter=1)
     for one in (item, moved, item.at(0.0, 0.0, 0.0, 2)):  # boxes of one turn are not those of another

@@ -23,7 +23,7 @@ from home_procgen.plan.openings.passage import is_passable
 from home_procgen.plan.shape.parted import draw_parted
 from home_procgen.plan.shape.storeys import is_simple
 from home_procgen.primitives.family import Furniture
-from home_procgen.things import model_of
+from home_procgen.things import get_model
 
 
 @cache
@@ -156,12 +156,12 @@ def test_double_doors_are_between_rooms_for_guests():
 
 
 def test_both_leaves_of_a_double_door_turn_on_hinges_of_their_own():
-    hinges = find_hinges(*(z_up(model_of("double_door", 1), closed) for closed in (False, True)))
+    hinges = find_hinges(*(z_up(get_model("double_door", 1), closed) for closed in (False, True)))
     assert len(hinges) == 2
-    width = float(model_of("double_door", 1).size[0])
+    width = float(get_model("double_door", 1).size[0])
     assert abs(hinges[0].pivot[0] - hinges[1].pivot[0]) > 0.9 * width
-    assert sorted(np.sign(hinge.turn) for hinge in hinges) == [-1, 1]
-    np.testing.assert_allclose([abs(hinge.turn) for hinge in hinges], np.pi / 2, atol=0.02)
+    assert sorted(np.sign(hinge.displacement) for hinge in hinges) == [-1, 1]
+    np.testing.assert_allclose([abs(hinge.displacement) for hinge in hinges], np.pi / 2, atol=0.02)
 
 
 def z_up(model: Furniture, closed: bool) -> np.ndarray:
@@ -173,7 +173,7 @@ def z_up(model: Furniture, closed: bool) -> np.ndarray:
 
 def test_open_leaves_may_block_a_room():
     """In a room hardly deeper than a leaf is wide nobody gets from one half to the other."""
-    model = model_of("door", 1)
+    model = get_model("door", 1)
 
     def passable(depth: float) -> list[bool]:
         room = RoomPlan("Bedroom", (Rect(0.0, 0.0, 3.0, depth),))
@@ -268,7 +268,7 @@ def test_names_that_name_nothing_are_refused(name, message):
 def test_a_set_of_named_houses(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
     houses = HouseSet("procedural:2?seed=3&version=2")
-    assert not houses.is_whole
+    assert not houses.is_complete
     assert houses.house_ids == (house_id(3), house_id(4))
     assert (tmp_path / "generated-v2" / "house" / house_id(4) / "house.json").is_file()
     assert HouseSet("procedural:2?seed=3&version=2", num_houses=1).house_ids == (house_id(3),)

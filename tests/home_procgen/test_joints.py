@@ -13,9 +13,9 @@ from moved_parts import depths, pieces
 from home_mjx.cli import main
 from home_mjx.datasets import open_dataset, validate_house
 from home_mjx.datasets.joints import Joint
-from home_mjx.datasets.suncg.digests import Inputs
+from home_mjx.datasets.suncg.digests import SuncgDigests
 from home_mjx.datasets.suncg.formats.obj import read_obj
-from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.datasets.suncg.write.house import write_joints
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import ConfigError
@@ -25,7 +25,7 @@ from home_procgen.library import CLASSES
 from home_procgen.primitives.solids import box, move, rotate
 from home_procgen.shapes.groups import mirrored
 from home_procgen.things import library
-from home_procgen.things.parts import front_part, marked
+from home_procgen.things.parts import assign_part, front_part
 from home_procgen.v1.dataset import library_model
 
 CLEAR = 0.01  # [m]: by so much a part may cut into its model, or by as much as it does where it is drawn
@@ -45,7 +45,7 @@ def read(tmp_path_factory):
         (folder / f"{model_id}.obj").write_text(obj_text(mesh, f"{model_id}.mtl"))
         plain = "\n".join(line for line in mtl_text(mesh.materials).splitlines() if not line.startswith("map_Kd"))
         (folder / f"{model_id}.mtl").write_text(plain)
-        return read_obj(folder / f"{model_id}.obj", Textures(folder))
+        return read_obj(folder / f"{model_id}.obj", TextureLookup(folder))
 
     return model
 
@@ -169,7 +169,7 @@ def test_values_out_of_range_and_meshes_of_other_models_are_refused(read):
 
 def test_marks_go_with_solids_that_are_turned_moved_and_mirrored():
     part = front_part("left", (0.0, 0.0, 0.02), (0.4, 1.0))
-    (leaf,) = marked(part, [box("wood", (0.4, 1.0, 0.02), (0.2, 0.0, 0.01))])
+    (leaf,) = assign_part(part, [box("wood", (0.4, 1.0, 0.02), (0.2, 0.0, 0.01))])
     turned = move(rotate(leaf, 1, np.pi / 2), (1.0, 2.0, 3.0)).part
     assert turned is not None
     np.testing.assert_allclose(turned.point, (1.02, 2.0, 3.0), atol=1e-12)
@@ -220,10 +220,10 @@ def test_inspect_counts_the_parts_of_a_home(root, capsys):
 def test_a_folder_of_before_there_were_joints_gets_them_and_nothing_else(root, caplog):
     """And what is compiled from the folder stays: nothing is compiled from joints."""
     whole, house = digests(root), open_dataset(root).house_ids[0]
-    key = Inputs(root).house(house)
+    key = SuncgDigests(root).house(house)
     for name in ("joints.csv", "joints.sha256.json"):
         (root / "metadata" / name).unlink()
-    assert Inputs(root).house(house) == key
+    assert SuncgDigests(root).house(house) == key
     dataset = open_dataset(root)
     assert dataset.joints == {}
     assert validate_house(dataset, house) == ()

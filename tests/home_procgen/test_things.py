@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from home_mjx.datasets.suncg.formats.obj import read_obj
-from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.schema.categories import COARSE, FINE, NYU40
 from home_procgen.primitives.solids import box
@@ -276,7 +276,7 @@ def test_files_keep_smooth_normals(tmp_path):
     mesh = library()["home_vase_1"].mesh
     (tmp_path / "x.obj").write_text(obj_text(mesh, "x.mtl"))
     (tmp_path / "x.mtl").write_text(mtl_text(mesh.materials))
-    read = read_obj(tmp_path / "x.obj", Textures(tmp_path))
+    read = read_obj(tmp_path / "x.obj", TextureLookup(tmp_path))
     assert read.normal is not None
     assert mesh.normal is not None
     # The file's faces are in the order of their slots, as the mesh's are: it has one.

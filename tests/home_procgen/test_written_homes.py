@@ -17,7 +17,7 @@ from home_mjx.datasets.suncg.write.house import write_house
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile import CompileOptions, compile_house
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_procgen import generate_dataset
 from home_procgen.v1 import dataset as machinery
@@ -199,7 +199,7 @@ def test_agents_climb_to_every_floor(root, seed):
 @pytest.mark.parametrize("radius", [0.1, 0.25])
 def test_agents_of_several_sizes_reach_what_they_may(root, seed, climb, radius):
     dataset = open_dataset(root)
-    options = CompileOptions(navigation=NavigationOptions(climb=climb, agent_radius=radius, margin=0.02))
+    options = CompileOptions(navigation=NavigationOptions(use_stairs=climb, agent_radius=radius, margin=0.02))
     compiled = compile_house(dataset.load_house(house_id(seed)), dataset.metadata, options)
     reached = set(compiled.navigation.room[compiled.navigation.region == 0].tolist())
     assert reached == {i for i, level in enumerate(compiled.rooms.level) if climb or level == 0}
@@ -299,7 +299,7 @@ def test_free_bodies_stay_where_they_are_and_doors_have_hinges(root, seed):
     dataset = open_dataset(root)
     compiled = compile_house(dataset.load_house(house_id(seed)), dataset.metadata)
     assert len(compiled.bodies.mass) > 20
-    assert max(rest_drift(*to_mjcf(compiled)).values()) < 2e-3
+    assert max(measure_rest_drift(*to_mjcf(compiled)).values()) < 2e-3
     leaves = sum(
         (2 if item.model_id.startswith("home_double_door") else 1)
         for level in dataset.load_house(house_id(seed)).levels

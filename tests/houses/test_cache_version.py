@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from home_mjx.houses.version import PACKAGE, version_of
+from home_mjx.houses.version import PACKAGE_ROOT, version_of
 
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory) -> Path:
-    return shutil.copytree(PACKAGE, tmp_path_factory.mktemp("code") / "home_mjx")
+    return shutil.copytree(PACKAGE_ROOT, tmp_path_factory.mktemp("code") / "home_mjx")
 
 
 def changed(package: Path, module: str) -> bool:

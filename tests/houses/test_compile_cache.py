@@ -11,11 +11,11 @@ from PIL import Image
 from tiny_arch import arch_path, write_tiny_v2
 from tiny_dataset import DOOR, HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
-from home_mjx.core.array_store.entry import BROKEN, read_entry, read_notes, write_entry
+from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, read_notes, write_entry
 from home_mjx.core.array_store.flatten import flatten
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.datasets.suncg.digests import Inputs
+from home_mjx.datasets.suncg.digests import SuncgDigests
 from home_mjx.errors import DatasetError
 from home_mjx.houses import house_cache as cache
 from home_mjx.houses import load_bank
@@ -189,7 +189,7 @@ def test_model_names_that_lead_elsewhere_are_not_looked_at(root, tmp_path):
     """Outside the dataset lies a pipe, which nobody could read to its end."""
     os.mkfifo(tmp_path / "pipe")
     edit_house(root, lambda house: house["levels"][0]["nodes"][2].update(modelId="../../pipe"))
-    inputs = Inputs(root)
+    inputs = SuncgDigests(root)
     assert inputs.house(HOUSE_ID) == inputs.house(HOUSE_ID)
 
 
@@ -310,7 +310,7 @@ def test_no_flipped_byte_passes(tmp_path):
         path.write_bytes(data[:at] + bytes([data[at] ^ 0x55]) + data[at + 1 :])
         try:
             arrays, notes = read_entry(path)
-        except BROKEN:
+        except READ_ERRORS:
             continue
         assert arrays["a"].tolist() == [0, 1, 2]
         assert notes == {"n": 1}
@@ -352,12 +352,12 @@ def test_entries_are_archives_that_others_read_too_and_only_as_they_were_written
         assert found.tolist() == x.tolist()
     with zipfile.ZipFile(path, "a") as archive:
         archive.comment = b"mine"
-    with pytest.raises(BROKEN):
+    with pytest.raises(READ_ERRORS):
         read_entry(path)
     write_entry(path, {"x": x}, {})
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr("more", b"")
-    with pytest.raises(BROKEN):
+    with pytest.raises(READ_ERRORS):
         read_entry(path)
 
 

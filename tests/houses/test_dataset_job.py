@@ -21,7 +21,7 @@ from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.houses import pools as executors
 from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.job import compile_dataset
-from home_mjx.houses.report import CompileOutcome, earlier_lines, journal, read_report
+from home_mjx.houses.report import CompileOutcome, load_report, open_journal, read_report
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
@@ -121,7 +121,7 @@ def test_what_is_unknown_is_refused(houses, monkeypatch):
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "xyz://a"])
 def test_a_scheduler_that_does_not_answer_is_told_of_and_the_report_stays(houses, monkeypatch, address):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(executors, "CONNECT_SECONDS", 1)
+    monkeypatch.setattr(executors, "CONNECT_TIMEOUT", 1)
     report = compile_dataset(houses[0]).report
     before = report.read_bytes()
     with pytest.raises(ConfigError, match="no Dask scheduler answers"):
@@ -186,25 +186,25 @@ def test_a_run_of_one_house_adds_to_the_report(houses):
 def test_a_run_that_was_killed_in_its_first_line_goes_on(tmp_path):
     """At whatever byte; also if the next one was killed there as well."""
     path = tmp_path / "report.jsonl"
-    with journal(path, append=False) as note:
+    with open_journal(path, append=False) as note:
         note(CompileOutcome("a" * 32, "compiled", 1.0, entry="v/houses/a.zip"))
     line = path.read_bytes()
     for count in range(len(line)):
         for content in (line[:count], line[:count] + b"\n" + line[: count // 2]):
             path.write_bytes(content)
-            assert earlier_lines(path) == [] or count == len(line) - 1
-            with journal(path, append=True) as note:
+            assert load_report(path) == [] or count == len(line) - 1
+            with open_journal(path, append=True) as note:
                 note(CompileOutcome("b" * 32, "cached", 1.0))
-            assert earlier_lines(path)[-1]["id"] == "b" * 32
+            assert load_report(path)[-1]["id"] == "b" * 32
 
 
 def test_two_runs_into_one_report_keep_each_others_lines(tmp_path):
     path = tmp_path / "report.jsonl"
-    with journal(path, append=True) as one, journal(path, append=True) as other:
+    with open_journal(path, append=True) as one, open_journal(path, append=True) as other:
         for number in range(50):
             one(CompileOutcome(f"{2 * number:032x}", "compiled", 1.0))
             other(CompileOutcome(f"{2 * number + 1:032x}", "compiled", 1.0))
-    assert [line["id"] for line in earlier_lines(path)] == [f"{number:032x}" for number in range(100)]
+    assert [line["id"] for line in load_report(path)] == [f"{number:032x}" for number in range(100)]
 
 
 def test_a_full_disk_is_said_with_the_file_that_it_lacks(houses):

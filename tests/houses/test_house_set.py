@@ -15,7 +15,7 @@ from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.houses.job import compile_dataset
 from home_mjx.houses.load import house_set
-from home_mjx.houses.selection import HouseFilter, contents_of
+from home_mjx.houses.selection import HouseFilter, summarize_contents
 from home_mjx.houses.stream import HouseStream
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions
@@ -38,7 +38,7 @@ def ids_of(bank: HouseBank) -> list[str]:
 def test_ids_are_those_of_the_dataset_chosen_in_turn(root):
     everything = open_dataset(root).house_ids
     assert HouseSet(root).house_ids == everything
-    assert HouseSet(root).is_whole
+    assert HouseSet(root).is_complete
     assert HouseSet(str(root), ids=[everything[3], everything[1]]).house_ids == (everything[3], everything[1])
     train = select_ids(everything, "train")
     assert HouseSet(open_dataset(root), split="train", num_houses=2).house_ids == tuple(train[:2])
@@ -46,8 +46,8 @@ def test_ids_are_those_of_the_dataset_chosen_in_turn(root):
     rooms = sorted(c.rooms for c in contents.values())
     where = HouseFilter(rooms=(rooms[2], 99), area=(0, 1e4))
     fitting = [i for i in everything if contents[i].rooms >= rooms[2]]
-    assert HouseSet(root, where=where).house_ids == tuple(fitting)
-    assert HouseSet(root, where=where, num_houses=1).house_ids == tuple(fitting[:1])
+    assert HouseSet(root, filter=where).house_ids == tuple(fitting)
+    assert HouseSet(root, filter=where, num_houses=1).house_ids == tuple(fitting[:1])
 
 
 def test_a_filter_reads_no_model_and_no_house_beyond_the_last(root, monkeypatch):
@@ -55,9 +55,9 @@ def test_a_filter_reads_no_model_and_no_house_beyond_the_last(root, monkeypatch)
     everything.load()
     looked, contents = [], HouseCache.contents
     monkeypatch.setattr(HouseCache, "contents", lambda self, i: looked.append(i) or contents(self, i))
-    monkeypatch.setattr(HouseCache, "model", lambda self, key: pytest.fail(f"{key} was read"))
+    monkeypatch.setattr(HouseCache, "model_index", lambda self, key: pytest.fail(f"{key} was read"))
     monkeypatch.setattr(house_cache, "compile_house", lambda *_: pytest.fail("compiled"))
-    few = HouseSet(root, where=HouseFilter(levels=(1, 1)), num_houses=2)
+    few = HouseSet(root, filter=HouseFilter(levels=(1, 1)), num_houses=2)
     assert few.house_ids == everything.house_ids[:2]
     assert looked == list(everything.house_ids[:2])
 
@@ -65,7 +65,7 @@ def test_a_filter_reads_no_model_and_no_house_beyond_the_last(root, monkeypatch)
 def test_contents_are_those_of_the_compiled_house(root):
     house = HouseSet(root, num_houses=1).load()[0]
     contents = HouseSet(root).open_cache().contents(house.id)
-    assert contents == contents_of(house.report, house.rooms, house.semantics)
+    assert contents == summarize_contents(house.report, house.rooms, house.semantics)
     with pytest.raises(DatasetError, match="unknown house"):
         HouseSet(root).open_cache().contents("nowhere")
 
@@ -74,7 +74,7 @@ def test_contents_of_a_broken_entry_are_made_again(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
     houses = HouseSet(write_tiny_dataset(tmp_path / "data"))
     before = houses.open_cache().contents(HOUSE_ID)
-    houses.open_cache().entry(HOUSE_ID).write_bytes(b"broken")
+    houses.open_cache().entry_path(HOUSE_ID).write_bytes(b"broken")
     assert houses.open_cache().contents(HOUSE_ID) == before
 
 
@@ -83,7 +83,7 @@ def test_all_that_need_houses_take_a_set(root):
     bank = load_bank(houses)
     assert tuple(ids_of(bank)) == houses.house_ids
     assert not np.asarray(bank.physics.body_valid).any()
-    with HouseStream(houses, num_slots=2, headroom=2.0) as stream:
+    with HouseStream(houses, num_slots=2, capacity_factor=2.0) as stream:
         assert set(ids_of(stream.bank)) <= set(houses.house_ids)
         assert not np.asarray(stream.bank.physics.body_valid).any()
     assert tuple(ids_of(load_bank(houses))) == houses.house_ids
@@ -97,7 +97,7 @@ def test_words_and_a_set_give_the_same(root):
     options = {"split": "train", "num_houses": 2, "where": HouseFilter(levels=(1, 1)), "options": NO_BODIES}
     by_words = load_bank(root, **options)
     assert ids_of(by_words) == ids_of(load_bank(HouseSet(root, **options)))
-    with HouseStream(root, num_slots=2, where=HouseFilter(levels=(1, 1)), num_houses=2) as stream:
+    with HouseStream(root, num_slots=2, filter=HouseFilter(levels=(1, 1)), num_houses=2) as stream:
         assert sorted(ids_of(stream.bank)) == sorted(HouseSet(root, num_houses=2).house_ids)
 
 
@@ -124,7 +124,7 @@ def test_nothing_is_chosen_twice(root):
 
 def test_a_job_refuses_a_filter(root):
     with pytest.raises(ConfigError, match="still to be compiled"):
-        compile_dataset(HouseSet(root, where=HouseFilter(rooms=(1, 2))))
+        compile_dataset(HouseSet(root, filter=HouseFilter(rooms=(1, 2))))
 
 
 def test_a_run_of_some_houses_adds_to_the_report(tmp_path, monkeypatch):
@@ -141,7 +141,7 @@ def test_without_a_dataset_houses_are_generated(tmp_path, monkeypatch, root):
     generated = house_set(None, num_houses=1, split="val")
     assert len(generated.house_ids) == 1
     assert select_ids(generated.house_ids, "val") == list(generated.house_ids)
-    assert tmp_path in generated.opened.root.parents
+    assert tmp_path in generated.resolved_dataset.root.parents
     with pytest.raises(ConfigError, match="home-mjx generate"):
         house_set(None, num_houses=1, where=HouseFilter())
     monkeypatch.setenv("SUNCG_DATA_DIR", str(root))

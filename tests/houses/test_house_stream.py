@@ -29,12 +29,12 @@ def root(tmp_path_factory):
 
 @pytest.fixture
 def stream(root):
-    with HouseStream(root, IDS, num_slots=NUM_SLOTS, headroom=2.0) as stream:
+    with HouseStream(root, IDS, num_slots=NUM_SLOTS, capacity_factor=2.0) as stream:
         yield stream
 
 
 def drawable(bank: HouseBank) -> set[int]:
-    return set(np.asarray(bank.draw).tolist())
+    return set(np.asarray(bank.reset_houses).tolist())
 
 
 def test_slots_hold_what_a_bank_would(root, stream):
@@ -112,7 +112,7 @@ def test_a_house_that_does_not_fit_is_skipped_and_reported(root, tmp_path):
 
     edit_house(tmp_path / "data", crowd, IDS[5])
     (tmp_path / "data" / "house" / IDS[6] / "house.json").write_text("{")
-    with HouseStream(tmp_path / "data", IDS, num_slots=2, headroom=1.0, seed=0) as stream:
+    with HouseStream(tmp_path / "data", IDS, num_slots=2, capacity_factor=1.0, seed=0) as stream:
         assert IDS[5] not in ids_of(stream.bank)
         run_until(stream, NUM_HOUSES)
         assert set(stream.skipped) == {IDS[5], IDS[6]}
@@ -124,7 +124,7 @@ def test_refusals(root):
     with pytest.raises(ConfigError, match="at least as many houses"):
         HouseStream(root, IDS[:2], num_slots=3)
     with pytest.raises(ConfigError, match="spare"):
-        HouseStream(root, IDS, num_slots=2, spare=2)
+        HouseStream(root, IDS, num_slots=2, num_retiring=2)
 
 
 def test_environments_run_on_through_swaps(stream):

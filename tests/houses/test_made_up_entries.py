@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from test_compile_cache import assert_equal, compiles, entries, load, root  # noqa: F401
 
-from home_mjx.core.array_store.entry import BROKEN, read_entry, write_entry
+from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
 from home_mjx.geometry.bvh import MAX_DEPTH, build_tree
 from home_mjx.houses.integrity import check_trees
-from home_mjx.schema.compiled import Tree
+from home_mjx.schema.compiled import BVH
 
 
 def rewritten(path: Path, change):
@@ -119,15 +119,15 @@ def test_made_up_heads_of_entries_are_found_broken(tmp_path, head):
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         archive.writestr("notes.json", head)
         archive.writestr("data", bytes(64))
-    with pytest.raises(BROKEN):
+    with pytest.raises(READ_ERRORS):
         read_entry(tmp_path / "a.zip")
 
 
-def chain(length: int) -> Tree:
+def chain(length: int) -> BVH:
     """Each node below the one before."""
     child = np.stack([np.arange(1, length + 1), np.full(length, -1)], axis=1)
     child[-1, 0] = ~(0 << 4 | 1)
-    return Tree(np.zeros((length, 2, 6), np.float32), child.astype(np.int32))
+    return BVH(np.zeros((length, 2, 6), np.float32), child.astype(np.int32))
 
 
 def test_trees_deeper_than_the_stack_of_rays_are_found():
@@ -148,7 +148,7 @@ def test_trees_deeper_than_the_stack_of_rays_are_found():
     ],
 )
 def test_trees_that_lead_elsewhere_are_found(child, said):
-    broken = Tree(np.zeros((len(child), 2, 6), np.float32), np.array(child, np.int32))
+    broken = BVH(np.zeros((len(child), 2, 6), np.float32), np.array(child, np.int32))
     with pytest.raises(ValueError, match=said):
         check_trees([chain(2), broken, chain(3)], [1, 4, 1])
 

@@ -11,9 +11,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.houses import load_bank
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.navigation import geodesic_distance, near_home
+from home_mjx.navigation import geodesic_distance, is_near_home_region
 from home_mjx.schema.compiled import CompiledHouse
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 
 NUM_HOUSES, NUM_STEPS, NUM_ENVS = 4, 500, 32
 MOVED = 0.05  # [m], between the points of a pair
@@ -24,7 +24,7 @@ def houses(tmp_path_factory) -> list[CompiledHouse]:
     from home_procgen.v1.dataset import generate_dataset
 
     root = tmp_path_factory.mktemp("generated")
-    return list(HouseSet.of(root, ids=generate_dataset(root, range(NUM_HOUSES))).load(False))
+    return list(HouseSet.coerce(root, ids=generate_dataset(root, range(NUM_HOUSES))).load(False))
 
 
 @pytest.fixture(scope="module")
@@ -103,13 +103,13 @@ def test_where_no_cell_is_the_way_to_the_nearest_one_counts(bank, houses, distan
     """Outdoors, in other rooms that nobody comes to, and beyond the grid."""
     rooms = HouseBank.from_compiled([two_rooms()])
     n = two_rooms().navigation
-    home = np.argwhere(n.free)[:, :0:-1] * n.cell + n.origin + n.cell / 2
+    home = np.argwhere(n.home_mask)[:, :0:-1] * n.cell + n.origin + n.cell / 2
     for point in ([-9.0, 0.3, 0.0], [0.05, 12.0, 0.0], [3.9, 0.1, 0.0]):
         found = np.asarray(distances(rooms, jnp.int32(0), jnp.array([point])))[0, : len(n.goal)]
         way = np.linalg.norm(home - point[:2], axis=1)
         assert np.isfinite(found).all()
         # No less than straight to the region, and no more than to its nearest cell and on from there, by two cells.
-        on = np.stack([n.distance(g)[n.free] for g in range(len(n.goal))], axis=1)
+        on = np.stack([n.distance(g)[n.home_mask] for g in range(len(n.goal))], axis=1)
         assert (found >= way.min() - 3 * n.cell).all()
         assert (found <= way.min() + on[way.argmin()] + 10 * n.cell).all()
 
@@ -119,7 +119,7 @@ def test_beside_the_home_region_is_not_in_it(bank, houses):
     n = house.navigation
     cells = np.indices(n.free.shape)[1:].reshape(2, -1)[::-1].T
     points = np.c_[(cells + 0.5) * n.cell + n.origin, np.full(len(cells), n.floor[0])].astype(np.float32)
-    found = np.asarray(jax.vmap(lambda p: near_home(bank, jnp.int32(0), p))(points)).reshape(n.free.shape)
+    found = np.asarray(jax.vmap(lambda p: is_near_home_region(bank, jnp.int32(0), p))(points)).reshape(n.free.shape)
     padded = np.pad(n.free[0], 1)
     around = [
         padded[1 + a : 1 + a + padded.shape[0] - 2, 1 + b : 1 + b + padded.shape[1] - 2]
@@ -129,7 +129,7 @@ def test_beside_the_home_region_is_not_in_it(bank, houses):
     np.testing.assert_array_equal(found[0], np.any(around, axis=0))
 
 
-def walk(env: BoundEnv, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def walk(env: Env, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Distances, rewards and places of agents that walk at random, each for a while in one direction."""
     count = env.bank.num_houses * (NUM_ENVS // NUM_HOUSES)
     houses = jnp.arange(count, dtype=jnp.int32) % env.bank.num_houses

@@ -87,7 +87,7 @@ def test_fields_of_a_house_agree_with_the_stored_ones():
         fields = np.asarray(jax.jit(goal_fields)(bank, jnp.int32(0), jnp.int32(0), bank.navigation.goal[0, :4]))
     ny, nx = n.region.shape[1:]
     for g in range(4):
-        stored, found = n.distance(g)[0][n.free[0]], fields[g, :ny, :nx][n.free[0]]
+        stored, found = n.distance(g)[0][n.home_mask[0]], fields[g, :ny, :nx][n.home_mask[0]]
         # Sources reach to the neighbours of the goal's cell: at most one diagonal step nearer.
         assert (stored - found).min() > -0.01
         assert (stored - found).max() < 0.1 * 2**0.5 + 0.01

@@ -13,8 +13,8 @@ from scipy import ndimage
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry.boxes import BoxSet
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.navigation import door_angles, joined_rooms, open_portals
-from home_mjx.scene_compile.navigation.free_space import clearance
+from home_mjx.navigation import connected_rooms, door_angles, passable_portals
+from home_mjx.scene_compile.navigation.free_space import compute_clearance
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.schema.compiled import CompiledHouse, Doors, PortalKind, Portals
 from home_procgen.v1.dataset import generate_dataset
@@ -85,7 +85,7 @@ def test_random_doors_are_open_or_closed_each_for_itself(bank):
 
 def test_a_door_is_open_from_where_its_gap_is_as_wide_as_an_agent(bank):
     for turned, opens in ((0.0, False), (LEAST - 0.005, False), (LEAST + 0.005, True), (1.5, True)):
-        found = strictly(lambda a: open_portals(bank, HOUSE, a), angles(bank, turned))
+        found = strictly(lambda a: passable_portals(bank, HOUSE, a), angles(bank, turned))
         assert found[[0, 3]].tolist() == [opens, opens]
         assert found[[1, 2, 4]].tolist() == [False, True, False]
         assert not found[5:].any()
@@ -93,7 +93,11 @@ def test_a_door_is_open_from_where_its_gap_is_as_wide_as_an_agent(bank):
 
 @pytest.mark.parametrize("turned", [(0, 1.0, 0), (0, 0, 1.0), (0, 1.0, 1.0)])
 def test_one_leaf_of_two_is_enough(bank, turned):
-    assert strictly(lambda a: open_portals(bank, HOUSE, a), angles(bank, *turned))[:3].tolist() == [False, True, True]
+    assert strictly(lambda a: passable_portals(bank, HOUSE, a), angles(bank, *turned))[:3].tolist() == [
+        False,
+        True,
+        True,
+    ]
 
 
 def test_rooms_are_joined_by_what_is_open():
@@ -102,7 +106,7 @@ def test_rooms_are_joined_by_what_is_open():
     doors_only = replace(house.navigation, portals=replace(portals, width=portals.width * (portals.kind == 1)))
     bank = HouseBank.from_compiled([replace(house, navigation=doors_only)])
     for turned, joined in (((0, 0, 0), False), ((1, 0, 0), True), ((0, 0, 1), True)):
-        found = strictly(lambda a: joined_rooms(bank, HOUSE, a), angles(bank, *turned))
+        found = strictly(lambda a: connected_rooms(bank, HOUSE, a), angles(bank, *turned))
         assert found[:2, :2].tolist() == [[True, joined], [joined, True]]
         assert_array_equal(found[2:], np.eye(len(found), dtype=bool)[2:])
 
@@ -117,7 +121,7 @@ def test_a_chain_of_rooms_is_joined_from_end_to_end(rng):
     portals = Portals(pairs, np.zeros((count - 1, 3)), width, flat, np.full((count - 1, 2), -1, np.int32))
     nav = replace(house.navigation, portals=portals)
     bank = HouseBank.from_compiled([replace(house, navigation=nav)])
-    found = strictly(lambda: joined_rooms(bank, HOUSE, jnp.zeros(0, jnp.float32)))
+    found = strictly(lambda: connected_rooms(bank, HOUSE, jnp.zeros(0, jnp.float32)))
     assert_array_equal(found, room_hops(portals, count) >= 0)
     assert found.sum() == 10**2 + 6**2
 
@@ -126,13 +130,13 @@ def test_a_bank_without_doors_has_open_openings_only():
     bank = HouseBank.from_compiled([shoebox()])
     assert bank.spec.num_doors == 0
     assert strictly(lambda k: door_angles(bank, HOUSE, "random", k), KEY).shape == (0,)
-    assert not strictly(lambda: open_portals(bank, HOUSE, jnp.zeros(0, jnp.float32))).any()
+    assert not strictly(lambda: passable_portals(bank, HOUSE, jnp.zeros(0, jnp.float32))).any()
 
 
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory) -> list[CompiledHouse]:
     root = tmp_path_factory.mktemp("generated")
-    return list(HouseSet.of(root, ids=generate_dataset(root, range(4))).load(False))
+    return list(HouseSet.coerce(root, ids=generate_dataset(root, range(4))).load(False))
 
 
 def turned_boxes(doors: Doors, angle: np.ndarray) -> BoxSet:
@@ -151,7 +155,7 @@ def flooded(house: CompiledHouse, angle: np.ndarray) -> np.ndarray:
     y, x = (n.origin[1 - a] + (np.arange(room.shape[a]) + 0.5) * n.cell for a in (0, 1))
     floor = house.rooms.floor[room]
     boxes = turned_boxes(house.doors, angle)
-    away = clearance(boxes, floor, x, y, (0.03, n.agent_height), n.agent_radius)
+    away = compute_clearance(boxes, floor, x, y, (0.03, n.agent_height), n.agent_radius)
     patch = ndimage.label(standable & (away >= n.agent_radius))[0]
     counts = [np.bincount(patch[(room == r) & (patch > 0)], minlength=1) for r in range(len(house.rooms.type))]
     stands = np.array([c.argmax() if c.any() else -1 - r for r, c in enumerate(counts)])
@@ -165,7 +169,7 @@ def test_what_doors_join_is_what_a_flood_fill_finds(generated):
         count, doors = len(house.rooms.type), len(house.doors.mass)
         for state in ("open", "closed", "random"):
             angle = door_angles(bank, jnp.int32(h), state, jax.random.key(h))
-            joined = strictly(lambda a, h=h: joined_rooms(bank, jnp.int32(h), a), angle)[:count, :count]
+            joined = strictly(lambda a, h=h: connected_rooms(bank, jnp.int32(h), a), angle)[:count, :count]
             if state == "open":
                 assert_array_equal(joined, house.navigation.room_hops >= 0)
             assert_array_equal(joined, flooded(house, np.asarray(angle, float)[:doors]))

@@ -12,7 +12,7 @@ from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
-from home_mjx.physics.base.servo import FREE
+from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 
 SCENES = [
@@ -48,10 +48,10 @@ def build(impl):
 
 def start(bank, template, house):
     state = physics.reset(template, bank, house, jnp.zeros((1, 3)), jnp.zeros(1))
-    driven = jnp.where(house == DRIVEN, jnp.array([1.0, FREE, FREE]), FREE)
-    driven = jnp.where(house == SLIDING, jnp.array([FREE, FREE, 0.6]), driven)
+    driven = jnp.where(house == DRIVEN, jnp.array([1.0, NOT_DRIVEN, NOT_DRIVEN]), NOT_DRIVEN)
+    driven = jnp.where(house == SLIDING, jnp.array([NOT_DRIVEN, NOT_DRIVEN, 0.6]), driven)
     held = jnp.where(house == DRIVEN, 0, -1)[None].astype(jnp.int32)
-    return state.replace(goal=driven, held=held, grip=jnp.array([GRIP]))
+    return state.replace(door_goal=driven, held=held, grip=jnp.array([GRIP]))
 
 
 def rollout(impl, length):

@@ -12,11 +12,18 @@ from scipy.spatial.transform import Rotation
 from tiny_houses import Box, Door, TinyHouse, make_bank
 
 from home_mjx import physics
-from home_mjx.geometry.boxes import box_set, overlap
+from home_mjx.geometry.boxes import make_boxes, penetration_depth
 from home_mjx.physics import PhysicsConfig, Template
-from home_mjx.physics.base.servo import FREE
-from home_mjx.physics.hands import THROW_SPEED, TORN, TRIES, Commands, obey, settle
-from home_mjx.schema import Body
+from home_mjx.physics.base.servo import NOT_DRIVEN
+from home_mjx.physics.hands import (
+    MAX_HOLD_DISTANCE,
+    MAX_PLACE_STEPS,
+    MAX_THROW_SPEED,
+    HandCommands,
+    apply_hand_commands,
+    update_hands,
+)
+from home_mjx.schema import AgentBody
 from home_mjx.schema.timing import Timing
 
 CUP, STOOL, SOFA, BOOK = range(4)
@@ -40,16 +47,18 @@ class Scene:
     def __init__(self, impl: str = "fused"):
         self.bank = make_bank([HOUSE])
         config = PhysicsConfig(
-            impl=impl, num_agents=2, bodies=(Body(), Body(radius=0.15, height=1.2, eye_height=1.1, lift=2))
+            impl=impl,
+            num_agents=2,
+            bodies=(AgentBody(), AgentBody(radius=0.15, height=1.2, eye_height=1.1, max_lift_mass=2)),
         )
         self.template, house = Template(config, self.bank.spec), jnp.int32(0)
         pos = jnp.array([[0.2, 0.0, 0.0], [0.2, 0.7, 0.0]])
         self.start = physics.reset(self.template, self.bank, house, pos, jnp.zeros(2))
 
         def step(state, action, commands):
-            state = obey(self.template, self.bank, house, state, commands)
+            state = apply_hand_commands(self.template, self.bank, house, state, commands)
             state = physics.step(self.template, self.bank, house, state, action)
-            return settle(self.template, self.bank, house, state)
+            return update_hands(self.template, self.bank, house, state)
 
         self.step = jax.jit(step)
 
@@ -63,8 +72,8 @@ class Scene:
         return np.asarray(state.qpos[self.template.layout.body_qpos]).reshape(-1, 7)[k]
 
 
-def told(agent: int = 0, **command) -> Commands:
-    none = Commands.none(2)
+def told(agent: int = 0, **command) -> HandCommands:
+    none = HandCommands.idle(2)
     return none.replace(**{name: getattr(none, name).at[agent].set(value) for name, value in command.items()})
 
 
@@ -84,7 +93,9 @@ def test_nothing_settles_where_no_hand_was_told_anything(fused):
     state, moved = fused.start, False
     for _ in range(20):
         state = physics.step(fused.template, fused.bank, jnp.int32(0), state, jnp.asarray(pushes))
-        jax.tree.map(np.testing.assert_array_equal, settle(fused.template, fused.bank, jnp.int32(0), state), state)
+        jax.tree.map(
+            np.testing.assert_array_equal, update_hands(fused.template, fused.bank, jnp.int32(0), state), state
+        )
         moved |= bool(abs(state.qvel[fused.template.layout.door_qvel]).max() > 0.1)
     assert moved
 
@@ -98,7 +109,7 @@ def test_a_cup_is_taken_carried_and_put_down(scene):
     assert_allclose(scene.body(walked, CUP)[:3] - hand[:3], np.asarray(walked.qpos[:3] - state.qpos[:3]), atol=0.02)
     back = scene.run(walked, 12, np.array([[0.6, 0, 0], [0, 0, 0]], np.float32))
     spot = np.array([0.9, -0.05, 0.7])
-    put = scene.run(back, TRIES, place=spot)
+    put = scene.run(back, MAX_PLACE_STEPS, place=spot)
     assert put.held.tolist() == [-1, -1]
     still = scene.run(put, 10)
     assert_allclose(scene.body(still, CUP)[:3], [0.9, -0.05, 0.75], atol=0.01)
@@ -136,7 +147,7 @@ def test_what_is_thrown_flies(fused):
     held = fused.run(fused.start, 12, pick=CUP)
     thrown = fused.run(held, 1, throw=np.array([0.6, 0.0, 0.8]))
     start = fused.template.layout.body_qvel.start + 6 * CUP
-    speed = THROW_SPEED * np.array([0.6, 0.0, 0.8]) - [0, 0, 9.81 * 0.1]
+    speed = MAX_THROW_SPEED * np.array([0.6, 0.0, 0.8]) - [0, 0, 9.81 * 0.1]
     assert_allclose(thrown.qvel[start : start + 3], speed, atol=0.05)
     assert fused.body(fused.run(thrown, 20), CUP)[0] < 3  # the wall stops it
 
@@ -172,7 +183,7 @@ def test_doors_of_other_storeys_are_out_of_reach(scene):
     for rise, turns in ((0.9, True), (1.1, False)):
         z = middle + rise
         above = scene.start.replace(qpos=scene.start.qpos.at[4:7].set(jnp.array([0.7, 1.2, z])))
-        assert (scene.run(above, 1, agent=1, door=0, open=True).goal[0] != FREE) == turns
+        assert (scene.run(above, 1, agent=1, door=0, open=True).goal[0] != NOT_DRIVEN) == turns
 
 
 @pytest.mark.parametrize("impl", ["fused", "c"])
@@ -205,8 +216,8 @@ def depth_in(pose: np.ndarray, half: tuple[float, ...], other: Box) -> float:
     """How deep a box that stands upright is in another one [m]."""
     yaw, *tilt = Rotation.from_quat(pose[3:], scalar_first=True).as_euler("zyx")
     assert_allclose(tilt, 0, atol=0.05)
-    both = box_set(np.stack([pose[:3], other.pos]), np.stack([half, other.size]), np.array([yaw, other.yaw]))
-    return overlap(both[:1], both[1:])[0]
+    both = make_boxes(np.stack([pose[:3], other.pos]), np.stack([half, other.size]), np.array([yaw, other.yaw]))
+    return penetration_depth(both[:1], both[1:])[0]
 
 
 def test_a_thing_that_is_stuck_is_torn_away(fused):
@@ -215,19 +226,19 @@ def test_a_thing_that_is_stuck_is_torn_away(fused):
     layout = fused.template.layout
     q = layout.body_qpos.start + 7 * CUP
     beyond = state.replace(qpos=state.qpos.at[q : q + 3].set(jnp.array([0.6, 3.5, 1.0])))
-    assert float(jnp.linalg.norm(beyond.qpos[q : q + 3] - state.qpos[q : q + 3])) > TORN
-    assert fused.run(beyond, TRIES + 3).held.tolist() == [-1, -1]
+    assert float(jnp.linalg.norm(beyond.qpos[q : q + 3] - state.qpos[q : q + 3])) > MAX_HOLD_DISTANCE
+    assert fused.run(beyond, MAX_PLACE_STEPS + 3).held.tolist() == [-1, -1]
 
 
 def test_a_hand_turns_a_door_to_its_ends(scene):
     opened = scene.run(scene.start, 25, agent=1, door=0, open=True)
     angle = scene.template.layout.door_qpos.start
     assert_allclose(opened.qpos[angle], HOUSE.doors[0].high, atol=0.05)
-    assert opened.goal[0] == FREE
+    assert opened.goal[0] == NOT_DRIVEN
     shut = scene.run(opened, 25, agent=1, door=0, open=False)
     assert_allclose(shut.qpos[angle], 0.0, atol=0.05)
     far = scene.start.replace(qpos=scene.start.qpos.at[4:6].set(jnp.array([-2.5, -2.5])))
-    assert scene.run(far, 3, agent=1, door=0, open=True).goal[0] == FREE  # out of reach
+    assert scene.run(far, 3, agent=1, door=0, open=True).goal[0] == NOT_DRIVEN  # out of reach
 
 
 class Hands(RuleBasedStateMachine):
@@ -243,7 +254,7 @@ class Hands(RuleBasedStateMachine):
         walk=st.tuples(*[st.sampled_from([-1.0, 0.0, 1.0])] * 6),
         agent=st.integers(0, 1),
         steps=st.integers(1, 12),
-        command=st.one_of(
+        command=st.indefinite_noun(
             st.builds(lambda k: {"pick": k}, st.integers(-1, 4)),
             st.just({"drop": True}),
             st.builds(
@@ -263,7 +274,7 @@ class Hands(RuleBasedStateMachine):
         held = [k for k in state.held.tolist() if k >= 0]
         assert len(set(held)) == len(held)
         for k, body in zip(state.held.tolist(), config.agents, strict=True):
-            assert k < 0 or HOUSE.movable[k].mass <= body.lift
+            assert k < 0 or HOUSE.movable[k].mass <= body.max_lift_mass
         (door,) = np.asarray(state.qpos[layout.door_qpos])[: len(HOUSE.doors)]
         assert -0.1 < door < HOUSE.doors[0].high + 0.1
         for k in range(4):

@@ -17,9 +17,9 @@ import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig, Template
-from home_mjx.physics.kinematic.footprints import SLOP, Footprints
-from home_mjx.physics.mjx.slots import Boxes
-from home_mjx.schema import Body
+from home_mjx.physics.kinematic.footprints import MAX_PENETRATION, Footprints
+from home_mjx.physics.mjx.slots import OrientedBoxes
+from home_mjx.schema import AgentBody
 
 CONFIG = PhysicsConfig(impl="kinematic")
 RADIUS, HALF = CONFIG.body.radius, CONFIG.body.half_length
@@ -76,7 +76,7 @@ def test_two_agents_do_not_walk_into_each_other():
         state = step(state)
         met |= bool(physics.agent_contact(template, state).all())
         places = physics.agent_pose(template, state)[0]
-        assert float(jnp.linalg.norm(places[0, :2] - places[1, :2])) > 2 * RADIUS - SLOP
+        assert float(jnp.linalg.norm(places[0, :2] - places[1, :2])) > 2 * RADIUS - MAX_PENETRATION
     assert met  # and slid around each other
     assert float(places[0, 0]) > 1 > -1 > float(places[1, 0])
 
@@ -132,7 +132,7 @@ def test_nobody_is_ever_inside_anything(seed):
         way += np.linalg.norm(np.asarray(state.qpos[:, :2]) - before, axis=1)
         if tick % 5 == 0:
             for pos in np.asarray(state.qpos[:, :3]):
-                assert max(depth(pos, box) for box in (*boxes, *fence)) < 2 * SLOP
+                assert max(depth(pos, box) for box in (*boxes, *fence)) < 2 * MAX_PENETRATION
                 assert np.abs(pos[:2]).max() < 3
     assert (way > 3).all()
 
@@ -144,8 +144,10 @@ def test_footprints_of_upright_boxes_are_exact_whichever_axis_is_up():
     quarters = [(1, 0, 0, 0), (down, down, 0, 0), (down, 0, down, 0), (down, 0, 0, down), (0.5, 0.5, 0.5, 0.5)]
     for quat in map(np.array, quarters):
         w, x, y, z = _product(turned, quat)
-        boxes = Boxes(jnp.zeros((1, 3)), jnp.array([[w, x, y, z]], jnp.float32), jnp.asarray(half[None], jnp.float32))
-        print_ = jax.tree.map(lambda value: float(value[0]), Footprints.of(boxes))
+        boxes = OrientedBoxes(
+            jnp.zeros((1, 3)), jnp.array([[w, x, y, z]], jnp.float32), jnp.asarray(half[None], jnp.float32)
+        )
+        print_ = jax.tree.map(lambda value: float(value[0]), Footprints.from_boxes(boxes))
         axes = np.array([[float(c[0]) for c in axis] for axis in boxes.axes])
         corners = np.array(list(itertools.product([-1, 1], repeat=3))) * half @ axes
         heading = np.array([[print_.cos, print_.sin], [-print_.sin, print_.cos]])
@@ -216,7 +218,10 @@ def test_agents_push_sliding_doors_by_their_ends_only():
 def test_agents_too_fast_for_their_size_are_refused():
     """They once took as many parts of a step as that needs, and compiling never ended."""
     bank = make_bank([TinyHouse()])
-    template, house = Template(PhysicsConfig(impl="kinematic", body=Body(forward_speed=1e6)), bank.spec), jnp.int32(0)
+    template, house = (
+        Template(PhysicsConfig(impl="kinematic", body=AgentBody(forward_speed=1e6)), bank.spec),
+        jnp.int32(0),
+    )
     state = physics.reset(template, bank, house, jnp.zeros((1, 3)), jnp.zeros(1))
     with pytest.raises(ConfigError, match="may move by 100 times its radius in a control step") as error:
         physics.step(template, bank, house, state, jnp.zeros((1, 3)))

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 import home_mjx
 from home_mjx import HouseBank, physics
-from home_mjx.physics import PhysicsConfig, Template, is_outside
-from home_mjx.physics.outside import UNDER
-from home_mjx.schema import Body
+from home_mjx.physics import PhysicsConfig, Template, is_out_of_bounds
+from home_mjx.physics.outside import MIN_DEPTH_BELOW_FLOOR
+from home_mjx.schema import AgentBody
 from home_mjx.tasks import Status
 
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
@@ -37,7 +37,7 @@ def test_the_lot_ends_at_the_fence(generated_bank):
 
 def test_it_is_what_corners_say(bank):
     """Random poses about the edges of the lot and the floor; bodies that the house does not use count for nothing."""
-    rng, bodies = np.random.default_rng(0), (Body(), Body(radius=0.2, height=1.0, eye_height=0.9))
+    rng, bodies = np.random.default_rng(0), (AgentBody(), AgentBody(radius=0.2, height=1.0, eye_height=0.9))
     template = Template(PhysicsConfig(num_agents=2, bodies=bodies), bank.spec)
     start = physics.reset(template, bank, jnp.int32(0), jnp.zeros((2, 3)), jnp.zeros(2))
     layout, lot = template.layout, np.asarray(bank.physics.lot[0], float)
@@ -50,7 +50,7 @@ def test_it_is_what_corners_say(bank):
     free = np.concatenate([pos[:, 2:], quat[:, 2:]], axis=-1)
     qpos = np.tile(np.asarray(start.qpos), (NUM, 1))
     qpos[:, layout.agent_qpos], qpos[:, layout.body_qpos] = agents.reshape(NUM, -1), free.reshape(NUM, -1)
-    found = jax.vmap(lambda q: is_outside(template, bank, jnp.int32(0), start.replace(qpos=q)))(
+    found = jax.vmap(lambda q: is_out_of_bounds(template, bank, jnp.int32(0), start.replace(qpos=q)))(
         jnp.asarray(qpos, jnp.float32)
     )
     matrix = turn.as_matrix().reshape(NUM, count, 3, 3)
@@ -58,8 +58,8 @@ def test_it_is_what_corners_say(bank):
     lowest = (pos[:, :, None] + np.einsum("ebij,bcj->ebci", matrix, CORNERS * half[:, None]))[..., 2].min(axis=-1)
     lowest[:, :2] = pos[:, :2, 2] - [0.8, 0.5]
     beyond = ((pos[..., :2] < lot[0]) | (pos[..., :2] > lot[1])).any(axis=-1)
-    wanted = (beyond | (lowest < -UNDER)) & np.r_[True, True, np.asarray(bank.physics.body_valid[0])]
-    near = abs(lowest + UNDER) < 1e-5
+    wanted = (beyond | (lowest < -MIN_DEPTH_BELOW_FLOOR)) & np.r_[True, True, np.asarray(bank.physics.body_valid[0])]
+    near = abs(lowest + MIN_DEPTH_BELOW_FLOOR) < 1e-5
     assert (np.asarray(found)[~near] == wanted[~near]).all()
     assert wanted[:, :4].any(axis=0).all()
     assert not wanted[:, :4].all(axis=0).any()

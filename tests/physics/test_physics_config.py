@@ -10,7 +10,7 @@ from tiny_houses import Door, TinyHouse, make_bank
 from home_mjx.errors import ConfigError
 from home_mjx.physics import Template, reset, step
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.schema import Body
+from home_mjx.schema import AgentBody
 
 
 @pytest.mark.parametrize(
@@ -19,7 +19,7 @@ from home_mjx.schema import Body
         ({"num_agents": 0}, "num_agents"),
         ({"response_time": float("inf")}, "response_time"),
         ({"control": "torque"}, "control"),
-        ({"bodies": (Body(),)}, "bodies"),
+        ({"bodies": (AgentBody(),)}, "bodies"),
         ({"impl": "cuda"}, "impl"),
         ({"jacobian": "banded"}, "jacobian"),
     ],

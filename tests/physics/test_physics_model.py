@@ -12,8 +12,8 @@ from mujoco import mjx
 from numpy.testing import assert_allclose
 from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
-from home_mjx.mjcf.boxes import DOOR_DRAG
-from home_mjx.mjcf.contact import contact_numbers
+from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
+from home_mjx.mjcf.contact import contact_parameters
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.dynamics import reset
 from home_mjx.physics.mjx.house_model import (
@@ -25,10 +25,10 @@ from home_mjx.physics.mjx.house_model import (
     with_slots,
     with_surfaces,
 )
-from home_mjx.physics.mjx.step import nearest_boxes, static_boxes
+from home_mjx.physics.mjx.step import fill_contact_slots, padded_static_boxes
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
-from home_mjx.schema import Body, Timing
+from home_mjx.schema import AgentBody, Timing
 from home_mjx.schema.contact_materials import damping_ratio
 
 HOUSE = TinyHouse(
@@ -70,7 +70,7 @@ def host_spec(template, house, slots=None):
         joint, moved = spec.joint(f"door{h}"), body.inertia[2] + door.mass * arm @ arm
         joint.axis = [*door.axis, not door.slides]
         joint.range = [door.low, door.high]
-        joint.damping = [DOOR_DRAG * (door.mass if door.slides else moved), 0, 0]
+        joint.damping = [DOOR_DAMPING_RATE * (door.mass if door.slides else moved), 0, 0]
     for i, name in enumerate(slot_names(template.layout) if slots is not None else []):
         geom = spec.geom(name)
         geom.pos, geom.quat, geom.size = (np.asarray(x[i], float) for x in (slots.pos, slots.quat, slots.half))
@@ -85,7 +85,7 @@ def _set_contact(pair, bodies, timestep):
     rows = [int(found[1]) for name in names if (found := re.fullmatch(r"body(\d+)(_corner\d)?", name))]
     own = [bodies[row] if row < len(bodies) else Box((0, 0, 0), (0, 0, 0)) for row in rows]
     pair.friction[:2] = max(b.friction for b in own)
-    found = [contact_numbers(np.array(damping_ratio(b.restitution)), timestep) for b in own]
+    found = [contact_parameters(np.array(damping_ratio(b.restitution)), timestep) for b in own]
     pair.solref = -np.max(found, axis=0)[:2]
     pair.solimp[[0, 2]] = np.mean(found, axis=0)[2:]
 
@@ -102,11 +102,13 @@ def models():
         state = reset(template, bank, house, jnp.array([[0.0, 0.0, 0.4]]), jnp.zeros(1))
         data = template.data.replace(qpos=state.qpos)
         bodies = movable_bodies(bank.physics, house)
-        slots, _, _ = nearest_boxes(template, static_boxes(template, bank.physics, house), bodies.size, data)
+        slots, _, _ = fill_contact_slots(
+            template, padded_static_boxes(template, bank.physics, house), bodies.size, data
+        )
         model = house_model(template.model, template.layout, bodies, bank.physics.floor[house])
         model = with_doors(model, template.layout, house_doors(bank.physics, house))
         surfaces = house_surfaces(template.config, bank.physics, house)
-        model = with_surfaces(model, template.layout, template.pair_mobiles, surfaces)
+        model = with_surfaces(model, template.layout, template.pair_bodies, surfaces)
         return with_slots(model, template.layout, slots), slots
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
@@ -150,7 +152,7 @@ def test_template_is_stepped_with_the_options_asked_for():
 
 
 def test_agents_weigh_what_was_asked_for():
-    config = PhysicsConfig(body=Body(mass=72.0, radius=0.2, height=1.7))
+    config = PhysicsConfig(body=AgentBody(mass=72.0, radius=0.2, height=1.7))
     model = Template(config, make_bank([TinyHouse()]).spec).model
     assert_allclose(model.body_mass[1], 72.0)
     # Yaw inertia of a capsule: cylinder m r^2 / 2 and two half balls 2/5 m r^2, shared by volume.

@@ -9,7 +9,7 @@ from rollouts import ACTIONS, LENGTH, SCENES
 from test_physics_model import host_spec
 from tiny_houses import TinyHouse
 
-from home_mjx.physics.mjx.slots import FLAT, Boxes
+from home_mjx.physics.mjx.slots import MIN_HEIGHT_ABOVE_FLOOR, OrientedBoxes
 
 
 def _control(config, yaw_inertia, action, data):
@@ -18,21 +18,21 @@ def _control(config, yaw_inertia, action, data):
     target = np.array(action, float) * [config.body.forward_speed, config.body.strafe_speed, config.body.turn_rate]
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
     force = config.body.mass * (turn @ target[:2] - velocity[:2]) / config.response_time
-    force *= min(1.0, config.body.push_force / max(np.linalg.norm(force), 1e-9))
+    force *= min(1.0, config.body.max_push_force / max(np.linalg.norm(force), 1e-9))
     return [*force, yaw_inertia * (target[2] - velocity[3]) / config.response_time]
 
 
-def _all_static(template, house: TinyHouse) -> Boxes:
+def _all_static(template, house: TinyHouse) -> OrientedBoxes:
     """Every owner's slots with the same static boxes: those nearest to the middle."""
     layout = template.layout
     static = sorted(house.static, key=lambda b: np.hypot(*b.pos[:2]))
-    static = [b for b in static if b.pos[2] + b.size[2] > house.floor + FLAT]
+    static = [b for b in static if b.pos[2] + b.size[2] > house.floor + MIN_HEIGHT_ABOVE_FLOOR]
     rows = []
     for num in [layout.agent_slots] * layout.num_agents + [layout.body_slots] * layout.num_bodies:
         for s in range(num):
             far = ((0, 0, -500), (1, 0, 0, 0), (0.1, 0.1, 0.1))
             rows.append((static[s].pos, static[s].quat, static[s].size) if s < len(static) else far)
-    return Boxes(*(jnp.array(column, jnp.float32) for column in zip(*rows, strict=True)))
+    return OrientedBoxes(*(jnp.array(column, jnp.float32) for column in zip(*rows, strict=True)))
 
 
 def _simulate(template, name):

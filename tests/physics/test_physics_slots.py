@@ -8,14 +8,14 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from home_mjx.physics.mjx.slots import REACH, Boxes, fill, separation
+from home_mjx.physics.mjx.slots import MAX_SLOT_DISTANCE, OrientedBoxes, fill_slots, separation
 
 
 def _random_boxes(rng, count, spread, upright=False):
     quat = rng.normal(size=(count, 4)) * ([1, 0, 0, 1] if upright else 1)
     quat /= np.linalg.norm(quat, axis=1, keepdims=True)
     pos, half = rng.uniform(-spread, spread, (count, 3)), rng.uniform(0.05, 0.8, (count, 3))
-    return Boxes(*(jnp.asarray(x, jnp.float32) for x in (pos, quat, half)))
+    return OrientedBoxes(*(jnp.asarray(x, jnp.float32) for x in (pos, quat, half)))
 
 
 def _corners(pos, quat, half):
@@ -74,9 +74,9 @@ def test_separation_never_exceeds_the_distance(rng):
 def test_slots_hold_the_nearest_boxes_and_park_the_others(rng, strict):
     owner, static = _row(_random_boxes(rng, 1, 0.3), 0), _random_boxes(rng, 40, 2.0)
     gap = np.asarray(separation(owner, static))
-    slots, _, _ = fill(owner, static, 6)
+    slots, _, _ = fill_slots(owner, static, 6)
     nearest = np.argsort(gap)[:6]
-    near = gap[nearest] < REACH
+    near = gap[nearest] < MAX_SLOT_DISTANCE
     assert near.any()
     assert_allclose(np.asarray(slots.quat)[near], np.asarray(static.quat)[nearest][near])
     assert (np.asarray(slots.pos)[~near, 2] < -100).all()
@@ -84,8 +84,8 @@ def test_slots_hold_the_nearest_boxes_and_park_the_others(rng, strict):
 
 def test_cut_boxes_keep_what_is_near_the_owner(rng, strict):
     owner, static = _row(_random_boxes(rng, 1, 0.3), 0), _random_boxes(rng, 40, 1.0)
-    radius = np.linalg.norm(owner.half) + REACH
-    (slots, _, _), order = fill(owner, static, 40), np.argsort(np.asarray(separation(owner, static)))
+    radius = np.linalg.norm(owner.half) + MAX_SLOT_DISTANCE
+    (slots, _, _), order = fill_slots(owner, static, 40), np.argsort(np.asarray(separation(owner, static)))
     points = np.asarray(owner.pos) + rng.normal(size=(500, 3)) * radius / 3
     points = points[np.linalg.norm(points - np.asarray(owner.pos), axis=1) < radius]
 
@@ -104,11 +104,11 @@ def test_cut_boxes_keep_what_is_near_the_owner(rng, strict):
 
 
 def test_box_just_out_of_reach_is_parked():
-    owner = Boxes(jnp.zeros(3), jnp.array([1.0, 0, 0, 0]), jnp.full(3, 0.5))
-    x = jnp.array([0.5 + 0.1 + REACH - 1e-3, 0.5 + 0.1 + REACH + 1e-3])
-    static = Boxes(
+    owner = OrientedBoxes(jnp.zeros(3), jnp.array([1.0, 0, 0, 0]), jnp.full(3, 0.5))
+    x = jnp.array([0.5 + 0.1 + MAX_SLOT_DISTANCE - 1e-3, 0.5 + 0.1 + MAX_SLOT_DISTANCE + 1e-3])
+    static = OrientedBoxes(
         jnp.stack([x, jnp.zeros(2), jnp.zeros(2)], -1), jnp.tile(owner.quat[None], (2, 1)), jnp.full((2, 3), 0.1)
     )
-    slots, _, _ = fill(owner, static, 2)
+    slots, _, _ = fill_slots(owner, static, 2)
     assert_allclose(slots.pos[0], static.pos[0])
     assert slots.pos[1, 2] < -100

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tiny_houses import Box, TinyHouse, make_bank
 
 from home_mjx import physics
-from home_mjx.physics import PhysicsConfig, Scale, Template
+from home_mjx.physics import BodyScale, PhysicsConfig, Template
 from home_mjx.schema import Timing
 
 GRAVITY, FRICTION, MASS, SPEED = 9.81, 0.4, 3.0, 2.0
@@ -37,7 +37,7 @@ def slide(houses, scales, impl="fused", speed=SPEED, agent=(50.0, 50.0, 0.0), fo
     @jax.jit
     @jax.vmap
     def run(house, factor):
-        scale = Scale(friction=factor[0], mass=factor[1])
+        scale = BodyScale(friction=factor[0], mass=factor[1])
         at, yaw = jnp.array([agent]), jnp.zeros(1)
         state = physics.reset(template, bank, house, at, yaw, scale=scale)
         state = state.replace(qvel=state.qvel.at[rows].set(given))

@@ -10,7 +10,7 @@ from tiny_houses import Box, Door, TinyHouse, make_bank
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.base.touch import FLOOR, STATIC
-from home_mjx.physics.hands import Commands, obey
+from home_mjx.physics.hands import HandCommands, apply_hand_commands
 
 TABLE, CUP, CHEST, LAMP = range(4)
 HOUSE = TinyHouse(
@@ -96,8 +96,8 @@ def test_what_stood_on_a_thing_falls_when_it_is_taken(scene):
     step = jax.jit(lambda state: physics.step(template, bank, scene.house, state, jnp.zeros((1, 3))))
     for _ in range(15):
         state = step(state)
-    take = Commands.none(1).replace(pick=jnp.zeros(1, jnp.int32))
-    state = obey(template, bank, scene.house, state, take)
+    take = HandCommands.idle(1).replace(pick=jnp.zeros(1, jnp.int32))
+    state = apply_hand_commands(template, bank, scene.house, state, take)
     for _ in range(40):
         state = step(state)
     upper = np.asarray(state.qpos[template.layout.body_qpos]).reshape(-1, 7)[1]

@@ -5,7 +5,7 @@ import pytest
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
-from home_mjx.schema import Body, Timing
+from home_mjx.schema import AgentBody, Timing
 
 NAN = float("nan")
 
@@ -23,7 +23,7 @@ NAN = float("nan")
 )
 def test_impossible_bodies_are_refused(options, words):
     with pytest.raises(ConfigError, match=words):
-        Body(**options)
+        AgentBody(**options)
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ from odd_numbers import garbled  # noqa: E402
 from home_mjx import HouseBank, physics  # noqa: E402
 from home_mjx.bank.records.gpu_geometry import gpu_geometry  # noqa: E402
 from home_mjx.raycast_render import Scene, cast, make_scene, occluded  # noqa: E402
-from home_mjx.raycast_render.casting.cast import cast_through  # noqa: E402
+from home_mjx.raycast_render.casting.cast import cast_multi_hit  # noqa: E402
 
 SCENES = 16  # of a call
 INTACT = 20  # every so many calls one has no garbage
@@ -144,8 +144,8 @@ def rays(backend: str) -> tuple[Callable[..., Tree], Tree, Tree]:
     def run(shared: Tree, own: Tree) -> Tree:
         def one(house: jax.Array, moving: Tree, beam: dict[str, jax.Array]) -> Tree:
             scene = Scene(bank=rest.replace(geometry=shared), house=house, moving=moving)
-            every = cast_through(scene, **beam, steps=4, skin=1e-4, executor=backend)
-            return cast(scene, **beam, executor=backend), occluded(scene, **beam, executor=backend), every
+            every = cast_multi_hit(scene, **beam, num_hits=4, hit_epsilon=1e-4, backend=backend)
+            return cast(scene, **beam, backend=backend), occluded(scene, **beam, backend=backend), every
 
         return jax.vmap(one)(*own)
 

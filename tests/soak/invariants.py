@@ -81,7 +81,7 @@ def houses(folder: Path, seeds: range) -> tuple[Any, list[np.ndarray]]:
 
     chosen = HouseSet(folder, ids=generate_dataset(folder, seeds))
     compiled = chosen.load()
-    return HouseBank.from_compiled(compiled), [plan_of(chosen.opened, house) for house in compiled]
+    return HouseBank.from_compiled(compiled), [plan_of(chosen.resolved_dataset, house) for house in compiled]
 
 
 class Soak:

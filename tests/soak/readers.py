@@ -83,7 +83,7 @@ def obj(folder: Path) -> tuple[list[bytes], Read]:
     from fuzz_corpus import DOOR, HOUSE_ID, TABLE, write_fuzz_dataset
 
     from home_mjx.datasets.suncg.formats.obj import read_obj
-    from home_mjx.datasets.suncg.formats.texture_paths import Textures
+    from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 
     root = write_fuzz_dataset(folder)
     for name in (f"object/{DOOR}/{DOOR}.mtl", f"room/{HOUSE_ID}/fr_0rm_0w.mtl"):
@@ -93,18 +93,18 @@ def obj(folder: Path) -> tuple[list[bytes], Read]:
     corners = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl material_0\nf 1/1/1 2/1/2 3//1\n"
     normals = b"vn 0 0 1\nvn 0 1 0\nmtllib 9001.mtl\n" + corners
     good = [(root / name).read_bytes() for name in names]
-    return [*good, normals], file_reader(path, lambda: read_obj(path, Textures(root)))
+    return [*good, normals], file_reader(path, lambda: read_obj(path, TextureLookup(root)))
 
 
 def mtl(folder: Path) -> tuple[list[bytes], Read]:
     from fuzz_corpus import TABLE, write_fuzz_dataset
 
     from home_mjx.datasets.suncg.formats.mtl import read_mtl
-    from home_mjx.datasets.suncg.formats.texture_paths import Textures
+    from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 
     root = write_fuzz_dataset(folder)
     path = root / "object" / TABLE / f"{TABLE}.mtl"
-    return [path.read_bytes()], file_reader(path, lambda: read_mtl(path, Textures(root)))
+    return [path.read_bytes()], file_reader(path, lambda: read_mtl(path, TextureLookup(root)))
 
 
 def texture(form: str) -> Callable[[Path], tuple[list[bytes], Read]]:
@@ -201,7 +201,7 @@ def kernel(folder: Path) -> tuple[list[bytes], Read]:
     from home_mjx.core.native import nvrtc
 
     ptx = "ptx\n" * 50
-    return [f"{nvrtc.MARK}{nvrtc._digest(ptx)}\n{ptx}".encode()], file_reader(
+    return [f"{nvrtc.DIGEST_HEADER}{nvrtc._digest(ptx)}\n{ptx}".encode()], file_reader(
         folder / "a.ptx", lambda: nvrtc._read(folder / "a.ptx")
     )
 
@@ -215,7 +215,7 @@ def sums(path: Path) -> object:
 def digest_index(folder: Path) -> tuple[list[bytes], Read]:
     from home_mjx.datasets.suncg import digest_index
 
-    facts = {f"a/{i}": ((i, 2, 3, 4), digest_index.Facts(bytes(32), ("x",))) for i in range(4)}
+    facts = {f"a/{i}": ((i, 2, 3, 4), digest_index.FileFacts(bytes(32), ("x",))) for i in range(4)}
     path = folder / "index"
 
     def read(data: bytes) -> object:
@@ -233,12 +233,12 @@ def whole_house(folder: Path) -> tuple[list[bytes], Read]:
     from tiny_dataset import write_tiny_dataset
 
     from home_mjx.datasets.registry import open_dataset
-    from home_mjx.datasets.suncg.write.house import DIGESTS, is_whole_house, write_house
+    from home_mjx.datasets.suncg.write.house import DIGESTS, is_house_complete, write_house
 
     house = open_dataset(write_tiny_dataset(folder / "tiny")).load_house(HOUSE_ID)
     write_house(folder / "own", house)
     path = folder / "own" / "house" / HOUSE_ID / DIGESTS
-    return [path.read_bytes()], file_reader(path, lambda: is_whole_house(folder / "own", HOUSE_ID))
+    return [path.read_bytes()], file_reader(path, lambda: is_house_complete(folder / "own", HOUSE_ID))
 
 
 def marker(path: Path) -> object:
@@ -287,9 +287,9 @@ def metrics(path: Path) -> object:
 
 
 def report(path: Path) -> object:
-    from home_mjx.houses.report import done_houses, earlier_lines
+    from home_mjx.houses.report import find_done_houses, load_report
 
-    return done_houses(earlier_lines(path))
+    return find_done_houses(load_report(path))
 
 
 METRICS = b"".join(b'{"steps": %d, "loss/value": 0.5, "success": 0.25}\n' % i for i in range(1, 5))
@@ -338,7 +338,7 @@ def task_lines(folder: Path) -> tuple[list[bytes], Read]:
     path = folder / "tasks.jsonl"
     known = {"h": 0}
     return [RICH_LINE], file_reader(
-        path, lambda: list(read_json_lines(path, "task", lambda line: task_lines._row(line, known, {})))
+        path, lambda: list(read_json_lines(path, "task", lambda line: task_lines._parse_row(line, known, {})))
     )
 
 

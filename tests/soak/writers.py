@@ -103,11 +103,11 @@ def whole_dataset() -> dict[str, str]:
 
 def look_at_generated(folder: Path) -> None:
     """A house that is taken for whole is whole."""
-    from home_mjx.datasets.suncg.write.house import is_whole_house
+    from home_mjx.datasets.suncg.write.house import is_house_complete
 
     right, found = whole_dataset(), digests(folder)
     for path in (folder / "houses" / "house").glob("*"):
-        if is_whole_house(folder / "houses", path.name):
+        if is_house_complete(folder / "houses", path.name):
             own = {name for name in right if path.name in name}
             assert {found[name] for name in own} == {right[name] for name in own}
 
@@ -159,14 +159,14 @@ def compiled_entries() -> dict[str, str]:
 
 def look_at_compiled(folder: Path) -> None:
     """An entry that can be read is right."""
-    from home_mjx.core.array_store.entry import BROKEN, read_entry
+    from home_mjx.core.array_store.entry import READ_ERRORS, read_entry
 
     found = digests(folder / "cache")
     for path in (folder / "cache").glob("*/*/*.zip"):
         name = path.relative_to(folder / "cache").as_posix()
         try:
             read_entry(path)
-        except BROKEN:
+        except READ_ERRORS:
             continue
         if "/." not in name:
             assert found[name] == compiled_entries()[name]
@@ -176,11 +176,11 @@ def compiled_result(folder: Path) -> str:
     from home_mjx.core.array_store.flatten import flatten
     from home_mjx.datasets.registry import open_dataset
     from home_mjx.houses.house_cache import HouseCache
-    from home_mjx.houses.report import done_houses, read_report
+    from home_mjx.houses.report import find_done_houses, read_report
 
     dataset = open_dataset(tiny_houses())
     os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
-    assert done_houses(read_report(folder / "report.jsonl")) == set(dataset.house_ids)
+    assert find_done_houses(read_report(folder / "report.jsonl")) == set(dataset.house_ids)
     houses, found = HouseCache(dataset), []
     for house_id in dataset.house_ids:
         house = houses.load(house_id)
@@ -294,36 +294,36 @@ def run_config() -> Any:
 
 def train(folder: Path) -> None:
     """As `training.run.train`, without the learning: lines, checkpoints, curves, at last the agent."""
-    from home_mjx.training.checkpoint import AGENT, CHECKPOINT, read_updates, save_checkpoint, save_net
-    from home_mjx.training.records import Records
+    from home_mjx.training.checkpoint import AGENT_FILE, CHECKPOINT_FILE, read_updates, save_checkpoint, save_net
+    from home_mjx.training.records import MetricsLog
 
-    path, config = folder / CHECKPOINT, run_config()
+    path, config = folder / CHECKPOINT_FILE, run_config()
     done = read_updates(path) if path.exists() else 0
-    with Records(folder, done) as records:
+    with MetricsLog(folder, done) as records:
         for number in range(done + 1, LAST + 1):
             records.add({"steps": number, "loss/value": 1.0 / number})
             if number % 2 == 0:
                 save_checkpoint(path, state_after(number), config)
         records.draw()
-    save_net(folder / AGENT, state_after(LAST).net, config)
+    save_net(folder / AGENT_FILE, state_after(LAST).net, config)
 
 
 def begun_training(folder: Path) -> None:
     """Killed after four updates, the last line half written."""
-    from home_mjx.training.checkpoint import CHECKPOINT, save_checkpoint
+    from home_mjx.training.checkpoint import CHECKPOINT_FILE, save_checkpoint
 
-    save_checkpoint(folder / CHECKPOINT, state_after(2), run_config())
+    save_checkpoint(folder / CHECKPOINT_FILE, state_after(2), run_config())
     lines = [json.dumps({"steps": number, "loss/value": 1.0 / number}) for number in range(1, 5)]
     (folder / "metrics.jsonl").write_text("\n".join(lines)[:-5])
 
 
 def look_at_training(folder: Path) -> None:
     """The checkpoint is whole, and all lines up to it are there."""
-    from home_mjx.training.checkpoint import CHECKPOINT, load_checkpoint, read_updates
+    from home_mjx.training.checkpoint import CHECKPOINT_FILE, load_checkpoint, read_updates
     from home_mjx.training.records import read_lines
 
-    done = read_updates(folder / CHECKPOINT)
-    found, right = load_checkpoint(folder / CHECKPOINT, state_after(0), run_config()), state_after(done)
+    done = read_updates(folder / CHECKPOINT_FILE)
+    found, right = load_checkpoint(folder / CHECKPOINT_FILE, state_after(0), run_config()), state_after(done)
     assert np.array_equal(found.net["dense"], right.net["dense"])
     steps = [line["steps"] for line in read_lines(folder / "metrics.jsonl")]
     assert steps[:done] == list(range(1, done + 1)), (steps, done)
@@ -389,9 +389,9 @@ def record(folder: Path) -> None:
     box = {"type": "Box", "dtype": "float32", "shape": [4], "low": [0] * 4, "high": [1] * 4}
     spaces = {"type": "Dict", "subspaces": {"state": box}}, {"type": "Discrete", "dtype": "int64", "start": 0, "n": 6}
     texts = {name: json.dumps(space) for name, space in zip(("observation_space", "action_space"), spaces, strict=True)}
-    writer._metadata = lambda env, agent, without: {"dataset_id": "home_mjx/test-v0", **texts}
-    writer.PER_METADATA = 2
-    with writer.Writer(folder, None, "expert", resume=True) as out:
+    writer._make_metadata = lambda env, agent, without: {"dataset_id": "home_mjx/test-v0", **texts}
+    writer.EPISODES_PER_METADATA_UPDATE = 2
+    with writer.TrajectoryWriter(folder, None, "expert", resume=True) as out:
         for number in range(out.episodes, EPISODES):
             out.add(recorded(number), {"instruction": f"task {number}"})
 
@@ -428,11 +428,11 @@ def recording_result(folder: Path) -> str:
 
 
 def film(folder: Path, shade: int = 200) -> None:
-    from home_mjx.core.files import write_json_lines, write_together
+    from home_mjx.core.files import write_all_or_none, write_json_lines
     from home_mjx.viewer.pictures import media
 
     frames = np.full((3, 16, 16, 3), shade, np.uint8)
-    with write_together(folder / "play", "film") as beside:
+    with write_all_or_none(folder / "play", "film") as beside:
         media.write_wav(beside / "film.wav", np.full((2, 800), shade / 255), 8000)
         media.write_mp4(beside / "film.mp4", frames, 10.0, beside / "film.wav")
         media.write_png(beside / "film.png", frames[0])

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.training.rollout import Steps, advantages, split_keys, to_envs, to_rows
+from home_mjx.training.rollout import Transitions, compute_advantages, split_keys, to_envs, to_rows
 
 DISCOUNT, LAMBDA = 0.9, 0.8
 
@@ -28,11 +28,11 @@ def test_advantages_are_those_of_the_definition(rng: np.random.Generator):
                 weight *= DISCOUNT * LAMBDA
                 if done[later, row]:
                     break
-    steps = Steps.unchecked(
+    steps = Transitions.build_unchecked(
         obs={}, begins=jnp.asarray(done), action=jnp.zeros((6, 3)), outputs={"value": jnp.asarray(value)},
         reward=jnp.asarray(reward), done=jnp.asarray(done), cut=jnp.asarray(cut),
     )  # fmt: skip
-    found = advantages(steps, jnp.asarray(last), DISCOUNT, LAMBDA)
+    found = compute_advantages(steps, jnp.asarray(last), DISCOUNT, LAMBDA)
     np.testing.assert_allclose(found, wanted, atol=1e-5)
 
 

@@ -17,8 +17,8 @@ from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec, find_spec
 from home_mjx.training import (
     CPU_CONFIG,
-    Advised,
-    Cloning,
+    AdvisedPPO,
+    BehaviorCloning,
     NetworkConfig,
     PPOConfig,
     RunConfig,
@@ -27,10 +27,10 @@ from home_mjx.training import (
     train,
 )
 from home_mjx.training import run as run_module
-from home_mjx.training.checkpoint import AGENT, CHECKPOINT, read_updates
-from home_mjx.training.ppo import Batch, TrainState
+from home_mjx.training.checkpoint import AGENT_FILE, CHECKPOINT_FILE, read_updates
+from home_mjx.training.ppo import TrainBatch, TrainState
 from home_mjx.training.records import read_lines
-from home_mjx.training.rollout import Steps
+from home_mjx.training.rollout import Transitions
 
 ONE = jax.devices()[:1]
 SMALL = PPOConfig(
@@ -40,17 +40,17 @@ SMALL = PPOConfig(
 
 
 @pytest.fixture(scope="module")
-def cloning(generated_bank) -> Cloning:
+def cloning(generated_bank) -> BehaviorCloning:
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", actions="discrete")
-    return Cloning(env.core, SMALL, ONE)
+    return BehaviorCloning(env.core, SMALL, ONE)
 
 
-def test_the_network_does_not_read_the_advice(cloning: Cloning):
+def test_the_network_does_not_read_the_advice(cloning: BehaviorCloning):
     assert "expert" in cloning.core.observation_spec
     assert [name for name, _ in cloning.agent.specs] == ["goal"]
 
 
-def test_the_expert_leads_less_and_less(cloning: Cloning):
+def test_the_expert_leads_less_and_less(cloning: BehaviorCloning):
     """Of many rows, the part that does what the expert says; the network's own actions are none of an expert's."""
     rows = 4000
     obs = {"goal": jnp.zeros((rows, 3)), "expert": jnp.full(rows, 9, jnp.int32)}
@@ -58,9 +58,9 @@ def test_the_expert_leads_less_and_less(cloning: Cloning):
     net = cloning.agent.init_net(jax.random.key(0))
 
     def led(updates: int) -> float:
-        state = TrainState.unchecked(net=net, opt=None, actor=None, key=None, updates=jnp.int32(updates))
+        state = TrainState.build_unchecked(net=net, opt=None, actor=None, key=None, updates=jnp.int32(updates))
         policy = cloning.behaviour(state)
-        _, action, outputs = policy.act(policy.memory(rows), obs, jnp.ones(rows, bool), keys)
+        _, action, outputs = policy.act(policy.initial_memory(rows), obs, jnp.ones(rows, bool), keys)
         assert outputs["value"].shape == (rows,)
         return float(jnp.mean(action == 9))
 
@@ -70,14 +70,18 @@ def test_the_expert_leads_less_and_less(cloning: Cloning):
     assert led(8) == led(9) == 0.0
 
 
-def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random.Generator):
+def test_the_loss_is_how_unlikely_the_advice_is(cloning: BehaviorCloning, rng: np.random.Generator):
     """By hand, of two steps of three rows; actions that were taken and rewards do not matter."""
     net = cloning.agent.init_net(jax.random.key(1))
     obs = {"goal": jnp.asarray(rng.normal(size=(2, 3, 3)), jnp.float32), "expert": jnp.array([[0, 1, 2], [3, 4, 5]])}
-    begins, memory, target = jnp.ones((2, 3), bool), cloning.agent.first_memory(3), jnp.ones((2, 3))
-    steps = Steps.unchecked(obs=obs, begins=begins, action=None, outputs=None, reward=None, done=None, cut=None)
-    loss, parts = cloning.loss(net, Batch.unchecked(steps=steps, memory=memory, advantage=None, target=target))
-    _, logits, value = cloning.agent.read(net, memory, obs, begins)
+    begins, memory, target = jnp.ones((2, 3), bool), cloning.agent.initial_memory(3), jnp.ones((2, 3))
+    steps = Transitions.build_unchecked(
+        obs=obs, begins=begins, action=None, outputs=None, reward=None, done=None, cut=None
+    )
+    loss, parts = cloning.loss(
+        net, TrainBatch.build_unchecked(steps=steps, memory=memory, advantage=None, target=target)
+    )
+    _, logits, value = cloning.agent.unroll(net, memory, obs, begins)
     odds = np.exp(np.asarray(logits, float))
     odds /= odds.sum(-1, keepdims=True)
     chosen = np.take_along_axis(odds, np.asarray(obs["expert"])[..., None], axis=-1)
@@ -90,19 +94,19 @@ def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random
 def test_advice_beside_rewards_falls_to_nothing(generated_bank, monkeypatch: pytest.MonkeyPatch):
     """The gradient is that of PPO's loss plus the advice's times a weight that falls from the start."""
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", actions="discrete")
-    advised = Advised(env.core, dataclasses.replace(SMALL, advice_cost=0.25), ONE)
+    advised = AdvisedPPO(env.core, dataclasses.replace(SMALL, advice_cost=0.25), ONE)
     state = advised.init(env.params, jax.random.key(0))
     assert "expert" in state.actor.env.obs
     _, metrics = advised.update(env.params, state)
     assert {"loss/clone", "loss/agreement", "loss/policy", "loss/entropy"} <= set(metrics)
     monkeypatch.setattr(advised, "read", lambda net, batch: (None, None))
     monkeypatch.setattr(advised, "clipped_loss", lambda *read: (jnp.float32(2.0), {}))
-    monkeypatch.setattr(home_mjx.training.cloning, "told_apart", lambda *read: (jnp.float32(3.0), {}))
+    monkeypatch.setattr(home_mjx.training.cloning, "advice_loss", lambda *read: (jnp.float32(3.0), {}))
     steps = SimpleNamespace(obs={"expert": None})
-    told = Batch.unchecked(steps=steps, memory=None, advantage=None, target=None)
+    told = TrainBatch.build_unchecked(steps=steps, memory=None, advantage=None, target=None)
     for updates, weight in ((0, 0.25), (3.5, 0.125), (7, 0.0), (10, 0.0)):
         state = state.replace(updates=jnp.float32(updates))
-        assert float(advised.loss_now(state)(None, told)[0]) == pytest.approx(2 + 3 * weight, abs=1e-6)
+        assert float(advised.current_loss(state)(None, told)[0]) == pytest.approx(2 + 3 * weight, abs=1e-6)
 
 
 def test_advice_can_come_first():
@@ -127,12 +131,12 @@ def test_a_run_of_two_stages_goes_on_from_either(hall: Path, tmp_path: Path, kil
     with monkeypatch.context() as patch:
         patch.setattr(run_module._Run, "is_over", lambda run: len(run.records.lines) + 1 >= killed_after)
         train(config, killed)
-    assert read_updates(killed / CHECKPOINT) == killed_after
+    assert read_updates(killed / CHECKPOINT_FILE) == killed_after
     train(config, killed, resume=True)
-    one, other = (dict(np.load(out / CHECKPOINT)) for out in (whole, killed))
+    one, other = (dict(np.load(out / CHECKPOINT_FILE)) for out in (whole, killed))
     assert int(one[".updates"]) == 7
     assert [name for name in one if not np.array_equal(one[name], other[name])] == []
-    assert (whole / AGENT).read_bytes() == (killed / AGENT).read_bytes()
+    assert (whole / AGENT_FILE).read_bytes() == (killed / AGENT_FILE).read_bytes()
     assert [line["steps"] for line in read_lines(killed / "metrics.jsonl")] == [32 * i for i in range(1, 8)]
 
 
@@ -160,7 +164,7 @@ def test_a_clone_learns_from_few_steps(hall: Path, actions: str):
     config = dataclasses.replace(
         CPU_CONFIG, num_timesteps=64 * 32 * 12, learning_rate=3e-3, network=NetworkConfig(features=64, memory=64)
     )
-    cloning = Cloning(env.core, config, ONE)
+    cloning = BehaviorCloning(env.core, config, ONE)
     state, losses = cloning.init(env.params, jax.random.key(0)), []
     for _ in range(config.num_updates):
         state, metrics = cloning.update(env.params, state)

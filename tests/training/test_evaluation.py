@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import home_mjx
-from home_mjx.training.evaluation import evaluate, random_policy, summary, with_episodes
+from home_mjx.training.evaluation import evaluate, random_policy, summarize, with_episodes
 from home_mjx.training.rollout import Policy
 
 NUM = 6
@@ -32,7 +32,7 @@ def walker(net: object) -> Policy:
     def act(memory: jax.Array, obs: dict, begins: jax.Array, keys: jax.Array) -> tuple:
         return jnp.where(begins, 1, memory + 1), walk(obs["goal"]), {}
 
-    return Policy(act, memory=lambda num: jnp.zeros(num, jnp.int32))
+    return Policy(act, initial_memory=lambda num: jnp.zeros(num, jnp.int32))
 
 
 @pytest.mark.slow
@@ -99,5 +99,5 @@ def test_chance_is_the_same_for_the_same_seed(generated_bank, actions: str):
 
 def test_summary_is_mean_and_standard_error(rng: np.random.Generator):
     x = rng.normal(3, 2, 10_000)
-    found = summary({"x": x})["x"]
+    found = summarize({"x": x})["x"]
     assert found == {"mean": pytest.approx(x.mean()), "stderr": pytest.approx(x.std() / 100)}

@@ -13,13 +13,13 @@ from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.specs import ArraySpec
-from home_mjx.tasks.language.vocabulary import spoken, tokenize
-from home_mjx.tasks.rules.words import Word
-from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
-from home_mjx.training.networks.encoders import Encoder, id_codes, kind_of
-from home_mjx.training.networks.glimpse import NULL, SHARP, Glimpse
-from home_mjx.training.networks.images import Search
-from home_mjx.training.networks.mentions import column_of, mentioned, said_by
+from home_mjx.tasks.language.vocabulary import to_word, tokenize
+from home_mjx.tasks.rules.words import Attribute
+from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, make_distribution
+from home_mjx.training.networks.encoders import Encoder, encoder_kind, id_codes
+from home_mjx.training.networks.glimpse import NAMED_LOGIT, NULL_WEIGHT, QueryAttention
+from home_mjx.training.networks.images import QueryMaps
+from home_mjx.training.networks.mentions import id_column, mark_named_pixels, observed_tokens
 from home_mjx.training.networks.senses import ScanEncoder, SpectraEncoder, WordEncoder, squash
 
 SPECS = {
@@ -48,11 +48,11 @@ def observations(rng: np.random.Generator, steps: int, rows: int, specs: dict[st
 
 
 def test_kinds_of_observations():
-    kinds = [kind_of(name, spec) for name, spec in SPECS.items()]
+    kinds = [encoder_kind(name, spec) for name, spec in SPECS.items()]
     assert kinds == ["image", "image", "ids", "image", "spectra", "sound", "vector", "words"]
-    assert kind_of("camera/head_pose", ArraySpec((4, 4))) == "none"
-    assert kind_of("previous_reward", ArraySpec(())) == "vector"
-    assert kind_of("log_mel", ArraySpec((2, 8, 40))) == "spectra"
+    assert encoder_kind("camera/head_pose", ArraySpec((4, 4))) == "none"
+    assert encoder_kind("previous_reward", ArraySpec(())) == "vector"
+    assert encoder_kind("log_mel", ArraySpec((2, 8, 40))) == "spectra"
 
 
 def test_ears_are_told_apart_however_loud_it_is(rng: np.random.Generator):
@@ -83,25 +83,25 @@ def test_pixels_are_marked_that_words_name(rng: np.random.Generator):
     text = tokenize("find the gray picture_frame and then walk to the table in the kitchen")
     said = jnp.asarray([*text, *[0] * (32 - len(text))])[None]
     for name in ("ids/head_coarse", "ids/head_color", "ids/head_room_type"):
-        column = column_of(name)
+        column = id_column(name)
         names = vocabularies()[column]
         ids = rng.integers(-1, len(names) + 2, (1, 6, 7))
-        found = np.asarray(mentioned(jnp.asarray(ids), column, said))[0]
+        found = np.asarray(mark_named_pixels(jnp.asarray(ids), column, said))[0]
         for at, number in np.ndenumerate(ids[0]):
-            token = tokenize(spoken(names[number]))[0] if 0 <= number < len(names) else None
+            token = tokenize(to_word(names[number]))[0] if 0 <= number < len(names) else None
             told = (1.0, 1 - text.index(token) / 32) if token in text else (0.0, 0.0)
             np.testing.assert_allclose(found[at], told, atol=1e-6)
-    assert [column_of(name) for name in ("ids/head_instance", "ids/head_level", "pixels/head_rgb")] == [None] * 3
+    assert [id_column(name) for name in ("ids/head_instance", "ids/head_level", "pixels/head_rgb")] == [None] * 3
 
 
 def test_descriptors_name_what_their_columns_hold():
     """A category in the first columns of `goal_words` marks the same pixels as its name in a sentence."""
     table = COARSE.index("table")
-    words = jnp.full((1, len(Word)), -1).at[0, Word.COARSE].set(table).at[0, Word.KIND].set(0)
+    words = jnp.full((1, len(Attribute)), -1).at[0, Attribute.COARSE].set(table).at[0, Attribute.KIND].set(0)
     ids = jnp.arange(-1, len(COARSE)).reshape(1, 1, -1)
-    marked = np.asarray(mentioned(ids, Semantic.COARSE, said_by("goal_words", words)))[0, 0, :, 0]
+    marked = np.asarray(mark_named_pixels(ids, Semantic.COARSE, observed_tokens("goal_words", words)))[0, 0, :, 0]
     np.testing.assert_array_equal(marked, np.asarray(ids[0, 0]) == table)
-    assert said_by("goal_words", words)[0, Word.KIND] == -1
+    assert observed_tokens("goal_words", words)[0, Attribute.KIND] == -1
 
 
 def test_a_search_multiplies_each_place_by_a_query(rng: np.random.Generator):
@@ -109,7 +109,7 @@ def test_a_search_multiplies_each_place_by_a_query(rng: np.random.Generator):
         jnp.asarray(rng.normal(size=(2, 4, 5, 6)), jnp.float32),
         jnp.asarray(rng.normal(size=(2, 3)), jnp.float32),
     )
-    found, net = Search(num=2).init_with_output(jax.random.key(0), image, asked)
+    found, net = QueryMaps(num_maps=2).init_with_output(jax.random.key(0), image, asked)
     layer = net["params"]["Dense_0"]
     query = (asked @ layer["kernel"] + layer["bias"]).reshape(2, 6, 2)
     for place in np.ndindex(2, 4, 5):
@@ -124,7 +124,7 @@ def glimpse(rng: np.random.Generator):
     named = np.where(np.arange(3)[:, None, None, None] == 2, *named)  # in the last image nothing
     early = named * rng.uniform(0.5, 1, named.shape)
     marks = jnp.asarray(np.stack([named, early], axis=-1).reshape(3, 4, 6, 4), jnp.float32)
-    asked, net = jnp.asarray(rng.normal(size=(3, 7)), jnp.float32), Glimpse(num=1, features=6)
+    asked, net = jnp.asarray(rng.normal(size=(3, 7)), jnp.float32), QueryAttention(num_heads=1, features=6)
     return net, net.init(jax.random.key(0), x, marks, asked), x, marks, asked
 
 
@@ -139,13 +139,13 @@ def test_a_glimpse_is_a_mean_over_pixels_by_what_names_them(glimpse):
         for row, column in np.ndindex(4, 6):
             mark = np.asarray(marks[image, row, column], np.float64)
             count = mark[0] + mark[2]
-            weights.append(np.exp(mark @ ask + SHARP * count) if count else 0.0)
+            weights.append(np.exp(mark @ ask + NAMED_LOGIT * count) if count else 0.0)
             place = 2 * column / 5 - 1, 2 * row / 3 - 1
             looked.append([*np.asarray(x[image, row, column]), *place])
         mass, most = sum(weights), max(weights)
-        mean = sum(w * np.array(at) for w, at in zip(weights, looked, strict=True)) / (mass + NULL)
-        area = np.log1p(sum(w / (most + NULL) for w in weights))
-        told = np.concatenate([mean, [mass / (mass + NULL), area]])
+        mean = sum(w * np.array(at) for w, at in zip(weights, looked, strict=True)) / (mass + NULL_WEIGHT)
+        area = np.log1p(sum(w / (most + NULL_WEIGHT) for w in weights))
+        told = np.concatenate([mean, [mass / (mass + NULL_WEIGHT), area]])
         np.testing.assert_allclose(found[image], np.maximum(told @ read["kernel"] + read["bias"], 0), atol=1e-4)
 
 
@@ -164,11 +164,11 @@ def test_what_more_words_name_is_looked_at():
     """One pixel that two words name, among 31 that one of them names."""
     x = jnp.zeros((1, 32, 32, 1)).at[0, 0, 0].set(1.0)
     marks = jnp.zeros((1, 32, 32, 4)).at[..., 0].set(1.0).at[0, 0, 0, 2].set(1.0)
-    net, asked = Glimpse(num=1, features=4), jnp.zeros((1, 2))
+    net, asked = QueryAttention(num_heads=1, features=4), jnp.zeros((1, 2))
     params = net.init(jax.random.key(0), x, marks, asked)
     params["params"]["Dense_1"] = {"kernel": jnp.zeros((5, 4)).at[0, 0].set(1.0), "bias": jnp.zeros(4)}
     few = net.apply(params, x, marks.at[0, 1:].set(0.0), asked)[0, 0]
-    assert float(few) == pytest.approx(np.exp(SHARP) / (31 + np.exp(SHARP)), rel=0.01)
+    assert float(few) == pytest.approx(np.exp(NAMED_LOGIT) / (31 + np.exp(NAMED_LOGIT)), rel=0.01)
 
 
 def test_codes_of_ids_are_all_different():
@@ -194,7 +194,7 @@ def test_squash_is_odd_and_grows_with_the_logarithm():
 
 
 def test_gaussian_is_scipys(rng: np.random.Generator):
-    gaussian = distribution_of(DRIVE)
+    gaussian = make_distribution(DRIVE)
     assert isinstance(gaussian, Gaussian)
     mean, log_scale, action = rng.normal(size=(3, 5, 2)).astype(np.float32) * 0.3
     params = jnp.concatenate([mean, log_scale], axis=-1)
@@ -208,7 +208,7 @@ def test_gaussian_is_scipys(rng: np.random.Generator):
 
 
 def test_categorical_is_scipys(rng: np.random.Generator):
-    both = distribution_of(ArraySpec((2,), "int32", 0, (3, 1)))
+    both = make_distribution(ArraySpec((2,), "int32", 0, (3, 1)))
     assert both == Categorical((4, 2))
     logits = rng.normal(size=(5, 6)).astype(np.float32)
     first, second = (np.exp(x) / np.exp(x).sum(-1, keepdims=True) for x in (logits[:, :4], logits[:, 4:]))
@@ -226,7 +226,7 @@ def test_categorical_is_scipys(rng: np.random.Generator):
 
 
 def test_single_choice_has_no_axis():
-    single = distribution_of(MOVES)
+    single = make_distribution(MOVES)
     logits = jnp.array([[0.0, 5.0, 0.0, 0.0]])
     assert single.mode(logits).shape == (1,)
     assert single.log_prob(logits, jnp.array([1])).shape == (1,)
@@ -234,28 +234,28 @@ def test_single_choice_has_no_axis():
 
 def test_unknown_actions_are_refused():
     with pytest.raises(ConfigError, match="no distribution"):
-        distribution_of(ArraySpec((2, 2), "float32", -1.0, 1.0))
+        make_distribution(ArraySpec((2, 2), "float32", -1.0, 1.0))
     with pytest.raises(ConfigError, match="observe nothing"):
-        RecurrentAgent.of({"camera/head_pose": ArraySpec((4, 4))}, MOVES)
+        RecurrentAgent.from_specs({"camera/head_pose": ArraySpec((4, 4))}, MOVES)
 
 
 @pytest.mark.parametrize("action", [MOVES, DRIVE], ids=["discrete", "continuous"])
 def test_memory_is_forgotten_exactly_where_episodes_begin(rng: np.random.Generator, action: ArraySpec):
     """Five steps at once are the same as one at a time, and an episode that begins is one that nothing went before."""
     specs = {"goal": SPECS["goal"]}
-    agent = RecurrentAgent.of(specs, action, SMALL)
+    agent = RecurrentAgent.from_specs(specs, action, SMALL)
     net, obs = agent.init_net(jax.random.key(1)), observations(rng, 5, 3, specs)
     begins = jnp.zeros((5, 3), bool).at[2, 1].set(True)
     memory = jnp.asarray(rng.normal(size=(3, 8)), jnp.float32)
-    last, params, value = agent.read(net, memory, obs, begins)
+    last, params, value = agent.unroll(net, memory, obs, begins)
     one_by_one = memory
-    read_one = jax.jit(agent.read_one)
+    read_one = jax.jit(agent.unroll_step)
     for t in range(5):
         one_by_one, p, v = read_one(net, one_by_one, {"goal": obs["goal"][t]}, begins[t])
         np.testing.assert_allclose(p, params[t], atol=1e-6)
         np.testing.assert_allclose(v, value[t], atol=1e-6)
     np.testing.assert_allclose(one_by_one, last, atol=1e-6)
-    fresh = agent.read(net, jnp.zeros((3, 8)), {"goal": obs["goal"][2:]}, jnp.zeros((3, 3), bool))[2]
+    fresh = agent.unroll(net, jnp.zeros((3, 8)), {"goal": obs["goal"][2:]}, jnp.zeros((3, 3), bool))[2]
     np.testing.assert_allclose(fresh[:, 1], value[2:, 1], atol=1e-6)
     assert np.all(np.abs(fresh[:, [0, 2]] - value[2:, [0, 2]]) > 1e-4)
 
@@ -263,7 +263,7 @@ def test_memory_is_forgotten_exactly_where_episodes_begin(rng: np.random.Generat
 def test_features_of_any_size_leave_the_memory_open(rng: np.random.Generator):
     """Of agents with many images features grew to 35 in fifty steps, and seven in eight numbers of memory were at 1."""
     obs, begins = observations(rng, 1, 6), jnp.ones((1, 6), bool)
-    agent = RecurrentAgent.of(SPECS, MOVES, SMALL)
+    agent = RecurrentAgent.from_specs(SPECS, MOVES, SMALL)
     net = agent.init_net(jax.random.key(0))
     last = max(
         (name for name in net["params"]["Encoder_0"] if name.startswith("Dense")), key=lambda name: int(name[6:])
@@ -271,16 +271,18 @@ def test_features_of_any_size_leave_the_memory_open(rng: np.random.Generator):
     net["params"]["Encoder_0"][last]["kernel"] *= 10.0  # so that they are well above what the norm adds against zero
     large = jax.tree.map(lambda x: x, net)
     large["params"]["Encoder_0"][last]["kernel"] *= 1000.0
-    memory, params, value = agent.read(net, agent.first_memory(6), obs, begins)
-    for own, other in zip(agent.read(large, agent.first_memory(6), obs, begins), (memory, params, value), strict=True):
+    memory, params, value = agent.unroll(net, agent.initial_memory(6), obs, begins)
+    for own, other in zip(
+        agent.unroll(large, agent.initial_memory(6), obs, begins), (memory, params, value), strict=True
+    ):
         np.testing.assert_allclose(own, other, rtol=1e-3, atol=1e-4)
     assert float(jnp.mean(jnp.std(memory, axis=0))) > 0.01
 
 
 def test_every_observation_is_read(rng: np.random.Generator):
-    agent = RecurrentAgent.of(SPECS, DRIVE, SMALL)
+    agent = RecurrentAgent.from_specs(SPECS, DRIVE, SMALL)
     net, obs = agent.init_net(jax.random.key(0)), observations(rng, 1, 2)
-    begins, memory, read = jnp.ones((1, 2), bool), agent.first_memory(2), jax.jit(agent.read)
+    begins, memory, read = jnp.ones((1, 2), bool), agent.initial_memory(2), jax.jit(agent.unroll)
     value = read(net, memory, obs, begins)[2]
     for name, x in obs.items():
         other = observations(np.random.default_rng(1), 1, 2)[name].at[0, 1].set(x[0, 1])
@@ -308,12 +310,14 @@ def test_words_tell_images_what_to_look_for(rng: np.random.Generator):
 
 def test_bfloat16_is_only_inside(rng: np.random.Generator):
     specs = {"pixels/head_depth": SPECS["pixels/head_depth"]}
-    exact = RecurrentAgent.of(specs, DRIVE, SMALL)
-    half = RecurrentAgent.of(specs, DRIVE, NetworkConfig(features=16, memory=8, channels=(4, 8), dtype="bfloat16"))
+    exact = RecurrentAgent.from_specs(specs, DRIVE, SMALL)
+    half = RecurrentAgent.from_specs(
+        specs, DRIVE, NetworkConfig(features=16, memory=8, channels=(4, 8), dtype="bfloat16")
+    )
     net, obs = half.init_net(jax.random.key(0)), observations(rng, 1, 4, specs)
     assert {x.dtype for x in jax.tree.leaves(net)} == {jnp.dtype("float32")}
     begins = jnp.ones((1, 4), bool)
-    a, b = (jax.jit(agent.read)(net, agent.first_memory(4), obs, begins)[2] for agent in (exact, half))
+    a, b = (jax.jit(agent.unroll)(net, agent.initial_memory(4), obs, begins)[2] for agent in (exact, half))
     assert b.dtype == jnp.float32
     assert 0 < jnp.max(jnp.abs(a - b)) < 0.02 * jnp.max(jnp.abs(a))
 

@@ -76,7 +76,7 @@ def test_a_resumed_run_gives_the_same_next_update_bit_by_bit(ppo: PPO, env, stat
     one, _ = ppo.update(env.params, state)
     save_checkpoint(tmp_path / "checkpoint.npz", one, config)
     wanted = ppo.update(env.params, one)
-    again = ppo.place(load_checkpoint(tmp_path / "checkpoint.npz", state, config))
+    again = ppo.to_devices(load_checkpoint(tmp_path / "checkpoint.npz", state, config))
     assert leaves_equal(ppo.update(env.params, again), wanted)
     assert not leaves_equal(wanted[0].net, one.net)
 
@@ -89,8 +89,8 @@ def test_time_running_out_is_continued_by_the_value_of_the_last_observation(ppo:
     for _ in range(6):
         before, (actor, steps, _) = actor, run(actor)
         after = step(env.params, before.env, policy.clip(steps.action[0]))
-        memory = ppo.agent.read_one(state.net, before.memory, before.env.obs, before.begins)[0]
-        value = ppo.agent.read_one(state.net, memory, after.obs, jnp.zeros(8, bool))[2]
+        memory = ppo.agent.unroll_step(state.net, before.memory, before.env.obs, before.is_first)[0]
+        value = ppo.agent.unroll_step(state.net, memory, after.obs, jnp.zeros(8, bool))[2]
         np.testing.assert_allclose(steps.cut[0], jnp.where(after.truncated, value, 0.0), atol=1e-5)
         assert np.array_equal(steps.done[0], after.done)
         late += int(after.truncated.sum())
@@ -111,7 +111,7 @@ def test_two_devices_learn_what_one_does(env):
     results = []
     for devices in (ONE, jax.devices()[:2]):
         ppo = PPO(env.core, config, devices)
-        params = jax.device_put(env.params, ppo.whole)
+        params = jax.device_put(env.params, ppo.replicated)
         state = ppo.init(params, jax.random.key(0))
         for _ in range(2):
             state, metrics = ppo.update(params, state)

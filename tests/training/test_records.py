@@ -12,17 +12,17 @@ pytest.importorskip("tensorboardX", reason="needs the extra `train`")
 
 from tensorboardX.proto import event_pb2
 
-from home_mjx.training.progress import Sums
-from home_mjx.training.records import Records, read_lines
+from home_mjx.training.progress import MetricMeans
+from home_mjx.training.records import MetricsLog, read_lines
 
 
 def test_a_resumed_run_goes_on_after_its_checkpoint(tmp_path: Path):
-    with Records(tmp_path) as records:
+    with MetricsLog(tmp_path) as records:
         for steps in (100, 200, 300):
             records.add({"steps": steps, "success": steps / 1000, "spl": float("nan")})
     with (tmp_path / "metrics.jsonl").open("a") as file:
         file.write('{"steps": 400, "succ')  # killed here
-    with Records(tmp_path, steps=200) as records:
+    with MetricsLog(tmp_path, steps=200) as records:
         records.add({"steps": 250, "success": 0.5})
         records.draw()
     lines = [json.loads(line) for line in (tmp_path / "metrics.jsonl").read_text().splitlines()]
@@ -56,7 +56,7 @@ def test_a_broken_line_ends_the_file(tmp_path: Path):
 
 
 def test_means_are_over_updates_and_over_episodes():
-    sums = Sums()
+    sums = MetricMeans()
     sums.add({"loss/value": 1.0, "episode/episodes": 3.0, "episode/success": 3.0})
     sums.add({"loss/value": 2.0, "episode/episodes": 1.0, "episode/success": 0.0})
     assert sums.means() == {"loss/value": 1.5, "episodes": 4.0, "success": 0.75}

@@ -24,7 +24,7 @@ from home_mjx.training.checkpoint import load_net, read_updates, save_checkpoint
 from home_mjx.training.config import PPOConfig, RunConfig
 from home_mjx.training.networks import NetworkConfig
 from home_mjx.training.ppo import PPO, TrainState
-from home_mjx.training.records import Records, read_lines
+from home_mjx.training.records import MetricsLog, read_lines
 
 SMALL = PPOConfig(num_envs=8, unroll_length=8, num_timesteps=640, network=NetworkConfig(8, 8, (4,)))
 CONFIG = RunConfig(find_spec("PointNav-v0"), SMALL)
@@ -43,7 +43,7 @@ class Counter(PPO):
 
     def init(self, params: object, key: object) -> TrainState:
         net = {"count": jnp.zeros(3)}
-        return TrainState.unchecked(net=net, opt=(), actor=(), key=jnp.zeros(2, jnp.uint32), updates=jnp.int32(0))
+        return TrainState.build_unchecked(net=net, opt=(), actor=(), key=jnp.zeros(2, jnp.uint32), updates=jnp.int32(0))
 
     def place(self, state: TrainState) -> TrainState:
         return jax.device_put(state, self.whole)
@@ -59,7 +59,7 @@ class Counter(PPO):
 def counting(monkeypatch: pytest.MonkeyPatch, generated_bank):
     """Runs that count, and write after each update."""
     env = home_mjx.make("PointNav-v0", generated_bank)
-    monkeypatch.setattr(run, "made", lambda spec, progress: env)
+    monkeypatch.setattr(run, "make_env", lambda spec, progress: env)
     monkeypatch.setattr(run, "LEARNERS", dict.fromkeys(run.LEARNERS, Counter))
     monkeypatch.setattr(run, "REST", 0.0)
 
@@ -139,7 +139,7 @@ def test_tensorboard_alone_fills_the_disk(tmp_path: Path):
     line = {f"loss/{i}": 1.5 * i for i in range(18)}
 
     def add() -> None:
-        with Records(tmp_path) as records:
+        with MetricsLog(tmp_path) as records:
             for steps in range(4000):
                 records.add({"steps": steps, **line})
 
@@ -249,7 +249,7 @@ def test_numbers_that_do_not_divide_are_refused_before_any_house_is_made(tmp_pat
     def made(spec, progress):
         raise AssertionError("houses were made")
 
-    monkeypatch.setattr(run, "made", made)
+    monkeypatch.setattr(run, "make_env", made)
     for changes, said in (({"num_envs": 9}, "multiple of the 2 devices"), ({"num_minibatches": 3}, "must divide 4")):
         config = dataclasses.replace(CONFIG, ppo=dataclasses.replace(SMALL, **changes))
         with pytest.raises(ConfigError, match=said):

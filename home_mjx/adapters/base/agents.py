@@ -22,7 +22,7 @@ def agent_names(num_agents: int) -> list[str]:
     return [f"agent_{i}" for i in range(num_agents)]
 
 
-def by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
+def split_by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
     """Split a tree into one tree per agent; with several agents, arrays have a leading agent axis.
 
     Example:
@@ -34,7 +34,7 @@ def by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
     return {name: jax.tree.map(lambda x, i=i: x[i, ...], tree) for i, name in enumerate(names)}
 
 
-def of_agents(values: Mapping[str, Any], names: list[str]) -> list[Any]:
+def ordered_values(values: Mapping[str, Any], names: list[str]) -> list[Any]:
     """Return the values in the order of the agents.
 
     Raises:
@@ -45,18 +45,18 @@ def of_agents(values: Mapping[str, Any], names: list[str]) -> list[Any]:
     return [values[name] for name in names]
 
 
-def vector_names(specs: Specs) -> tuple[str, ...]:
+def vector_observations(specs: Specs) -> tuple[str, ...]:
     """Return the observations of one agent that can be joined to a vector: float32 with one axis."""
     return tuple(name for name, spec in specs.items() if len(spec.shape) == 1 and spec.dtype == "float32")
 
 
-def joined(obs: Mapping[str, Array], names: tuple[str, ...]) -> Array:
+def join_vectors(obs: Mapping[str, Array], names: tuple[str, ...]) -> Array:
     """Concatenate observations along the last axis; works on a batch as well."""
     return jnp.concatenate([obs[name] for name in names], axis=-1)
 
 
-def joined_spec(specs: Specs) -> ArraySpec:
-    """Return the spec of the vector of all observations in `vector_names`.
+def vector_spec(specs: Specs) -> ArraySpec:
+    """Return the spec of the vector of all observations in `vector_observations`.
 
     Warns:
         UserWarning: Observations are omitted: images, and words, whose ids are not quantities.
@@ -68,7 +68,7 @@ def joined_spec(specs: Specs) -> ArraySpec:
         >>> joined_spec({"state": ArraySpec((2,), low=0.0, high=1.0), "goal": ArraySpec((1,))}).low
         (0.0, 0.0, -inf)
     """
-    names = vector_names(specs)
+    names = vector_observations(specs)
     if not names:
         hint = "Add `state` to sensors=, or get all observations with vector=False."
         raise ConfigError(f"no vector observation among: {', '.join(specs) or 'none'}", hint=hint)

@@ -13,7 +13,7 @@ from home_mjx.tasks.base.specs import ArraySpec
 
 
 @dataclass(frozen=True)
-class Discrete:
+class DiscreteSpace:
     """Integers from 0 to n - 1.
 
     Example:
@@ -39,7 +39,7 @@ class Discrete:
 
 
 @dataclass(frozen=True)
-class Box:
+class BoxSpace:
     """Arrays between two bounds.
 
     Attributes:
@@ -69,7 +69,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Dict:
+class DictSpace:
     """Spaces by name."""
 
     spaces: Mapping[str, Any]
@@ -84,6 +84,6 @@ class Dict:
         return jnp.all(jnp.stack([space.contains(x[name]) for name, space in self.spaces.items()]))
 
 
-def space_of(spec: ArraySpec) -> Box:
+def make_jax_space(spec: ArraySpec) -> BoxSpace:
     """Return the space of one array."""
-    return Box(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))
+    return BoxSpace(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))

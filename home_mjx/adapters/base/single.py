@@ -10,7 +10,7 @@ from jax.custom_batching import custom_vmap
 from home_mjx.tasks.base.state import EnvParams, State
 
 
-def single(run: Callable[..., State]) -> Callable[..., State]:
+def as_single_env(run: Callable[..., State]) -> Callable[..., State]:
     """Convert a function of a batch to a function of one environment.
 
     Under `vmap` the whole batch is passed to `run`. Thus `AutoReset` still branches on the batch: new episodes are
@@ -47,6 +47,6 @@ def single(run: Callable[..., State]) -> Callable[..., State]:
     return jax.jit(one)
 
 
-def carried(state: State) -> State:
+def strip_observations(state: State) -> State:
     """Return the state without fields that no step reads, so that loops do not store images twice."""
     return state.replace(obs={}, info={})

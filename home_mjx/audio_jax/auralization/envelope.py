@@ -7,31 +7,35 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.auralization.response import baked_histogram, traced_histogram
+from home_mjx.audio_jax.auralization.response import baked_energy, traced_energy
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.tracing import trace
-from home_mjx.audio_jax.receivers.channels import ear_gains
-from home_mjx.audio_jax.receivers.heads import between_directions
-from home_mjx.audio_jax.receivers.hrtf import ear_angles, ear_spectrum, ear_table, to_head
+from home_mjx.audio_jax.receivers.channels import channel_gains
+from home_mjx.audio_jax.receivers.heads import interpolate_directions
+from home_mjx.audio_jax.receivers.hrtf import ear_angles, ear_spectrum, ear_table, world_to_head
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-TAPS = 256  # of the head's table, which is read for its delays only
+HRTF_TAPS = 256  # of the head's table, which is read for its delays only
 
 
-class Envelope(Pytree):
+class EnergyEnvelope(Pytree):
     """Energy envelope of an impulse response."""
 
     energy: Float[Array, "k e bands"]  # per time bin, channel and octave, re the free field of the source at 1 m
-    lead: Float[Array, " bands"]  # [s], energy-weighted mean arrival-time lead of the left ear; 0 unless "binaural"
+    left_ear_lead: Float[
+        Array, " bands"
+    ]  # [s], energy-weighted mean arrival-time lead of the left ear; 0 unless "binaural"
 
 
-def energy_response(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Envelope:
+def energy_envelope(
+    scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
+) -> EnergyEnvelope:
     """Compute the energy envelope of `impulse_response` from the same paths and rays, without synthesis.
 
     Energies of paths are added incoherently. Interaural leads are those of a rigid sphere (Woodworth), or of the
@@ -54,37 +58,37 @@ def energy_response(scene: Scene, source: Source, listener: Listener, key: Array
     power = paths.gain**2
     bins = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
     member = (bins[None] == jnp.arange(config.num_bins, dtype=jnp.int32)[:, None]).astype(jnp.float32)
-    heard = power[:, None] * ear_gains(paths.direction, listener.quat, config, listener.head)
+    heard = power[:, None] * channel_gains(paths.direction, listener.quat, config, listener.head)
     early = jnp.einsum("kp,peb->keb", member, heard, precision="highest")
     direction = jnp.concatenate([paths.direction, directions])
     weight = jnp.concatenate([power, weights])
-    lead = jnp.einsum("n,nb->b", _leads(direction, listener, config), weight, precision="highest")
-    return Envelope(energy=early + late, lead=lead / jnp.maximum(jnp.sum(weight, axis=0), 1e-30))
+    lead = jnp.einsum("n,nb->b", _left_ear_leads(direction, listener, config), weight, precision="highest")
+    return EnergyEnvelope(energy=early + late, left_ear_lead=lead / jnp.maximum(jnp.sum(weight, axis=0), 1e-30))
 
 
 def _late(
-    scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
+    scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
     """Return late energies of the channels, and directions (n) with energies that have the late field's mean lead."""
     if config.late == "none":
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
     if config.late == "baked":
-        late, toward = baked_histogram(scene, source, listener, config)
+        late, toward = baked_energy(scene, source, listener, config)
         late = late[:, : config.num_channels]
         whole, length = jnp.mean(jnp.sum(late, axis=0), axis=0), jnp.linalg.norm(toward)
         ends = jnp.stack([toward, -toward]) / jnp.maximum(length, 1e-6)
         return late, ends, 0.5 * jnp.stack([1 + length, 1 - length])[:, None] * whole[None]
     traced = trace(scene, source, listener, key, config)
-    late = traced_histogram(traced, listener.quat, config, listener.head)[:, : config.num_channels]
+    late = traced_energy(traced, listener.quat, config, listener.head)[:, : config.num_channels]
     return late, traced.direction, jnp.sum(traced.energy, axis=0)
 
 
-def band_level(envelope: Float[Array, "k e bands"], power: Float[Array, "w bands"]) -> Float[Array, "e bands"]:
+def mean_band_power(envelope: Float[Array, "k e bands"], power: Float[Array, "w bands"]) -> Float[Array, "e bands"]:
     """Compute the mean power at each channel and octave during a frame.
 
     Args:
-        envelope: Energy per time bin, see `Envelope`.
+        envelope: Energy per time bin, see `EnergyEnvelope`.
         power: Power emitted by the source per bin and octave: w = k - 1 + n bins, the last n being the frame's.
     """
     count = envelope.shape[0]
@@ -116,13 +120,13 @@ def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"
     return np.ascontiguousarray(power.T, np.float32)
 
 
-def _leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConfig) -> Float[Array, " n"]:
+def _left_ear_leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConfig) -> Float[Array, " n"]:
     """Compute the arrival-time lead of the left ear for each direction [s]; 0 unless the receiver is "binaural"."""
     if config.receiver != "binaural":
         return jnp.zeros(direction.shape[0], jnp.float32)
     if listener.head is not None:
-        delay = between_directions(listener.head.delay, to_head(direction, listener.quat))
+        delay = interpolate_directions(listener.head.delay, world_to_head(direction, listener.quat))
         return delay[:, 1] - delay[:, 0]
-    table = ear_table(TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
-    _, delay = ear_spectrum(table, ear_angles(to_head(direction, listener.quat), config.ear_angle))
+    table = ear_table(HRTF_TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
+    _, delay = ear_spectrum(table, ear_angles(world_to_head(direction, listener.quat), config.ear_angle))
     return delay[:, 1] - delay[:, 0]

@@ -12,16 +12,16 @@ from jaxtyping import Float
 from scipy.io import wavfile
 from scipy.signal import resample_poly
 
-from home_mjx.audio_jax.auralization.sources import LOUDNESS
+from home_mjx.audio_jax.auralization.sources import CLIP_RMS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.errors import ConfigError, MissingFileError
 
-SOFTEST = 1e-5  # minimum RMS re full scale (-100 dB); a recording below it is silent
+MIN_RMS = 1e-5  # minimum RMS re full scale (-100 dB); a recording below it is silent
 
 log = logging.getLogger(__name__)
 
 
-def recorded_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
+def read_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
     """Read a recording as a clip: float32, one channel, zero mean, RMS 0.1, as from `clip_samples`.
 
     Channels are averaged. A file with another sample rate is resampled by a polyphase filter, with a log warning.
@@ -39,7 +39,7 @@ def recorded_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " 
         (48_000,)
     """
     path = Path(path)
-    rate, samples = _decoded(path)
+    rate, samples = _decode(path)
     if not np.isfinite(samples).all():
         raise ConfigError("the recording has samples that are not finite", file=path, hint="Export it again.")
     sound = samples.astype(float).reshape(len(samples), -1).mean(axis=1)
@@ -49,13 +49,13 @@ def recorded_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " 
         sound = resample_poly(sound, config.sample_rate // common, rate // common)
     sound = sound - sound.mean() if sound.size else sound
     level = float(np.sqrt(np.mean(sound**2))) if sound.size else 0.0
-    if level < SOFTEST:
+    if level < MIN_RMS:
         hint = "Use a recording that is not silent; channels of opposite polarity cancel out."
         raise ConfigError("the recording is silent", file=path, hint=hint)
-    return (sound * (LOUDNESS / level)).astype(np.float32)
+    return (sound * (CLIP_RMS / level)).astype(np.float32)
 
 
-def _decoded(path: Path) -> tuple[int, Float[np.ndarray, "..."]]:
+def _decode(path: Path) -> tuple[int, Float[np.ndarray, "..."]]:
     """Decode a file with ffmpeg; return its sample rate and samples (n,) or (n, channels)."""
     if not path.is_file():
         raise MissingFileError("there is no such recording", file=path)

@@ -9,18 +9,18 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.audio_jax.auralization.synthesis import FURTHER
+from home_mjx.audio_jax.auralization.synthesis import HOUSEHOLD_CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
-LOUDNESS = 0.1  # RMS of every clip
-SECONDS = 8.0
+CLIP_RMS = 0.1  # RMS of every clip
+CLIP_SECONDS = 8.0
 NOTES = (0, 4, 7, 12, 7, 4, 9, 5, 2, 5, 9, 11, 7, 4, 2, -1)  # [semitones above C4], of 0.5 s each
 MIDDLE_C = 261.626  # [Hz]
-SYLLABLE_RATE = 4  # [Hz], of speech
+SPEECH_SYLLABLE_RATE = 4  # [Hz], of speech
 FORMANTS = ((730, 1090, 2440), (270, 2290, 3010), (300, 870, 2240), (530, 1840, 2480), (570, 840, 2410))  # [Hz], vowels
 FORMANT_WIDTH = 120.0  # [Hz]
-PITCH = 110.0  # [Hz], of speech
+SPEECH_PITCH = 110.0  # [Hz], of speech
 
 
 def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
@@ -28,7 +28,7 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
     Args:
         name: One of `CLIPS`: "radio" (a melody of harmonic notes), "noise" (pink), "speech" (vowels in the rhythm of
-            syllables), "tone" (1 kHz), or one of `synthesis.FURTHER`, such as "ring", "alarm" or "water".
+            syllables), "tone" (1 kHz), or one of `synthesis.HOUSEHOLD_CLIPS`, such as "ring", "alarm" or "water".
         config: Options; provides the sample rate.
 
     Returns:
@@ -47,9 +47,9 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
 @functools.cache
 def _clip(name: str, sample_rate: int) -> Float[np.ndarray, " n"]:
-    samples = _MAKERS[name](round(SECONDS * sample_rate), sample_rate)
+    samples = _MAKERS[name](round(CLIP_SECONDS * sample_rate), sample_rate)
     samples = samples - samples.mean()
-    samples = (samples * (LOUDNESS / np.sqrt(np.mean(samples**2)))).astype(np.float32)
+    samples = (samples * (CLIP_RMS / np.sqrt(np.mean(samples**2)))).astype(np.float32)
     samples.flags.writeable = False
     return samples
 
@@ -77,10 +77,10 @@ def _noise(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 def _speech(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
     """Synthesize a glottal buzz through the formants of one vowel per syllable, fading in and out."""
-    syllables = round(SECONDS * SYLLABLE_RATE)
+    syllables = round(CLIP_SECONDS * SPEECH_SYLLABLE_RATE)
     vowels = np.random.default_rng(2).integers(len(FORMANTS), size=syllables)
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
-    buzz = (np.arange(length) % (sample_rate / PITCH) < 1).astype(float)
+    buzz = (np.arange(length) % (sample_rate / SPEECH_PITCH) < 1).astype(float)
     time = np.arange(length) / length * syllables
     voice = np.zeros(length)
     for vowel, formants in enumerate(FORMANTS):
@@ -99,6 +99,6 @@ _MAKERS: dict[str, Callable[[int, int], Float[np.ndarray, " n"]]] = {
     "noise": _noise,
     "speech": _speech,
     "tone": _tone,
-    **FURTHER,
+    **HOUSEHOLD_CLIPS,
 }
 CLIPS = tuple(_MAKERS)

@@ -11,8 +11,8 @@ from home_mjx.errors import ConfigError
 
 WINDOW_SECONDS, HOP_SECONDS = 0.025, 0.010
 NUM_MELS = 40
-MOST_LEAD, FINER = 0.001, 8  # [s] maximum lag, and lags per sample, of interaural correlations
-LEAST, MOST = -100.0, 100.0  # [dB], range of log-mel powers
+MAX_LEAD, LAGS_PER_SAMPLE = 0.001, 8  # [s] maximum lag, and lags per sample, of interaural correlations
+MIN_MEL_LEVEL, MAX_MEL_LEVEL = -100.0, 100.0  # [dB], range of log-mel powers
 
 
 def spectrum_shape(samples: int, sample_rate: int) -> tuple[int, int]:
@@ -25,7 +25,7 @@ def spectrum_shape(samples: int, sample_rate: int) -> tuple[int, int]:
         >>> spectrum_shape(1600, 16000)
         (8, 257)
     """
-    window, hop, size = _lengths(sample_rate)
+    window, hop, size = _window_sizes(sample_rate)
     if samples < window:
         raise ConfigError(
             f"a spectrogram needs {WINDOW_SECONDS} s of sound, a frame has {samples / sample_rate:g} s",
@@ -54,7 +54,7 @@ def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array
         >>> stft_magnitude(jnp.zeros((2, 1600)), 16000).shape
         (2, 8, 257)
     """
-    window, hop, size = _lengths(sample_rate)
+    window, hop, size = _window_sizes(sample_rate)
     count, _ = spectrum_shape(sound.shape[-1], sample_rate)
     hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(window) / window)
     parts = sound[..., hop * np.arange(count)[:, None] + np.arange(window)]
@@ -62,10 +62,10 @@ def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array
 
 
 def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Float[Array, "*c windows mels"]:
-    """Compute the power in `NUM_MELS` mel bands [dB re a squared pressure of 1], clipped to `LEAST` .. `MOST`.
+    """Compute the power in `NUM_MELS` mel bands [dB re a squared pressure of 1], clipped to `MIN_MEL_LEVEL` .. `MAX_MEL_LEVEL`.
 
     Bands are triangles of height 1 whose corners are equally spaced on the mel scale from 0 to half the sample rate,
-    see `mel_of`.
+    see `hz_to_mel`.
 
     Args:
         magnitude: From `stft_magnitude`.
@@ -77,7 +77,7 @@ def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Flo
     """
     filters = jnp.asarray(mel_filters(sample_rate, magnitude.shape[-1]), jnp.float32)
     power = jnp.einsum("...k,mk->...m", magnitude**2, filters, precision="highest")
-    return jnp.clip(10 * jnp.log10(jnp.maximum(power, 10 ** (LEAST / 10))), LEAST, MOST)
+    return jnp.clip(10 * jnp.log10(jnp.maximum(power, 10 ** (MIN_MEL_LEVEL / 10))), MIN_MEL_LEVEL, MAX_MEL_LEVEL)
 
 
 def gcc_phat(sound: Float[Array, "*c 2 m"], sample_rate: int) -> Float[Array, "*c lags"]:
@@ -104,19 +104,19 @@ def gcc_phat(sound: Float[Array, "*c 2 m"], sample_rate: int) -> Float[Array, "*
     cross = jnp.conj(spectra[..., 0, :]) * spectra[..., 1, :]
     level = jnp.abs(cross)
     least = 1e-6 * jnp.max(level, axis=-1, keepdims=True) + 1e-30
-    fine = jnp.fft.irfft(cross / jnp.maximum(level, least), FINER * size) * FINER
+    fine = jnp.fft.irfft(cross / jnp.maximum(level, least), LAGS_PER_SAMPLE * size) * LAGS_PER_SAMPLE
     most = len(gcc_leads(sample_rate)) // 2
     return jnp.concatenate([fine[..., -most:], fine[..., : most + 1]], axis=-1)
 
 
 @functools.cache
 def gcc_leads(sample_rate: int) -> Float[np.ndarray, " lags"]:
-    """Return the leads of `gcc_phat` [s]: -`MOST_LEAD` .. `MOST_LEAD` in steps of 1 / `FINER` of a sample."""
-    most = round(MOST_LEAD * FINER * sample_rate)
-    return np.arange(-most, most + 1) / (FINER * sample_rate)
+    """Return the leads of `gcc_phat` [s]: -`MAX_LEAD` .. `MAX_LEAD` in steps of 1 / `LAGS_PER_SAMPLE` of a sample."""
+    most = round(MAX_LEAD * LAGS_PER_SAMPLE * sample_rate)
+    return np.arange(-most, most + 1) / (LAGS_PER_SAMPLE * sample_rate)
 
 
-def mel_of(frequency: float) -> float:
+def hz_to_mel(frequency: float) -> float:
     """Convert a frequency [Hz] to mel: 2595 log10(1 + f / 700).
 
     O'Shaughnessy, "Speech Communication: Human and Machine", 1987.
@@ -131,14 +131,14 @@ def mel_of(frequency: float) -> float:
 @functools.cache
 def mel_filters(sample_rate: int, num_bins: int) -> Float[np.ndarray, "mels bins"]:
     """Compute the weight of each frequency bin in each mel band."""
-    corners = 700 * (10 ** (np.linspace(0, mel_of(sample_rate / 2), NUM_MELS + 2) / 2595) - 1)
+    corners = 700 * (10 ** (np.linspace(0, hz_to_mel(sample_rate / 2), NUM_MELS + 2) / 2595) - 1)
     frequency = np.linspace(0, sample_rate / 2, num_bins)
     rise = (frequency - corners[:-2, None]) / np.diff(corners)[:-1, None]
     fall = (corners[2:, None] - frequency) / np.diff(corners)[1:, None]
     return np.maximum(np.minimum(rise, fall), 0.0)
 
 
-def _lengths(sample_rate: int) -> tuple[int, int, int]:
+def _window_sizes(sample_rate: int) -> tuple[int, int, int]:
     """Return the window, hop and transform sizes [samples]."""
     window = round(WINDOW_SECONDS * sample_rate)
     return window, round(HOP_SECONDS * sample_rate), 2 ** math.ceil(math.log2(window))

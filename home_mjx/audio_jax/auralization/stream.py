@@ -6,13 +6,13 @@ from jaxtyping import Array, Float, Int
 from scipy.fft import next_fast_len
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.audio_jax.base.endpoints import SoundSources
 
 RAMP_SECONDS = 0.005  # [s], fade in and out that avoids clicks
-NEVER = 2**30  # [samples], infinite times are clipped to it: 18 hours at 16 kHz
+MAX_SCHEDULE_SAMPLES = 2**30  # [samples], infinite times are clipped to it: 18 hours at 16 kHz
 
 
-def sound_frame(
+def convolve_clip_frame(
     clip: Float[Array, " n"],
     phase: Int[Array, ""],
     response_old: Float[Array, "e l"],
@@ -42,13 +42,13 @@ def sound_frame(
         >>> frame.shape, round(float(frame[0, 0]), 3)
         ((2, 1600), 0.5)
     """
-    return faded_frame(clip[_times(phase, config) % clip.shape[0]], response_old, response_new, config)
+    return convolve_frame(clip[_sample_numbers(phase, config) % clip.shape[0]], response_old, response_new, config)
 
 
-def given_off(
+def emitted_signal(
     clips: Float[Array, "c n"],
-    sounds: Sounds,
-    row: Int[Array, " e"],
+    sounds: SoundSources,
+    clip_index: Int[Array, " e"],
     phase: Int[Array, ""],
     time: Int[Array, ""],
     config: AudioConfig,
@@ -58,32 +58,35 @@ def given_off(
     Args:
         clips: All clips.
         sounds: The sources.
-        row: Index of the clip that each source plays; -1 silent.
+        clip_index: Index of the clip that each source plays; -1 silent.
         phase: Index of the clips' sample emitted at the frame's first sample.
         time: Number of the frame's first sample, counted from the start of the schedules.
         config: Options; provides the lengths.
 
     Returns:
-        Pressure at 1 m, w = `config.memory_length + config.frame - 1 + config.ahead` samples: the input of
-        `moving_frame`, or of `faded_frame` without `config.motion`.
+        Pressure at 1 m, w = `config.memory_length + config.frame - 1 + config.num_lookahead` samples: the input of
+        `render_frame`, or of `convolve_frame` without `config.motion`.
     """
-    span = jnp.arange(1 - config.memory_length, config.frame + config.ahead, dtype=jnp.int32)
+    span = jnp.arange(1 - config.memory_length, config.frame + config.num_lookahead, dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
         played = clips[jnp.maximum(row, 0), (phase + span) % clips.shape[1]]
-        on = loudness(time + span, every, lasts, config.sample_rate)
+        on = schedule_gain(time + span, every, lasts, config.sample_rate)
         return jnp.where(row < 0, 0.0, gain * on * played)
 
-    return jax.vmap(one)(row, sounds.gain, sounds.every, sounds.lasts)
+    return jax.vmap(one)(clip_index, sounds.gain, sounds.period, sounds.duration)
 
 
-def faded_frame(
-    heard: Float[Array, " w"], response_old: Float[Array, "e l"], response_new: Float[Array, "e l"], config: AudioConfig
+def convolve_frame(
+    emitted: Float[Array, " w"],
+    response_old: Float[Array, "e l"],
+    response_new: Float[Array, "e l"],
+    config: AudioConfig,
 ) -> Float[Array, "e m"]:
-    """Convolve an emitted signal with two responses and cross-fade, as in `sound_frame`.
+    """Convolve an emitted signal with two responses and cross-fade, as in `convolve_clip_frame`.
 
     Args:
-        heard: Signal emitted up to the frame's end, from `given_off`.
+        emitted: Signal emitted up to the frame's end, from `emitted_signal`.
         response_old: Response per channel at the frame's start.
         response_new: Response per channel at its end.
         config: Options; provides the lengths.
@@ -93,28 +96,28 @@ def faded_frame(
     """
     length, frame = config.response_length, config.frame
     size = next_fast_len(length + frame - 1, real=True)
-    heard = jnp.fft.rfft(heard, size)
+    emitted = jnp.fft.rfft(emitted, size)
     responses = jnp.fft.rfft(jnp.stack([response_old, response_new]), size)
-    sound = jnp.fft.irfft(heard[None, None] * responses, size)[..., length - 1 : length - 1 + frame]
+    sound = jnp.fft.irfft(emitted[None, None] * responses, size)[..., length - 1 : length - 1 + frame]
     fade = jnp.arange(1, frame + 1, dtype=jnp.float32)[None] / frame
     return sound[0] + fade * (sound[1] - sound[0])
 
 
-def _times(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " w"]:
+def _sample_numbers(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " w"]:
     """Return the sample numbers of a frame that begins at `first`, and of the response length before it."""
     length = config.response_length
     return first - (length - 1) + jnp.arange(length + config.frame - 1, dtype=jnp.int32)
 
 
-def loudness(
-    time: Int[Array, " n"], every: Float[Array, ""], lasts: Float[Array, ""], sample_rate: int
+def schedule_gain(
+    time: Int[Array, " n"], interval: Float[Array, ""], duration: Float[Array, ""], sample_rate: int
 ) -> Float[Array, " n"]:
     """Compute the gain of a source's schedule at some times: 0 off, 1 on, linear ramps between.
 
     Args:
         time: Samples since the start; negative before it.
-        every: Period, see `Sounds` [s].
-        lasts: Duration, see `Sounds` [s].
+        interval: Period, see `SoundSources` [s].
+        duration: Duration, see `SoundSources` [s].
         sample_rate: [Hz].
 
     Example:
@@ -122,7 +125,10 @@ def loudness(
         [1.0, 1.0, 0.0]
     """
     rate = jnp.float32(sample_rate)
-    period, on = (jnp.where(x * rate < NEVER, jnp.round(x * rate), NEVER).astype(jnp.int32) for x in (every, lasts))
-    at = jnp.where(period < NEVER, time % jnp.maximum(period, 1), time)
+    period, on = (
+        jnp.where(x * rate < MAX_SCHEDULE_SAMPLES, jnp.round(x * rate), MAX_SCHEDULE_SAMPLES).astype(jnp.int32)
+        for x in (interval, duration)
+    )
+    at = jnp.where(period < MAX_SCHEDULE_SAMPLES, time % jnp.maximum(period, 1), time)
     edge = jnp.minimum(at + 1, on - at).astype(jnp.float32) / jnp.float32(RAMP_SECONDS * sample_rate)
-    return jnp.where(lasts >= jnp.minimum(every, NEVER / rate), 1.0, jnp.clip(edge, 0.0, 1.0))
+    return jnp.where(duration >= jnp.minimum(interval, MAX_SCHEDULE_SAMPLES / rate), 1.0, jnp.clip(edge, 0.0, 1.0))

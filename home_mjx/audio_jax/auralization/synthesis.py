@@ -8,7 +8,7 @@ from jaxtyping import Float
 Samples = Float[np.ndarray, "_"]
 
 
-def _repeated(shape: Samples, seconds: float, sample_rate: int) -> Samples:
+def _repeat(shape: Samples, seconds: float, sample_rate: int) -> Samples:
     """Repeat a sound every `seconds`; the part beyond the end of the loop wraps around to its start."""
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
@@ -31,14 +31,14 @@ def ring(length: int, sample_rate: int) -> Samples:
     """Synthesize a telephone: 440 and 480 Hz, twice 0.4 s every 2 s."""
     time = _time(length, sample_rate)
     tone = np.sin(2 * np.pi * 440 * time) + np.sin(2 * np.pi * 480 * time)
-    return _repeated(tone * (_pulse(time, 0, 0.4) + _pulse(time, 0.6, 1.0)), 2, sample_rate)
+    return _repeat(tone * (_pulse(time, 0, 0.4) + _pulse(time, 0.6, 1.0)), 2, sample_rate)
 
 
 def chirp(length: int, sample_rate: int) -> Samples:
     """Synthesize a bird: a tone that rises from 1.5 to 3 kHz in 0.15 s, twice a second."""
     time = _time(length, sample_rate)
     phase = 2 * np.pi * (1500 * time + 5000 * time**2)
-    return _repeated(np.sin(phase) * _pulse(time, 0, 0.15), 0.5, sample_rate)
+    return _repeat(np.sin(phase) * _pulse(time, 0, 0.15), 0.5, sample_rate)
 
 
 def knock(length: int, sample_rate: int) -> Samples:
@@ -47,7 +47,7 @@ def knock(length: int, sample_rate: int) -> Samples:
     thud = (np.sin(2 * np.pi * 180 * time) + 0.6 * np.sin(2 * np.pi * 420 * time)) * np.exp(-40 * time)
     thud = thud * np.minimum(time / 0.002, 1)
     three = sum(np.roll(thud, round(begin * sample_rate)) for begin in (0.1, 0.4, 0.7))
-    return _repeated(np.asarray(three), 2, sample_rate)
+    return _repeat(np.asarray(three), 2, sample_rate)
 
 
 def bell(length: int, sample_rate: int) -> Samples:
@@ -55,19 +55,19 @@ def bell(length: int, sample_rate: int) -> Samples:
     time = _time(length, sample_rate)
     partials = np.array([0.5, 1.0, 1.2, 1.5, 2.0, 2.67])[:, None]
     strike = np.sin(2 * np.pi * 600 * partials * time) * np.exp(-2 * partials * time) / partials
-    return _repeated(strike.sum(axis=0) * np.minimum(time / 0.003, 1), 2, sample_rate)
+    return _repeat(strike.sum(axis=0) * np.minimum(time / 0.003, 1), 2, sample_rate)
 
 
 def alarm(length: int, sample_rate: int) -> Samples:
     """Synthesize an alarm: odd harmonics of 800 and 1000 Hz alternate every 0.25 s."""
     time = _time(length, sample_rate)
     low, high = (sum(np.sin(2 * np.pi * pitch * n * time) / n for n in (1, 3)) for pitch in (800, 1000))
-    return _repeated(low * _pulse(time, 0, 0.25) + high * _pulse(time, 0.25, 0.5), 0.5, sample_rate)
+    return _repeat(low * _pulse(time, 0, 0.25) + high * _pulse(time, 0.25, 0.5), 0.5, sample_rate)
 
 
 def bursts(length: int, sample_rate: int) -> Samples:
     """Synthesize bursts of white noise of 0.08 s, four times a second."""
-    return _repeated(_noise(length, 3) * _pulse(_time(length, sample_rate), 0, 0.08), 0.25, sample_rate)
+    return _repeat(_noise(length, 3) * _pulse(_time(length, sample_rate), 0, 0.08), 0.25, sample_rate)
 
 
 def whistle(length: int, sample_rate: int) -> Samples:
@@ -85,7 +85,7 @@ def hum(length: int, sample_rate: int) -> Samples:
 def ticking(length: int, sample_rate: int) -> Samples:
     """Synthesize a clock: short strokes of 2.5 kHz, twice a second."""
     time = _time(length, sample_rate)
-    return _repeated(np.sin(2 * np.pi * 2500 * time) * np.exp(-150 * time), 0.5, sample_rate)
+    return _repeat(np.sin(2 * np.pi * 2500 * time) * np.exp(-150 * time), 0.5, sample_rate)
 
 
 def water(length: int, sample_rate: int) -> Samples:
@@ -112,6 +112,6 @@ def static(length: int, sample_rate: int) -> Samples:
 
 
 # Append new clips at the end: task files store names, but task arrays store indices.
-FURTHER: dict[str, Callable[[int, int], Samples]] = {
+HOUSEHOLD_CLIPS: dict[str, Callable[[int, int], Samples]] = {
     maker.__name__: maker for maker in (ring, chirp, knock, bell, alarm, bursts, whistle, hum, ticking, water, static)
 }

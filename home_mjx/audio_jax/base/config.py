@@ -7,22 +7,24 @@ from typing import Any
 
 from home_mjx.audio_jax.base.air import speed_of_sound
 from home_mjx.audio_jax.base.delays import HALF_WIDTH
-from home_mjx.core.checks import check_known, check_number, check_type, shown
+from home_mjx.core.checks import check_known, check_number, check_type, shorten
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
-from home_mjx.schema.timing import LONGEST, Timing
+from home_mjx.schema.timing import MAX_STEP_SECONDS, Timing
 
 RECEIVERS = ("binaural", "omni", "array", "ambisonics")
-EARS = ("binaural", "omni")  # receivers with a left and a right channel
+TWO_CHANNEL_RECEIVERS = ("binaural", "omni")  # receivers with a left and a right channel
 DETECTORS = ("rain", "sphere")
-EARLY = ("physical", "home")
-LATE = ("traced", "baked", "none")
+EARLY_MODELS = ("physical", "home")
+LATE_SOURCES = ("traced", "baked", "none")
 # Late reverberation is baked with the default values of these options.
-BAKED = ("bin_seconds", "reflection_order", "temperature", "humidity", "pressure")
-TAIL_RINGING = 0.016  # [s], ringing of the tail's octave filters on each side
-LEAD = 0.001  # [s], minimum of `lead_seconds`: covers the arrival-time offset of any ear from the head centre
-MOST_MICROPHONES = 32
-WIDEST = 1.0  # [m], maximum distance of a microphone from the head centre
+BAKED_OPTIONS = ("bin_seconds", "reflection_order", "temperature", "humidity", "pressure")
+TAIL_RINGING_SECONDS = 0.016  # [s], ringing of the tail's octave filters on each side
+MIN_LEAD_SECONDS = (
+    0.001  # [s], minimum of `max_lead_seconds`: covers the arrival-time offset of any ear from the head centre
+)
+MAX_MICROPHONES = 32
+MAX_MICROPHONE_DISTANCE = 1.0  # [m], maximum distance of a microphone from the head centre
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,8 @@ class AudioConfig:
             `audio_preset("home")`. It has specular paths up to `reflection_order`, boxes for objects, whole-sample
             delays and its own air table; no diffraction, transmission or late reverberation.
         motion: Whether early paths move within a frame (Doppler effect at every frequency) and reverberation continues
-            for `tail_seconds`. False: whole responses are cross-faded, see `sound_frame`.
-        num_heard: With `motion`, maximum number of audible early paths: the direct path and the strongest others. The
+            for `tail_seconds`. False: whole responses are cross-faded, see `convolve_clip_frame`.
+        max_audible_paths: With `motion`, maximum number of audible early paths: the direct path and the strongest others. The
             cost of a frame grows with it; of 21 candidates in houses at most 7 are audible. None: all.
         tail_seconds: With `motion`, reverberation beyond `response_seconds` [s], each octave at its last decay rate;
             rounded up to half responses.
@@ -103,20 +105,20 @@ class AudioConfig:
     late: str = "traced"
     early: str = "physical"
     motion: bool = False
-    num_heard: int | None = None
+    max_audible_paths: int | None = None
     tail_seconds: float = 1.5
 
     def __post_init__(self) -> None:
         check_type("timing", self.timing, Timing)
         check_known("receiver", [self.receiver], RECEIVERS)
         check_known("detector", [self.detector], DETECTORS)
-        check_known("late", [self.late], LATE)
-        check_known("early", [self.early], EARLY)
+        check_known("late", [self.late], LATE_SOURCES)
+        check_known("early", [self.early], EARLY_MODELS)
         for name in ("num_rays", "num_bounces", "max_crossings"):
-            check_number(name, getattr(self, name), 1, whole=True)
+            check_number(name, getattr(self, name), 1, integer=True)
         for name in ("num_reflections", "num_edges"):
-            check_number(name, getattr(self, name), 0, whole=True)
-        check_number("reflection_order", self.reflection_order, 1, 3, whole=True)
+            check_number(name, getattr(self, name), 0, integer=True)
+        check_number("reflection_order", self.reflection_order, 1, 3, integer=True)
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
         check_type("motion", self.motion, bool)
@@ -126,13 +128,13 @@ class AudioConfig:
             raise ConfigError(f"`octave_rays` needs `num_rays` to be a multiple of {len(BANDS)}, got {self.num_rays}")
         if self.pinna and self.receiver != "binaural":
             raise ConfigError(f'`pinna` needs receiver="binaural", got {self.receiver!r}')
-        if self.num_heard is not None:
-            check_number("num_heard", self.num_heard, 1, whole=True)
+        if self.max_audible_paths is not None:
+            check_number("max_audible_paths", self.max_audible_paths, 1, integer=True)
         check_number("tail_seconds", self.tail_seconds, 0.0)
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
             if name.endswith("_seconds"):
-                check_number(name, getattr(self, name), most=LONGEST)
+                check_number(name, getattr(self, name), maximum=MAX_STEP_SECONDS)
             if getattr(self, name) <= 0:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not 0 <= self.humidity <= 100 or not -70 <= self.temperature <= 70:
@@ -140,8 +142,8 @@ class AudioConfig:
                 f"expected a humidity of 0..100 % and a temperature of -70..70 °C, "
                 f"got {self.humidity} and {self.temperature}"
             )
-        _whole("bin_seconds", self.bin_seconds * self.sample_rate, "samples")
-        _whole("response_seconds", self.response_seconds / self.bin_seconds, "bins of `bin_seconds`")
+        _check_whole("bin_seconds", self.bin_seconds * self.sample_rate, "samples")
+        _check_whole("response_seconds", self.response_seconds / self.bin_seconds, "bins of `bin_seconds`")
         if self.motion and self.num_bins < 2:
             raise ConfigError("with `motion` a response must have at least two bins: increase `response_seconds`")
         if self.bin_samples % 2:
@@ -160,25 +162,25 @@ class AudioConfig:
 
     def _check_microphones(self) -> None:
         if isinstance(self.microphones, str) or not isinstance(self.microphones, Sequence):
-            raise ConfigError(f"`microphones` must be a tuple of positions, got {shown(self.microphones)}")
+            raise ConfigError(f"`microphones` must be a tuple of positions, got {shorten(self.microphones)}")
         if (self.receiver == "array") != bool(self.microphones):
             hint = 'Set both, for example receiver="array", microphones=((0, 0, 0),).'
             raise ConfigError('`microphones` and receiver="array" require each other', hint=hint)
-        if len(self.microphones) > MOST_MICROPHONES:
-            raise ConfigError(f"expected at most {MOST_MICROPHONES} `microphones`, got {len(self.microphones)}")
+        if len(self.microphones) > MAX_MICROPHONES:
+            raise ConfigError(f"expected at most {MAX_MICROPHONES} `microphones`, got {len(self.microphones)}")
         for place in self.microphones:
             if isinstance(place, str) or not isinstance(place, Sequence) or len(place) != 3:
-                raise ConfigError(f"each of `microphones` needs three numbers, got {shown(place)}")
+                raise ConfigError(f"each of `microphones` needs three numbers, got {shorten(place)}")
             for number in place:
                 check_number("microphones", number)
         # Option files yield lists; the configuration must be hashable.
         object.__setattr__(self, "microphones", tuple(tuple(float(x) for x in place) for place in self.microphones))
-        if self.receiver_radius > WIDEST:
+        if self.receiver_radius > MAX_MICROPHONE_DISTANCE:
             hint = "Late reverberation differs farther apart: use a separate `Listener` there."
-            raise ConfigError(f"`microphones` must be within {WIDEST} m of the head centre", hint=hint)
+            raise ConfigError(f"`microphones` must be within {MAX_MICROPHONE_DISTANCE} m of the head centre", hint=hint)
 
     def _check_baked(self) -> None:
-        for name in BAKED:
+        for name in BAKED_OPTIONS:
             value = getattr(AudioConfig, name)  # its default
             if getattr(self, name) != value:
                 hint = f"Leave it at {value}, or use late='traced'."
@@ -198,8 +200,8 @@ class AudioConfig:
         return {"array": len(self.microphones), "ambisonics": 4}.get(self.receiver, 2)
 
     @property
-    def num_energies(self) -> int:
-        """Number of late energies per bin: one per channel, and three intensities of ambisonics, see `late_gains`."""
+    def num_late_channels(self) -> int:
+        """Number of late energies per bin: one per channel, and three intensities of ambisonics, see `late_channel_gains`."""
         return self.num_channels + 3 * (self.receiver == "ambisonics")
 
     @property
@@ -213,9 +215,9 @@ class AudioConfig:
         return max((math.hypot(*place) for place in self.microphones), default=self.head_radius)
 
     @property
-    def lead_seconds(self) -> float:
-        """Maximum difference between arrival times at a channel and at the head centre, at least `LEAD` [s]."""
-        return max(LEAD, self.receiver_radius / self.speed_of_sound)
+    def max_lead_seconds(self) -> float:
+        """Maximum difference between arrival times at a channel and at the head centre, at least `MIN_LEAD_SECONDS` [s]."""
+        return max(MIN_LEAD_SECONDS, self.receiver_radius / self.speed_of_sound)
 
     @property
     def frame(self) -> int:
@@ -241,33 +243,33 @@ class AudioConfig:
     def num_paths(self) -> int:
         """Number of early paths with `motion`, including the direct one."""
         found = 1 + self.num_edges + self.num_reflections
-        return found if self.num_heard is None else min(found, self.num_heard)
+        return found if self.max_audible_paths is None else min(found, self.max_audible_paths)
 
     @property
-    def half_length(self) -> int:
+    def tail_period(self) -> int:
         """Samples of a response's second half, which the tail repeats."""
         return self.num_bins // 2 * self.bin_samples
 
     @property
-    def num_tail(self) -> int:
+    def num_tail_repeats(self) -> int:
         """Number of these repetitions; 0 without `motion`."""
-        long = self.motion and self.half_length > 0
-        return math.ceil(self.tail_seconds * self.sample_rate / self.half_length - 1e-9) if long else 0
+        long = self.motion and self.tail_period > 0
+        return math.ceil(self.tail_seconds * self.sample_rate / self.tail_period - 1e-9) if long else 0
 
     @property
     def memory_length(self) -> int:
         """Samples of a source's past, including the current one, that contribute to the current output sample."""
-        return self.response_length + self.num_tail * self.half_length + self.tail_ringing
+        return self.response_length + self.num_tail_repeats * self.tail_period + self.num_tail_ringing
 
     @property
-    def tail_ringing(self) -> int:
+    def num_tail_ringing(self) -> int:
         """Samples by which octave filters of the tail ring on each side; 0 without a tail."""
-        return round(TAIL_RINGING * self.sample_rate) if self.num_tail else 0
+        return round(TAIL_RINGING_SECONDS * self.sample_rate) if self.num_tail_repeats else 0
 
     @property
-    def ahead(self) -> int:
+    def num_lookahead(self) -> int:
         """Samples of a source's future that band-limited delays read; 0 without `motion`."""
-        return 2 * HALF_WIDTH + math.ceil(self.lead_seconds * self.sample_rate) if self.motion else 0
+        return 2 * HALF_WIDTH + math.ceil(self.max_lead_seconds * self.sample_rate) if self.motion else 0
 
     @property
     def speed_of_sound(self) -> float:
@@ -275,7 +277,7 @@ class AudioConfig:
         return speed_of_sound(self.temperature)
 
 
-def _whole(name: str, value: float, unit: str) -> None:
+def _check_whole(name: str, value: float, unit: str) -> None:
     if abs(value - round(value)) > 1e-6 or round(value) < 1:
         raise ConfigError(
             f"`{name}` must hold a whole number of {unit}, got {value:g}",

@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 HALF_WIDTH = 16  # [samples], half width of band-limiting kernels: 1 ms at 16 kHz
-SHAPE = 6.0  # beta of the Kaiser window: flat within 0.01 dB up to 0.44 of the sample rate
-READ = 8  # half samples interpolated for one value
-FIRST = -3  # index of the first of them re the half sample before the value
-DEGREE = 5  # of the interpolation polynomials: error below -70 dB up to 0.44 of the sample rate
-WIDTH = 2 * HALF_WIDTH + READ  # [samples], of a delay kernel
+KAISER_BETA = 6.0  # beta of the Kaiser window: flat within 0.01 dB up to 0.44 of the sample rate
+NUM_READ = 8  # half samples interpolated for one value
+FIRST_READ = -3  # index of the first of them re the half sample before the value
+POLYNOMIAL_DEGREE = 5  # of the interpolation polynomials: error below -70 dB up to 0.44 of the sample rate
+KERNEL_WIDTH = 2 * HALF_WIDTH + NUM_READ  # [samples], of a delay kernel
 
 
 def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
@@ -24,10 +24,10 @@ def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
         [1.0, 0.635]
     """
     inside = np.maximum(1 - (offset / HALF_WIDTH) ** 2, 0.0)
-    return np.sinc(offset) * np.where(inside > 0, np.i0(SHAPE * np.sqrt(inside)) / np.i0(SHAPE), 0.0)
+    return np.sinc(offset) * np.where(inside > 0, np.i0(KAISER_BETA * np.sqrt(inside)) / np.i0(KAISER_BETA), 0.0)
 
 
-def at_twice_the_rate(signal: Float[Array, " n"]) -> Float[Array, " m"]:
+def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
     """Upsample a signal by two with `windowed_sinc`; the signal is zero outside its samples.
 
     Example:
@@ -43,21 +43,21 @@ def at_twice_the_rate(signal: Float[Array, " n"]) -> Float[Array, " m"]:
     return jnp.stack([signal, between], axis=1).reshape(-1)
 
 
-def read_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
-    """Compute interpolation weights of half samples `FIRST`, `FIRST` + 1, ... for a value between numbers 0 and 1.
+def interpolation_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
+    """Compute interpolation weights of half samples `FIRST_READ`, `FIRST_READ` + 1, ... for a value between numbers 0 and 1.
 
     Args:
         rest: Position of the value after number 0 [half samples], 0 .. 1.
 
     Returns:
-        `READ` weights.
+        `NUM_READ` weights.
 
     Example:
         >>> round(float(sum(read_weights(jnp.float32(0.3)))), 2)
         1.0
     """
     weights = []
-    for row in read_polynomials():
+    for row in interpolation_polynomials():
         weight = jnp.full_like(rest, row[-1])
         for coefficient in row[-2::-1]:
             weight = weight * rest + jnp.float32(coefficient)
@@ -66,7 +66,7 @@ def read_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
 
 
 def delay_kernel(delay: Float[Array, "*n"]) -> Float[Array, "*n k"]:
-    """Return the impulse response of a delay of 0 .. 1 samples, `WIDTH` taps from sample -(`HALF_WIDTH` + 3) on.
+    """Return the impulse response of a delay of 0 .. 1 samples, `KERNEL_WIDTH` taps from sample -(`HALF_WIDTH` + 3) on.
 
     Example:
         >>> int(delay_kernel(jnp.array([0.0]))[0].argmax()) == HALF_WIDTH + 3
@@ -74,26 +74,26 @@ def delay_kernel(delay: Float[Array, "*n"]) -> Float[Array, "*n k"]:
     """
     back = jnp.floor(-2 * delay)
     rows = jnp.asarray(_pulses())[-back.astype(jnp.int32)]
-    weights = jnp.stack(read_weights(-2 * delay - back), axis=-1)
+    weights = jnp.stack(interpolation_weights(-2 * delay - back), axis=-1)
     return jnp.sum(weights[..., None] * rows, axis=-2)
 
 
 @functools.cache
 def _pulses() -> Float[np.ndarray, "three read k"]:
     """Compute a band-limited pulse at each interpolated half sample, for whole delays of 0, 1 and 2 half samples."""
-    sample = np.arange(WIDTH) - HALF_WIDTH - 3
-    at = 2 * sample[None, None] - np.arange(3)[:, None, None] + (FIRST + np.arange(READ))[None, :, None]
+    sample = np.arange(KERNEL_WIDTH) - HALF_WIDTH - 3
+    at = 2 * sample[None, None] - np.arange(3)[:, None, None] + (FIRST_READ + np.arange(NUM_READ))[None, :, None]
     return windowed_sinc(at / 2).astype(np.float32)
 
 
 @functools.cache
-def read_polynomials() -> Float[np.ndarray, "read degree"]:
-    """Fit the polynomials of `read_weights`, lowest power first, by least squares up to 0.45 of the sample rate."""
+def interpolation_polynomials() -> Float[np.ndarray, "read degree"]:
+    """Fit the polynomials of `interpolation_weights`, lowest power first, by least squares up to 0.45 of the sample rate."""
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
-    power = rest[:, None] ** np.arange(DEGREE + 1)
-    wave = np.exp(1j * angle[:, None] * (FIRST + np.arange(READ)))
+    power = rest[:, None] ** np.arange(POLYNOMIAL_DEGREE + 1)
+    wave = np.exp(1j * angle[:, None] * (FIRST_READ + np.arange(NUM_READ)))
     rows = np.einsum("am,rd->armd", wave, power).reshape(angle.size * rest.size, -1)
     wanted = np.exp(1j * angle[:, None] * rest).ravel()
     joined = (np.concatenate([np.real(x), np.imag(x)]) for x in (rows, wanted))
-    return np.linalg.lstsq(*joined, rcond=None)[0].reshape(READ, DEGREE + 1).astype(np.float32)
+    return np.linalg.lstsq(*joined, rcond=None)[0].reshape(NUM_READ, POLYNOMIAL_DEGREE + 1).astype(np.float32)

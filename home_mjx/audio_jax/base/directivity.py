@@ -14,7 +14,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 
 NUM_ANGLES = 181  # one per degree
-QUIETER_BEHIND = (2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 18.0)  # [dB], front-to-back ratio of talkers, 125 to 8000 Hz
+TALKER_FRONT_TO_BACK = (2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 18.0)  # [dB], front-to-back ratio of talkers, 125 to 8000 Hz
 
 
 class Directivity(Pytree):
@@ -23,8 +23,8 @@ class Directivity(Pytree):
     gain: Float[Array, "a bands"]  # by angle to the axis, from 0 to pi in equal steps
 
 
-def directivities(patterns: Sequence[Directivity]) -> Directivity:
-    """Stack the directivities of several sources along a new leading axis, for `Sounds`.
+def stack_directivities(patterns: Sequence[Directivity]) -> Directivity:
+    """Stack the directivities of several sources along a new leading axis, for `SoundSources`.
 
     Args:
         patterns: One per source, all with the same number of angles.
@@ -36,7 +36,7 @@ def directivities(patterns: Sequence[Directivity]) -> Directivity:
     return jax.tree.map(lambda *gain: jnp.stack(gain), *patterns)
 
 
-def measured_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:
+def tabulated_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:
     """Make a directivity from a table of measured gains.
 
     Args:
@@ -54,7 +54,9 @@ def measured_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:
     return Directivity(jnp.asarray(table))
 
 
-def first_order(weight: float | Sequence[float] = 0.5, exponent: float | Sequence[float] = 1.0) -> Directivity:
+def first_order_directivity(
+    weight: float | Sequence[float] = 0.5, exponent: float | Sequence[float] = 1.0
+) -> Directivity:
     """Make the first-order directivity |1 - w + w cos θ|ⁿ.
 
     Its mean energy over the sphere is (1 - s |1 - 2w|²ⁿ⁺¹) / (2w (2n + 1)), s being the sign of 1 - 2w.
@@ -72,11 +74,11 @@ def first_order(weight: float | Sequence[float] = 0.5, exponent: float | Sequenc
     """
     w, n = _per_octave("weight", weight, 1.0), _per_octave("exponent", exponent, math.inf)
     cosine = np.cos(_angles())[:, None]
-    return measured_directivity(np.abs(1 - w + w * cosine) ** n)
+    return tabulated_directivity(np.abs(1 - w + w * cosine) ** n)
 
 
-def talker() -> Directivity:
-    """Make the directivity of a human talker: the level in dB falls by `QUIETER_BEHIND` (1 - cos θ) / 2.
+def talker_directivity() -> Directivity:
+    """Make the directivity of a human talker: the level in dB falls by `TALKER_FRONT_TO_BACK` (1 - cos θ) / 2.
 
     The front-to-back ratios are rounded figures of the order that Chu and Warnock report (Detailed directivity of sound
     fields around human talkers, NRC Canada IRC-RR-104, 2002). The 8 kHz ratio follows Monson, Hunter and Story (JASA
@@ -88,11 +90,11 @@ def talker() -> Directivity:
         >>> level.round().tolist()
         [-2.0, -3.0, -5.0, -7.0, -10.0, -14.0, -18.0]
     """
-    fall = (1 - np.cos(_angles()))[:, None] / 2 * np.array(QUIETER_BEHIND)
-    return measured_directivity(10 ** (-fall / 20))
+    fall = (1 - np.cos(_angles()))[:, None] / 2 * np.array(TALKER_FRONT_TO_BACK)
+    return tabulated_directivity(10 ** (-fall / 20))
 
 
-def gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
+def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
     """Return pressure gains at these cosines to the axis; energy is interpolated linearly between table angles."""
     last = pattern.gain.shape[0] - 1
     place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)

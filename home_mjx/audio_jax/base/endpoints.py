@@ -5,15 +5,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.base.directivity import Directivity, gains
+from home_mjx.audio_jax.base.directivity import Directivity, directivity_gains
 from home_mjx.core.pytree import Pytree, static
-from home_mjx.core.transforms import UNIT_SLACK, is_unit, quat_matrix
+from home_mjx.core.transforms import UNIT_QUAT_TOLERANCE, is_unit_quat, quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import room_of
 from home_mjx.raycast_render.scene.types import Scene
 
 
-class Source(Pytree):
+class SoundSource(Pytree):
     """A point source: omnidirectional, or with a directivity oriented by `quat`."""
 
     pos: Float[Array, "3"]  # [m], world
@@ -22,7 +22,7 @@ class Source(Pytree):
     directivity: Directivity | None = None  # the level at 1 m is that on the axis; None: omnidirectional
 
 
-class Head(Pytree):
+class MeasuredHead(Pytree):
     """Measured HRTFs of two ears on a regular grid of directions, see `read_head`.
 
     Elevations run from below to above. Azimuths run from ahead over the left around the head, without repeating the
@@ -42,7 +42,7 @@ class Listener(Pytree):
     pos: Float[Array, "3"]  # [m], world, head centre
     quat: Float[Array, "4"]  # wxyz, in MuJoCo's camera frame: +x right, +y up, looking along -z
     body: Int[Array, ""] | int = -1  # object id of the listener's body, transparent to sound that it receives; -1 none
-    head: Head | None = None  # measured HRTFs for the receiver "binaural"; None: a rigid sphere
+    head: MeasuredHead | None = None  # measured HRTFs for the receiver "binaural"; None: a rigid sphere
 
 
 def check_listener(listener: Listener) -> None:
@@ -58,7 +58,7 @@ def check_listener(listener: Listener) -> None:
     _check_quat("listener", listener.quat)
 
 
-def check_source(source: Source) -> None:
+def check_source(source: SoundSource) -> None:
     """Validate that a directional source has a quaternion of unit length; tracers are not checked.
 
     Raises:
@@ -75,12 +75,12 @@ def _check_quat(whose: str, quat: Float[Array, "4"]) -> None:
     if isinstance(quat, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
         return
     norm = float(np.linalg.norm(quat))
-    if not abs(norm**2 - 1) < UNIT_SLACK:
+    if not abs(norm**2 - 1) < UNIT_QUAT_TOLERANCE:
         hint = "Normalise it; (1, 0, 0, 0) is the identity."
         raise ConfigError(f"a {whose}'s quaternion must have unit length, got {norm:.4g}", hint=hint)
 
 
-def given_toward(source: Source, direction: Float[Array, "n 3"]) -> Float[Array, "n bands"] | float:
+def emission_gains(source: SoundSource, direction: Float[Array, "n 3"]) -> Float[Array, "n bands"] | float:
     """Return the source's pressure gain per octave in some directions re its axis; 1.0 if it is omnidirectional.
 
     Args:
@@ -91,8 +91,8 @@ def given_toward(source: Source, direction: Float[Array, "n 3"]) -> Float[Array,
     if source.directivity is None or source.quat is None:
         return 1.0
     axis = -quat_matrix(source.quat)[:, 2]
-    toward = gains(source.directivity, jnp.sum(direction * axis[None], axis=1))
-    return jnp.where(is_unit(source.quat), toward, 0.0)
+    toward = directivity_gains(source.directivity, jnp.sum(direction * axis[None], axis=1))
+    return jnp.where(is_unit_quat(source.quat), toward, 0.0)
 
 
 def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
@@ -117,11 +117,11 @@ def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
     return (room_of(scene.bank, house, point) >= 0) & ~walled
 
 
-class Sounds(Pytree):
+class SoundSources(Pytree):
     """The e sound sources of one environment: their poses, clips and schedules.
 
-    A source sounds for `lasts` seconds at the start of every period of `every` seconds, also before time 0. If `every`
-    is inf it sounds once, from time 0 on; if `lasts` is inf it always sounds.
+    A source sounds for `duration` seconds at the start of every period of `period` seconds, also before time 0. If `period`
+    is inf it sounds once, from time 0 on; if `duration` is inf it always sounds.
 
     Example:
         >>> import jax.numpy as jnp
@@ -134,7 +134,7 @@ class Sounds(Pytree):
     body: Int[Array, " e"]  # object id of the emitting body, transparent to its own sound; -1 none
     clip: Int[Array, " e"]  # index into CLIPS; -1 silent
     gain: Float[Array, " e"]  # factor on the clip's pressure
-    every: Float[Array, " e"]  # [s], period
-    lasts: Float[Array, " e"]  # [s], duration within a period
-    quat: Float[Array, "e 4"] | None = None  # with `directivity`: orientations, as `Source.quat`
-    directivity: Directivity | None = None  # one per source, see `directivities`; None: all are omnidirectional
+    period: Float[Array, " e"]  # [s], period
+    duration: Float[Array, " e"]  # [s], duration within a period
+    quat: Float[Array, "e 4"] | None = None  # with `directivity`: orientations, as `SoundSource.quat`
+    directivity: Directivity | None = None  # one per source, see `stack_directivities`; None: all are omnidirectional

@@ -7,11 +7,11 @@ from jaxtyping import Complex, Float
 
 from home_mjx.schema.compiled import BANDS
 
-TRANSITION = 0.25  # [octaves], width of the overlap of neighbouring bands
-HIGH_PASS = 20.0  # [Hz], half-power point
-RINGING = 0.030  # [s], length of the cepstra of causal filters: resolves octaves from 125 Hz on
-CAUSAL_SECONDS = 0.048  # [s], contains all but 1e-9 of the energy of causal filters
-FINE = 1 << 15  # samples of the transform for cepstra
+BAND_OVERLAP = 0.25  # [octaves], width of the overlap of neighbouring bands
+HIGH_PASS_FREQUENCY = 20.0  # [Hz], half-power point
+CEPSTRUM_SECONDS = 0.030  # [s], length of the cepstra of causal filters: resolves octaves from 125 Hz on
+MAX_RINGING_SECONDS = 0.048  # [s], contains all but 1e-9 of the energy of causal filters
+FINE_SIZE = 1 << 15  # samples of the transform for cepstra
 
 
 def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands f"]:
@@ -33,7 +33,7 @@ def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands
     """
     octaves = np.log2(np.maximum(frequency, 1e-9) / BANDS[0])
     edges = np.arange(1, len(BANDS)) - 0.5
-    ramp = np.clip((octaves[None] - edges[:, None]) / TRANSITION + 0.5, 0, 1)
+    ramp = np.clip((octaves[None] - edges[:, None]) / BAND_OVERLAP + 0.5, 0, 1)
     above = np.sin(np.pi / 2 * ramp) ** 2
     ones = np.ones((1, frequency.size))
     return np.concatenate([ones, above]) - np.concatenate([above, 0 * ones])
@@ -42,19 +42,19 @@ def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands
 def high_pass(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
     """Return the gain of a zero-phase second-order high-pass, for noise, whose first band would extend to 0 Hz."""
     square = frequency**2
-    return square / (square + (np.sqrt(2) - 1) * HIGH_PASS**2)
+    return square / (square + (np.sqrt(2) - 1) * HIGH_PASS_FREQUENCY**2)
 
 
 @functools.cache
-def causal_octaves(size: int, sample_rate: int) -> Complex[np.ndarray, "bands f"]:
+def causal_octave_log_spectra(size: int, sample_rate: int) -> Complex[np.ndarray, "bands f"]:
     """Compute log spectra of causal octave filters: exp(log(gain) @ table) has the required gain in each octave.
 
     Levels in dB are interpolated between octaves by `octave_gains`. The phase is minimum phase, so the response is
     causal. It is computed by folding the cepstrum, as in Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5;
-    the cepstrum fades out within `RINGING`. Cepstra of products add, so one product with this table serves any gains.
+    the cepstrum fades out within `CEPSTRUM_SECONDS`. Cepstra of products add, so one product with this table serves any gains.
 
     Args:
-        size: Samples of the transform that will use it, at least `RINGING`.
+        size: Samples of the transform that will use it, at least `CEPSTRUM_SECONDS`.
         sample_rate: [Hz].
 
     Example:
@@ -62,7 +62,7 @@ def causal_octaves(size: int, sample_rate: int) -> Complex[np.ndarray, "bands f"
         >>> bool(np.allclose(flat, 0.5))
         True
     """
-    cepstrum = np.fft.irfft(octave_gains(np.fft.rfftfreq(FINE, 1 / sample_rate)), FINE)
-    kept = round(RINGING * sample_rate)
+    cepstrum = np.fft.irfft(octave_gains(np.fft.rfftfreq(FINE_SIZE, 1 / sample_rate)), FINE_SIZE)
+    kept = round(CEPSTRUM_SECONDS * sample_rate)
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
     return np.fft.rfft(cepstrum[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1), size)

@@ -1,4 +1,4 @@
-"""Air attenuation of HoME (2017), see `propagation/home_paths.py`: for comparison with it only, not physical."""
+"""Air attenuation of HoME (2017), see `propagation/home2017_paths.py`: for comparison with it only, not physical."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -20,10 +20,10 @@ COEFFICIENTS = np.array(
         ],
     ]
 )
-LEAST = 1e-7  # minimum remaining share of the pressure, so that levels stay finite
+MIN_REMAINING_PRESSURE = 1e-7  # minimum remaining share of the pressure, so that levels stay finite
 
 
-def home_air_level(
+def home2017_air_level(
     distance: Float[Array, " p"], temperature: float = 20.0, humidity: float = 65.0
 ) -> Float[Array, "p bands"]:
     """Compute the level change by air over a distance d [dB] by HoME's rule 20 lg(1 - m d), m from the nearest row.
@@ -39,7 +39,7 @@ def home_air_level(
     """
     row = COEFFICIENTS[_nearest(TEMPERATURES, temperature), _nearest(HUMIDITIES, humidity)] / 1000
     kept = 1 - distance[:, None] * jnp.asarray(row, jnp.float32)[None]
-    return 20 * jnp.log10(jnp.clip(kept, LEAST, 1.0))
+    return 20 * jnp.log10(jnp.clip(kept, MIN_REMAINING_PRESSURE, 1.0))
 
 
 def _nearest(values: tuple[float, ...], value: float) -> int:

@@ -46,7 +46,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     },
 }
 # Changes to the presets for late="traced": for houses that cannot be baked, and rooms whose furniture has moved.
-TRACED: dict[str, dict[str, Any]] = {
+TRACED_CHANGES: dict[str, dict[str, Any]] = {
     # T30 within 3 %, then -27, -26, -23 to +22 and -53 to +11 %; late slopes of coupled rooms are half as long. EDT
     # within 3 % (-8, -6, +10, -31 %), level exact (-0.4, -0.3, -0.5, -0.8 dB).
     "fast": {"late": "traced", "num_edges": 0},
@@ -62,10 +62,10 @@ TRACED: dict[str, dict[str, Any]] = {
     },
     "reference": {},
 }
-FIRST_ORDER: dict[str, Any] = {"reflection_order": 1}  # baked energies contain the higher orders
+BAKED_CHANGES: dict[str, Any] = {"reflection_order": 1}  # baked energies contain the higher orders
 
-# The acoustics of HoME (2017), for comparison only: see `propagation/home_paths.py`.
-HOME: dict[str, Any] = {
+# The acoustics of HoME (2017), for comparison only: see `propagation/home2017_paths.py`.
+HOME2017: dict[str, Any] = {
     "early": "home",
     "late": "none",
     "reflection_order": 3,
@@ -93,7 +93,7 @@ def audio_preset(name: str, **changes: Any) -> AudioConfig:
         >>> audio_preset("fast").late, audio_preset("fast", late="traced").num_rays
         ('baked', 48)
     """
-    known = {**PRESETS, "home": HOME}
+    known = {**PRESETS, "home": HOME2017}
     check_known("preset", [name], known)
-    other = {"baked": FIRST_ORDER, "traced": TRACED.get(name, {})}.get(changes.get("late", ""), {})
+    other = {"baked": BAKED_CHANGES, "traced": TRACED_CHANGES.get(name, {})}.get(changes.get("late", ""), {})
     return AudioConfig(**{**known[name], **other, **changes})

@@ -14,19 +14,22 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
-from home_mjx.audio_jax.base.filters import causal_octaves, octave_gains
+from home_mjx.audio_jax.base.filters import causal_octave_log_spectra, octave_gains
 from home_mjx.schema.compiled import BANDS
 
-LOW, STEP = 1100.0, 540.0  # [Hz], knots: two per octave up to `LOW`, beyond it one every `STEP`
-RINGING = 0.032  # [s], length of basis filters: resolves octaves from 125 Hz on
-FINER = 4  # oversampling factor at which the basis is computed
-FINE = 1 << 16  # samples of the transform for that
-QUIETEST = 1e-3  # minimum octave gain re the loudest octave of a path; lower gains are raised to it
-SOFTEST = 1e-30  # gain at or below which a path is silent
-ROUNDS = 2  # iterations that correct filters to the required octave gains
+DENSE_KNOT_LIMIT, KNOT_STEP = (
+    1100.0,
+    540.0,
+)  # [Hz], knots: two per octave up to `DENSE_KNOT_LIMIT`, beyond it one every `KNOT_STEP`
+BASIS_SECONDS = 0.032  # [s], length of basis filters: resolves octaves from 125 Hz on
+OVERSAMPLING = 4  # oversampling factor at which the basis is computed
+FINE_SIZE = 1 << 16  # samples of the transform for that
+MIN_RELATIVE_GAIN = 1e-3  # minimum octave gain re the loudest octave of a path; lower gains are raised to it
+MIN_GAIN = 1e-30  # gain at or below which a path is silent
+NUM_CORRECTIONS = 2  # iterations that correct filters to the required octave gains
 
 
-class Shapes(NamedTuple):
+class FilterBasis(NamedTuple):
     """Basis filters, one per knot frequency; their real parts are hat functions over the knots."""
 
     frequency: Float[np.ndarray, " s"]  # [Hz], knots
@@ -36,13 +39,13 @@ class Shapes(NamedTuple):
     centers: Complex[np.ndarray, "s c"]  # of filters at the octave centres below 0.45 of the sample rate
 
 
-def num_taps(sample_rate: int) -> int:
+def num_basis_taps(sample_rate: int) -> int:
     """Return the length of a basis filter after time 0 [samples]."""
-    return round(RINGING * sample_rate)
+    return round(BASIS_SECONDS * sample_rate)
 
 
 @functools.cache
-def shapes(sample_rate: int) -> Shapes:
+def filter_basis(sample_rate: int) -> FilterBasis:
     """Compute the filter basis of a sample rate.
 
     Args:
@@ -53,29 +56,29 @@ def shapes(sample_rate: int) -> Shapes:
         >>> s.kernel.shape, bool(abs(s.kernel.sum(axis=0)[HALF_WIDTH] - 1) < 0.02)  # together they are the identity
         ((20, 544), True)
     """
-    low = BANDS[0] * 2 ** (np.arange(2 * np.log2(LOW / BANDS[0])) / 2)
+    low = BANDS[0] * 2 ** (np.arange(2 * np.log2(DENSE_KNOT_LIMIT / BANDS[0])) / 2)
     low = low[low < sample_rate / 2]
-    count = round((sample_rate / 2 - low[-1]) / STEP)
+    count = round((sample_rate / 2 - low[-1]) / KNOT_STEP)
     frequency = np.concatenate([low, np.linspace(low[-1], sample_rate / 2, count + 1)[1:]])
-    fine = np.fft.rfftfreq(FINE, 1 / (FINER * sample_rate))
+    fine = np.fft.rfftfreq(FINE_SIZE, 1 / (OVERSAMPLING * sample_rate))
     place = np.interp(np.log2(np.maximum(fine, 1)), np.log2(frequency), np.arange(frequency.size))
     hats = np.clip(1 - np.abs(place[None] - np.arange(frequency.size)[:, None]), 0, 1)
-    kernel = _causal(hats, sample_rate)
+    kernel = _causal_kernels(hats, sample_rate)
     centers = np.array([band for band in BANDS if band < 0.45 * sample_rate])
-    return Shapes(
+    return FilterBasis(
         frequency=frequency,
-        kernel=_limited(kernel, sample_rate).astype(np.float32),
-        value=_at(kernel, frequency, sample_rate),
-        octaves=_at(_causal(octave_gains(fine), sample_rate), frequency, sample_rate),
-        centers=_at(kernel, centers, sample_rate),
+        kernel=_downsample(kernel, sample_rate).astype(np.float32),
+        value=_spectra_at(kernel, frequency, sample_rate),
+        octaves=_spectra_at(_causal_kernels(octave_gains(fine), sample_rate), frequency, sample_rate),
+        centers=_spectra_at(kernel, centers, sample_rate),
     )
 
 
-def octave_shapes(gain: Float[Array, "*p bands"], sample_rate: int) -> Complex[Array, "*p s"]:
-    """Compute minimum-phase filters with the required gain at the centre of each octave, at the knots of `shapes`.
+def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) -> Complex[Array, "*p s"]:
+    """Compute minimum-phase filters with the required gain at the centre of each octave, at the knots of `filter_basis`.
 
     Levels in dB are interpolated between octaves. The minimum phase follows from folding the cepstrum, as in Oppenheim
-    and Schafer, Discrete-Time Signal Processing, 13.5. Real parts of the result are the weights of `shapes`.
+    and Schafer, Discrete-Time Signal Processing, 13.5. Real parts of the result are the weights of `filter_basis`.
 
     Args:
         gain: At least 0.
@@ -88,18 +91,18 @@ def octave_shapes(gain: Float[Array, "*p bands"], sample_rate: int) -> Complex[A
         >>> octave_shapes(jnp.full((1, 7), 0.5), 16000).real.round(3)[0, :3].tolist()
         [0.5, 0.5, 0.5]
     """
-    table = shapes(sample_rate)
+    table = filter_basis(sample_rate)
     loudest = jnp.max(gain, axis=-1, keepdims=True)
-    wanted = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
+    wanted = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
     level, told = wanted, table.centers.shape[1]
-    for _ in range(ROUNDS):
+    for _ in range(NUM_CORRECTIONS):
         here = jnp.abs(_product(jnp.real(_filter(level, table)), table.centers))
-        more = wanted[..., :told] - jnp.log(jnp.maximum(here, SOFTEST))
+        more = wanted[..., :told] - jnp.log(jnp.maximum(here, MIN_GAIN))
         level = level.at[..., :told].add(jnp.clip(more, -1.0, 1.0))
-    return jnp.where(loudest > SOFTEST, _filter(level, table), 0)
+    return jnp.where(loudest > MIN_GAIN, _filter(level, table), 0)
 
 
-def _filter(level: Float[Array, "*p bands"], table: Shapes) -> Complex[Array, "*p s"]:
+def _filter(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Array, "*p s"]:
     both = _product(level, table.octaves)
     amplitude, phase = jnp.exp(jnp.real(both)), jnp.imag(both)
     return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
@@ -111,40 +114,40 @@ def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> C
     return jax.lax.complex(*(jnp.matmul(left, x, precision="highest") for x in parts))
 
 
-def _causal(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Compute causal impulse responses with these real parts at `FINER` times the rate, faded out at their end."""
-    kept = FINER * num_taps(sample_rate)
+def _causal_kernels(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
+    """Compute causal impulse responses with these real parts at `OVERSAMPLING` times the rate, faded out at their end."""
+    kept = OVERSAMPLING * num_basis_taps(sample_rate)
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
-    return np.fft.irfft(real, FINE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
+    return np.fft.irfft(real, FINE_SIZE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
 
 
-def _limited(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.ndarray, "n t"]:
+def _downsample(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.ndarray, "n t"]:
     """Downsample impulse responses to the sample rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
-    place = np.minimum(np.arange(FINE), FINE - np.arange(FINE)) / FINER
+    place = np.minimum(np.arange(FINE_SIZE), FINE_SIZE - np.arange(FINE_SIZE)) / OVERSAMPLING
     low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, HALF_WIDTH)))
-    whole = np.fft.irfft(np.fft.rfft(kernel, FINE) * low_pass, FINE)
-    return whole[:, FINER * np.arange(-HALF_WIDTH, num_taps(sample_rate) + HALF_WIDTH) % FINE]
+    whole = np.fft.irfft(np.fft.rfft(kernel, FINE_SIZE) * low_pass, FINE_SIZE)
+    return whole[:, OVERSAMPLING * np.arange(-HALF_WIDTH, num_basis_taps(sample_rate) + HALF_WIDTH) % FINE_SIZE]
 
 
-def _at(
+def _spectra_at(
     kernel: Float[np.ndarray, "n u"], frequency: Float[np.ndarray, " m"], sample_rate: int
 ) -> Complex[np.ndarray, "n m"]:
-    """Evaluate spectra of impulse responses at `FINER` times the rate."""
-    time = np.arange(kernel.shape[1]) / (FINER * sample_rate)
+    """Evaluate spectra of impulse responses at `OVERSAMPLING` times the rate."""
+    time = np.arange(kernel.shape[1]) / (OVERSAMPLING * sample_rate)
     return kernel @ np.exp(-2j * np.pi * time[:, None] * frequency[None])
 
 
 def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
-    """Return log gains per octave, at least `QUIETEST` re the loudest, and 1 for audible paths, 0 for silent ones."""
+    """Return log gains per octave, at least `MIN_RELATIVE_GAIN` re the loudest, and 1 for audible paths, 0 for silent ones."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
-    level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
-    return level, (loudest[:, 0] > SOFTEST).astype(jnp.float32)
+    level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
+    return level, (loudest[:, 0] > MIN_GAIN).astype(jnp.float32)
 
 
 def octave_spectra(gain: Float[Array, "p bands"], size: int, sample_rate: int) -> Complex[Array, "p f"]:
     """Compute spectra of minimum-phase filters with these octave gains for a transform of `size` samples."""
     level, sounds = octave_levels(gain)
-    table = causal_octaves(size, sample_rate)
+    table = causal_octave_log_spectra(size, sample_rate)
     real, phase = (
         jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (np.real(table), np.imag(table))
     )

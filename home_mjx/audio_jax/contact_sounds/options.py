@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 from home_mjx.core.checks import check_flag, check_number
 
-LENGTHS = (0.1, 2.0)  # [m], minimum and maximum step length
+STEP_LENGTH_RANGE = (0.1, 2.0)  # [m], minimum and maximum step length
 
 
 @dataclass(frozen=True)
-class NoiseConfig:
+class ContactSoundConfig:
     """Contact sounds of bodies: footsteps, impacts, scrapes and doors.
 
     Attributes:
@@ -17,8 +17,8 @@ class NoiseConfig:
         scrapes: Sounds of movable bodies that slide; needs physics with contacts, too.
         doors: Creaks of moving leaves and thuds where they stop.
         step_length: Distance between footsteps [m].
-        num_strikes: Maximum number of simultaneous transient sounds, each traced as a source.
-        num_rubs: Maximum number of simultaneous sustained sounds, each traced as a source.
+        num_transients: Maximum number of simultaneous transient sounds, each traced as a source.
+        num_sustained: Maximum number of simultaneous sustained sounds, each traced as a source.
 
     Raises:
         ConfigError: A value is out of range.
@@ -33,17 +33,17 @@ class NoiseConfig:
     scrapes: bool = True
     doors: bool = True
     step_length: float = 0.65
-    num_strikes: int = 4
-    num_rubs: int = 2
+    num_transients: int = 4
+    num_sustained: int = 2
 
     def __post_init__(self) -> None:
         for name in ("footsteps", "impacts", "scrapes", "doors"):
             check_flag(name, getattr(self, name))
-        check_number("step_length", self.step_length, *LENGTHS)
-        for name in ("num_strikes", "num_rubs"):
-            check_number(name, getattr(self, name), 1, whole=True)
+        check_number("step_length", self.step_length, *STEP_LENGTH_RANGE)
+        for name in ("num_transients", "num_sustained"):
+            check_number(name, getattr(self, name), 1, integer=True)
 
     @property
-    def num_noises(self) -> int:
+    def num_sounds(self) -> int:
         """Maximum number of simultaneous sounds."""
-        return self.num_strikes + self.num_rubs
+        return self.num_transients + self.num_sustained

@@ -19,63 +19,67 @@ from jaxtyping import Float
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.schema.compiled import BANDS
 
-SPEECH = 0.1  # RMS pressure of speech at 1 m, the reference level
-SECONDS = 0.4  # [s], duration of a transient sound
+SPEECH_RMS = 0.1  # RMS pressure of speech at 1 m, the reference level
+TRANSIENT_SECONDS = 0.4  # [s], duration of a transient sound
 LOOP_SECONDS = 2.0  # [s], loop of a sustained sound
-SOFT_END = 0.05  # [s], fade-out of transient sounds
-VARIANTS = 4  # variants per footstep, so that successive steps differ
-TOE = 0.13  # [s], delay of the toe after the heel
-BAR = np.array([1.0, 2.756, 5.404, 8.933])  # mode frequencies of a free bar re the lowest
+FADE_OUT_SECONDS = 0.05  # [s], fade-out of transient sounds
+STEP_VARIANTS = 4  # variants per footstep, so that successive steps differ
+TOE_DELAY = 0.13  # [s], delay of the toe after the heel
+BAR_MODE_RATIOS = np.array([1.0, 2.756, 5.404, 8.933])  # mode frequencies of a free bar re the lowest
 
 
-class Floor(NamedTuple):
+class FloorModel(NamedTuple):
     """Footstep model of a floor."""
 
     level: float  # [dB] re speech, RMS of the first 0.1 s at 1 m/s
-    ringing: float  # [Hz], lowest mode
+    lowest_mode: float  # [Hz], lowest mode
     decay: float  # [s], time constant
-    friction: float  # [Hz], corner frequency of the friction noise
-    share: float  # of the friction noise in the pressure
+    friction_corner: float  # [Hz], corner frequency of the friction noise
+    friction_share: float  # of the friction noise in the pressure
 
 
-class Stuff(NamedTuple):
+class ImpactMaterial(NamedTuple):
     """Impact model of a body's material."""
 
     level: float  # [dB] re speech for an impact of 1 N s
-    lowest: float  # [Hz], lowest mode
-    loss: float  # loss factor tan φ
+    lowest_mode: float  # [Hz], lowest mode
+    loss_factor: float  # loss factor tan φ
 
 
 FLOORS = {
-    "hard": Floor(-8.0, 160.0, 0.015, 5000.0, 0.7),
-    "wood": Floor(-6.0, 95.0, 0.030, 2500.0, 0.4),
-    "soft": Floor(-20.0, 80.0, 0.020, 600.0, 0.3),
+    "hard": FloorModel(-8.0, 160.0, 0.015, 5000.0, 0.7),
+    "wood": FloorModel(-6.0, 95.0, 0.030, 2500.0, 0.4),
+    "soft": FloorModel(-20.0, 80.0, 0.020, 600.0, 0.3),
 }
-STUFFS = {
-    "wood": Stuff(0.0, 350.0, 0.02),
-    "metal": Stuff(4.0, 700.0, 0.0015),
-    "hard": Stuff(3.0, 1300.0, 0.004),
-    "plastic": Stuff(-2.0, 450.0, 0.05),
-    "soft": Stuff(-14.0, 110.0, 0.2),
+IMPACT_MATERIALS = {
+    "wood": ImpactMaterial(0.0, 350.0, 0.02),
+    "metal": ImpactMaterial(4.0, 700.0, 0.0015),
+    "hard": ImpactMaterial(3.0, 1300.0, 0.004),
+    "plastic": ImpactMaterial(-2.0, 450.0, 0.05),
+    "soft": ImpactMaterial(-14.0, 110.0, 0.2),
 }
 # Materials of each floor model and of each impact model. Others are soft as floors, and wooden when struck.
 FLOOR_KINDS = {
     "hard": ("bricks", "ceramic", "concrete", "decoration stone", "facing stone", "glass", "metal", "stone", "tile"),
     "wood": ("laminate", "linoleum", "paint", "plastic", "potang", "wood"),
 }
-STUFF_KINDS = {
+IMPACT_MATERIAL_KINDS = {
     "metal": ("metal",),
     "hard": (*FLOOR_KINDS["hard"][:6], "stone", "stucco", "tile"),
     "plastic": ("linoleum", "plastic"),
     "soft": ("carpet", "grass", "ground", "leather", "linen", "paper", "plant", "textile"),
 }
-STRIKES = (*(f"step_{name}_{i}" for name in FLOORS for i in range(VARIANTS)), *(f"hit_{s}" for s in STUFFS), "thud")
-RUBS = (*(f"scrape_{s}" for s in STUFFS), "creak")
+TRANSIENTS = (
+    *(f"step_{name}_{i}" for name in FLOORS for i in range(STEP_VARIANTS)),
+    *(f"hit_{s}" for s in IMPACT_MATERIALS),
+    "thud",
+)
+SUSTAINED = (*(f"scrape_{s}" for s in IMPACT_MATERIALS), "creak")
 
 
 @functools.cache
-def strike_bank(sample_rate: int) -> Float[np.ndarray, "strikes n"]:
-    """Generate the pressure at 1 m of each of `STRIKES`, read-only.
+def transient_bank(sample_rate: int) -> Float[np.ndarray, "strikes n"]:
+    """Generate the pressure at 1 m of each of `TRANSIENTS`, read-only.
 
     Reference: a step at 1 m/s, an impact of 1 N s, a leaf stopped from 1 rad/s.
 
@@ -83,15 +87,18 @@ def strike_bank(sample_rate: int) -> Float[np.ndarray, "strikes n"]:
         >>> strike_bank(16000).shape == (len(STRIKES), 6400)
         True
     """
-    steps = [_step(floor, i, sample_rate) for floor in FLOORS.values() for i in range(VARIANTS)]
-    blows = [_scaled(_modes(stuff, SECONDS, sample_rate), stuff.level, sample_rate) for stuff in STUFFS.values()]
-    thud = _scaled(_modes(Stuff(0, 90.0, 0.08), SECONDS, sample_rate), 2.0, sample_rate)
-    return _kept(np.stack([*steps, *blows, thud]))
+    steps = [_step(floor, i, sample_rate) for floor in FLOORS.values() for i in range(STEP_VARIANTS)]
+    blows = [
+        _set_level(_modes(stuff, TRANSIENT_SECONDS, sample_rate), stuff.level, sample_rate)
+        for stuff in IMPACT_MATERIALS.values()
+    ]
+    thud = _set_level(_modes(ImpactMaterial(0, 90.0, 0.08), TRANSIENT_SECONDS, sample_rate), 2.0, sample_rate)
+    return _read_only(np.stack([*steps, *blows, thud]))
 
 
 @functools.cache
-def rub_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
-    """Generate the pressure at 1 m of each of `RUBS` as loops, read-only.
+def sustained_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
+    """Generate the pressure at 1 m of each of `SUSTAINED` as loops, read-only.
 
     Reference: 1 W of friction, a leaf that turns at 1 rad/s.
 
@@ -99,7 +106,9 @@ def rub_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
         >>> rub_bank(16000).shape == (len(RUBS), 32000)
         True
     """
-    return _kept(np.stack([*(_scrape(stuff, sample_rate) for stuff in STUFFS.values()), _creak(sample_rate)]))
+    return _read_only(
+        np.stack([*(_scrape(stuff, sample_rate) for stuff in IMPACT_MATERIALS.values()), _creak(sample_rate)])
+    )
 
 
 def bank_power(bank: Float[np.ndarray, "c n"], sample_rate: int, size: int) -> Float[np.ndarray, "c bins bands"]:
@@ -120,7 +129,7 @@ def bank_power(bank: Float[np.ndarray, "c n"], sample_rate: int, size: int) -> F
     return np.ascontiguousarray(np.swapaxes(kept, 1, 2), np.float32)
 
 
-def _kept(bank: Float[np.ndarray, "c n"]) -> Float[np.ndarray, "c n"]:
+def _read_only(bank: Float[np.ndarray, "c n"]) -> Float[np.ndarray, "c n"]:
     bank = bank.astype(np.float32)
     bank.flags.writeable = False
     return bank
@@ -130,53 +139,56 @@ def _time(seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
     return np.arange(round(seconds * sample_rate)) / sample_rate
 
 
-def _scaled(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -> Float[np.ndarray, " n"]:
+def _set_level(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -> Float[np.ndarray, " n"]:
     """Scale a sound to a level over its first 0.1 s, and fade out its end."""
     time = np.arange(sound.size) / sample_rate
-    sound = sound * np.clip((time[-1] - time) / SOFT_END, 0, 1)
+    sound = sound * np.clip((time[-1] - time) / FADE_OUT_SECONDS, 0, 1)
     rms = np.sqrt(np.mean(sound[: round(0.1 * sample_rate)] ** 2))
-    return sound * (SPEECH * 10 ** (level / 20) / rms)
+    return sound * (SPEECH_RMS * 10 ** (level / 20) / rms)
 
 
-def _below(noise: Float[np.ndarray, " n"], corner: float, sample_rate: int, low: float = 0.0) -> np.ndarray:
+def _filter_noise(noise: Float[np.ndarray, " n"], corner: float, sample_rate: int, low: float = 0.0) -> np.ndarray:
     """Filter noise: it falls by 12 dB per octave above `corner`, and by 6 below `low`."""
     frequency = np.fft.rfftfreq(noise.size, 1 / sample_rate)
     rise = frequency / np.hypot(frequency, low) if low else 1.0
     return np.fft.irfft(np.fft.rfft(noise) * rise / (1 + (frequency / corner) ** 2), noise.size)
 
 
-def _step(floor: Floor, variant: int, sample_rate: int) -> Float[np.ndarray, " n"]:
+def _step(floor: FloorModel, variant: int, sample_rate: int) -> Float[np.ndarray, " n"]:
     """Generate a step: a heel, then a softer toe with more friction."""
     rng = np.random.default_rng([17, variant])
-    time = _time(SECONDS, sample_rate)
-    ringing, decay = (x * rng.uniform(0.9, 1.1) for x in (floor.ringing, floor.decay))
+    time = _time(TRANSIENT_SECONDS, sample_rate)
+    ringing, decay = (x * rng.uniform(0.9, 1.1) for x in (floor.lowest_mode, floor.decay))
     sound = np.zeros_like(time)
-    for begin, loudness, share in ((0.0, 1.0, floor.share), (TOE, 0.4, min(1.0, 1.3 * floor.share))):
+    for begin, loudness, share in (
+        (0.0, 1.0, floor.friction_share),
+        (TOE_DELAY, 0.4, min(1.0, 1.3 * floor.friction_share)),
+    ):
         since = time - begin
         envelope = np.where(since >= 0, np.exp(-np.maximum(since, 0) / decay), 0.0)
         modes = np.sin(2 * np.pi * ringing * since) + 0.5 * np.sin(2 * np.pi * 2.1 * ringing * since)
-        rubbing = _below(rng.normal(size=time.size), floor.friction, sample_rate, low=400.0)
+        rubbing = _filter_noise(rng.normal(size=time.size), floor.friction_corner, sample_rate, low=400.0)
         sound += loudness * envelope * ((1 - share) * modes + share * rubbing / np.std(rubbing))
-    return _scaled(sound, floor.level, sample_rate)
+    return _set_level(sound, floor.level, sample_rate)
 
 
-def _modes(stuff: Stuff, seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
+def _modes(stuff: ImpactMaterial, seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
     """Generate the damped modes that an impact excites."""
     time = _time(seconds, sample_rate)
-    frequency = stuff.lowest * BAR
+    frequency = stuff.lowest_mode * BAR_MODE_RATIOS
     frequency = frequency[frequency < 0.45 * sample_rate][:, None]
-    return np.sum(np.sin(2 * np.pi * frequency * time) * np.exp(-np.pi * frequency * stuff.loss * time), axis=0)
+    return np.sum(np.sin(2 * np.pi * frequency * time) * np.exp(-np.pi * frequency * stuff.loss_factor * time), axis=0)
 
 
-def _scrape(stuff: Stuff, sample_rate: int) -> Float[np.ndarray, " n"]:
+def _scrape(stuff: ImpactMaterial, sample_rate: int) -> Float[np.ndarray, " n"]:
     """Generate sliding as noise through the body's modes, by circular convolution over the loop."""
     length = round(LOOP_SECONDS * sample_rate)
     noise = np.random.default_rng(23).normal(size=length)
-    ringing = _modes(stuff._replace(loss=max(stuff.loss, 0.02)), SECONDS, sample_rate)
-    dull = _below(noise, 4 * stuff.lowest, sample_rate, low=stuff.lowest / 4)
+    ringing = _modes(stuff._replace(loss_factor=max(stuff.loss_factor, 0.02)), TRANSIENT_SECONDS, sample_rate)
+    dull = _filter_noise(noise, 4 * stuff.lowest_mode, sample_rate, low=stuff.lowest_mode / 4)
     ringing = np.fft.irfft(np.fft.rfft(noise) * np.fft.rfft(ringing, length), length)
     sound = dull / np.std(dull) + 0.5 * ringing / np.std(ringing)
-    return sound * (SPEECH * 10 ** ((stuff.level - 10) / 20) / np.sqrt(np.mean(sound**2)))
+    return sound * (SPEECH_RMS * 10 ** ((stuff.level - 10) / 20) / np.sqrt(np.mean(sound**2)))
 
 
 def _creak(sample_rate: int) -> Float[np.ndarray, " n"]:
@@ -185,6 +197,6 @@ def _creak(sample_rate: int) -> Float[np.ndarray, " n"]:
     pulses = np.zeros(length)
     at = np.cumsum(rng.uniform(0.7, 1.3, round(LOOP_SECONDS * 60)) / 60 * sample_rate).astype(int)
     pulses[at[at < length]] = rng.uniform(0.4, 1.0, np.count_nonzero(at < length))
-    ringing = _modes(Stuff(0, 520.0, 0.03), SECONDS, sample_rate)
+    ringing = _modes(ImpactMaterial(0, 520.0, 0.03), TRANSIENT_SECONDS, sample_rate)
     sound = np.fft.irfft(np.fft.rfft(pulses) * np.fft.rfft(ringing, length), length)
-    return sound * (SPEECH * 10 ** (-16 / 20) / np.sqrt(np.mean(sound**2)))
+    return sound * (SPEECH_RMS * 10 ** (-16 / 20) / np.sqrt(np.mean(sound**2)))

@@ -11,8 +11,8 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import length3, sum3
 
-NOWHERE = 1e-6  # [m], minimum distance of an image from its mirror plane
-TOUCH = 1e-4  # [m], tolerance at edges of mirrors: a path into a corner is valid in both orders of its sides
+MIN_PLANE_DISTANCE = 1e-6  # [m], minimum distance of an image from its mirror plane
+CORNER_TOLERANCE = 1e-4  # [m], tolerance at edges of mirrors: a path into a corner is valid in both orders of its sides
 
 
 class Mirrors(Pytree):
@@ -26,7 +26,7 @@ class Mirrors(Pytree):
     material: Int[Array, " m"] | None = None  # row of the material table; -1 or None: that of the surface hit by rays
 
 
-class Images(Pytree):
+class ImageSources(Pytree):
     """Specular paths of `order` reflections each."""
 
     length: Float[Array, " i"]  # [m]; inf if the path is not valid
@@ -37,7 +37,7 @@ class Images(Pytree):
 
 
 @functools.cache
-def sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
+def mirror_sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
     """Enumerate all sequences of `order` mirrors without immediate repetitions.
 
     Example:
@@ -49,14 +49,16 @@ def sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
     return np.array(kept, np.int32).reshape(-1, order)
 
 
-def find_images(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], highest: int) -> Images:
-    """Find image sources of all orders up to `highest` and validate their paths backwards from the listener.
+def find_image_sources(
+    mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], max_order: int
+) -> ImageSources:
+    """Find image sources of all orders up to `max_order` and validate their paths backwards from the listener.
 
     Args:
         mirrors: m mirrors; there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
         source: [m].
         listener: [m].
-        highest: Maximum order.
+        max_order: Maximum order.
 
     Returns:
         One row per sequence, ordered by order; occlusion is not tested.
@@ -71,31 +73,34 @@ def find_images(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Arr
         62
     """
     count = mirrors.valid.shape[0]
-    parts = [_of_order(mirrors, sequences(count, order), source, listener, highest) for order in range(1, highest + 1)]
+    parts = [
+        _of_order(mirrors, mirror_sequences(count, order), source, listener, max_order)
+        for order in range(1, max_order + 1)
+    ]
     return jax.tree.map(lambda *x: jnp.concatenate(x), *parts)
 
 
 def _of_order(
     mirrors: Mirrors, rows: Int[np.ndarray, "i k"], source: Float[Array, "3"], listener: Float[Array, "3"], highest: int
-) -> Images:
+) -> ImageSources:
     count, order = rows.shape
     met = [jax.tree.map(lambda x, k=k: x[rows[:, k]], mirrors) for k in range(order)]
     image, valid = [jnp.broadcast_to(source, (count, 3))], jnp.ones(count, bool)
     for mirror in met:
         before = _height(mirror, image[-1])
         image.append(image[-1] - 2 * before[:, None] * mirror.normal)
-        valid = valid & mirror.valid & (before > NOWHERE)
+        valid = valid & mirror.valid & (before > MIN_PLANE_DISTANCE)
     at, points = jnp.broadcast_to(listener, (count, 3)), []
     for mirror, behind in zip(met[::-1], image[:0:-1], strict=True):
         before, after = _height(mirror, at), _height(mirror, behind)
-        share = before / jnp.maximum(before - after, NOWHERE)
+        share = before / jnp.maximum(before - after, MIN_PLANE_DISTANCE)
         at = at + share[:, None] * (behind - at)
-        valid = valid & (before > -TOUCH) & (after < -NOWHERE) & _within(mirror, at)
+        valid = valid & (before > -CORNER_TOLERANCE) & (after < -MIN_PLANE_DISTANCE) & _within(mirror, at)
         points.append(at)
     rest = jnp.broadcast_to(source, (count, highest - order, 3))
     normals = jnp.stack([mirror.normal for mirror in met[::-1]], axis=1)
     length = length3(image[-1] - listener[None])
-    return Images(
+    return ImageSources(
         jnp.where(valid, length, jnp.inf),
         jnp.concatenate([jnp.stack(points, axis=1), rest], axis=1),
         jnp.concatenate([normals, jnp.zeros_like(rest)], axis=1),
@@ -104,18 +109,20 @@ def _of_order(
     )
 
 
-def nearest_mirrors(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], count: int) -> Mirrors:
+def select_nearest_mirrors(
+    mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
+) -> Mirrors:
     """Select up to `count` mirrors with the shortest paths from source to listener.
 
     The reflection point is the specular point on the plane, clamped to the rectangle. Mirrors that have both source and
     listener behind them are invalid.
     """
     before = jnp.maximum(_height(mirrors, source[None]), 0), jnp.maximum(_height(mirrors, listener[None]), 0)
-    share = before[1] / jnp.maximum(before[0] + before[1], NOWHERE)
+    share = before[1] / jnp.maximum(before[0] + before[1], MIN_PLANE_DISTANCE)
     point = listener[None] + share[:, None] * (source - listener)[None] - mirrors.center
     size = [sum3(half * half) for half in (mirrors.u, mirrors.v)]
     place = [
-        jnp.clip(sum3(point * half) / jnp.maximum(s, NOWHERE), -1, 1)[:, None] * half
+        jnp.clip(sum3(point * half) / jnp.maximum(s, MIN_PLANE_DISTANCE), -1, 1)[:, None] * half
         for half, s in zip((mirrors.u, mirrors.v), size, strict=True)
     ]
     point = mirrors.center + place[0] + place[1]
@@ -133,6 +140,6 @@ def _height(mirror: Mirrors, point: Float[Array, "#i 3"]) -> Float[Array, " i"]:
 def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
     def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:
         size = length3(half)
-        return jnp.abs(sum3((point - mirror.center) * half)) <= size * (size + TOUCH)
+        return jnp.abs(sum3((point - mirror.center) * half)) <= size * (size + CORNER_TOLERANCE)
 
     return along(mirror.u) & along(mirror.v)

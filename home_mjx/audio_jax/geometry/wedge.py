@@ -7,19 +7,23 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-NEAR_BOUNDARY = 1e-4  # [rad], minimum angle from a shadow boundary; smaller ones are clamped to it
-FADE = np.pi / 3  # [rad], beyond the reflection boundary, over which the reflected wave's term fades in
+MIN_BOUNDARY_ANGLE = 1e-4  # [rad], minimum angle from a shadow boundary; smaller ones are clamped to it
+REFLECTION_FADE_ANGLE = (
+    np.pi / 3
+)  # [rad], beyond the reflection boundary, over which the reflected wave's term fades in
 
 
-class Bend(NamedTuple):
+class WedgeGeometry(NamedTuple):
     """Geometry of diffraction at edges. Angles are in the plane perpendicular to the edge, distances as well."""
 
-    near: Float[Array, " e"]  # [m], from the source to the edge
-    far: Float[Array, " e"]  # [m], from the edge to the listener
-    face: Float[Array, " e"]  # [rad], from the wedge's face to the source
-    turn: Float[Array, " e"]  # [rad], diffraction angle into the shadow; negative where the straight path is free
-    wedge: Float[Array, " e"]  # exterior angle in units of pi: 2 half-plane, 1.5 right-angled edge
-    slope: Float[Array, " e"]  # sine of the angle between path and edge
+    source_distance: Float[Array, " e"]  # [m], from the source to the edge
+    listener_distance: Float[Array, " e"]  # [m], from the edge to the listener
+    face_angle: Float[Array, " e"]  # [rad], from the wedge's face to the source
+    shadow_angle: Float[
+        Array, " e"
+    ]  # [rad], diffraction angle into the shadow; negative where the straight path is free
+    exterior_angle: Float[Array, " e"]  # exterior angle in units of pi: 2 half-plane, 1.5 right-angled edge
+    sin_incidence: Float[Array, " e"]  # sine of the angle between path and edge
 
 
 def transition(x: Float[Array, "*n"]) -> Complex[Array, "*n"]:
@@ -45,7 +49,7 @@ def transition(x: Float[Array, "*n"]) -> Complex[Array, "*n"]:
     return jax.lax.complex(size * jnp.cos(angle), size * jnp.sin(angle))
 
 
-def diffracted(bend: Bend, wavenumber: Float[Array, " f"]) -> Complex[Array, "e f"]:
+def diffracted_pressure(bend: WedgeGeometry, wavenumber: Float[Array, " f"]) -> Complex[Array, "e f"]:
     """Compute the pressure diffracted by rigid wedges re the free field at the same path length.
 
     In the shadow it is the total field. Where the straight path is free it adds to that path's field, and the sum is
@@ -68,15 +72,18 @@ def diffracted(bend: Bend, wavenumber: Float[Array, " f"]) -> Complex[Array, "e 
         >>> round(float(20 * jnp.log10(gain[0, 0])), 1)  # 30 degrees into the shadow at 1 kHz [dB]
         -12.2
     """
-    wedge, harmonic = bend.wedge, bend.near * bend.far / (bend.near + bend.far)
-    length = harmonic * bend.slope  # s r sin² / (s + r) with s and r along the path
-    between = jnp.pi + bend.turn
-    added = between + 2 * bend.face
-    straight = _term(-bend.turn, wedge, length, wavenumber) + _term(jnp.pi + between, wedge, length, wavenumber)
+    wedge, harmonic = (
+        bend.exterior_angle,
+        bend.source_distance * bend.listener_distance / (bend.source_distance + bend.listener_distance),
+    )
+    length = harmonic * bend.sin_incidence  # s r sin² / (s + r) with s and r along the path
+    between = jnp.pi + bend.shadow_angle
+    added = between + 2 * bend.face_angle
+    straight = _term(-bend.shadow_angle, wedge, length, wavenumber) + _term(jnp.pi + between, wedge, length, wavenumber)
     mirrored = _term(jnp.pi - added, wedge, length, wavenumber) + _term(jnp.pi + added, wedge, length, wavenumber)
     outside = jnp.minimum(added - jnp.pi, (2 * wedge - 1) * jnp.pi - added)  # angle beyond both reflection boundaries
-    share = jnp.clip(outside / FADE, 0.0, 1.0)[:, None]
-    scale = jnp.sqrt(2 * jnp.pi * wavenumber)[None] * (2 * wedge * jnp.sqrt(bend.slope * harmonic))[:, None]
+    share = jnp.clip(outside / REFLECTION_FADE_ANGLE, 0.0, 1.0)[:, None]
+    scale = jnp.sqrt(2 * jnp.pi * wavenumber)[None] * (2 * wedge * jnp.sqrt(bend.sin_incidence * harmonic))[:, None]
     # The factor has the phase of -exp(-i pi / 4).
     return (straight + share.astype(jnp.complex64) * mirrored) * jax.lax.complex(
         -np.sqrt(0.5) / scale, np.sqrt(0.5) / scale
@@ -89,12 +96,12 @@ def _term(
     """Evaluate cot(ε / 2n) F(k L a), with ε the angle past the nearest boundary and a = 2 sin²(ε / 2)."""
     period = 2 * jnp.pi * wedge
     past = past - period * jnp.round(past / period)
-    past = jnp.where(past < 0, jnp.minimum(past, -NEAR_BOUNDARY), jnp.maximum(past, NEAR_BOUNDARY))
+    past = jnp.where(past < 0, jnp.minimum(past, -MIN_BOUNDARY_ANGLE), jnp.maximum(past, MIN_BOUNDARY_ANGLE))
     detour = (2 * length * jnp.sin(past / 2) ** 2)[:, None] * wavenumber[None]
     return transition(detour) * (1 / jnp.tan(past / (2 * wedge)))[:, None].astype(jnp.complex64)
 
 
-def second_edge(
+def second_edge_factor(
     turn: Float[Array, " e"], reach: Float[Array, " e"], wavenumber: Float[Array, " f"]
 ) -> Float[Array, "e f"]:
     """Compute the pressure factor of a second edge, parallel to the first, for paths that turn at both.

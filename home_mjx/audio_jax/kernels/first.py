@@ -11,47 +11,47 @@ from jaxtyping import Array, Float, Int
 from scipy.fft import next_fast_len
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
+from home_mjx.audio_jax.base.filters import MAX_RINGING_SECONDS
 from home_mjx.audio_jax.base.shapes import octave_spectra
-from home_mjx.audio_jax.kernels.reads import margin, times
+from home_mjx.audio_jax.kernels.reads import read_margin, sample_times
 
-FASTEST = 10.0  # [m/s], maximum rate of change of a path length; faster paths are faded
-SLOWEST_SOUND = 250.0  # [m/s], lower bound of the speed of sound over all options
+MAX_PATH_SPEED = 10.0  # [m/s], maximum rate of change of a path length; faster paths are faded
+MIN_SPEED_OF_SOUND = 250.0  # [m/s], lower bound of the speed of sound over all options
 
 
-def longest_step(config: AudioConfig) -> float:
+def max_path_change(config: AudioConfig) -> float:
     """Return the maximum change of a path length in a frame [m]."""
-    return FASTEST * config.frame / config.sample_rate
+    return MAX_PATH_SPEED * config.frame / config.sample_rate
 
 
-def slack(config: AudioConfig) -> int:
+def delay_margin(config: AudioConfig) -> int:
     """Return the margin of samples for delay differences in a frame: by motion, between ears, by turns of the head."""
-    grown = times(config).shape[0] / config.frame * longest_step(config) / SLOWEST_SOUND
-    return math.ceil((grown + 2 * config.lead_seconds) * config.sample_rate)
+    grown = sample_times(config).shape[0] / config.frame * max_path_change(config) / MIN_SPEED_OF_SOUND
+    return math.ceil((grown + 2 * config.max_lead_seconds) * config.sample_rate)
 
 
-def num_filtered(config: AudioConfig) -> int:
+def num_output_samples(config: AudioConfig) -> int:
     """Return the number of samples that the filters compute."""
-    return times(config).shape[0] + 2 * slack(config) + 2 * margin(config)
+    return sample_times(config).shape[0] + 2 * delay_margin(config) + 2 * read_margin(config)
 
 
-def num_ringing(config: AudioConfig) -> int:
+def num_filter_samples(config: AudioConfig) -> int:
     """Return the length of the filters [samples], which are read before the computed samples."""
-    return math.ceil(CAUSAL_SECONDS * config.sample_rate)
+    return math.ceil(MAX_RINGING_SECONDS * config.sample_rate)
 
 
-def filtered_by_xla(
+def filter_direct_by_xla(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
     """Filter a source with causal octave filters from sample `begin` on; it is zero outside its samples.
 
     Args:
         source: Emitted signal.
-        begin: First sample, from -`slack` to the signal's length.
+        begin: First sample, from -`delay_margin` to the signal's length.
         gain: Gains of octaves at both ends of the frame.
         config: Options for the lengths.
     """
-    ringing, length, before = num_ringing(config), num_filtered(config), slack(config)
+    ringing, length, before = num_filter_samples(config), num_output_samples(config), delay_margin(config)
     size = int(next_fast_len(length + ringing, real=True) or 0)
     window = jax.lax.dynamic_slice_in_dim(jnp.pad(source, (ringing + before, size)), begin + before, size)
     filters = octave_spectra(gain, size, config.sample_rate)

@@ -14,23 +14,23 @@ from scipy.fft import next_fast_len
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.receivers.diffuse import noise_bins
-from home_mjx.audio_jax.receivers.shares import Shares
+from home_mjx.audio_jax.receivers.diffuse import noise_bin_table
+from home_mjx.audio_jax.receivers.shares import NoiseGains
 from home_mjx.core.pytree import Pytree
 
-STEEPEST, FLATTEST = 0.5, 1e-4  # [1/bin], maximum and minimum decay rate of energy
-LEAST = 1e-30  # minimum energy in logarithms
+MAX_DECAY_RATE, MIN_DECAY_RATE = 0.5, 1e-4  # [1/bin], maximum and minimum decay rate of energy
+MIN_ENERGY = 1e-30  # minimum energy in logarithms
 
 
-class Late(Pytree):
+class LateResponse(Pytree):
     """Late sound at one time: gains of its response and of the tail after it."""
 
-    share: Shares
+    shares: NoiseGains
     onset: Int[Array, "*n"]  # [samples], before which the response is zero
-    tail: Float[Array, "*n x bands"]  # see `tail_levels`
+    tail: Float[Array, "*n x bands"]  # see `tail_gains`
 
 
-def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[Array, "m bands"]:
+def tail_gains(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[Array, "m bands"]:
     """Compute the gains with which a response's second half is repeated, once per its length.
 
     Octaves continue to decay as over that half: by a least-squares fit to the log energy summed over channels.
@@ -40,7 +40,7 @@ def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float
         config: Options for the lengths.
 
     Returns:
-        Amplitudes of the `config.num_tail` repetitions.
+        Amplitudes of the `config.num_tail_repeats` repetitions.
 
     Example:
         >>> config = AudioConfig(motion=True, tail_seconds=0.4)
@@ -49,13 +49,13 @@ def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float
         >>> tail.shape, round(float(tail[1, 0]), 4) == round(float(jnp.exp(-0.05 * 62)), 4)
         ((2, 7), True)
     """
-    count = config.half_length // config.bin_samples
+    count = config.tail_period // config.bin_samples
     whole = jnp.sum(energy[energy.shape[0] - count :, : config.num_channels], axis=1)
-    level = jnp.log(jnp.maximum(whole, LEAST))
+    level = jnp.log(jnp.maximum(whole, MIN_ENERGY))
     place = jnp.arange(count, dtype=jnp.float32) - (count - 1) / 2
     slope = jnp.sum(place[:, None] * level, axis=0) / max((count**3 - count) / 12, 1)
-    decay = jnp.clip(-slope, FLATTEST, STEEPEST)
-    times = jnp.arange(1, config.num_tail + 1, dtype=jnp.float32)
+    decay = jnp.clip(-slope, MIN_DECAY_RATE, MAX_DECAY_RATE)
+    times = jnp.arange(1, config.num_tail_repeats + 1, dtype=jnp.float32)
     return jnp.exp(-0.5 * count * times[:, None] * decay[None])
 
 
@@ -67,12 +67,12 @@ def late_spectra(
     The first spectrum belongs to the frame's start, the second is the change until its end.
 
     Args:
-        source: Emitted signal at 1 m, as in `moving_frame`.
+        source: Emitted signal at 1 m, as in `render_frame`.
         late: Responses at the frame's start and end, per channel.
-        tail: Gains from `tail_levels` at both ends.
+        tail: Gains from `tail_gains` at both ends.
         config: Options.
     """
-    size, first = _size(config), config.response_length - config.half_length
+    size, first = _size(config), config.response_length - config.tail_period
     parts = jnp.fft.rfft(late[..., :first], size), jnp.fft.rfft(late[..., first:], size)
     now, once, *again = _windows(source, config)
     both = once[None]
@@ -83,62 +83,62 @@ def late_spectra(
     return jnp.stack([old, new - old])
 
 
-def frame_by_xla(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
+def render_late_by_xla(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
     """Render a frame of the late sound of several sources, crossfaded between the responses at both ends.
 
     Args:
-        sources: Emitted signals at 1 m, as in `moving_frames`.
+        sources: Emitted signals at 1 m, as in `render_frames`.
         late: Late sound with leading axes of sources and of the frame's ends.
         config: Options.
     """
-    table = jnp.asarray(noise_bins(config))
+    table = jnp.asarray(noise_bin_table(config))
     subscripts = "nikem,ekms->nieks" if table.ndim == 4 else "nikem,kms->nieks"  # noises per channel, or shared ones
-    sound = jnp.einsum(subscripts, late.share.of_bins(), table, precision="highest")
+    sound = jnp.einsum(subscripts, late.shares.bin_weights(), table, precision="highest")
     sound = sound.reshape(*sound.shape[:3], -1)
-    responses = jax.vmap(jax.vmap(lambda noise, one: _in_time(noise, one, config)))(sound, late)
+    responses = jax.vmap(jax.vmap(lambda noise, one: _shift_response(noise, one, config)))(sound, late)
     each = jax.vmap(lambda source, late, levels: late_spectra(source, late, levels, config))
     sound = jnp.fft.irfft(jnp.sum(each(sources, responses, late.tail), axis=0), _size(config))
-    begin = frame_begin(config)
+    begin = late_frame_begin(config)
     sound = sound[..., begin : begin + config.frame]
     fade = jnp.arange(1, config.frame + 1, dtype=jnp.float32)[None] / config.frame
     return sound[0] + fade * sound[1]
 
 
-def _in_time(noise: Float[Array, "e l"], late: Late, config: AudioConfig) -> Float[Array, "e l"]:
+def _shift_response(noise: Float[Array, "e l"], late: LateResponse, config: AudioConfig) -> Float[Array, "e l"]:
     """Shift a response to its beginning and remove samples before the onset, which would precede the direct sound."""
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= late.onset
-    return jnp.where(heard[None], jnp.roll(noise, -late.share.start * config.bin_samples, axis=1), 0.0)
+    return jnp.where(heard[None], jnp.roll(noise, -late.shares.start_bin * config.bin_samples, axis=1), 0.0)
 
 
-def frame_begin(config: AudioConfig) -> int:
+def late_frame_begin(config: AudioConfig) -> int:
     """Return the index of the frame's first sample in the sums."""
-    return config.response_length - config.half_length - 1 + config.tail_ringing
+    return config.response_length - config.tail_period - 1 + config.num_tail_ringing
 
 
-def window_width(config: AudioConfig) -> int:
+def source_window_width(config: AudioConfig) -> int:
     """Return the samples of the source that each part of a response filters in a frame."""
-    return config.response_length - config.half_length - 1 + config.frame + 2 * config.tail_ringing
+    return config.response_length - config.tail_period - 1 + config.frame + 2 * config.num_tail_ringing
 
 
 def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
     """Compute the spectra of the source windows for a response's first part, its second half and the repetitions."""
-    first, half, spread = config.response_length - config.half_length, config.half_length, config.tail_ringing
-    width, before = window_width(config), first - half
+    first, half, spread = config.response_length - config.tail_period, config.tail_period, config.num_tail_ringing
+    width, before = source_window_width(config), first - half
     padded = jnp.pad(source, (before, spread))
     begins = [before + config.memory_length - first - spread]
-    begins += [begins[0] - first - i * half for i in range(config.num_tail + 1)]
+    begins += [begins[0] - first - i * half for i in range(config.num_tail_repeats + 1)]
     windows = jnp.stack([padded[begin : begin + width] for begin in begins])
     return list(jnp.fft.rfft(windows, _size(config)))
 
 
 def _size(config: AudioConfig) -> int:
-    return int(next_fast_len(window_width(config), real=True) or 0)
+    return int(next_fast_len(source_window_width(config), real=True) or 0)
 
 
 @functools.cache
 def octave_table(config: AudioConfig, size: int) -> Float[np.ndarray, "bands f"]:
-    """Return octave gains for a transform of `size` samples, smoothed to filters of `tail_ringing` samples."""
-    spread = config.tail_ringing
+    """Return octave gains for a transform of `size` samples, smoothed to filters of `num_tail_ringing` samples."""
+    spread = config.num_tail_ringing
     kernel = np.fft.irfft(octave_gains(np.fft.rfftfreq(8 * size, 1 / config.sample_rate)), 8 * size)
     place = np.minimum(np.arange(size), size - np.arange(size))
     near = np.where(place == np.arange(size), place, -place)  # samples before time 0 are at the end

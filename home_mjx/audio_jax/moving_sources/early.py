@@ -9,19 +9,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.auralization.response import path_weights
+from home_mjx.audio_jax.auralization.response import path_basis_weights
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.kernels.first import slack
-from home_mjx.audio_jax.kernels.reads import Reads, Ways, before, margin
-from home_mjx.audio_jax.moving_sources.pairs import Pairs
-from home_mjx.audio_jax.moving_sources.synthesis import early_frame, filtered_first
+from home_mjx.audio_jax.base.endpoints import MeasuredHead
+from home_mjx.audio_jax.kernels.first import delay_margin
+from home_mjx.audio_jax.kernels.reads import DelayReads, PathDelays, filter_history, read_margin
+from home_mjx.audio_jax.moving_sources.pairs import PathPairs
+from home_mjx.audio_jax.moving_sources.synthesis import filter_direct, render_early_frame
 from home_mjx.audio_jax.receivers.channels import channel_delays
-from home_mjx.audio_jax.receivers.hrtf import to_head
+from home_mjx.audio_jax.receivers.hrtf import world_to_head
 
 
-def early_sound(
-    sources: Float[Array, "n w"], past: int, pairs: Pairs, config: AudioConfig, head: Head | None = None
+def render_early_paths(
+    sources: Float[Array, "n w"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "e m"]:
     """Render the early sound of several sources through moving paths.
 
@@ -35,39 +35,45 @@ def early_sound(
     Returns:
         Pressure per channel, `config.frame` samples.
     """
-    return early_frame(jax.vmap(lambda source, pair: _reads(source, past, pair, config, head))(sources, pairs), config)
+    return render_early_frame(
+        jax.vmap(lambda source, pair: _reads(source, past, pair, config, head))(sources, pairs), config
+    )
 
 
-def _reads(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig, head: Head | None) -> Reads:
+def _reads(
+    source: Float[Array, " n"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None
+) -> DelayReads:
     toward, distances = _to_head(pairs)
-    ways = _ways(pairs, channel_delays(toward, distances, config, head))
-    earlier = min(past, config.response_length) + before(config)  # delays beyond the response length are not read
-    padded = jnp.pad(source, (before(config), margin(config)))[past + before(config) - earlier :]
-    padded, start = jnp.pad(padded, (margin(config), 0)), earlier - before(config) + margin(config)
-    first, begin = _filtered(padded, start, pairs, ways, config)
+    ways = _path_delays(pairs, channel_delays(toward, distances, config, head))
+    earlier = min(past, config.response_length) + filter_history(
+        config
+    )  # delays beyond the response length are not read
+    padded = jnp.pad(source, (filter_history(config), read_margin(config)))[past + filter_history(config) - earlier :]
+    padded, start = jnp.pad(padded, (read_margin(config), 0)), earlier - filter_history(config) + read_margin(config)
+    first, begin = _filter_direct(padded, start, pairs, ways, config)
     ends = ((pairs.old, toward[0], distances[0]), (pairs.new, toward[2], distances[2]))
-    old, new = (path_weights(paths.gain, way, at, config, head) for paths, way, at in ends)
+    old, new = (path_basis_weights(paths.gain, way, at, config, head) for paths, way, at in ends)
     rows = jax.tree.map(lambda x: jnp.concatenate([x[:1], x]), ways)  # the first path is read from two filter outputs
     starts = jnp.stack([start - begin, start - begin, jnp.int32(start)])
     parts = np.cumsum([0, first.shape[1], first.shape[1]]).astype(np.int32)
-    return Reads(padded, first, 2 * (starts + parts), rows, _shares(old, new))
+    return DelayReads(padded, first, 2 * (starts + parts), rows, _bus_gains(old, new))
 
 
-def _shares(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[Array, "q e s two"]:
+def _bus_gains(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[Array, "q e s two"]:
     """Return bus gains at the frame's start and their change; the first path cross-fades its two filter outputs."""
     nothing = jnp.zeros_like(old[:1])
     first, last = (jnp.concatenate(x) for x in ((old[:1], nothing, old[1:]), (nothing, new[:1], new[1:])))
     return jnp.stack([first, last - first], axis=-1)
 
 
-def _ways(pairs: Pairs, ears: Float[Array, "three p d"]) -> Ways:
+def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelays:
     old, new = pairs.old.distance, pairs.new.distance
     step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
     bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)
-    return Ways(old, new, bend, jnp.swapaxes(ears, 0, 1))
+    return PathDelays(old, new, bend, jnp.swapaxes(ears, 0, 1))
 
 
-def _to_head(pairs: Pairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
+def _to_head(pairs: PathPairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
     """Compute path directions in the head frame and path lengths at the frame's start, middle and end."""
     old, new = pairs.old, pairs.new
     mid = (old.direction * old.distance[:, None] + new.direction * new.distance[:, None]) / 2
@@ -77,12 +83,12 @@ def _to_head(pairs: Pairs) -> tuple[Float[Array, "three p 3"], Float[Array, "thr
     quat = pairs.old_quat + turned
     quat = quat / jnp.maximum(jnp.linalg.norm(quat), 1e-6)
     at = [(old.direction, pairs.old_quat), (mid, quat), (new.direction, pairs.new_quat)]
-    toward = jnp.stack([to_head(direction, quat) for direction, quat in at])
+    toward = jnp.stack([world_to_head(direction, quat) for direction, quat in at])
     return toward, jnp.stack([old.distance, jnp.maximum(between, 1e-2), new.distance])
 
 
-def _filtered(
-    padded: Float[Array, " n"], start: int, pairs: Pairs, ways: Ways, config: AudioConfig
+def _filter_direct(
+    padded: Float[Array, " n"], start: int, pairs: PathPairs, ways: PathDelays, config: AudioConfig
 ) -> tuple[Float[Array, "2 m"], Array]:
     """Filter the source with the first path's octave filters of both frame ends, around that path's delay.
 
@@ -96,6 +102,6 @@ def _filtered(
     Returns:
         The two filtered signals, and the index of the source sample at which they begin.
     """
-    way = (ways.new[0] * jnp.float32(config.sample_rate / config.speed_of_sound)).astype(jnp.int32)
-    begin = jnp.clip(start - way - slack(config) - margin(config), -slack(config), padded.shape[0])
-    return filtered_first(padded, begin, jnp.stack([pairs.old.gain[0], pairs.new.gain[0]]), config), begin
+    way = (ways.end_length[0] * jnp.float32(config.sample_rate / config.speed_of_sound)).astype(jnp.int32)
+    begin = jnp.clip(start - way - delay_margin(config) - read_margin(config), -delay_margin(config), padded.shape[0])
+    return filter_direct(padded, begin, jnp.stack([pairs.old.gain[0], pairs.new.gain[0]]), config), begin

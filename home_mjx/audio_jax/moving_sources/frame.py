@@ -5,16 +5,20 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.kernels.first import longest_step
-from home_mjx.audio_jax.moving_sources.early import early_sound
-from home_mjx.audio_jax.moving_sources.pairs import paired
-from home_mjx.audio_jax.moving_sources.reception import Reception, late_sound
-from home_mjx.audio_jax.moving_sources.synthesis import late_frame
+from home_mjx.audio_jax.base.endpoints import MeasuredHead
+from home_mjx.audio_jax.kernels.first import max_path_change
+from home_mjx.audio_jax.moving_sources.early import render_early_paths
+from home_mjx.audio_jax.moving_sources.pairs import match_paths
+from home_mjx.audio_jax.moving_sources.reception import ReceiverState, late_state
+from home_mjx.audio_jax.moving_sources.synthesis import render_late_frame
 
 
-def moving_frame(
-    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
+def render_frame(
+    source: Float[Array, " w"],
+    old: ReceiverState,
+    new: ReceiverState,
+    config: AudioConfig,
+    head: MeasuredHead | None = None,
 ) -> Float[Array, "e m"]:
     """Render one frame of a source that moves relative to the receiver.
 
@@ -22,7 +26,7 @@ def moving_frame(
     tail are cross-faded from the old response to the new one.
 
     Args:
-        source: Signal at 1 m, see `given_off`: `config.memory_length` - 1 samples before the frame, the frame, and
+        source: Signal at 1 m, see `emitted_signal`: `config.memory_length` - 1 samples before the frame, the frame, and
             `config.ahead` samples after it.
         old: State at the frame's start.
         new: State at its end, which is the next frame's `old`.
@@ -33,16 +37,20 @@ def moving_frame(
         Pressure per channel, `config.frame` samples.
     """
     first, last = jax.tree.map(lambda x: x[None], (old, new))
-    return moving_frames(source[None], first, last, config, head)
+    return render_frames(source[None], first, last, config, head)
 
 
-def moving_frames(
-    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
+def render_frames(
+    sources: Float[Array, "n w"],
+    old: ReceiverState,
+    new: ReceiverState,
+    config: AudioConfig,
+    head: MeasuredHead | None = None,
 ) -> Float[Array, "e m"]:
     """Render one frame of several sources together, which share the final filters and transforms.
 
     Args:
-        sources: Signal of each source, as in `moving_frame`.
+        sources: Signal of each source, as in `render_frame`.
         old: States at the frame's start, with a leading axis of sources.
         new: States at its end.
         config: Options with `motion=True`.
@@ -60,20 +68,24 @@ def moving_frames(
         >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape
         (2, 1600)
     """
-    return moving_early(sources, old, new, config, head) + moving_late(sources, old, new, config)
+    return render_early(sources, old, new, config, head) + render_late(sources, old, new, config)
 
 
-def moving_early(
-    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
+def render_early(
+    sources: Float[Array, "n w"],
+    old: ReceiverState,
+    new: ReceiverState,
+    config: AudioConfig,
+    head: MeasuredHead | None = None,
 ) -> Float[Array, "e m"]:
-    """Render the early sound of a frame; arguments as in `moving_frames`."""
-    pairs = jax.vmap(lambda a, b: paired(a.paths, b.paths, a.quat, b.quat, longest_step(config)))(old, new)
-    return early_sound(sources, config.memory_length - 1, pairs, config, head)
+    """Render the early sound of a frame; arguments as in `render_frames`."""
+    pairs = jax.vmap(lambda a, b: match_paths(a.paths, b.paths, a.quat, b.quat, max_path_change(config)))(old, new)
+    return render_early_paths(sources, config.memory_length - 1, pairs, config, head)
 
 
-def moving_late(
-    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig
+def render_late(
+    sources: Float[Array, "n w"], old: ReceiverState, new: ReceiverState, config: AudioConfig
 ) -> Float[Array, "e m"]:
-    """Render the late reverberation of a frame; arguments as in `moving_frames`."""
+    """Render the late reverberation of a frame; arguments as in `render_frames`."""
     ends = jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), old, new)
-    return late_frame(sources, jax.vmap(jax.vmap(lambda heard: late_sound(heard, config)))(ends), config)
+    return render_late_frame(sources, jax.vmap(jax.vmap(lambda heard: late_state(heard, config)))(ends), config)

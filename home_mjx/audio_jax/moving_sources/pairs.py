@@ -7,10 +7,10 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.core.pytree import Pytree
 
-NUM_LEAVING = 2  # maximum number of paths that fade out in one frame, the strongest; others stop at once
+MAX_FADING_PATHS = 2  # maximum number of paths that fade out in one frame, the strongest; others stop at once
 
 
-class Pairs(Pytree):
+class PathPairs(Pytree):
     """Corresponding paths at the start and the end of a frame; the gain of new or ending paths is 0 at one end."""
 
     old: Paths
@@ -19,9 +19,9 @@ class Pairs(Pytree):
     new_quat: Float[Array, "4"]
 
 
-def paired(
+def match_paths(
     old: Paths, new: Paths, old_quat: Float[Array, "4"], new_quat: Float[Array, "4"], longest_step: float
-) -> Pairs:
+) -> PathPairs:
     """Match paths by name.
 
     A path without a partner, silent at one end, or whose image source moves by more than `longest_step` fades in or out
@@ -35,22 +35,24 @@ def paired(
         longest_step: Maximum displacement of an image source in one frame [m].
 
     Returns:
-        The paths of `new`, then up to `NUM_LEAVING` paths of `old` that fade out.
+        The paths of `new`, then up to `MAX_FADING_PATHS` paths of `old` that fade out.
     """
-    match = _matches(old, new, longest_step)
+    match = _is_same_path(old, new, longest_step)
     index = jnp.argmax(match, axis=1).astype(jnp.int32)
     known = jnp.any(match, axis=1)
-    coming = _silent(new)
-    before = jax.tree.map(lambda a, b: jnp.where(_along(known, b), a[index], b), old, coming)
+    coming = _silenced(new)
+    before = jax.tree.map(lambda a, b: jnp.where(_expand_mask(known, b), a[index], b), old, coming)
     left = jnp.where(jnp.any(match, axis=0), 0.0, jnp.sum(old.gain**2, axis=1))
-    _, going = jax.lax.top_k(left, min(NUM_LEAVING, left.size))
+    _, going = jax.lax.top_k(left, min(MAX_FADING_PATHS, left.size))
     leaving = jax.tree.map(lambda a: a[going], old)
     leaving = leaving.replace(gain=jnp.where(left[going, None] > 0, leaving.gain, 0.0))
-    start, end = (jax.tree.map(lambda *x: jnp.concatenate(x), *p) for p in ((before, leaving), (new, _silent(leaving))))
-    return Pairs(start, end, old_quat, new_quat)
+    start, end = (
+        jax.tree.map(lambda *x: jnp.concatenate(x), *p) for p in ((before, leaving), (new, _silenced(leaving)))
+    )
+    return PathPairs(start, end, old_quat, new_quat)
 
 
-def _matches(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "new old"]:
+def _is_same_path(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "new old"]:
     """Return which pairs are the same path, audible at both ends."""
     same = _names(new)[:, None] == _names(old)[None]
     away = [paths.direction * paths.distance[:, None] for paths in (new, old)]
@@ -63,9 +65,9 @@ def _names(paths: Paths) -> Int[Array, " p"]:
     return jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
 
 
-def _silent(paths: Paths) -> Paths:
+def _silenced(paths: Paths) -> Paths:
     return paths.replace(gain=jnp.zeros_like(paths.gain))
 
 
-def _along(mask: Bool[Array, " p"], like: Array) -> Array:
+def _expand_mask(mask: Bool[Array, " p"], like: Array) -> Array:
     return mask.reshape(mask.shape + (1,) * (like.ndim - 1))

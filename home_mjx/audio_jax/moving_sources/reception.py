@@ -7,33 +7,35 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.audio_jax.auralization.response import late_energy, onset_of
+from home_mjx.audio_jax.auralization.response import direct_onset, late_energy
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.kernels.tail import Late, tail_levels
+from home_mjx.audio_jax.kernels.tail import LateResponse, tail_gains
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import Paths
-from home_mjx.audio_jax.receivers.diffuse import Draw, drawn, num_noises
-from home_mjx.audio_jax.receivers.shares import noise_shares
+from home_mjx.audio_jax.receivers.diffuse import NoiseDraw, draw_noise, num_noises
+from home_mjx.audio_jax.receivers.shares import noise_gains
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-FALL = 1e-3  # energy ratio, -30 dB
+MIN_DECAY_RATIO = 1e-3  # energy ratio, -30 dB
 
 
-class Reception(Pytree):
+class ReceiverState(Pytree):
     """Early paths and late energy from one source to one receiver."""
 
     paths: Paths
     quat: Float[Array, "4"]  # of the head, wxyz
     energy: Float[Array, "k e bands"]  # late energy per time bin and channel, without the paths; see `late_energy`
-    draw: Draw  # of the noise that renders it
+    draw: NoiseDraw  # of the noise that renders it
 
 
-def reception(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Reception:
-    """Compute the parts of `impulse_response` that `moving_frame` renders.
+def render_receiver_state(
+    scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
+) -> ReceiverState:
+    """Compute the parts of `impulse_response` that `render_frame` renders.
 
     Args:
         scene: The environment.
@@ -53,36 +55,36 @@ def reception(scene: Scene, source: Source, listener: Listener, key: Array, conf
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
     energy = late_energy(scene, source, listener, trace_key, config)
-    return received(paths, energy, listener.quat, noise_key, config)
+    return pack_receiver_state(paths, energy, listener.quat, noise_key, config)
 
 
-def received(
+def pack_receiver_state(
     paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
-) -> Reception:
+) -> ReceiverState:
     """Pack paths and an energy histogram; `key` selects the noise."""
-    return Reception(as_many(paths, config.num_paths), head_quat, energy, drawn(key, config))
+    return ReceiverState(pad_paths(paths, config.num_paths), head_quat, energy, draw_noise(key, config))
 
 
-def late_sound(heard: Reception, config: AudioConfig) -> Late:
+def late_state(heard: ReceiverState, config: AudioConfig) -> LateResponse:
     """Compute the late response of each channel as noise shares, its onset, and the levels of its tail."""
-    shares = noise_shares(heard.energy, heard.draw, heard.quat, config)
-    return Late(shares, onset_of(heard.paths, config), tail_levels(heard.energy, config))
+    shares = noise_gains(heard.energy, heard.draw, heard.quat, config)
+    return LateResponse(shares, direct_onset(heard.paths, config), tail_gains(heard.energy, config))
 
 
-def silence(config: AudioConfig) -> Reception:
-    """Return a silent `Reception` with the static shapes of `config`."""
+def silent_state(config: AudioConfig) -> ReceiverState:
+    """Return a silent `ReceiverState` with the static shapes of `config`."""
     count, bands = config.num_paths, len(BANDS)
     distance, name = jnp.ones(count, jnp.float32), jnp.full(count, -1, jnp.int32)
     ahead = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0], jnp.float32), (count, 3))
-    return Reception(
+    return ReceiverState(
         paths=Paths(distance, jnp.zeros((count, bands), jnp.float32), ahead, name),
         quat=jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32),
-        energy=jnp.zeros((config.num_bins, config.num_energies, bands), jnp.float32),
-        draw=Draw(jnp.zeros((), jnp.int32), jnp.ones((num_noises(config), bands), jnp.float32)),
+        energy=jnp.zeros((config.num_bins, config.num_late_channels, bands), jnp.float32),
+        draw=NoiseDraw(jnp.zeros((), jnp.int32), jnp.ones((num_noises(config), bands), jnp.float32)),
     )
 
 
-def as_many(paths: Paths, count: int) -> Paths:
+def pad_paths(paths: Paths, count: int) -> Paths:
     """Keep the first path and the strongest others in their order, or pad with silent paths, to `count` paths."""
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
@@ -100,21 +102,21 @@ def as_many(paths: Paths, count: int) -> Paths:
     )
 
 
-def ends_early(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
+def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
     """Return whether the response, with its tail, ends before it has decayed by 30 dB from its loudest bin."""
-    share = jnp.asarray(band_shares(config))
+    share = jnp.asarray(white_noise_band_shares(config))
     energy = heard.energy[:, : config.num_channels]
     bins = jnp.sum(energy @ share, axis=1)
     # Energy of a path summed over channels: in ambisonics W has all of it, and Y, Z and X together have it once more.
     times = 2 if config.receiver == "ambisonics" else config.num_channels
     loudest = jnp.maximum(jnp.max(bins), times * jnp.max(heard.paths.gain**2 @ share))
-    if config.num_tail == 0:
-        return bins[-1] > FALL * loudest
-    last = jnp.sum(energy[-1], axis=0) * tail_levels(heard.energy, config)[-1] ** 2
-    return last @ share > FALL * loudest
+    if config.num_tail_repeats == 0:
+        return bins[-1] > MIN_DECAY_RATIO * loudest
+    last = jnp.sum(energy[-1], axis=0) * tail_gains(heard.energy, config)[-1] ** 2
+    return last @ share > MIN_DECAY_RATIO * loudest
 
 
 @functools.cache
-def band_shares(config: AudioConfig) -> Float[np.ndarray, " bands"]:
+def white_noise_band_shares(config: AudioConfig) -> Float[np.ndarray, " bands"]:
     """Compute the share of white noise's energy in each octave."""
     return octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1).astype(np.float32)

@@ -6,10 +6,10 @@ All functions take energies with time along the last axis and any leading axes; 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.parameters.decay import missing_energy, since_onset
+from home_mjx.audio_jax.parameters.decay import missing_energy, samples_since_onset
 
-TEN_METRES = 20.0  # [dB], free-field level at 1 m, the reference of pressures, re that at 10 m
-DIRECT = 0.0025  # [s], half width of the direct sound around the strongest sample
+LEVEL_1M_RE_10M = 20.0  # [dB], free-field level at 1 m, the reference of pressures, re that at 10 m
+DIRECT_HALF_WIDTH = 0.0025  # [s], half width of the direct sound around the strongest sample
 
 
 def early_energy(
@@ -24,7 +24,7 @@ def early_energy(
         stop: End time [s], rounded to samples.
         first: Index of the direct sound's arrival; None: the onset of `energy`.
     """
-    since = since_onset(energy, first)
+    since = samples_since_onset(energy, first)
     return jnp.sum(jnp.where((since >= round(start / dt)) & (since < round(stop / dt)), energy, 0.0), axis=-1)
 
 
@@ -62,13 +62,15 @@ def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
         >>> round(float(centre_time(10 ** (-6 * jnp.arange(2000) * 1e-3), 1e-3)), 4)  # T / (6 ln 10)
         0.0719
     """
-    since = since_onset(energy).astype(jnp.float32) * jnp.float32(dt)
+    since = samples_since_onset(energy).astype(jnp.float32) * jnp.float32(dt)
     return jnp.sum(since * energy, axis=-1) / jnp.sum(energy, axis=-1)
 
 
 def drr(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
     """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms of the strongest sample over the rest."""
-    near = jnp.abs(since_onset(energy, jnp.argmax(energy, axis=-1).astype(jnp.int32))) <= round(DIRECT / dt)
+    near = jnp.abs(samples_since_onset(energy, jnp.argmax(energy, axis=-1).astype(jnp.int32))) <= round(
+        DIRECT_HALF_WIDTH / dt
+    )
     direct, rest = (jnp.sum(jnp.where(part, energy, 0.0), axis=-1) for part in (near, ~near))
     return 10 * jnp.log10(direct / rest)
 
@@ -83,4 +85,4 @@ def strength(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
         >>> float(strength(jnp.array([0.0, 0.01, 0.0])).round(3))
         0.0
     """
-    return 10 * jnp.log10(jnp.sum(energy, axis=-1)) + TEN_METRES
+    return 10 * jnp.log10(jnp.sum(energy, axis=-1)) + LEVEL_1M_RE_10M

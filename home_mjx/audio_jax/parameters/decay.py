@@ -8,17 +8,17 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-ONSET = 0.01  # energy of the direct sound's arrival re the largest energy, −20 dB
-LONGEST = 0.9  # maximum energy ratio of successive quarters, for `missing_energy`
+ONSET_THRESHOLD = 0.01  # energy of the direct sound's arrival re the largest energy, −20 dB
+MAX_QUARTER_RATIO = 0.9  # maximum energy ratio of successive quarters, for `missing_energy`
 
 
 def onset(energy: Float[Array, "*c n"]) -> Int[Array, "*c"]:
     """Return the direct sound's arrival: the first index within 20 dB of the maximum (ISO 3382-1:2009, 5.3.1)."""
     loudest = jnp.max(energy, axis=-1, keepdims=True)
-    return jnp.argmax(energy >= ONSET * loudest, axis=-1).astype(jnp.int32)
+    return jnp.argmax(energy >= ONSET_THRESHOLD * loudest, axis=-1).astype(jnp.int32)
 
 
-def since_onset(energy: Float[Array, "*c n"], first: Int[Array, "*c"] | None = None) -> Int[Array, "*c n"]:
+def samples_since_onset(energy: Float[Array, "*c n"], first: Int[Array, "*c"] | None = None) -> Int[Array, "*c n"]:
     """Return the index of each sample or bin, counted from the direct sound's arrival or from `first`."""
     first = onset(energy) if first is None else first
     return jax.lax.broadcasted_iota(jnp.int32, energy.shape, energy.ndim - 1) - first[..., None]
@@ -40,7 +40,7 @@ def missing_energy(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
     third = jnp.sum(energy[..., length - 2 * quarter : length - quarter], axis=-1)
     fourth = jnp.sum(energy[..., length - quarter :], axis=-1)
     ratio = jnp.where(fourth > 0, fourth / jnp.where(third > 0, third, 1.0), 0.0)
-    ratio = jnp.minimum(jnp.where((third <= 0) & (fourth > 0), LONGEST, ratio), LONGEST)
+    ratio = jnp.minimum(jnp.where((third <= 0) & (fourth > 0), MAX_QUARTER_RATIO, ratio), MAX_QUARTER_RATIO)
     return fourth * ratio / (1 - ratio)
 
 
@@ -81,7 +81,7 @@ def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: floa
         1.0
     """
     level = decay_curve(energy)
-    since = since_onset(energy)
+    since = samples_since_onset(energy)
     inside = (since >= 0) & (level <= start) & (level >= stop)
     falls = jnp.any(level <= stop, axis=-1)
     weight = inside.astype(jnp.float32)

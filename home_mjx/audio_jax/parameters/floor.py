@@ -8,32 +8,32 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.parameters.decay import t30
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 
-AT_ONCE = 16  # receivers per batch
-TEN_METRES = 100.0  # free-field energy at 1 m re that at 10 m
+RECEIVERS_PER_BATCH = 16  # receivers per batch
+ENERGY_1M_RE_10M = 100.0  # free-field energy at 1 m re that at 10 m
 
 
-class FloorSound(Pytree):
+class FloorSurvey(Pytree):
     """Room acoustic parameters at many receivers."""
 
     strength: Float[Array, "n bands"]  # G [dB], re the same source at 10 m in the free field
     t30: Float[Array, "n bands"]  # [s]; NaN where the decay is too short to be read
 
 
-def floor_sound(
-    scene: Scene, source: Source, places: Float[Array, "n 3"], key: Array, config: AudioConfig
-) -> FloorSound:
+def survey_floor(
+    scene: Scene, source: SoundSource, positions: Float[Array, "n 3"], key: Array, config: AudioConfig
+) -> FloorSurvey:
     """Compute level and reverberation time at many places from energies, without a waveform.
 
     Args:
         scene: Scene of the environment.
         source: Sound source.
-        places: Positions of omnidirectional microphones [m].
+        positions: Positions of omnidirectional microphones [m].
         key: Random key, shared by all places; unused if late sound is baked.
         config: Options; the receiver is ignored.
 
@@ -51,9 +51,9 @@ def floor_sound(
         paths = early_paths(scene, source, listener, config)
         late = late_energy(scene, source, listener, key, config)[:, 0]
         energy = late.at[(paths.distance / metres).astype(jnp.int32)].add(paths.gain**2, mode="drop")
-        strength = 10 * jnp.log10(TEN_METRES * jnp.maximum(jnp.sum(energy, axis=0), 1e-30))
+        strength = 10 * jnp.log10(ENERGY_1M_RE_10M * jnp.maximum(jnp.sum(energy, axis=0), 1e-30))
         loudest = jnp.maximum(jnp.max(energy), 1e-30)
         return strength, t30(energy.T / loudest, config.bin_seconds)
 
-    strength, times = jax.lax.map(hear, places, batch_size=AT_ONCE)
-    return FloorSound(strength=strength, t30=times)
+    strength, times = jax.lax.map(hear, positions, batch_size=RECEIVERS_PER_BATCH)
+    return FloorSurvey(strength=strength, t30=times)

@@ -6,7 +6,7 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.filters import octave_gains
 
-LEAD = 0.032  # [s], start of bands before the response, because zero-phase filters also ring before a pulse
+FILTER_LEAD = 0.032  # [s], start of bands before the response, because zero-phase filters also ring before a pulse
 
 
 def octave_responses(response: Float[Array, "*c n"], sample_rate: int) -> Float[Array, "*c bands m"]:
@@ -19,9 +19,9 @@ def octave_responses(response: Float[Array, "*c n"], sample_rate: int) -> Float[
         sample_rate: [Hz].
 
     Returns:
-        Pressure per band, from `LEAD` seconds before the response on.
+        Pressure per band, from `FILTER_LEAD` seconds before the response on.
     """
-    length, lead = response.shape[-1], round(LEAD * sample_rate)
+    length, lead = response.shape[-1], round(FILTER_LEAD * sample_rate)
     size = 2 * length + 2 * lead
     gains = octave_gains(np.fft.rfftfreq(size, 1 / sample_rate))
     # A one-sided spectrum represents all frequencies but the first and the last twice.

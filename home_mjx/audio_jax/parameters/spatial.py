@@ -4,9 +4,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.parameters.clarity import early_energy
-from home_mjx.audio_jax.parameters.decay import onset, since_onset
+from home_mjx.audio_jax.parameters.decay import onset, samples_since_onset
 
-LARGEST_DELAY = 0.001  # [s], maximum delay between the ears
+MAX_EAR_DELAY = 0.001  # [s], maximum delay between the ears
 
 
 def iacc(
@@ -28,12 +28,12 @@ def iacc(
         1.0
     """
     length = response.shape[-1]
-    since = since_onset(jnp.sum(response**2, axis=-2))[..., None, :]
+    since = samples_since_onset(jnp.sum(response**2, axis=-2))[..., None, :]
     begin, end = round(start * sample_rate), min(round(min(stop, 1e4) * sample_rate), length)
     part = jnp.where((since >= begin) & (since < end), response, 0.0)
     spectrum = jnp.fft.rfft(part, 2 * length)
     cross = jnp.fft.irfft(spectrum[..., 0, :] * jnp.conj(spectrum[..., 1, :]), 2 * length)
-    delays = round(LARGEST_DELAY * sample_rate)
+    delays = round(MAX_EAR_DELAY * sample_rate)
     cross = jnp.concatenate([cross[..., : delays + 1], cross[..., 2 * length - delays :]], axis=-1)
     return jnp.max(jnp.abs(cross), axis=-1) / jnp.sqrt(jnp.prod(jnp.sum(part**2, axis=-1), axis=-1))
 

@@ -8,7 +8,7 @@ from home_mjx.audio_jax.parameters.octaves import octave_responses
 from home_mjx.core.pytree import Pytree
 
 
-class RoomMeasures(Pytree):
+class RoomParameters(Pytree):
     """Room acoustic parameters of ISO 3382-1 per octave band; NaN where a response does not decay far enough."""
 
     t20: Float[Array, "*c bands"]  # [s]
@@ -22,14 +22,14 @@ class RoomMeasures(Pytree):
     strength: Float[Array, "*c bands"]  # [dB]
 
 
-def measure_energy(energy: Float[Array, "*c n"], dt: float) -> RoomMeasures:
+def measure_energy(energy: Float[Array, "*c n"], dt: float) -> RoomParameters:
     """Compute all parameters from energies over time, along the last axis.
 
     Args:
         energy: Squared responses per band, or energy per bin, re the free field at 1 m.
         dt: Time of one sample or bin [s].
     """
-    return RoomMeasures(
+    return RoomParameters(
         t20=t20(energy, dt),
         t30=t30(energy, dt),
         edt=edt(energy, dt),
@@ -42,7 +42,7 @@ def measure_energy(energy: Float[Array, "*c n"], dt: float) -> RoomMeasures:
     )
 
 
-def measure_response(response: Float[Array, "*c n"], sample_rate: int) -> RoomMeasures:
+def measure_response(response: Float[Array, "*c n"], sample_rate: int) -> RoomParameters:
     """Compute all parameters of an omnidirectional response, in octave bands.
 
     Args:

@@ -8,26 +8,34 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.geometry.barriers import Boxes, Strings, nearest_boxes, strings
-from home_mjx.audio_jax.geometry.wedge import diffracted, second_edge
-from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, Straight, air_energy, cross, equals_earlier
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.geometry.barriers import BarrierBoxes, EdgePaths, find_edge_paths, select_nearest_barriers
+from home_mjx.audio_jax.geometry.wedge import diffracted_pressure, second_edge_factor
+from home_mjx.audio_jax.propagation.paths import (
+    MIN_PATH_LENGTH,
+    RAY_OFFSET,
+    Paths,
+    StraightLine,
+    air_attenuation,
+    is_duplicate,
+    trace_straight_line,
+)
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import BANDS, Ray
-from home_mjx.schema.edges import EDGES
+from home_mjx.schema.compiled import BANDS, RayKind
+from home_mjx.schema.edges import NUM_EDGES
 
-SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, frequencies at which each octave is evaluated
-BOXES = 3  # candidate boxes per rendered edge
-ONE_EDGE = 0.02  # [m], maximum distance between apexes of strings over pieces of one edge
-SAME = 0.02  # [m], maximum distance of edges that act as one, as of two walls back to back
-LOUDEST = 1.7  # maximum energy re the free field, next to edges
-GRAZING = 1e-3  # [rad], angle to a shadow boundary below which rays decide on which side the listener is
-LITTLE = 0.1  # minimum share of the wavefront over an edge for it to be the leading string
+OCTAVE_SAMPLES = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, frequencies at which each octave is evaluated
+BOXES_PER_EDGE = 3  # candidate boxes per rendered edge
+MAX_APEX_DISTANCE = 0.02  # [m], maximum distance between apexes of strings over pieces of one edge
+MAX_EDGE_SEPARATION = 0.02  # [m], maximum distance of edges that act as one, as of two walls back to back
+MAX_RELATIVE_ENERGY = 1.7  # maximum energy re the free field, next to edges
+GRAZING_ANGLE = 1e-3  # [rad], angle to a shadow boundary below which rays decide on which side the listener is
+MIN_LEADING_SHARE = 0.1  # minimum share of the wavefront over an edge for it to be the leading string
 
 
-class _Field(NamedTuple):
+class _DirectField(NamedTuple):
     """Energies of direct sound at the frequencies of all octaves, re the free field of the straight path."""
 
     straight: Float[Array, " f"]  # energy of the straight path with the diffraction of edges that it passes
@@ -35,19 +43,19 @@ class _Field(NamedTuple):
     around: Bool[Array, ""]  # whether a string leads around the obstacle
 
 
-def house_boxes(scene: Scene) -> Boxes:
+def barrier_boxes(scene: Scene) -> BarrierBoxes:
     """Return all boxes of an environment: static ones, then movable objects, doors and agents."""
     physics, house, moving = scene.bank.physics, scene.house, scene.moving
     bits = scene.bank.acoustics.collider_edges[house]
-    exposed = (bits[:, None] >> jnp.arange(EDGES, dtype=jnp.int32)[None]) & 1 == 1
+    exposed = (bits[:, None] >> jnp.arange(NUM_EDGES, dtype=jnp.int32)[None]) & 1 == 1
     axis = jnp.swapaxes(jax.vmap(quat_matrix)(physics.collider_quat[house]), 1, 2)
     box = scene.geometry.model_box[moving.model]
     columns = jnp.swapaxes(moving.pose[:, :, :3], 1, 2)
     stretch = jnp.maximum(jnp.linalg.norm(columns, axis=2), 1e-6)
     middle = jnp.mean(box, axis=1)
     center = jnp.sum(columns * middle[:, :, None], axis=1) + moving.pose[:, :, 3]
-    there = jnp.broadcast_to((moving.instance >= 0)[:, None], (moving.instance.shape[0], EDGES))
-    return Boxes(
+    there = jnp.broadcast_to((moving.instance >= 0)[:, None], (moving.instance.shape[0], NUM_EDGES))
+    return BarrierBoxes(
         center=jnp.concatenate([physics.collider_pos[house], center]),
         axis=jnp.concatenate([axis, columns / stretch[:, :, None]]),
         half=jnp.concatenate([physics.collider_size[house], (box[:, 1] - box[:, 0]) / 2 * stretch]),
@@ -56,7 +64,7 @@ def house_boxes(scene: Scene) -> Boxes:
     )
 
 
-def bent_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+def diffracted_paths(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
     """Compute the direct path and diffracted paths around edges, by the uniform theory of diffraction.
 
     If the straight path is free it is the only one, and edges near it attenuate or slightly amplify it. If it is
@@ -72,66 +80,74 @@ def bent_paths(scene: Scene, source: Source, listener: Listener, config: AudioCo
     Returns:
         1 + `config.num_edges` paths.
     """
-    straight = cross(scene, source, listener, config)
-    found = _nearest(scene, source, listener, config.num_edges)
-    heard = _heard(scene, source, listener, found)
-    return assembled_paths(straight, found, heard, listener.pos, config)
+    straight = trace_straight_line(scene, source, listener, config)
+    found = _select_edge_paths(scene, source, listener, config.num_edges)
+    heard = _is_visible(scene, source, listener, found)
+    return assemble_paths(straight, found, heard, listener.pos, config)
 
 
-def assembled_paths(
-    straight: Straight, found: Strings, heard: Bool[Array, " k"], ears: Float[Array, "3"], config: AudioConfig
+def assemble_paths(
+    straight: StraightLine,
+    edge_paths: EdgePaths,
+    is_visible: Bool[Array, " k"],
+    ears: Float[Array, "3"],
+    config: AudioConfig,
 ) -> Paths:
-    """Assemble paths from the straight line and strings, see `bent_paths`.
+    """Assemble paths from the straight line and strings, see `diffracted_paths`.
 
     Args:
         straight: Surfaces on the straight line.
-        found: Strings.
-        heard: Whether source and listener see the string's ends.
+        edge_paths: Strings.
+        is_visible: Whether source and listener see the string's ends.
         ears: Position of the listener [m].
         config: Options.
     """
-    field = _field(straight, found, heard & ~_repeated(found, heard), config)
-    free = straight.clear | (~field.around & straight.within)
-    passed = jnp.where(straight.clear, _octaves(field.straight), straight.objects)
-    hidden = straight.partitions * jnp.where(field.around & straight.within, 0.0, straight.objects)
+    field = _field(straight, edge_paths, is_visible & ~_find_duplicates(edge_paths, is_visible), config)
+    free = straight.is_clear | (~field.around & straight.is_partition_free)
+    passed = jnp.where(straight.is_clear, _average_octaves(field.straight), straight.object_transmission)
+    hidden = straight.partition_transmission * jnp.where(
+        field.around & straight.is_partition_free, 0.0, straight.object_transmission
+    )
     direct = jnp.where(free, passed, hidden)
-    energy = jnp.concatenate([direct[None], jnp.where(free, 0.0, _octaves(field.bent))])
-    length = straight.distance + jnp.where(heard, found.detour, 0.0)
+    energy = jnp.concatenate([direct[None], jnp.where(free, 0.0, _average_octaves(field.bent))])
+    length = straight.distance + jnp.where(is_visible, edge_paths.infinite_edge_detour, 0.0)
     length = jnp.concatenate([straight.distance[None], length])
-    gain = jnp.sqrt(energy * jnp.exp(-air_energy(config)[None] * length[:, None])) / straight.distance
+    gain = jnp.sqrt(energy * jnp.exp(-air_attenuation(config)[None] * length[:, None])) / straight.distance
     ahead, mouth = straight.direction[None], ears + straight.distance * straight.direction
-    comes = jnp.concatenate([ahead, _toward(found.last, ears)])
-    leaves = jnp.concatenate([-ahead, _toward(found.first, mouth)])
-    return Paths(length, jnp.where(straight.silent, 0.0, gain), comes, departure=leaves)
+    comes = jnp.concatenate([ahead, _toward(edge_paths.listener_side_point, ears)])
+    leaves = jnp.concatenate([-ahead, _toward(edge_paths.source_side_point, mouth)])
+    return Paths(length, jnp.where(straight.is_over_limit, 0.0, gain), comes, departure=leaves)
 
 
 def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array, "k 3"]:
     """Return unit vectors from one point to others."""
     away = point - start[None]
-    return away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
+    return away / jnp.maximum(jnp.linalg.norm(away, axis=1), MIN_PATH_LENGTH)[:, None]
 
 
-def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> Strings:
+def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, count: int) -> EdgePaths:
     """Select the strings with the shortest detours."""
-    boxes = house_boxes(scene)
+    boxes = barrier_boxes(scene)
     body = boxes.object_id
     own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
     boxes = boxes.replace(exposed=boxes.exposed & ~own[:, None])
-    found = strings(nearest_boxes(boxes, source.pos, listener.pos, BOXES * count), source.pos, listener.pos)
-    _, nearest = jax.lax.top_k(-found.reach, min(count, found.reach.size))
+    found = find_edge_paths(
+        select_nearest_barriers(boxes, source.pos, listener.pos, BOXES_PER_EDGE * count), source.pos, listener.pos
+    )
+    _, nearest = jax.lax.top_k(-found.finite_edge_detour, min(count, found.finite_edge_detour.size))
     return jax.tree.map(lambda x: x[nearest], found)
 
 
-def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config: AudioConfig) -> _Field:
+def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], config: AudioConfig) -> _DirectField:
     """Sum the fields of all strings, coherently with the leading one to the degree that their arrivals coincide.
 
     The sum is computed with and without the straight path, and is continuous across a shadow boundary.
     """
-    frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(SPREAD)
+    frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(OCTAVE_SAMPLES)
     wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)
     amplitude, share = _amplitudes(straight, found, heard, wavenumber)
-    detour = jnp.where(heard, found.detour, jnp.inf)
-    first = jnp.argmin(jnp.where(jnp.max(share, axis=1) > LITTLE, detour, jnp.inf))
+    detour = jnp.where(heard, found.infinite_edge_detour, jnp.inf)
+    first = jnp.argmin(jnp.where(jnp.max(share, axis=1) > MIN_LEADING_SHARE, detour, jnp.inf))
     power = jnp.abs(amplitude) ** 2
 
     def added(start: Float[Array, " f"], late: Float[Array, " k"], most: float) -> tuple[Array, Array]:
@@ -141,63 +157,71 @@ def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config:
         whole = jnp.sum(amplitude * together.astype(jnp.complex64), axis=0) + start.astype(jnp.complex64)
         return jnp.minimum(jnp.abs(whole) ** 2, most), power * (1 - together**2)
 
-    near, rest = added(jnp.ones_like(wavenumber), found.detour, LOUDEST)
-    joined, alone = added(_past_ends(straight, found, share), found.detour - found.detour[first], 1.0)
-    behind = (found.blocked & (found.bend.turn > 0)) | (jnp.abs(found.bend.turn) < GRAZING)
+    near, rest = added(jnp.ones_like(wavenumber), found.infinite_edge_detour, MAX_RELATIVE_ENERGY)
+    joined, alone = added(
+        _amplitude_past_ends(straight, found, share),
+        found.infinite_edge_detour - found.infinite_edge_detour[first],
+        1.0,
+    )
+    behind = (found.blocked & (found.wedge.shadow_angle > 0)) | (jnp.abs(found.wedge.shadow_angle) < GRAZING_ANGLE)
     shadow = heard & behind & (jnp.max(share, axis=1) > 0.5)
     there = (jnp.arange(heard.size, dtype=jnp.int32) == first)[:, None]
-    return _Field(near + jnp.sum(rest, axis=0), alone + jnp.where(there, joined[None], 0.0), jnp.any(shadow))
+    return _DirectField(near + jnp.sum(rest, axis=0), alone + jnp.where(there, joined[None], 0.0), jnp.any(shadow))
 
 
-def _past_ends(straight: Straight, found: Strings, share: Float[Array, "k f"]) -> Float[Array, " f"]:
+def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[Array, "k f"]) -> Float[Array, " f"]:
     """Return the amplitude that passes obstacles smaller than the wavelength, beyond the ends of all their edges."""
     apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
-    one_edge = ((apart < ONE_EDGE) & (found.bend.turn > 0)[None]).astype(jnp.float32)
+    one_edge = ((apart < MAX_APEX_DISTANCE) & (found.wedge.shadow_angle > 0)[None]).astype(jnp.float32)
     covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
-    return jnp.where(straight.within, jnp.clip(1 - covered, 0.0, 1.0), 0.0)
+    return jnp.where(straight.is_partition_free, jnp.clip(1 - covered, 0.0, 1.0), 0.0)
 
 
 def _amplitudes(
-    straight: Straight, found: Strings, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
+    straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
 ) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
     """Compute the field of each string re the straight path, and the share of its finite edge in that field."""
     # A point that rays see is not in shadow, even if the box around a mesh blocks the line.
-    seen = straight.clear & found.blocked
-    turn = jnp.where(seen, jnp.minimum(found.bend.turn, -GRAZING), found.bend.turn)
-    grazing = ~straight.clear & (jnp.abs(turn) < GRAZING)
-    bend = found.bend._replace(turn=jnp.where(grazing, GRAZING, turn))
-    harmonic = bend.near * bend.far / (bend.near + bend.far)
-    zone = jnp.sqrt((jnp.pi / 2 * harmonic / bend.slope**3)[:, None] / wavenumber[None])
-    low, high = (jax.scipy.stats.norm.cdf(found.beyond[:, i, None] / zone) for i in range(2))
+    seen = straight.is_clear & found.blocked
+    turn = jnp.where(seen, jnp.minimum(found.wedge.shadow_angle, -GRAZING_ANGLE), found.wedge.shadow_angle)
+    grazing = ~straight.is_clear & (jnp.abs(turn) < GRAZING_ANGLE)
+    bend = found.wedge._replace(shadow_angle=jnp.where(grazing, GRAZING_ANGLE, turn))
+    harmonic = bend.source_distance * bend.listener_distance / (bend.source_distance + bend.listener_distance)
+    zone = jnp.sqrt((jnp.pi / 2 * harmonic / bend.sin_incidence**3)[:, None] / wavenumber[None])
+    low, high = (jax.scipy.stats.norm.cdf(found.edge_extent[:, i, None] / zone) for i in range(2))
     share = jnp.where(heard[:, None], high - low, 0.0)
-    spread = (straight.distance / (straight.distance + found.detour))[:, None]
-    size = share * second_edge(found.turn, found.depth, wavenumber) * spread
-    angle = -found.detour[:, None] * wavenumber[None]
+    spread = (straight.distance / (straight.distance + found.infinite_edge_detour))[:, None]
+    size = share * second_edge_factor(found.second_turn, found.second_edge_reach, wavenumber) * spread
+    angle = -found.infinite_edge_detour[:, None] * wavenumber[None]
     turned = jax.lax.complex(size * jnp.cos(angle), size * jnp.sin(angle))
-    return jnp.where(heard[:, None], diffracted(bend, wavenumber) * turned, 0), share
+    return jnp.where(heard[:, None], diffracted_pressure(bend, wavenumber) * turned, 0), share
 
 
-def _repeated(found: Strings, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
+def _find_duplicates(found: EdgePaths, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
     """Return which strings touch the same edge as an earlier one, as for both faces of one edge."""
-    place = jnp.concatenate([found.apex, found.last, found.beyond], axis=1)
-    same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < SAME
-    return equals_earlier(same & heard[None])
+    place = jnp.concatenate([found.apex, found.listener_side_point, found.edge_extent], axis=1)
+    same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < MAX_EDGE_SEPARATION
+    return is_duplicate(same & heard[None])
 
 
-def _octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
+def _average_octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
     """Average over the frequencies of each octave."""
-    return jnp.mean(power.reshape(*power.shape[:-1], len(BANDS), len(SPREAD)), axis=-1)
+    return jnp.mean(power.reshape(*power.shape[:-1], len(BANDS), len(OCTAVE_SAMPLES)), axis=-1)
 
 
-def _heard(scene: Scene, source: Source, listener: Listener, found: Strings) -> Bool[Array, " k"]:
+def _is_visible(scene: Scene, source: SoundSource, listener: Listener, found: EdgePaths) -> Bool[Array, " k"]:
     """Return whether the source sees the first and the listener the last point of each string."""
-    there = jnp.isfinite(found.reach)
+    there = jnp.isfinite(found.finite_edge_detour)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:
         way = end - start[None]
         length = jnp.linalg.norm(way, axis=1)
-        direction = way / jnp.maximum(length, NEAREST)[:, None]
-        reach = jnp.where(there, length - SKIN, -1.0)
-        return occluded(scene, start, direction, t_max=reach, exclude=body, mask=int(Ray.SOUND))
+        direction = way / jnp.maximum(length, MIN_PATH_LENGTH)[:, None]
+        reach = jnp.where(there, length - RAY_OFFSET, -1.0)
+        return occluded(scene, start, direction, t_max=reach, exclude=body, mask=int(RayKind.SOUND))
 
-    return there & ~hidden(source.pos, found.first, source.body) & ~hidden(listener.pos, found.last, listener.body)
+    return (
+        there
+        & ~hidden(source.pos, found.source_side_point, source.body)
+        & ~hidden(listener.pos, found.listener_side_point, listener.body)
+    )

@@ -6,17 +6,23 @@ import jax
 import jax.numpy as jnp
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source, check_listener, check_source, given_toward
-from home_mjx.audio_jax.propagation.diffraction import bent_paths
-from home_mjx.audio_jax.propagation.home_paths import home_paths
-from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
-from home_mjx.audio_jax.propagation.paths import MOST_NAMES, PathProducer, Paths, direct_path, reflected_paths
-from home_mjx.core.transforms import is_unit
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, check_listener, check_source, emission_gains
+from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
+from home_mjx.audio_jax.propagation.home_paths import home2017_paths
+from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.paths import (
+    MAX_PATH_NAMES,
+    PathProducer,
+    Paths,
+    direct_path,
+    first_order_reflections,
+)
+from home_mjx.core.transforms import is_unit_quat
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 
 
-def producers_of(config: AudioConfig) -> tuple[PathProducer, ...]:
+def select_producers(config: AudioConfig) -> tuple[PathProducer, ...]:
     """Return the producers of early paths; the first one yields the direct path.
 
     Example:
@@ -24,14 +30,17 @@ def producers_of(config: AudioConfig) -> tuple[PathProducer, ...]:
         ['bent_paths', 'reflected_paths']
     """
     if config.early == "home":
-        return (home_paths,)
+        return (home2017_paths,)
     first_order = config.reflection_order == 1
-    return bent_paths if config.num_edges else direct_path, reflected_paths if first_order else mirrored_paths
+    return (
+        diffracted_paths if config.num_edges else direct_path,
+        first_order_reflections if first_order else image_source_reflections,
+    )
 
 
 def early_paths(
     scene: Scene,
-    source: Source,
+    source: SoundSource,
     listener: Listener,
     config: AudioConfig,
     producers: Sequence[PathProducer] | None = None,
@@ -61,22 +70,25 @@ def early_paths(
     """
     check_listener(listener)
     check_source(source)
-    each = enumerate(producers or producers_of(config))
-    found = [_named(_aimed(find(scene, source, listener, config), source), number) for number, find in each]
+    each = enumerate(producers or select_producers(config))
+    found = [
+        _offset_names(_apply_directivity(find(scene, source, listener, config), source), number)
+        for number, find in each
+    ]
     paths = jax.tree.map(lambda *parts: jnp.concatenate(parts), *found)
-    return paths.replace(gain=jnp.where(is_unit(listener.quat), paths.gain, 0.0))
+    return paths.replace(gain=jnp.where(is_unit_quat(listener.quat), paths.gain, 0.0))
 
 
-def _aimed(paths: Paths, source: Source) -> Paths:
+def _apply_directivity(paths: Paths, source: SoundSource) -> Paths:
     """Apply the source's directivity in the departure direction of each path."""
     if source.directivity is None:
         return paths.replace(departure=None)
     if paths.departure is None:
         raise ConfigError("a source with a directivity needs path producers that return `departure`")
-    return paths.replace(gain=paths.gain * given_toward(source, paths.departure), departure=None)
+    return paths.replace(gain=paths.gain * emission_gains(source, paths.departure), departure=None)
 
 
-def _named(paths: Paths, producer: int) -> Paths:
+def _offset_names(paths: Paths, producer: int) -> Paths:
     """Make names unique across producers."""
     number = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
-    return paths.replace(name=number + producer * MOST_NAMES)
+    return paths.replace(name=number + producer * MAX_PATH_NAMES)

@@ -10,8 +10,8 @@ from jaxtyping import Array, Float, Int
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.tracing import Trace
 
-BLUR = 0.15  # half width of the smoothing of late arrivals re their time
-STEEPEST = 50.0  # maximum log ratio of energies, so that the decay of silence stays finite
+RELATIVE_SMOOTHING = 0.15  # half width of the smoothing of late arrivals re their time
+MAX_LOG_RATIO = 50.0  # maximum log ratio of energies, so that the decay of silence stays finite
 
 
 def energy_histogram(
@@ -39,7 +39,7 @@ def energy_histogram(
     first, last = _fit_range(trace, metres, config)
     before, after = _energy_at(trace, first, metres), _energy_at(trace, last, metres)
     ratio = jnp.log(jnp.maximum(before, 1e-30)) - jnp.log(jnp.maximum(after, 1e-30))
-    decay = jnp.clip(ratio, 1e-3, STEEPEST) / (last - first).astype(jnp.float32)  # per bin
+    decay = jnp.clip(ratio, 1e-3, MAX_LOG_RATIO) / (last - first).astype(jnp.float32)  # per bin
     index = jnp.arange(config.num_bins, dtype=jnp.int32)
     inside = ((index >= first) & (index < last)).astype(jnp.float32)
     given = jnp.einsum("k,kec->ec", inside, traced, precision="highest")
@@ -48,8 +48,8 @@ def energy_histogram(
 
     ends = (trace.travelled[-1:] / metres).astype(jnp.int32)
     ended = _sum_in_bins(ends, trace.remaining[-1:, :, None], config.num_bins)[:, 0]
-    living = _recur(jnp.exp(-decay), ended) - 0.5 * ended  # on average, rays end in the middle of their bin
-    traced = jnp.einsum("kj,jec->kec", jnp.asarray(_spread(config.num_bins)), traced, precision="highest")
+    living = _linear_recurrence(jnp.exp(-decay), ended) - 0.5 * ended  # on average, rays end in the middle of their bin
+    traced = jnp.einsum("kj,jec->kec", jnp.asarray(_smoothing_matrix(config.num_bins)), traced, precision="highest")
     return traced + yield_per_bin[None] * living[:, None, :]
 
 
@@ -76,10 +76,10 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
 
 
 @functools.cache
-def _spread(count: int) -> Float[np.ndarray, "k j"]:
-    """Return the share of bin j moved to bin k: triangles of half width `BLUR` times their time; columns sum to 1."""
+def _smoothing_matrix(count: int) -> Float[np.ndarray, "k j"]:
+    """Return the share of bin j moved to bin k: triangles of half width `RELATIVE_SMOOTHING` times their time; columns sum to 1."""
     index = np.arange(count)
-    share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(BLUR * index, 1), 0)
+    share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(RELATIVE_SMOOTHING * index, 1), 0)
     return (share / share.sum(axis=0)).astype(np.float32)
 
 
@@ -94,12 +94,12 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
 def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, " bands"]:
     """Compute the total energy of all rays at the start of a bin."""
     bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
-    energy = jnp.concatenate([trace.leaving[None], trace.remaining])
+    energy = jnp.concatenate([trace.initial_energy[None], trace.remaining])
     chosen = (bounces[None] == jnp.arange(energy.shape[0], dtype=jnp.int32)[:, None]).astype(jnp.float32)
     return jnp.einsum("bn,bnc->c", chosen, energy, precision="highest")
 
 
-def _recur(factor: Float[Array, " bands"], added: Float[Array, "k bands"]) -> Float[Array, "k bands"]:
+def _linear_recurrence(factor: Float[Array, " bands"], added: Float[Array, "k bands"]) -> Float[Array, "k bands"]:
     """Evaluate the recurrence y[k] = factor y[k - 1] + added[k]."""
 
     def join(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -5,15 +5,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.geometry.images import Mirrors
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.categories import coarse_index
 from home_mjx.schema.semantic import Semantic
 
-NEAR_ENDS = 1e-3  # [m], parts at both ends of a leg that are not tested for occlusion
-LEVEL = 1e-12  # [m], minimum component of a leg along an axis, for legs parallel to a face
+LEG_END_MARGIN = 1e-3  # [m], parts at both ends of a leg that are not tested for occlusion
+MIN_LEG_COMPONENT = 1e-12  # [m], minimum component of a leg along an axis, for legs parallel to a face
 
 
 class ModelBoxes(Pytree):
@@ -26,7 +26,7 @@ class ModelBoxes(Pytree):
     valid: Bool[Array, " n"]
 
 
-def model_boxes(scene: Scene, source: Source, listener: Listener) -> ModelBoxes:
+def model_boxes(scene: Scene, source: SoundSource, listener: Listener) -> ModelBoxes:
     """Return the boxes of all objects except doors, which are open in HoME, agents, and the endpoints' own bodies."""
     geometry, house, moving = scene.geometry, scene.house, scene.moving
     static = geometry.instance_object[house]
@@ -57,8 +57,8 @@ def box_mirrors(boxes: ModelBoxes) -> Mirrors:
     out, u, v = (edge[:, order[:, i]] for i in range(3))
     across = jnp.cross(u, v)  # 0 on the narrow sides of flat boxes, which do not reflect
     across = across * jnp.where(jnp.sum(across * out, axis=2, keepdims=True) < 0, -1.0, 1.0)
-    normal = across / jnp.maximum(jnp.linalg.norm(across, axis=2, keepdims=True), LEVEL) * side
-    faces = Mirrors.unchecked(
+    normal = across / jnp.maximum(jnp.linalg.norm(across, axis=2, keepdims=True), MIN_LEG_COMPONENT) * side
+    faces = Mirrors.build_unchecked(
         center=center[:, None] + out * side,
         normal=normal,
         u=u,
@@ -69,15 +69,15 @@ def box_mirrors(boxes: ModelBoxes) -> Mirrors:
     return jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), faces)
 
 
-def hidden_by_boxes(boxes: ModelBoxes, start: Float[Array, "m 3"], end: Float[Array, "m 3"]) -> Bool[Array, " m"]:
-    """Return whether straight legs cross a face of a box, except within `NEAR_ENDS` of their ends."""
+def is_occluded_by_boxes(boxes: ModelBoxes, start: Float[Array, "m 3"], end: Float[Array, "m 3"]) -> Bool[Array, " m"]:
+    """Return whether straight legs cross a face of a box, except within `LEG_END_MARGIN` of their ends."""
     origin = _to_model(boxes, start) + boxes.inverse[None, :, :, 3]
     way = _to_model(boxes, end - start)
-    way = jnp.where(jnp.abs(way) < LEVEL, LEVEL, way)
+    way = jnp.where(jnp.abs(way) < MIN_LEG_COMPONENT, MIN_LEG_COMPONENT, way)
     meets = [(boxes.box[None, :, i] - origin) / way for i in (0, 1)]
     enter = jnp.max(jnp.minimum(*meets), axis=2)
     leave = jnp.min(jnp.maximum(*meets), axis=2)
-    skin = (NEAR_ENDS / jnp.maximum(jnp.linalg.norm(end - start, axis=1), NEAR_ENDS))[:, None]
+    skin = (LEG_END_MARGIN / jnp.maximum(jnp.linalg.norm(end - start, axis=1), LEG_END_MARGIN))[:, None]
     passes = [(at > skin) & (at < 1 - skin) for at in (enter, leave)]
     return jnp.any(boxes.valid[None] & (enter <= leave) & (passes[0] | passes[1]), axis=1)
 

@@ -11,22 +11,34 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.base.home_air import home_air_level
-from home_mjx.audio_jax.geometry.images import Images, find_images, nearest_mirrors
-from home_mjx.audio_jax.propagation.home_boxes import NEAR_ENDS, ModelBoxes, box_mirrors, hidden_by_boxes, model_boxes
-from home_mjx.audio_jax.propagation.mirrored import DEPTH, SHORTEST, house_mirrors, names_of, repeated
-from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.home_air import home2017_air_level
+from home_mjx.audio_jax.geometry.images import ImageSources, find_image_sources, select_nearest_mirrors
+from home_mjx.audio_jax.propagation.home_boxes import (
+    LEG_END_MARGIN,
+    ModelBoxes,
+    box_mirrors,
+    is_occluded_by_boxes,
+    model_boxes,
+)
+from home_mjx.audio_jax.propagation.mirrored import (
+    MAX_MIRROR_DISTANCE,
+    MIN_LEG_LENGTH,
+    find_duplicates,
+    house_mirrors,
+    path_names,
+)
+from home_mjx.audio_jax.propagation.paths import MIN_PATH_LENGTH, RAY_OFFSET, Paths
 from home_mjx.audio_jax.propagation.surfaces import sound_materials, surface_at
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import BANDS, Ray
+from home_mjx.schema.compiled import BANDS, RayKind
 
-MOST_MIRRORS = {1: (64, 256), 2: (40, 120), 3: (16, 16)}  # maximum numbers of room and box mirrors, by order
-ALIKE = 4  # candidate sequences per path, because several sequences can yield the same path
-SOFTEST = 1e-7  # minimum of 1 - α, as in HoME's float32
-THRESHOLD = 120.0  # [dB], attenuation of all octaves from which a path is dropped
+MAX_MIRRORS = {1: (64, 256), 2: (40, 120), 3: (16, 16)}  # maximum numbers of room and box mirrors, by order
+CANDIDATES_PER_PATH = 4  # candidate sequences per path, because several sequences can yield the same path
+MIN_REFLECTANCE = 1e-7  # minimum of 1 - α, as in HoME's float32
+MAX_ATTENUATION = 120.0  # [dB], attenuation of all octaves from which a path is dropped
 
 
 class _Legs(Pytree):
@@ -42,11 +54,11 @@ class _Legs(Pytree):
     used: Bool[Array, "p k"]  # False for padding
 
 
-def home_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+def home2017_paths(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
     """Compute the direct path and image sources up to `config.reflection_order` with HoME's lengths and levels.
 
     There are two differences. HoME applies a random sign to each path; this function does not. HoME enumerates all
-    mirrors; here only those nearest to source and listener are used (`MOST_MIRRORS`).
+    mirrors; here only those nearest to source and listener are used (`MAX_MIRRORS`).
 
     Args:
         scene: The environment.
@@ -62,42 +74,46 @@ def home_paths(scene: Scene, source: Source, listener: Listener, config: AudioCo
         (63,)
     """
     boxes = model_boxes(scene, source, listener)
-    found, material = _images(scene, boxes, source, listener, config)
+    found, material = _find_images(scene, boxes, source, listener, config)
     legs = _legs(found, material, source, listener)
-    free, absorption = _met(scene, legs, config)
-    hidden = hidden_by_boxes(boxes, legs.start.reshape(-1, 3), legs.end.reshape(-1, 3)).reshape(legs.used.shape)
+    free, absorption = _trace_legs(scene, legs, config)
+    hidden = is_occluded_by_boxes(boxes, legs.start.reshape(-1, 3), legs.end.reshape(-1, 3)).reshape(legs.used.shape)
     heard = jnp.isfinite(found.length) & jnp.all((free & ~hidden) | ~legs.used, axis=1)
-    length = jnp.maximum(jnp.where(heard, found.length, 1.0), NEAREST)
+    length = jnp.maximum(jnp.where(heard, found.length, 1.0), MIN_PATH_LENGTH)
     counts = (legs.used & ~legs.last).at[:, 0].set(False)  # not the reflection next to the listener
-    lost = jnp.where(counts[:, :, None], 20 * jnp.log10(jnp.maximum(1 - absorption, SOFTEST)), 0.0)
-    air = home_air_level(length, config.temperature, config.humidity)
+    lost = jnp.where(counts[:, :, None], 20 * jnp.log10(jnp.maximum(1 - absorption, MIN_REFLECTANCE)), 0.0)
+    air = home2017_air_level(length, config.temperature, config.humidity)
     level = air + jnp.sum(lost, axis=1) - 20 * jnp.log10(length)[:, None]
-    heard = heard & jnp.any(jnp.abs(level) < THRESHOLD, axis=1)
+    heard = heard & jnp.any(jnp.abs(level) < MAX_ATTENUATION, axis=1)
     gain = jnp.where(heard[:, None], 10 ** (level / 20), 0.0)
-    return Paths(length, gain, _towards(found.point[:, 0], listener), names_of(found))
+    return Paths(length, gain, _directions_to(found.point[:, 0], listener), path_names(found))
 
 
-def _towards(point: Float[Array, "p 3"], listener: Listener) -> Float[Array, "p 3"]:
+def _directions_to(point: Float[Array, "p 3"], listener: Listener) -> Float[Array, "p 3"]:
     """Return unit vectors from the listener to points."""
     away = point - listener.pos[None]
-    return away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
+    return away / jnp.maximum(jnp.linalg.norm(away, axis=1), MIN_PATH_LENGTH)[:, None]
 
 
-def _images(
-    scene: Scene, boxes: ModelBoxes, source: Source, listener: Listener, config: AudioConfig
-) -> tuple[Images, Int[Array, "p k"]]:
+def _find_images(
+    scene: Scene, boxes: ModelBoxes, source: SoundSource, listener: Listener, config: AudioConfig
+) -> tuple[ImageSources, Int[Array, "p k"]]:
     """Find the straight path, then the shortest image sources; return them and box material rows (-1 if none)."""
     order, shell = config.reflection_order, house_mirrors(scene)
     kinds = shell.replace(material=jnp.full(shell.valid.shape, -1, jnp.int32)), box_mirrors(boxes)
-    kept = [nearest_mirrors(m, source.pos, listener.pos, n) for m, n in zip(kinds, MOST_MIRRORS[order], strict=True)]
+    kept = [
+        select_nearest_mirrors(m, source.pos, listener.pos, n) for m, n in zip(kinds, MAX_MIRRORS[order], strict=True)
+    ]
     mirrors = jax.tree.map(lambda *x: jnp.concatenate(x), *kept)
-    found = find_images(mirrors, source.pos, listener.pos, order)
-    _, shortest = jax.lax.top_k(-found.length, min(ALIKE * config.num_reflections, found.length.size))
+    found = find_image_sources(mirrors, source.pos, listener.pos, order)
+    _, shortest = jax.lax.top_k(-found.length, min(CANDIDATES_PER_PATH * config.num_reflections, found.length.size))
     found = jax.tree.map(lambda x: x[shortest], found)
-    again = repeated(found.length, _towards(found.point[:, 0], listener))  # paths into corners, and over coplanar faces
+    again = find_duplicates(
+        found.length, _directions_to(found.point[:, 0], listener)
+    )  # paths into corners, and over coplanar faces
     first = jnp.argsort(again, stable=True)[: config.num_reflections]
     found = found.replace(length=jnp.where(again, jnp.inf, found.length))
-    straight = Images(
+    straight = ImageSources(
         length=jnp.linalg.norm(source.pos - listener.pos)[None],
         point=jnp.broadcast_to(source.pos, (1, order, 3)),
         normal=jnp.zeros((1, order, 3), jnp.float32),
@@ -109,7 +125,7 @@ def _images(
     return found, jnp.where(found.mirror < 0, -1, material[jnp.maximum(found.mirror, 0)])
 
 
-def _legs(found: Images, material: Int[Array, "p k"], source: Source, listener: Listener) -> _Legs:
+def _legs(found: ImageSources, material: Int[Array, "p k"], source: SoundSource, listener: Listener) -> _Legs:
     count, order = found.point.shape[:2]
     first, final = (jnp.broadcast_to(x, (count, 1, 3)) for x in (listener.pos, source.pos))
     corner = jnp.concatenate([first, found.point, final], axis=1)
@@ -128,27 +144,27 @@ def _legs(found: Images, material: Int[Array, "p k"], source: Source, listener: 
     )
 
 
-def _met(scene: Scene, legs: _Legs, config: AudioConfig) -> tuple[Bool[Array, "p k"], Float[Array, "p k bands"]]:
+def _trace_legs(scene: Scene, legs: _Legs, config: AudioConfig) -> tuple[Bool[Array, "p k"], Float[Array, "p k bands"]]:
     """Return whether architecture leaves each leg free up to its end, and the absorption of the surface there."""
     way = legs.end - legs.start
     length = jnp.linalg.norm(way, axis=2)
     # The leg between two reflections in one corner has no length: a ray against the normal hits the second surface.
-    none = length < SHORTEST
-    toward = jnp.where(none[:, :, None], -legs.normal, way / jnp.maximum(length, SHORTEST)[:, :, None])
-    origin = legs.start - jnp.where(none, DEPTH, 0.0)[:, :, None] * toward
-    length = jnp.where(none, DEPTH, length)
-    begin = jnp.where(legs.from_shell & ~none, jnp.minimum(DEPTH, length / 2), 0.0)
-    reach = jnp.where(legs.to_shell, length + DEPTH, length - NEAR_ENDS)
+    none = length < MIN_LEG_LENGTH
+    toward = jnp.where(none[:, :, None], -legs.normal, way / jnp.maximum(length, MIN_LEG_LENGTH)[:, :, None])
+    origin = legs.start - jnp.where(none, MAX_MIRROR_DISTANCE, 0.0)[:, :, None] * toward
+    length = jnp.where(none, MAX_MIRROR_DISTANCE, length)
+    begin = jnp.where(legs.from_shell & ~none, jnp.minimum(MAX_MIRROR_DISTANCE, length / 2), 0.0)
+    reach = jnp.where(legs.to_shell, length + MAX_MIRROR_DISTANCE, length - LEG_END_MARGIN)
     reach = jnp.where(legs.used & (legs.to_shell | ~none), reach, -1.0)
     rays = origin.reshape(-1, 3), toward.reshape(-1, 3), begin.ravel(), reach.ravel()
-    t, absorption = _shell(scene, *rays, config)
+    t, absorption = _cast_to_architecture(scene, *rays, config)
     t, absorption = t.reshape(length.shape), absorption.reshape(*length.shape, -1)
-    free = jnp.where(legs.to_shell, jnp.abs(t - length) < DEPTH, ~jnp.isfinite(t))
+    free = jnp.where(legs.to_shell, jnp.abs(t - length) < MAX_MIRROR_DISTANCE, ~jnp.isfinite(t))
     own = sound_materials(scene).absorption[jnp.maximum(legs.material, 0)]
     return free, jnp.where((legs.material >= 0)[:, :, None], own, absorption)
 
 
-def _shell(
+def _cast_to_architecture(
     scene: Scene,
     origin: Float[Array, "n 3"],
     direction: Float[Array, "n 3"],
@@ -167,13 +183,13 @@ def _shell(
         number, start, skipped, t, absorption = carry
         going = jnp.isnan(t)
         reach = jnp.where(going, end, -1.0)
-        hit = cast(scene, origin, direction, start, reach, exclude=skipped, mask=int(Ray.SOUND))
+        hit = cast(scene, origin, direction, start, reach, exclude=skipped, mask=int(RayKind.SOUND))
         met = surface_at(scene, direction, hit)
         through = going & (hit.instance >= 0) & (met.object_id >= 0)
         done = going & ~through
         return (
             number + 1,
-            jnp.where(through, hit.t + SKIN, start),
+            jnp.where(through, hit.t + RAY_OFFSET, start),
             jnp.where(through, met.object_id, skipped),
             jnp.where(done, hit.t, t),
             jnp.where((done & (hit.instance >= 0))[:, None], met.absorption, absorption),

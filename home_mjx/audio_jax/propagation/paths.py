@@ -11,18 +11,18 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.air import air_absorption, energy_attenuation
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import length3, sum3
-from home_mjx.raycast_render.casting.cast import cast, cast_through, occluded
+from home_mjx.raycast_render.casting.cast import cast, cast_multi_hit, occluded
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import BANDS, Ray
+from home_mjx.schema.compiled import BANDS, RayKind
 
-SKIN = 1e-4  # [m], offset of ray ends from surfaces
-MIRROR_DEPTH = 0.03  # [m], maximum distance of a reflecting surface from its mirror plane
-NEAREST = 0.05  # [m], minimum path length, which bounds gains
-MOST_NAMES = 1 << 24  # range of names of one producer's paths
+RAY_OFFSET = 1e-4  # [m], offset of ray ends from surfaces
+MAX_MIRROR_DISTANCE = 0.03  # [m], maximum distance of a reflecting surface from its mirror plane
+MIN_PATH_LENGTH = 0.05  # [m], minimum path length, which bounds gains
+MAX_PATH_NAMES = 1 << 24  # range of names of one producer's paths
 
 
 class Paths(Pytree):
@@ -38,39 +38,41 @@ class Paths(Pytree):
     departure: Float[Array, "p 3"] | None = None
 
 
-PathProducer = Callable[[Scene, Source, Listener, AudioConfig], Paths]
+PathProducer = Callable[[Scene, SoundSource, Listener, AudioConfig], Paths]
 
 
-def equals_earlier(same: Bool[Array, "p p"]) -> Bool[Array, " p"]:
+def is_duplicate(same: Bool[Array, "p p"]) -> Bool[Array, " p"]:
     """Return which paths equal an earlier one; `same[i, j]`: path i equals path j."""
     return jnp.any(same & jnp.tril(jnp.ones(same.shape, bool), -1), axis=1)
 
 
-def no_paths() -> Paths:
+def empty_paths() -> Paths:
     """Return paths of shape (0,)."""
     none, nowhere = jnp.zeros(0, jnp.float32), jnp.zeros((0, 3), jnp.float32)
     return Paths(none, jnp.zeros((0, len(BANDS)), jnp.float32), nowhere, none.astype(jnp.int32), nowhere)
 
 
-def air_energy(config: AudioConfig) -> Float[np.ndarray, " bands"]:
+def air_attenuation(config: AudioConfig) -> Float[np.ndarray, " bands"]:
     """Compute the energy attenuation coefficient of air m of exp(-m r) per octave [1/m]."""
     loss = air_absorption(np.array(BANDS), config.temperature, config.humidity, config.pressure)
     return energy_attenuation(loss).astype(np.float32)
 
 
-class Straight(NamedTuple):
+class StraightLine(NamedTuple):
     """Surfaces on the straight line from the listener to the source."""
 
     distance: Float[Array, ""]  # [m]
     direction: Float[Array, "3"]  # unit vector from the listener, world
-    partitions: Float[Array, " bands"]  # energy transmission of all partitions on the line, each counted once
-    objects: Float[Array, " bands"]  # energy transmission of all objects on the line, each counted once
-    within: Bool[Array, ""]  # whether no partition is on the line
-    clear: Bool[Array, ""]  # whether the line is unobstructed
-    silent: Bool[Array, ""]  # whether `max_crossings` hits were used up before the source
+    partition_transmission: Float[
+        Array, " bands"
+    ]  # energy transmission of all partitions on the line, each counted once
+    object_transmission: Float[Array, " bands"]  # energy transmission of all objects on the line, each counted once
+    is_partition_free: Bool[Array, ""]  # whether no partition is on the line
+    is_clear: Bool[Array, ""]  # whether the line is unobstructed
+    is_over_limit: Bool[Array, ""]  # whether `max_crossings` hits were used up before the source
 
 
-def cross(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Straight:
+def trace_straight_line(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> StraightLine:
     """Trace the straight line through all surfaces on it except those of the source's and listener's bodies.
 
     Args:
@@ -80,42 +82,42 @@ def cross(scene: Scene, source: Source, listener: Listener, config: AudioConfig)
         config: Options.
     """
     offset = source.pos - listener.pos
-    distance = jnp.maximum(length3(offset), NEAREST)
+    distance = jnp.maximum(length3(offset), MIN_PATH_LENGTH)
     direction = offset / distance
     # Excluding the object just hit saves the steps for its other faces.
-    hit = cast_through(
+    hit = cast_multi_hit(
         scene,
         listener.pos,
         direction,
-        steps=config.max_crossings,
-        skin=SKIN,
-        t_max=distance - SKIN,
+        num_hits=config.max_crossings,
+        hit_epsilon=RAY_OFFSET,
+        t_max=distance - RAY_OFFSET,
         exclude=listener.body,
-        mask=int(Ray.SOUND),
+        mask=int(RayKind.SOUND),
     )
     met, blocked = surface_at(scene, jnp.broadcast_to(direction, (*hit.t.shape, 3)), hit), hit.instance >= 0
     is_object, barrier = met.object_id >= 0, met.barrier
     own = is_object & ((met.object_id == listener.body) | (met.object_id == source.body))
-    repeats = (barrier >= 0) & equals_earlier(blocked[None] & (barrier[:, None] == barrier[None]))
+    repeats = (barrier >= 0) & is_duplicate(blocked[None] & (barrier[:, None] == barrier[None]))
     counts, silent = blocked & ~own & ~repeats, blocked[-1]
     partition, item = counts & ~is_object, counts & is_object
-    return Straight(
+    return StraightLine(
         distance,
         direction,
-        partitions=_let_through(met.transmission, partition),
-        objects=_let_through(met.transmission, item),
-        within=~jnp.any(partition),
-        clear=~jnp.any(counts) & ~silent,
-        silent=silent,
+        partition_transmission=_transmit(met.transmission, partition),
+        object_transmission=_transmit(met.transmission, item),
+        is_partition_free=~jnp.any(partition),
+        is_clear=~jnp.any(counts) & ~silent,
+        is_over_limit=silent,
     )
 
 
-def _let_through(transmission: Float[Array, "n bands"], counts: Bool[Array, " n"]) -> Float[Array, " bands"]:
+def _transmit(transmission: Float[Array, "n bands"], counts: Bool[Array, " n"]) -> Float[Array, " bands"]:
     """Multiply transmission coefficients in order, so that all platforms round alike."""
     return functools.reduce(jnp.multiply, jnp.where(counts[:, None], transmission, 1.0))
 
 
-def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+def direct_path(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
     """Compute the direct path, attenuated once by the transmission of each partition and object that it crosses.
 
     Args:
@@ -127,15 +129,15 @@ def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioC
     Returns:
         One path.
     """
-    straight = cross(scene, source, listener, config)
-    energy = straight.partitions * straight.objects
-    amplitude = jnp.sqrt(energy * jnp.exp(-air_energy(config) * straight.distance)) / straight.distance
-    amplitude = jnp.where(straight.silent, 0.0, amplitude)
+    straight = trace_straight_line(scene, source, listener, config)
+    energy = straight.partition_transmission * straight.object_transmission
+    amplitude = jnp.sqrt(energy * jnp.exp(-air_attenuation(config) * straight.distance)) / straight.distance
+    amplitude = jnp.where(straight.is_over_limit, 0.0, amplitude)
     away = straight.direction[None]
     return Paths(straight.distance[None], amplitude[None], away, departure=-away)
 
 
-def reflected_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+def first_order_reflections(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
     """Compute first-order image sources in the house's mirror planes, the shortest first.
 
     A reflection is audible if a ray from the listener hits a surface in the plane and the source sees that point. The
@@ -151,35 +153,35 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
         `config.num_reflections` paths, or one per mirror plane of the house if that is less, silent ones included.
     """
     if config.num_reflections == 0:
-        return no_paths()
+        return empty_paths()
     start, end = source.pos, listener.pos
     point, distance, plane = _nearest_mirrors(scene, start, end, config.num_reflections)
     to_listener = length3(point - end[None])
     to_source = length3(point - start[None])
-    direction = (point - end[None]) / jnp.maximum(to_listener, NEAREST)[:, None]
-    departure = (point - start[None]) / jnp.maximum(to_source, NEAREST)[:, None]
+    direction = (point - end[None]) / jnp.maximum(to_listener, MIN_PATH_LENGTH)[:, None]
+    departure = (point - start[None]) / jnp.maximum(to_source, MIN_PATH_LENGTH)[:, None]
     possible = jnp.isfinite(distance)
     hit = cast(
         scene,
         jnp.broadcast_to(end, point.shape),
         direction,
-        t_max=jnp.where(possible, to_listener + MIRROR_DEPTH, -1.0),
+        t_max=jnp.where(possible, to_listener + MAX_MIRROR_DISTANCE, -1.0),
         exclude=listener.body,
-        mask=int(Ray.SOUND),
+        mask=int(RayKind.SOUND),
     )
     hidden = occluded(
         scene,
         jnp.broadcast_to(start, point.shape),
         departure,
-        t_max=jnp.where(possible, to_source - MIRROR_DEPTH, -1.0),
+        t_max=jnp.where(possible, to_source - MAX_MIRROR_DISTANCE, -1.0),
         exclude=source.body,
-        mask=int(Ray.SOUND),
+        mask=int(RayKind.SOUND),
     )
     met = surface_at(scene, direction, hit)
-    heard = possible & ~hidden & (hit.instance >= 0) & (jnp.abs(hit.t - to_listener) < MIRROR_DEPTH)
+    heard = possible & ~hidden & (hit.instance >= 0) & (jnp.abs(hit.t - to_listener) < MAX_MIRROR_DISTANCE)
     length = jnp.where(possible, distance, 1.0)
-    energy = (1 - met.absorption) * (1 - met.scattering) * jnp.exp(-length[:, None] * air_energy(config)[None])
-    gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
+    energy = (1 - met.absorption) * (1 - met.scattering) * jnp.exp(-length[:, None] * air_attenuation(config)[None])
+    gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, MIN_PATH_LENGTH)[:, None]
     return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction, plane, departure)
 
 
@@ -194,13 +196,15 @@ def _nearest_mirrors(
     image = source[None] - 2 * before_source[:, None] * normal
     share = before_listener / jnp.maximum(before_listener + before_source, 1e-9)
     point = listener[None] + share[:, None] * (image - listener[None])
-    inside = _within(point - center, planes.plane_u[scene.house]) & _within(point - center, planes.plane_v[scene.house])
+    inside = _is_inside(point - center, planes.plane_u[scene.house]) & _is_inside(
+        point - center, planes.plane_v[scene.house]
+    )
     valid = planes.plane_valid[scene.house] & (before_source > 0) & (before_listener > 0) & inside
     distance = jnp.where(valid, length3(image - listener[None]), jnp.inf)
     _, nearest = jax.lax.top_k(-distance, min(count, distance.size))
     return point[nearest], distance[nearest], nearest.astype(jnp.int32)
 
 
-def _within(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:
+def _is_inside(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:
     """Return whether offsets from the centres of rectangles are within their half extent vectors."""
     return jnp.abs(sum3(offset * half)) <= sum3(half * half)

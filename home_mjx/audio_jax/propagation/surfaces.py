@@ -4,11 +4,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.raycast_render.scene.surface import material_rows, normals, object_ids, semantics
+from home_mjx.raycast_render.scene.surface import face_normals, material_rows, object_ids, semantics
 from home_mjx.raycast_render.scene.types import Hit, Scene, SoundMaterials
 from home_mjx.schema.semantic import Semantic
 
-OBJECT_BARRIER = 1 << 20  # offset of object ids in `barrier`, which separates them from partitions
+OBJECT_BARRIER_OFFSET = 1 << 20  # offset of object ids in `barrier`, which separates them from partitions
 
 
 class AcousticSurface(Pytree):
@@ -23,14 +23,14 @@ class AcousticSurface(Pytree):
 
 
 def sound_materials(scene: Scene) -> SoundMaterials:
-    """Return the acoustic materials of an environment: `scene.materials`, or those of the bank if that is None.
+    """Return the acoustic materials of an environment: `scene.sound_materials`, or those of the bank if that is None.
 
     Example:
         >>> now = sound_materials(scene)  # doctest: +SKIP
         >>> damped = scene.replace(materials=now.replace(absorption=jnp.maximum(now.absorption, 0.5)))  # doctest: +SKIP
     """
-    if scene.materials is not None:
-        return scene.materials
+    if scene.sound_materials is not None:
+        return scene.sound_materials
     table = scene.bank.materials
     return SoundMaterials(absorption=table.absorption, scattering=table.scattering, transmission=table.transmission)
 
@@ -47,9 +47,9 @@ def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> Acoust
     row = jnp.maximum(material_rows(scene, hit), 0)
     object_id = object_ids(scene, hit)
     partition = semantics(scene, hit, Semantic.PARTITION)
-    own = jnp.where(object_id >= 0, object_id + OBJECT_BARRIER, -1)
+    own = jnp.where(object_id >= 0, object_id + OBJECT_BARRIER_OFFSET, -1)
     return AcousticSurface(
-        normal=normals(scene, direction, hit),
+        normal=face_normals(scene, direction, hit),
         absorption=materials.absorption[row],
         scattering=materials.scattering[row],
         transmission=materials.transmission[row],

@@ -8,16 +8,16 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source, given_toward
-from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, emission_gains
+from home_mjx.audio_jax.propagation.paths import RAY_OFFSET, air_attenuation
 from home_mjx.audio_jax.propagation.surfaces import AcousticSurface, surface_at
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
+from home_mjx.schema.compiled import ARCHITECTURE, BANDS, RayKind
 
-FAR = 1e6  # [m], maximum length of ray segments
+MAX_SEGMENT_LENGTH = 1e6  # [m], maximum length of ray segments
 
 
 class Trace(Pytree):
@@ -28,7 +28,7 @@ class Trace(Pytree):
     energy: Float[Array, "a n bands"]  # energy of that arrival
     travelled: Float[Array, "b n"]  # path length from the listener to each hit
     remaining: Float[Array, "b n bands"]  # energy of each ray after each hit
-    leaving: Float[Array, "n bands"]  # initial energy of each ray; its sum over rays is 1
+    initial_energy: Float[Array, "n bands"]  # initial energy of each ray; its sum over rays is 1
 
 
 class _Ray(NamedTuple):
@@ -40,7 +40,7 @@ class _Ray(NamedTuple):
     mirrored: Bool[Array, " n"]  # whether all hits so far were specular reflections in architecture
 
 
-def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Trace:
+def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig) -> Trace:
     """Trace rays from the listener through specular and Lambert reflections.
 
     By reciprocity, energy traced from the listener equals that from the source. A hit at distance d that sees the
@@ -64,12 +64,12 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     shape = (config.num_bounces, config.num_rays)
     turn = jax.random.normal(turn_key, (4,), jnp.float32)  # normalised: a uniformly distributed rotation
     turn = quat_matrix(turn / jnp.linalg.norm(turn))
-    carried = _carried(config)
-    lattice = np.tile(spread(len(carried) // config.ray_groups), (config.ray_groups, 1))
+    carried = _octave_shares(config)
+    lattice = np.tile(fibonacci_directions(len(carried) // config.ray_groups), (config.ray_groups, 1))
     direction = jnp.matmul(jnp.asarray(lattice), turn, precision="highest")
     scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
     draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
-    walk = _Walk(scene, source, config, jnp.int32(listener.body), jnp.int32(source.body), jnp.asarray(carried))
+    walk = _TraceContext(scene, source, config, jnp.int32(listener.body), jnp.int32(source.body), jnp.asarray(carried))
     leaving = walk.carried * jnp.float32(len(BANDS) / config.num_rays)
     start = _Ray(
         jnp.broadcast_to(listener.pos, direction.shape),
@@ -84,18 +84,18 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     return Trace(direction, arrival.reshape(rows), energy.reshape(*rows, len(BANDS)), travelled, remaining, leaving)
 
 
-def _carried(config: AudioConfig) -> Float[np.ndarray, "n bands"]:
+def _octave_shares(config: AudioConfig) -> Float[np.ndarray, "n bands"]:
     """Return the share of each octave in each ray: uniform, or one octave per ray with `octave_rays`."""
     if config.octave_rays:
         return np.repeat(np.eye(len(BANDS), dtype=np.float32), config.num_rays // len(BANDS), axis=0)
     return np.full((config.num_rays, len(BANDS)), 1 / len(BANDS), np.float32)
 
 
-class _Walk(NamedTuple):
+class _TraceContext(NamedTuple):
     """Constants of a trace, shared by all bounces."""
 
     scene: Scene
-    source: Source
+    source: SoundSource
     config: AudioConfig
     exclude: Int[Array, ""]
     emitter: Int[Array, ""]
@@ -109,16 +109,16 @@ class _Walk(NamedTuple):
             self.scene,
             ray.origin,
             ray.direction,
-            t_max=jnp.where(alive, FAR, -1.0),
+            t_max=jnp.where(alive, MAX_SEGMENT_LENGTH, -1.0),
             exclude=self.exclude,
-            mask=int(Ray.SOUND),
+            mask=int(RayKind.SOUND),
         )
         met = surface_at(self.scene, ray.direction, hit)
         alive = hit.instance >= 0
         length = jnp.where(alive, hit.t, 0.0)
-        loss = jnp.exp(-length[:, None] * air_energy(self.config)[None]) * (1 - met.absorption)
+        loss = jnp.exp(-length[:, None] * air_attenuation(self.config)[None]) * (1 - met.absorption)
         energy = jnp.where(alive[:, None], ray.energy * loss, 0.0)
-        point = ray.origin + length[:, None] * ray.direction + SKIN * met.normal
+        point = ray.origin + length[:, None] * ray.direction + RAY_OFFSET * met.normal
         travelled = ray.travelled + length
 
         mirrored = ray.mirrored & (index < self.config.reflection_order) & (hit.instance == ARCHITECTURE)
@@ -140,20 +140,20 @@ class _Walk(NamedTuple):
         """Compute the distance from each hit to the source, and the energy scattered there (diffuse rain)."""
         offset = self.source.pos[None] - point
         distance = jnp.linalg.norm(offset, axis=1)
-        toward = offset / jnp.maximum(distance, SKIN)[:, None]
+        toward = offset / jnp.maximum(distance, RAY_OFFSET)[:, None]
         cosine = jnp.sum(toward * normal, axis=1)
         asks = (cosine > 0) & (jnp.max(energy, axis=1) > 0)
         hidden = occluded(
             self.scene,
             point,
             toward,
-            t_max=jnp.where(asks, distance - SKIN, -1.0),
+            t_max=jnp.where(asks, distance - RAY_OFFSET, -1.0),
             exclude=self.emitter,
-            mask=int(Ray.SOUND),
+            mask=int(RayKind.SOUND),
         )
         share = 4 * cosine / jnp.maximum(distance, self.config.detector_radius) ** 2
         share = jnp.where(asks & ~hidden, share, 0.0)
-        energy = energy * share[:, None] * jnp.exp(-distance[:, None] * air_energy(self.config)[None])
+        energy = energy * share[:, None] * jnp.exp(-distance[:, None] * air_attenuation(self.config)[None])
         return distance, self._leaving(energy, -toward)
 
     def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
@@ -163,13 +163,13 @@ class _Walk(NamedTuple):
         miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
         radius = self.config.detector_radius
         inside = (nearest > 0) & (nearest < length) & (miss < radius)
-        decay = jnp.exp(-nearest[:, None] * air_energy(self.config)[None])
+        decay = jnp.exp(-nearest[:, None] * air_attenuation(self.config)[None])
         energy = 4 / radius**2 * ray.energy * ray.specular * decay
         return ray.travelled + nearest, self._leaving(jnp.where(inside[:, None], energy, 0.0), -ray.direction)
 
     def _leaving(self, energy: Float[Array, "n bands"], direction: Float[Array, "n 3"]) -> Float[Array, "n bands"]:
         """Weight energies of an omnidirectional source with this source's directivity."""
-        return energy * given_toward(self.source, direction) ** 2
+        return energy * emission_gains(self.source, direction) ** 2
 
 
 def _reflect(
@@ -193,7 +193,7 @@ def _reflect(
     return jnp.where(scatters, lambert, mirror), jnp.where(scatters, 0.0, weight), random
 
 
-def spread(count: int) -> Float[np.ndarray, "n 3"]:
+def fibonacci_directions(count: int) -> Float[np.ndarray, "n 3"]:
     """Return evenly distributed unit vectors (Fibonacci lattice)."""
     index = np.arange(count) + 0.5
     z, turn = 1 - 2 * index / count, index * np.pi * (3 - np.sqrt(5))

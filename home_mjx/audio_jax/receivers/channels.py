@@ -9,65 +9,65 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.receivers.heads import between_directions, check_head
+from home_mjx.audio_jax.base.endpoints import MeasuredHead
+from home_mjx.audio_jax.base.shapes import filter_basis
+from home_mjx.audio_jax.receivers.heads import check_head, interpolate_directions
 from home_mjx.audio_jax.receivers.hrtf import (
-    NEARNESS,
-    between_angles,
+    NEARNESS_KNOTS,
     ear_angles,
     ear_energy,
-    ear_lateness,
-    ear_shapes,
+    ear_filters,
+    ear_phase_delays,
     ear_table,
-    ear_values,
-    to_head,
+    interpolate_angles,
+    interpolate_ear_filters,
+    world_to_head,
 )
-from home_mjx.audio_jax.receivers.pinna import pinna_energy, with_echoes
+from home_mjx.audio_jax.receivers.pinna import add_echoes, pinna_energy
 from home_mjx.schema.compiled import BANDS
 
-EAR_SIZE = 1024  # samples of the transform whose frequencies ear energies are averaged over
-NEAREST = 0.02  # [m], minimum distance from microphones
+EAR_TABLE_TAPS = 1024  # samples of the transform whose frequencies ear energies are averaged over
+MIN_MICROPHONE_DISTANCE = 0.02  # [m], minimum distance from microphones
 
 
-def ear_gains(
-    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
+def channel_gains(
+    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n e bands"]:
     """Compute the energy gain of each channel per octave for sound from each world direction."""
-    found = distinct_gains(direction, head_quat, config, head)
+    found = distinct_channel_gains(direction, head_quat, config, head)
     return jnp.broadcast_to(found, (found.shape[0], config.num_channels, found.shape[2]))
 
 
-def distinct_gains(
-    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
+def distinct_channel_gains(
+    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n d bands"]:
-    """Compute `ear_gains` of distinct channels only: d = 1 if all have equal gains, as for microphones."""
+    """Compute `channel_gains` of distinct channels only: d = 1 if all have equal gains, as for microphones."""
     if head is not None:
         check_head(head, config)
-        return between_directions(head.energy, to_head(direction, head_quat))
+        return interpolate_directions(head.energy, world_to_head(direction, head_quat))
     if config.receiver in ("omni", "array"):
         return jnp.ones((direction.shape[0], 1, len(BANDS)), jnp.float32)
-    toward = to_head(direction, head_quat)
+    toward = world_to_head(direction, head_quat)
     if config.receiver == "ambisonics":
         return jnp.broadcast_to((ambisonic_gains(toward) ** 2)[..., None], (*toward.shape[:1], 4, len(BANDS)))
-    table = ear_table(EAR_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
+    table = ear_table(EAR_TABLE_TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
     energy = ear_energy(table, ear_angles(toward, config.ear_angle))
     return energy * pinna_energy(toward, config.sample_rate)[:, None] if config.pinna else energy
 
 
-def late_gains(
-    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
+def late_channel_gains(
+    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n d bands"]:
-    """Compute the gains of late histograms: `distinct_gains`, and for ambisonics the signed products W Y, W Z, W X."""
-    energy = distinct_gains(direction, head_quat, config, head)
+    """Compute the gains of late histograms: `distinct_channel_gains`, and for ambisonics the signed products W Y, W Z, W X."""
+    energy = distinct_channel_gains(direction, head_quat, config, head)
     if config.receiver != "ambisonics":
         return energy
-    flow = ambisonic_gains(to_head(direction, head_quat))[:, 1:, None]
+    flow = ambisonic_gains(world_to_head(direction, head_quat))[:, 1:, None]
     return jnp.concatenate([energy, jnp.broadcast_to(flow, (flow.shape[0], 3, len(BANDS)))], axis=1)
 
 
 def channel_delays(
-    toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig, head: Head | None = None
+    toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "*p d"]:
     """Compute arrival delays of channels re the head centre [samples]; d = 1 if they are equal.
 
@@ -79,18 +79,18 @@ def channel_delays(
     """
     if head is not None:
         check_head(head, config)
-        return between_directions(head.delay, toward) * jnp.float32(config.sample_rate)
+        return interpolate_directions(head.delay, toward) * jnp.float32(config.sample_rate)
     if config.receiver == "array":
-        return _longer(toward, distance, config) * jnp.float32(config.sample_rate / config.speed_of_sound)
+        return _excess_lengths(toward, distance, config) * jnp.float32(config.sample_rate / config.speed_of_sound)
     if config.receiver != "binaural":
         return jnp.zeros((*distance.shape, 1), jnp.float32)
-    return _ear_delays(_angles(toward, config), distance[..., None], config)
+    return _ear_delays(_ear_axis_angles(toward, config), distance[..., None], config)
 
 
-def channel_values(
-    toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig, head: Head | None = None
+def channel_filters(
+    toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Complex[Array, "p e s"]:
-    """Compute delay-free filters of channels: values of causal filters at the knots of `shapes`.
+    """Compute delay-free filters of channels: values of causal filters at the knots of `filter_basis`.
 
     Args:
         toward: Unit vectors towards the directions of incidence, in the head frame.
@@ -100,23 +100,25 @@ def channel_values(
     """
     if head is not None:
         check_head(head, config)
-        return jax.lax.complex(*(between_directions(part, toward) for part in (head.real, head.imag)))
+        return jax.lax.complex(*(interpolate_directions(part, toward) for part in (head.real, head.imag)))
     if config.receiver == "binaural":
-        table = ear_shapes(config.sample_rate, config.head_radius, config.speed_of_sound)
-        angle = _angles(toward, config)
+        table = ear_filters(config.sample_rate, config.head_radius, config.speed_of_sound)
+        angle = _ear_axis_angles(toward, config)
         nearness = jnp.broadcast_to((config.head_radius / distance)[:, None], angle.shape)
-        values = ear_values(table, angle, nearness)
+        values = interpolate_ear_filters(table, angle, nearness)
         if not config.pinna:
             return values
-        late = ear_lateness(config.sample_rate, config.head_radius, config.speed_of_sound)
-        return with_echoes(values, between_angles(late, angle), toward, config.sample_rate)
+        late = ear_phase_delays(config.sample_rate, config.head_radius, config.speed_of_sound)
+        return add_echoes(values, interpolate_angles(late, angle), toward, config.sample_rate)
     if config.receiver == "array":
-        gain = distance[:, None] / jnp.maximum(distance[:, None] + _longer(toward, distance, config), NEAREST)
+        gain = distance[:, None] / jnp.maximum(
+            distance[:, None] + _excess_lengths(toward, distance, config), MIN_MICROPHONE_DISTANCE
+        )
     elif config.receiver == "ambisonics":
         gain = ambisonic_gains(toward)
     else:
         gain = jnp.ones((distance.size, config.num_channels), jnp.float32)
-    count = shapes(config.sample_rate).frequency.size
+    count = filter_basis(config.sample_rate).frequency.size
     return jnp.broadcast_to(gain[..., None], (*gain.shape, count)).astype(jnp.complex64)
 
 
@@ -136,19 +138,21 @@ def ambisonic_gains(toward: Float[Array, "p 3"]) -> Float[Array, "p 4"]:
     return jnp.stack([jnp.ones_like(up), -right, up, -back], axis=1)
 
 
-def _angles(toward: Float[Array, "*p 3"], config: AudioConfig) -> Float[Array, "*p 2"]:
+def _ear_axis_angles(toward: Float[Array, "*p 3"], config: AudioConfig) -> Float[Array, "*p 2"]:
     """Compute the angles between directions and the axes of both ears [rad]."""
     return ear_angles(toward.reshape(-1, 3), config.ear_angle).reshape(*toward.shape[:-1], 2)
 
 
-def _longer(toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p e"]:
+def _excess_lengths(
+    toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig
+) -> Float[Array, "*p e"]:
     """Compute the excess path length of spherical waves to microphones re the head centre [m]."""
     place = np.asarray(config.microphones, np.float32)
     along = jnp.matmul(toward, jnp.asarray(place.T), precision="highest")
     square = jnp.asarray(np.sum(place**2, axis=1).reshape((1,) * distance.ndim + (-1,)))
     more = square - 2 * distance[..., None] * along  # difference of the squared path lengths
     way = jnp.sqrt(jnp.maximum(distance[..., None] ** 2 + more, 0.0))
-    return more / jnp.maximum(way + distance[..., None], NEAREST)
+    return more / jnp.maximum(way + distance[..., None], MIN_MICROPHONE_DISTANCE)
 
 
 def _ear_delays(
@@ -158,7 +162,7 @@ def _ear_delays(
 
     The path to the ear is straight, or tangential and then along the sphere: Woodworth's model at finite distance.
     """
-    near = jnp.minimum(config.head_radius / distance, NEARNESS[-1])  # limit of the ear filter table
+    near = jnp.minimum(config.head_radius / distance, NEARNESS_KNOTS[-1])  # limit of the ear filter table
     touched = jnp.arccos(near)
     half = jnp.sin(angle / 2)
     # Equals (sqrt(1 + near² - 2 near cos) - 1) / near without cancellation.

@@ -16,7 +16,7 @@ from home_mjx.core.transforms import quat_matrix
 from home_mjx.schema.compiled import BANDS
 
 NUM_NOISES = 5  # independent noises of receivers that depend on orientation: circular harmonics up to order 2
-KNOTS = 3  # of amplitude in a bin: its start, middle and end
+NUM_KNOTS = 3  # of amplitude in a bin: its start, middle and end
 
 
 def num_noises(config: AudioConfig) -> int:
@@ -26,12 +26,12 @@ def num_noises(config: AudioConfig) -> int:
     return 1 if _turning_radius(config) == 0 else NUM_NOISES
 
 
-def ear_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "e c"]:
+def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "e c"]:
     """Compute the gain of each noise in each channel: 1, cos φ, sin φ, cos 2φ, sin 2φ for an ear with azimuth φ.
 
     With the levels of `noise_levels`, two ears of a rigid sphere have the coherence of a diffuse field. The same holds
     for one ear before and after turns of 90 and 180 degrees. An array turns as a whole, by the azimuth of its right
-    axis; each microphone has separate noises, see `noise`. In ambisonics, one noise is W, and three are along the world
+    axis; each microphone has separate noises, see `octave_noise`. In ambisonics, one noise is W, and three are along the world
     axes.
 
     Args:
@@ -98,7 +98,7 @@ def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Flo
 
 
 @functools.cache
-def noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
+def octave_noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
     """Generate white noises of unit variance, split into mutually independent octaves.
 
     They are periodic with the length of a response. Arrays have a leading axis of microphones (`own`), whose noises
@@ -131,35 +131,35 @@ def _coherence_root(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> 
 
 
 @functools.cache
-def noise_bins(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
-    """Split `noise` into histogram bins and weight it with hat functions: m runs over `KNOTS`, noises and octaves.
+def noise_bin_table(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
+    """Split `octave_noise` into histogram bins and weight it with hat functions: m runs over `NUM_KNOTS`, noises and octaves.
 
     Their sum, weighted with amplitudes at the start, middle and end of a bin, is noise with a piecewise linear
     amplitude. A response is therefore one matrix product.
     """
-    knots, whole = knot_hats(config), noise(config)
+    knots, whole = knot_weights(config), octave_noise(config)
     own = whole.shape[:-3]
     parts = whole.reshape(*own, -1, config.num_bins, config.bin_samples)
     table = np.moveaxis(parts, -2, -3)[..., None, :, :] * knots[:, None]
     return np.ascontiguousarray(table.reshape(*own, config.num_bins, -1, config.bin_samples), np.float32)
 
 
-def knot_hats(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
+def knot_weights(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
     """Compute the linear interpolation weight of each knot at each sample of a bin."""
     place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
     middle = 1 - np.abs(2 * place - 1)
     return np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])
 
 
-class Draw(Pytree):
+class NoiseDraw(Pytree):
     """Per-environment offset and signs into the shared noise table."""
 
-    start: Int[Array, ""]  # [bins], offset
+    start_bin: Int[Array, ""]  # [bins], offset
     sign: Float[Array, "c bands"]  # -1 or 1, of each noise and octave
 
 
-def drawn(key: Array, config: AudioConfig) -> Draw:
+def draw_noise(key: Array, config: AudioConfig) -> NoiseDraw:
     """Sample the noise offset and signs of an environment."""
     place, signs = jax.random.split(key)
     sign = jax.random.rademacher(signs, (num_noises(config), len(BANDS)), jnp.float32)
-    return Draw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)
+    return NoiseDraw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)

@@ -8,17 +8,17 @@ from scipy.spatial import ConvexHull, QhullError
 
 from home_mjx.errors import ConfigError
 
-STEP = 5  # [degrees]
-CHUNK = 64  # nodes processed at once, which bounds memory
-FARTHEST = 30.0  # [degrees], from a node to the nearest measured direction, beyond which a warning is logged
+GRID_STEP = 5  # [degrees]
+NODES_PER_CHUNK = 64  # nodes processed at once, which bounds memory
+MAX_GAP_ANGLE = 30.0  # [degrees], from a node to the nearest measured direction, beyond which a warning is logged
 
 log = logging.getLogger(__name__)
 
 
 def grid_directions() -> Float[np.ndarray, "v h 3"]:
     """Return unit vectors of the grid's nodes in the head frame, by elevation and azimuth."""
-    elevation = np.radians(np.arange(-90, 91, STEP))[:, None]
-    azimuth = np.radians(np.arange(0, 360, STEP))[None]
+    elevation = np.radians(np.arange(-90, 91, GRID_STEP))[:, None]
+    azimuth = np.radians(np.arange(0, 360, GRID_STEP))[None]
     ring = np.cos(elevation)
     parts = -ring * np.sin(azimuth), np.broadcast_to(np.sin(elevation), (len(elevation), azimuth.size))
     return np.stack([*parts, -ring * np.cos(azimuth)], axis=-1)
@@ -43,13 +43,13 @@ def grid_weights(direction: Float[np.ndarray, "m 3"]) -> tuple[np.ndarray, np.nd
         hint = "At least four directions are needed, not all in one plane."
         raise ConfigError("the directions of a head do not surround it", hint=hint) from error
     alone = places[np.argmax(nodes @ direction[places].T, axis=1)]
-    _tell_of_gaps(nodes, direction[alone])
+    _warn_gaps(nodes, direction[alone])
     matrix = np.swapaxes(direction[corners], 1, 2)
     usable = np.abs(np.linalg.det(matrix)) > 1e-9
     corners, inverse = corners[usable], np.linalg.inv(matrix[usable])
     index, share = np.repeat(alone[:, None], 3, axis=1), np.tile([1.0, 0.0, 0.0], (len(nodes), 1))
-    for begin in range(0, len(nodes), CHUNK):
-        part = slice(begin, begin + CHUNK)
+    for begin in range(0, len(nodes), NODES_PER_CHUNK):
+        part = slice(begin, begin + NODES_PER_CHUNK)
         inside = np.einsum("tij,nj->nti", inverse, nodes[part])
         best = np.argmax(inside.min(axis=2), axis=1)
         found = np.take_along_axis(inside, best[:, None, None], axis=1)[:, 0]
@@ -59,20 +59,20 @@ def grid_weights(direction: Float[np.ndarray, "m 3"]) -> tuple[np.ndarray, np.nd
     return index, share
 
 
-def _tell_of_gaps(nodes: np.ndarray, nearest: np.ndarray) -> None:
+def _warn_gaps(nodes: np.ndarray, nearest: np.ndarray) -> None:
     away = np.degrees(np.arccos(np.clip(np.sum(nodes * nearest, axis=1), -1, 1))).max()
-    if away > FARTHEST:
+    if away > MAX_GAP_ANGLE:
         log.warning("some directions are %.0f degrees from the nearest measured one: they are filled in", away)
 
 
-def mixed(share: tuple[np.ndarray, np.ndarray], values: np.ndarray) -> np.ndarray:
+def interpolate_to_grid(share: tuple[np.ndarray, np.ndarray], values: np.ndarray) -> np.ndarray:
     """Interpolate values of measured directions at the nodes of the grid, (v, h, ...)."""
     index, weight = share
     whole = sum(values[index[:, i]] * weight[:, i].reshape(-1, *(1,) * (values.ndim - 1)) for i in range(3))
     return np.asarray(whole).reshape(*grid_directions().shape[:2], *values.shape[1:])
 
 
-def areas() -> Float[np.ndarray, "v h"]:
+def node_areas() -> Float[np.ndarray, "v h"]:
     """Return quadrature weights of the nodes over the sphere, not normalized."""
-    ring = np.cos(np.radians(np.arange(-90, 91, STEP)))
-    return np.repeat(ring[:, None], 360 // STEP, axis=1)
+    ring = np.cos(np.radians(np.arange(-90, 91, GRID_STEP)))
+    return np.repeat(ring[:, None], 360 // GRID_STEP, axis=1)

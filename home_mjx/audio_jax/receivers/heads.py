@@ -6,11 +6,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Head
+from home_mjx.audio_jax.base.endpoints import MeasuredHead
 from home_mjx.errors import ConfigError
 
 
-def check_head(head: Head, config: AudioConfig) -> None:
+def check_head(head: MeasuredHead, config: AudioConfig) -> None:
     """Validate that a measured head matches the options.
 
     Raises:
@@ -25,11 +25,11 @@ def check_head(head: Head, config: AudioConfig) -> None:
         raise ConfigError(text, hint="Read it again with these options.")
 
 
-def between_directions(table: Float[Array, "v h *n"], toward: Float[Array, "*p 3"]) -> Float[Array, "..."]:
+def interpolate_directions(table: Float[Array, "v h *n"], toward: Float[Array, "*p 3"]) -> Float[Array, "..."]:
     """Interpolate a table over directions bilinearly between the four nearest entries.
 
     Args:
-        table: By elevation from below to above, and azimuth from ahead over the left around the head, see `Head`.
+        table: By elevation from below to above, and azimuth from ahead over the left around the head, see `MeasuredHead`.
         toward: Unit vectors towards the directions of incidence, in the head frame: +x right, +y up, looking along -z.
 
     Example:

@@ -16,11 +16,11 @@ from scipy.special import eval_legendre, spherical_jn, spherical_yn
 
 from home_mjx.audio_jax.base.delays import HALF_WIDTH
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.base.shapes import filter_basis
 from home_mjx.core.transforms import quat_matrix
 
 NUM_ANGLES = 181  # one per degree
-NEARNESS = tuple(i * 0.1 for i in range(8))  # tabulated ratios of the head's radius to the source's distance
+NEARNESS_KNOTS = tuple(i * 0.1 for i in range(8))  # tabulated ratios of the head's radius to the source's distance
 
 
 class EarTable(NamedTuple):
@@ -154,38 +154,38 @@ def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTa
     return EarTable(aligned.astype(np.complex64), delay.astype(np.float32), energy.astype(np.float32))
 
 
-class EarShapes(NamedTuple):
-    """Delay-free filters of one ear: values of causal filters at the knots of `shapes`."""
+class EarFilters(NamedTuple):
+    """Delay-free filters of one ear: values of causal filters at the knots of `filter_basis`."""
 
-    real: Float[np.ndarray, "d a s"]  # by nearness of the source (`NEARNESS`), and its angle to the ear's axis
+    real: Float[np.ndarray, "d a s"]  # by nearness of the source (`NEARNESS_KNOTS`), and its angle to the ear's axis
     imag: Float[np.ndarray, "d a s"]
 
 
 @functools.cache
-def ear_shapes(sample_rate: int, radius: float, speed: float) -> EarShapes:
-    """Fit sums of `shapes` to a rigid sphere's response up to 0.45 of the sample rate.
+def ear_filters(sample_rate: int, radius: float, speed: float) -> EarFilters:
+    """Fit sums of `filter_basis` to a rigid sphere's response up to 0.45 of the sample rate.
 
     Args:
         sample_rate: [Hz].
         radius: [m].
         speed: Speed of sound [m/s].
     """
-    table, (frequency, response) = shapes(sample_rate), shape_responses(sample_rate)
+    table, (frequency, response) = filter_basis(sample_rate), basis_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     weights = []
-    for nearness in NEARNESS:
+    for nearness in NEARNESS_KNOTS:
         distance = radius / nearness if nearness else np.inf
         ear = near_sphere_spectrum(frequency, angle, distance, radius, speed)
         ahead = sphere_delay(angle, radius, speed, distance)[:, None]
-        weights.append(nearest_sums(response, ear * np.exp(2j * np.pi * ahead * frequency)))
+        weights.append(fit_basis_weights(response, ear * np.exp(2j * np.pi * ahead * frequency)))
     value = np.stack(weights) @ table.value
-    return EarShapes(np.real(value).astype(np.float32), np.imag(value).astype(np.float32))
+    return EarFilters(np.real(value).astype(np.float32), np.imag(value).astype(np.float32))
 
 
 @functools.cache
-def ear_lateness(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, " a"]:
+def ear_phase_delays(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, " a"]:
     """Compute the mean phase delay of the response at each angle beyond Woodworth's delay [s]."""
-    frequency, _ = shape_responses(sample_rate)
+    frequency, _ = basis_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     ahead = sphere_delay(angle, radius, speed)[:, None]
     ear = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * ahead * frequency)
@@ -193,16 +193,18 @@ def ear_lateness(sample_rate: int, radius: float, speed: float) -> Float[np.ndar
     return (-(phase @ frequency) / (2 * np.pi * frequency @ frequency)).astype(np.float32)
 
 
-def shape_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
-    """Return frequencies [Hz] up to 0.45 of the sample rate, and the response of each of `shapes` re their sum."""
-    kernel = shapes(sample_rate).kernel
+def basis_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
+    """Return frequencies [Hz] up to 0.45 of the sample rate, and the response of each of `filter_basis` re their sum."""
+    kernel = filter_basis(sample_rate).kernel
     frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
     time = (np.arange(kernel.shape[1]) - HALF_WIDTH) / sample_rate
     response = kernel @ np.exp(-2j * np.pi * time[:, None] * frequency)
     return frequency, (response / response.sum(axis=0)).T
 
 
-def nearest_sums(response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]) -> Float[np.ndarray, "a s"]:
+def fit_basis_weights(
+    response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]
+) -> Float[np.ndarray, "a s"]:
     """Fit real weights of basis responses to required responses by least squares of relative errors."""
     share = 1 / np.maximum(np.abs(wanted), 0.1) ** 2
     count = response.shape[1]
@@ -212,18 +214,20 @@ def nearest_sums(response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarra
     return np.linalg.solve(square, right[..., None])[..., 0]
 
 
-def ear_values(table: EarShapes, angle: Float[Array, "*n"], nearness: Float[Array, "*n"]) -> Complex[Array, "*n s"]:
+def interpolate_ear_filters(
+    table: EarFilters, angle: Float[Array, "*n"], nearness: Float[Array, "*n"]
+) -> Complex[Array, "*n s"]:
     """Interpolate ear filters bilinearly over angle and nearness.
 
     Args:
-        table: From `ear_shapes`.
+        table: From `ear_filters`.
         angle: Between the source and the ear's axis [rad].
         nearness: Ratio of the head's radius to the source's distance.
     """
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
-    row = jnp.clip(nearness / NEARNESS[1], 0.0, len(NEARNESS) - 1.0)
-    near = jnp.clip(row.astype(jnp.int32), 0, len(NEARNESS) - 2)
+    row = jnp.clip(nearness / NEARNESS_KNOTS[1], 0.0, len(NEARNESS_KNOTS) - 1.0)
+    near = jnp.clip(row.astype(jnp.int32), 0, len(NEARNESS_KNOTS) - 2)
     along, across = (x[..., None] for x in (position - low.astype(jnp.float32), row - near.astype(jnp.float32)))
     parts = []
     for part in table:
@@ -234,7 +238,7 @@ def ear_values(table: EarShapes, angle: Float[Array, "*n"], nearness: Float[Arra
     return jax.lax.complex(*parts)
 
 
-def to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, "n 3"]:
+def world_to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, "n 3"]:
     """Transform world directions to the frame of a head with orientation `quat` (wxyz)."""
     return jnp.matmul(direction, quat_matrix(quat), precision="highest")  # row vectors: applies the inverse rotation
 
@@ -248,15 +252,15 @@ def ear_angles(direction: Float[Array, "n 3"], ear_angle: float) -> Float[Array,
 
 def ear_spectrum(table: EarTable, angle: Float[Array, "*n"]) -> tuple[Complex[Array, "*n f"], Float[Array, "*n"]]:
     """Interpolate the delay-free spectrum and the delay [s] of the ear at each angle."""
-    return between_angles(table.spectrum, angle), between_angles(table.delay, angle)
+    return interpolate_angles(table.spectrum, angle), interpolate_angles(table.delay, angle)
 
 
 def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n bands"]:
     """Interpolate the energy gain of the ear per octave at each angle."""
-    return between_angles(table.energy, angle)
+    return interpolate_angles(table.energy, angle)
 
 
-def between_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
+def interpolate_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
     """Interpolate a table over the angle between sound and the ear's axis linearly."""
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)

@@ -11,24 +11,24 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Head
+from home_mjx.audio_jax.base.endpoints import MeasuredHead
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.receivers.aligned import lags, minimum_phase, spectrum
-from home_mjx.audio_jax.receivers.grid import areas, grid_weights, mixed
-from home_mjx.audio_jax.receivers.hrtf import ear_table, nearest_sums, shape_responses
+from home_mjx.audio_jax.base.shapes import filter_basis
+from home_mjx.audio_jax.receivers.aligned import estimate_delays, minimum_phase, response_spectra
+from home_mjx.audio_jax.receivers.grid import grid_weights, interpolate_to_grid, node_areas
+from home_mjx.audio_jax.receivers.hrtf import basis_responses, ear_table, fit_basis_weights
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 
 PHASES, LEVELS = ("minimum", "measured"), ("file", "sphere")
-MARGIN = 1e-4  # [s], time before the extracted delay that filters with measured phase retain
-CHUNK = 64  # directions processed at once, which bounds memory
-LATEST = 1e-3  # [s], maximum arrival-time offset of an ear from the head centre
-ENERGY_SIZE = 1024  # samples of the transform whose frequencies energies are averaged over
-LEVEL_BAND = 2  # index of the 500 Hz octave, in which heads have about the level of a sphere
+PRE_DELAY_SECONDS = 1e-4  # [s], time before the extracted delay that filters with measured phase retain
+DIRECTIONS_PER_CHUNK = 64  # directions processed at once, which bounds memory
+MAX_EAR_DELAY = 1e-3  # [s], maximum arrival-time offset of an ear from the head centre
+ENERGY_TRANSFORM_SIZE = 1024  # samples of the transform whose frequencies energies are averaged over
+LEVEL_BAND_INDEX = 2  # index of the 500 Hz octave, in which heads have about the level of a sphere
 
 
-def measured_head(
+def make_measured_head(
     direction: Float[np.ndarray, "m 3"],
     response: Float[np.ndarray, "m 2 n"],
     rate: float,
@@ -36,7 +36,7 @@ def measured_head(
     delay: Float[np.ndarray, "m 2"] | None = None,
     phase: str = "minimum",
     level: str = "file",
-) -> Head:
+) -> MeasuredHead:
     """Make a head from impulse responses of two ears at one distance, re the free field at the head centre.
 
     Delays maximize the cross-correlation of responses with their minimum-phase parts, as in Nam, Abel and Smith (A
@@ -65,22 +65,29 @@ def measured_head(
     check_known("level", [level], LEVELS)
     _check(direction, response, rate, config)
     share = grid_weights(direction)
-    wanted, _ = shape_responses(config.sample_rate)
-    fine = np.minimum(np.fft.rfftfreq(ENERGY_SIZE, 1 / config.sample_rate), rate / 2)
-    parts = [_split(response[i : i + CHUNK], rate, wanted, fine, config, phase) for i in range(0, len(response), CHUNK)]
+    wanted, _ = basis_responses(config.sample_rate)
+    fine = np.minimum(np.fft.rfftfreq(ENERGY_TRANSFORM_SIZE, 1 / config.sample_rate), rate / 2)
+    parts = [
+        _split(response[i : i + DIRECTIONS_PER_CHUNK], rate, wanted, fine, config, phase)
+        for i in range(0, len(response), DIRECTIONS_PER_CHUNK)
+    ]
     late, filters, energy = (np.concatenate(x) for x in zip(*parts, strict=True))
-    late = mixed(share, late if delay is None else late + delay)
-    late -= np.average(late.mean(axis=-1), weights=areas())
-    if np.abs(late).max() + MARGIN > LATEST:
+    late = interpolate_to_grid(share, late if delay is None else late + delay)
+    late -= np.average(late.mean(axis=-1), weights=node_areas())
+    if np.abs(late).max() + PRE_DELAY_SECONDS > MAX_EAR_DELAY:
         text = f"sound arrives at an ear {1000 * np.abs(late).max():.2f} ms from the head centre"
-        raise ConfigError(text, hint=f"Expected at most {1000 * LATEST:.0f} ms; are the responses aligned in time?")
-    gain, energy = 1.0, mixed(share, energy)
+        raise ConfigError(
+            text, hint=f"Expected at most {1000 * MAX_EAR_DELAY:.0f} ms; are the responses aligned in time?"
+        )
+    gain, energy = 1.0, interpolate_to_grid(share, energy)
     if level == "sphere":
-        gain = math.sqrt(_sphere_level(config) / np.average(energy.mean(axis=2)[..., LEVEL_BAND], weights=areas()))
-    value = gain * _fitted(mixed(share, filters), config.sample_rate)
-    begin = late - MARGIN if phase == "measured" else late
+        gain = math.sqrt(
+            _sphere_level(config) / np.average(energy.mean(axis=2)[..., LEVEL_BAND_INDEX], weights=node_areas())
+        )
+    value = gain * _fit_basis(interpolate_to_grid(share, filters), config.sample_rate)
+    begin = late - PRE_DELAY_SECONDS if phase == "measured" else late
     delay, real, imag, energy = (jnp.asarray(x, jnp.float32) for x in (begin, value.real, value.imag, gain**2 * energy))
-    return Head(delay, real, imag, energy, sample_rate=config.sample_rate)
+    return MeasuredHead(delay, real, imag, energy, sample_rate=config.sample_rate)
 
 
 def _check(direction: np.ndarray, response: np.ndarray, rate: float, config: AudioConfig) -> None:
@@ -99,8 +106,10 @@ def _check(direction: np.ndarray, response: np.ndarray, rate: float, config: Aud
 
 def _sphere_level(config: AudioConfig) -> float:
     """Compute the mean energy of a rigid sphere in the 500 Hz octave over all directions."""
-    table = ear_table(ENERGY_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
-    return float(np.average(table.energy[:, LEVEL_BAND], weights=np.sin(np.linspace(0, np.pi, len(table.energy)))))
+    table = ear_table(ENERGY_TRANSFORM_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
+    return float(
+        np.average(table.energy[:, LEVEL_BAND_INDEX], weights=np.sin(np.linspace(0, np.pi, len(table.energy))))
+    )
 
 
 def _split(
@@ -113,19 +122,19 @@ def _split(
 ) -> tuple[Float[np.ndarray, "m 2"], Complex[np.ndarray, "m 2 f"], Float[np.ndarray, "m 2 bands"]]:
     """Split responses into delays [s] and delay-free filters; return them and the energies per octave."""
     least = minimum_phase(response)
-    late = lags(response, least) / rate
-    whole = spectrum(response, rate, fine)
-    gains = octave_gains(np.fft.rfftfreq(ENERGY_SIZE, 1 / config.sample_rate))
+    late = estimate_delays(response, least) / rate
+    whole = response_spectra(response, rate, fine)
+    gains = octave_gains(np.fft.rfftfreq(ENERGY_TRANSFORM_SIZE, 1 / config.sample_rate))
     energy = np.abs(whole) ** 2 @ gains.T / np.maximum(gains.sum(axis=1), 1e-9)
     if phase == "minimum":
         # Reflecting zeros into the unit circle keeps their number: the minimum-phase filter has the response's length.
-        return late, spectrum(least[..., : response.shape[-1]], rate, wanted), energy
-    turn = np.exp(2j * np.pi * (late - MARGIN)[..., None] * wanted)
-    return late, spectrum(response, rate, wanted) * turn, energy
+        return late, response_spectra(least[..., : response.shape[-1]], rate, wanted), energy
+    turn = np.exp(2j * np.pi * (late - PRE_DELAY_SECONDS)[..., None] * wanted)
+    return late, response_spectra(response, rate, wanted) * turn, energy
 
 
-def _fitted(wanted: Complex[np.ndarray, "v h 2 f"], sample_rate: int) -> Complex[np.ndarray, "v h 2 s"]:
-    """Fit sums of `shapes` to filters; return their values at the knots."""
-    table, (_, response) = shapes(sample_rate), shape_responses(sample_rate)
-    rows = [nearest_sums(response, row.reshape(-1, row.shape[-1])) @ table.value for row in wanted]
+def _fit_basis(wanted: Complex[np.ndarray, "v h 2 f"], sample_rate: int) -> Complex[np.ndarray, "v h 2 s"]:
+    """Fit sums of `filter_basis` to filters; return their values at the knots."""
+    table, (_, response) = filter_basis(sample_rate), basis_responses(sample_rate)
+    rows = [fit_basis_weights(response, row.reshape(-1, row.shape[-1])) @ table.value for row in wanted]
     return np.stack(rows).reshape(*wanted.shape[:3], -1)

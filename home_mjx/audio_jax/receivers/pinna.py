@@ -8,19 +8,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.receivers.hrtf import nearest_sums, shape_responses
+from home_mjx.audio_jax.base.shapes import filter_basis
+from home_mjx.audio_jax.receivers.hrtf import basis_responses, fit_basis_weights
 from home_mjx.schema.compiled import BANDS
 
 # Brown and Duda, A structural model for binaural sound synthesis, IEEE Trans. Speech and Audio Processing 6 (1998),
 # pinna coefficients: strength, and A, B (samples of 1 / RATE) and D of delays A cos(θ / 2) sin(D (90° - φ)) + B
-RATE = 44100.0  # [Hz]
-STRENGTH = (0.5, -1.0, 0.5, -0.25, 0.25)
-SWING = (1.0, 5.0, 5.0, 5.0, 5.0)
-MIDDLE = (2.0, 4.0, 7.0, 11.0, 13.0)
-PACE = (1.0, 0.5, 0.5, 0.5, 0.5)
-PARTS = 8  # frequencies per octave over which energies are averaged
-LONGEST, STEPS = 36.0, 144  # maximum tabulated delay [samples of 1 / RATE], and steps up to it
+PINNA_MODEL_RATE = 44100.0  # [Hz]
+ECHO_STRENGTHS = (0.5, -1.0, 0.5, -0.25, 0.25)
+ECHO_DELAY_SWINGS = (1.0, 5.0, 5.0, 5.0, 5.0)
+ECHO_DELAY_OFFSETS = (2.0, 4.0, 7.0, 11.0, 13.0)
+ECHO_ANGLE_FACTORS = (1.0, 0.5, 0.5, 0.5, 0.5)
+FREQUENCIES_PER_OCTAVE = 8  # frequencies per octave over which energies are averaged
+MAX_ECHO_DELAY, NUM_DELAY_STEPS = 36.0, 144  # maximum tabulated delay [samples of 1 / RATE], and steps up to it
 
 
 def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
@@ -40,67 +40,70 @@ def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
     side = jnp.arcsin(jnp.clip(toward[..., 0], -1.0, 1.0))
     around = jnp.arctan2(toward[..., 1], -toward[..., 2])
     around = jnp.where(around < -math.pi / 2, around + 2 * math.pi, around)  # -90° below .. 180° behind .. 270°
-    pace, swing, middle = (jnp.asarray(x, jnp.float32).reshape((1,) * side.ndim + (-1,)) for x in (PACE, SWING, MIDDLE))
+    pace, swing, middle = (
+        jnp.asarray(x, jnp.float32).reshape((1,) * side.ndim + (-1,))
+        for x in (ECHO_ANGLE_FACTORS, ECHO_DELAY_SWINGS, ECHO_DELAY_OFFSETS)
+    )
     wave = jnp.sin(pace * (math.pi / 2 - jnp.minimum(around, math.pi))[..., None])
     back = (jnp.clip(around / math.pi - 1, 0.0, 0.5) * 2)[..., None]  # 0 behind .. 1 below
     wave = wave + back * (jnp.sin(pace * jnp.float32(math.pi)) - wave)
     samples = swing * jnp.cos(side / 2)[..., None] * wave + middle
-    return jnp.maximum(samples, 0.0) / jnp.float32(RATE)
+    return jnp.maximum(samples, 0.0) / jnp.float32(PINNA_MODEL_RATE)
 
 
-def with_echoes(
+def add_echoes(
     ears: Complex[Array, "p 2 s"], late: Float[Array, "p 2"], toward: Float[Array, "p 3"], sample_rate: int
 ) -> Complex[Array, "p 2 s"]:
     """Add pinna echoes to ear filters; echo delays are the same at both ears.
 
     Args:
-        ears: Values of causal filters at the knots of `shapes`.
+        ears: Values of causal filters at the knots of `filter_basis`.
         late: Mean delay of these filters [s]. It is removed from them and tabulated together with each echo's delay,
             because the few knots do not resolve products of delays.
         toward: Unit vectors towards the directions of incidence, in the head frame.
         sample_rate: [Hz].
     """
     whole = jnp.maximum(pinna_delays(toward)[:, None] + late[..., None], 0.0)
-    place = whole * jnp.float32(RATE * STEPS / LONGEST)
-    low = jnp.clip(place.astype(jnp.int32), 0, STEPS - 1)
+    place = whole * jnp.float32(PINNA_MODEL_RATE * NUM_DELAY_STEPS / MAX_ECHO_DELAY)
+    low = jnp.clip(place.astype(jnp.int32), 0, NUM_DELAY_STEPS - 1)
     rest = jnp.clip(place - low.astype(jnp.float32), 0.0, 1.0)[..., None]
-    strength = jnp.asarray(STRENGTH, jnp.float32)[None, None, :, None]
+    strength = jnp.asarray(ECHO_STRENGTHS, jnp.float32)[None, None, :, None]
     real, imag = (
         jnp.sum(strength * (rows[low] * (1 - rest) + rows[low + 1] * rest), axis=2)
-        for rows in (jnp.asarray(part) for part in _delayed(sample_rate))
+        for rows in (jnp.asarray(part) for part in _delay_filters(sample_rate))
     )
-    angle = late[..., None] * jnp.asarray(2 * math.pi * shapes(sample_rate).frequency, jnp.float32)[None, None]
+    angle = late[..., None] * jnp.asarray(2 * math.pi * filter_basis(sample_rate).frequency, jnp.float32)[None, None]
     return ears + ears * jax.lax.complex(jnp.cos(angle), jnp.sin(angle)) * jax.lax.complex(real, imag)
 
 
 @functools.cache
-def _delayed(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "d s"]]:
-    """Fit sums of `shapes` to pure delays; return real and imaginary parts of their values at the knots."""
-    table, (frequency, response) = shapes(sample_rate), shape_responses(sample_rate)
-    delay = np.linspace(0, LONGEST / RATE, STEPS + 1)
-    value = nearest_sums(response, np.exp(-2j * np.pi * delay[:, None] * frequency)) @ table.value
+def _delay_filters(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "d s"]]:
+    """Fit sums of `filter_basis` to pure delays; return real and imaginary parts of their values at the knots."""
+    table, (frequency, response) = filter_basis(sample_rate), basis_responses(sample_rate)
+    delay = np.linspace(0, MAX_ECHO_DELAY / PINNA_MODEL_RATE, NUM_DELAY_STEPS + 1)
+    value = fit_basis_weights(response, np.exp(-2j * np.pi * delay[:, None] * frequency)) @ table.value
     return np.real(value).astype(np.float32), np.imag(value).astype(np.float32)
 
 
 def echo_response(toward: Float[Array, "p 3"], frequency: Float[np.ndarray, " f"]) -> Complex[Array, "p f"]:
     """Compute the transfer function of direct sound with its echoes at arbitrary frequencies [Hz]."""
     angle = -2 * math.pi * pinna_delays(toward)[..., None] * jnp.asarray(frequency, jnp.float32)[None, None]
-    strength = jnp.asarray(STRENGTH, jnp.float32)[None, :, None]
+    strength = jnp.asarray(ECHO_STRENGTHS, jnp.float32)[None, :, None]
     real, imag = (jnp.sum(strength * part, axis=1) for part in (jnp.cos(angle), jnp.sin(angle)))
     return jax.lax.complex(1 + real, imag)
 
 
 def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, "n bands"]:
     """Compute the mean energy of sound with echoes per octave re sound without them."""
-    frequency = _of_octaves(sample_rate)
+    frequency = _octave_frequencies(sample_rate)
     power = jnp.abs(echo_response(toward, frequency.ravel())) ** 2
     return jnp.mean(power.reshape(-1, *frequency.shape), axis=-1)
 
 
 @functools.cache
-def _of_octaves(sample_rate: int) -> Float[np.ndarray, "bands parts"]:
+def _octave_frequencies(sample_rate: int) -> Float[np.ndarray, "bands parts"]:
     """Return equally spaced frequencies of each octave, up to half the sample rate [Hz]."""
     low = np.minimum(np.array(BANDS) / math.sqrt(2), 0.4 * sample_rate)
     high = np.minimum(np.array(BANDS) * math.sqrt(2), 0.5 * sample_rate)
-    place = (np.arange(PARTS) + 0.5) / PARTS
+    place = (np.arange(FREQUENCIES_PER_OCTAVE) + 0.5) / FREQUENCIES_PER_OCTAVE
     return low[:, None] + (high - low)[:, None] * place[None]

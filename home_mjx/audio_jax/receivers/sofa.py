@@ -8,18 +8,20 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.receivers.measured import measured_head
+from home_mjx.audio_jax.base.endpoints import MeasuredHead
+from home_mjx.audio_jax.receivers.measured import make_measured_head
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, install_hint
 
 CONVENTION = "SimpleFreeFieldHRIR"
-NEAR = 0.9  # minimum distance re the farthest source; nearer sources belong to another set of measurements
+MIN_RELATIVE_DISTANCE = (
+    0.9  # minimum distance re the farthest source; nearer sources belong to another set of measurements
+)
 SUFFIX = ".sofa"
 
 log = logging.getLogger(__name__)
 
 
-class Measurements(NamedTuple):
+class HeadMeasurements(NamedTuple):
     """Impulse responses of a SOFA file: m directions, left and right ear."""
 
     direction: Float[np.ndarray, "m 3"]  # unit vectors in the frame of the head: +x right, +y up, looking along -z
@@ -28,16 +30,16 @@ class Measurements(NamedTuple):
     delay: Float[np.ndarray, "m 2"]  # [s]
 
 
-def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", level: str = "file") -> Head:
-    """Read a head from a SOFA file of free-field responses of two ears, see `measured_head`.
+def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", level: str = "file") -> MeasuredHead:
+    """Read a head from a SOFA file of free-field responses of two ears, see `make_measured_head`.
 
     If the file has several source distances, only the farthest is used.
 
     Args:
         path: The file; its name ends in `.sofa`.
         config: Options of the simulation that will use the head.
-        phase: "minimum" or "measured", see `measured_head`.
-        level: "file" or "sphere", see `measured_head`. Use "sphere" for files that are not relative to the free field,
+        phase: "minimum" or "measured", see `make_measured_head`.
+        level: "file" or "sphere", see `make_measured_head`. Use "sphere" for files that are not relative to the free field,
             as many are.
 
     Raises:
@@ -52,38 +54,38 @@ def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", lev
     """
     found = read_measurements(path)
     try:
-        return measured_head(found.direction, found.response, found.rate, config, found.delay, phase, level)
+        return make_measured_head(found.direction, found.response, found.rate, config, found.delay, phase, level)
     except ConfigError as error:
         if type(error) is not ConfigError:  # an unknown option value, not a fault of the file
             raise
         raise DatasetError(error.message, file=path, element="Data.IR", hint=error.hint) from error
 
 
-def read_measurements(path: str | Path) -> Measurements:
+def read_measurements(path: str | Path) -> HeadMeasurements:
     """Read the impulse responses of a SOFA file; errors as in `read_head`."""
     path = Path(path)
-    sofa = _opened(path)
-    response = _numbers(sofa, "Data_IR", path)
+    sofa = _open(path)
+    response = _read_numbers(sofa, "Data_IR", path)
     if response.ndim != 3 or response.shape[1] != 2 or 0 in response.shape:
         raise DatasetError(f"expected responses (m, 2, n), got {response.shape}", file=path, element="Data.IR")
-    rate = _numbers(sofa, "Data_SamplingRate", path)
+    rate = _read_numbers(sofa, "Data_SamplingRate", path)
     if rate.size != 1 or not rate.item() > 0:
         raise DatasetError(f"expected one positive rate, got {rate}", file=path, element="Data.SamplingRate")
     count = response.shape[0]
-    late = _of_all(_numbers(sofa, "Data_Delay", path), (count, 2), path, "Data.Delay") / rate.item()
-    order = _left_first(sofa, path)
-    away = _in_head(sofa, count, path)
+    late = _broadcast_rows(_read_numbers(sofa, "Data_Delay", path), (count, 2), path, "Data.Delay") / rate.item()
+    order = _ear_order(sofa, path)
+    away = _source_vectors(sofa, count, path)
     distance = np.linalg.norm(away, axis=1)
     if not distance.min() > 0:
         raise DatasetError("a source is at the head centre", file=path, element="SourcePosition")
-    kept = distance >= NEAR * distance.max()
+    kept = distance >= MIN_RELATIVE_DISTANCE * distance.max()
     if not kept.all():
         log.info("%s: using the %d farthest of %d directions", path, kept.sum(), count)
     unit = away[kept] / distance[kept, None]
-    return Measurements(unit, response[kept][:, order], rate.item(), late[kept][:, order])
+    return HeadMeasurements(unit, response[kept][:, order], rate.item(), late[kept][:, order])
 
 
-def _opened(path: Path) -> Any:
+def _open(path: Path) -> Any:
     try:
         import sofar
     except ImportError as error:
@@ -104,7 +106,7 @@ def _opened(path: Path) -> Any:
     return sofa
 
 
-def _numbers(sofa: Any, name: str, path: Path) -> Float[np.ndarray, "..."]:
+def _read_numbers(sofa: Any, name: str, path: Path) -> Float[np.ndarray, "..."]:
     element = name.replace("_", ".") if name.startswith("Data") else name
     try:
         values = np.asarray(getattr(sofa, name), float)
@@ -115,7 +117,7 @@ def _numbers(sofa: Any, name: str, path: Path) -> Float[np.ndarray, "..."]:
     return values
 
 
-def _of_all(values: np.ndarray, shape: tuple[int, ...], path: Path, element: str) -> np.ndarray:
+def _broadcast_rows(values: np.ndarray, shape: tuple[int, ...], path: Path, element: str) -> np.ndarray:
     """Broadcast one row to all measurements, or validate one row each."""
     try:
         return np.broadcast_to(np.atleast_2d(values), shape)
@@ -125,21 +127,21 @@ def _of_all(values: np.ndarray, shape: tuple[int, ...], path: Path, element: str
         ) from error
 
 
-def _left_first(sofa: Any, path: Path) -> list[int]:
+def _ear_order(sofa: Any, path: Path) -> list[int]:
     """Return the indices of the left and the right ear."""
-    ears = _numbers(sofa, "ReceiverPosition", path)
+    ears = _read_numbers(sofa, "ReceiverPosition", path)
     ears = ears[..., 0] if ears.ndim == 3 else ears
-    places = _cartesian(_of_all(ears, (2, 3), path, "ReceiverPosition"), sofa, "ReceiverPosition", path)
+    places = _cartesian(_broadcast_rows(ears, (2, 3), path, "ReceiverPosition"), sofa, "ReceiverPosition", path)
     if places[0, 1] == places[1, 1]:
         raise DatasetError("neither ear is to the left of the other", file=path, element="ReceiverPosition")
     return [0, 1] if places[0, 1] > places[1, 1] else [1, 0]
 
 
-def _in_head(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3"]:
+def _source_vectors(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3"]:
     """Compute vectors from the head centre to the sources [m], in the head frame."""
 
     def vectors(name: str, kind: str) -> np.ndarray:
-        return _cartesian(_of_all(_numbers(sofa, name, path), (count, 3), path, name), sofa, kind, path)
+        return _cartesian(_broadcast_rows(_read_numbers(sofa, name, path), (count, 3), path, name), sofa, kind, path)
 
     away = vectors("SourcePosition", "SourcePosition") - vectors("ListenerPosition", "ListenerPosition")
     ahead, up = vectors("ListenerView", "ListenerView"), vectors("ListenerUp", "ListenerView")

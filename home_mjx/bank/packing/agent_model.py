@@ -4,12 +4,12 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.geometry.meshes import box_triangles, make_model
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.compiled import Model
 from home_mjx.schema.semantic import semantic_row
 
-RADIUS, HEIGHT = Body().radius, Body().height  # [m]; scenes scale the model to other bodies
-VISOR_CENTER = (0.09, 0.0, Body().eye_height - HEIGHT / 2)  # [m], at eye height
+RADIUS, HEIGHT = AgentBody().radius, AgentBody().height  # [m]; scenes scale the model to other bodies
+VISOR_CENTER = (0.09, 0.0, AgentBody().eye_height - HEIGHT / 2)  # [m], at eye height
 VISOR_SIZE = (0.07, 0.12, 0.06)  # [m]
 SEGMENTS = 16  # around the axis
 RINGS = 4  # per hemisphere

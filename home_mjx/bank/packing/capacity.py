@@ -14,7 +14,7 @@ from home_mjx.schema.compiled import ARCHITECTURE, NUM_BANDS, CompiledHouse, Mat
 from home_mjx.schema.semantic import Semantic
 
 GRID_BLOCK = 32  # [cells]
-FIXED: Sizes = {"bands": NUM_BANDS, "columns": len(Semantic), "id_bytes": ID_LENGTH}
+FIXED_LENGTHS: Sizes = {"bands": NUM_BANDS, "columns": len(Semantic), "id_bytes": ID_LENGTH}
 
 
 @dataclass(frozen=True)
@@ -22,21 +22,21 @@ class Axis:
     """An axis of a bank's arrays that is padded to one length for all houses.
 
     Attributes:
-        count: Returns the length that a house needs.
+        required: Returns the length that a house needs.
         smallest: Lengths are multiples of this by a power of two.
         block: If set, lengths are multiples of this instead.
-        drawn: A compiler option determines the length, not the house.
+        set_by_compiler: A compiler option determines the length, not the house.
         optional: The length is 0 if no house needs any; programs then contain no code for its items.
     """
 
-    count: Callable[[CompiledHouse], int]
+    required: Callable[[CompiledHouse], int]
     smallest: int = 1
     block: int | None = None
-    drawn: bool = False
+    set_by_compiler: bool = False
     optional: bool = False
 
-    def rounded(self, count: int) -> int:
-        """Return the minimum length of this axis that holds `count` items."""
+    def round_up(self, count: int) -> int:
+        """Return the minimum length of this axis that holds `required` items."""
         if self.optional and not count:
             return 0
         return size_class(count, self.smallest) if self.block is None else -(-count // self.block) * self.block
@@ -47,13 +47,13 @@ AXES: Mapping[str, Axis] = {
     "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
     "bodies": Axis(lambda h: len(h.bodies.mass), 8, optional=True),
     "arrangements": Axis(lambda h: 0, optional=True),  # added to complete banks
-    "hinged_leaves": Axis(lambda h: int((~h.doors.slides).sum()), 8, optional=True),
-    "slides": Axis(lambda h: int(h.doors.slides.sum()), 2, optional=True),
+    "hinged_leaves": Axis(lambda h: int((~h.doors.is_sliding).sum()), 8, optional=True),
+    "slides": Axis(lambda h: int(h.doors.is_sliding.sum()), 2, optional=True),
     "ramps": Axis(lambda h: len(h.ramps.slope), 1),
     "colliders": Axis(lambda h: len(h.colliders.pos), 64),
     "planes": Axis(lambda h: len(h.planes.material), 16),
-    "starts": Axis(lambda h: len(h.navigation.start), 256, drawn=True),
-    "goals": Axis(lambda h: len(h.navigation.goal), 8, drawn=True),
+    "starts": Axis(lambda h: len(h.navigation.start), 256, set_by_compiler=True),
+    "goals": Axis(lambda h: len(h.navigation.goal), 8, set_by_compiler=True),
     "rooms": Axis(lambda h: len(h.rooms.type), 16),
     "lights": Axis(lambda h: len(h.lights.instance), 16),
     "portals": Axis(lambda h: len(h.navigation.portals.width), 16),
@@ -63,33 +63,33 @@ AXES: Mapping[str, Axis] = {
 }
 
 
-def needs(house: CompiledHouse) -> dict[str, int]:
+def required_lengths(house: CompiledHouse) -> dict[str, int]:
     """Return the length that a house needs on each axis."""
-    return {name: axis.count(house) for name, axis in AXES.items()}
+    return {name: axis.required(house) for name, axis in AXES.items()}
 
 
-def capacity_of(houses: Sequence[CompiledHouse], headroom: float = 1.0) -> dict[str, int]:
-    """Return axis lengths that hold each of the houses, and others up to `headroom` times as large."""
-    found = [needs(house) for house in houses]
+def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -> dict[str, int]:
+    """Return axis lengths that hold each of the houses, and others up to `capacity_factor` times as large."""
+    found = [required_lengths(house) for house in houses]
     largest = {name: max(counts[name] for counts in found) for name in AXES}
-    growth = {name: 1.0 if axis.drawn else headroom for name, axis in AXES.items()}
-    return {name: axis.rounded(int(np.ceil(largest[name] * growth[name]))) for name, axis in AXES.items()}
+    growth = {name: 1.0 if axis.set_by_compiler else capacity_factor for name, axis in AXES.items()}
+    return {name: axis.round_up(int(np.ceil(largest[name] * growth[name]))) for name, axis in AXES.items()}
 
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
     """Return the lengths of all axes except those of rows and houses."""
     doors = capacity["hinged_leaves"] + capacity["slides"]
-    return {**FIXED, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
+    return {**FIXED_LENGTHS, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 
 
-def rows_of(house: CompiledHouse) -> dict[str, int]:
+def house_rows(house: CompiledHouse) -> dict[str, int]:
     """Count the rows of a house in each kind of concatenated table, without models shared with other houses."""
     own = house.models[house.instances.model[ARCHITECTURE]]
     return model_rows([own]) | {
-        "node": len(own.tree.child) + len(house.top.child),
+        "node": len(own.tree.child) + len(house.top_bvh.child),
         "material": len(house.materials.mask),
         "semantic": len(house.semantics),
-        "cell": len(house.navigation.field) + len(house.navigation.fringe.field),
+        "cell": len(house.navigation.field) + len(house.navigation.extrapolated.field),
     }
 
 
@@ -105,11 +105,13 @@ def shared_rows(models: Iterable[Model], materials: MaterialTable, semantics: np
     return model_rows(models) | {"material": len(materials.mask), "semantic": len(semantics), "cell": 0}
 
 
-def row_stride(houses: Sequence[CompiledHouse], headroom: float) -> dict[str, int]:
-    """Return rows per table kind that hold each of the houses, and others up to `headroom` times as large."""
-    found = [rows_of(house) for house in houses]
+def slot_stride(houses: Sequence[CompiledHouse], capacity_factor: float) -> dict[str, int]:
+    """Return rows per table kind that hold each of the houses, and others up to `capacity_factor` times as large."""
+    found = [house_rows(house) for house in houses]
     largest = {kind: max(rows[kind] for rows in found) for kind in found[0]}
-    return {kind: 1 if kind == "model" else ragged_class(int(count * headroom)) for kind, count in largest.items()}
+    return {
+        kind: 1 if kind == "model" else ragged_class(int(count * capacity_factor)) for kind, count in largest.items()
+    }
 
 
 def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
@@ -118,11 +120,11 @@ def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
         if count > available[kind]:
             raise CapacityError(
                 f"house {house_id} needs {count} {kind.replace('_', ' ')}, {available[kind]} fit",
-                hint="Use a larger `headroom`, or leave the house out.",
+                hint="Use a larger `capacity_factor`, or leave the house out.",
             )
 
 
-def running_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, int]]:
+def cumulative_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, int]]:
     """Return the first row of each house in each table if the houses follow one another from `first` on."""
     starts, at = [], dict(first)
     for counts in rows:

@@ -11,12 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from home_mjx.bank.packing.capacity import axis_lengths, capacity_of, check_fits, needs, rows_of, running_starts
+from home_mjx.bank.packing.capacity import (
+    axis_lengths,
+    capacity_of,
+    check_fits,
+    cumulative_starts,
+    house_rows,
+    required_lengths,
+)
 from home_mjx.bank.packing.library import Library, Owners
 from home_mjx.bank.packing.size_classes import ragged_class
 from home_mjx.bank.packing.texture_layers import TEXTURE_SIZE, texture_shape
-from home_mjx.bank.records.bank_arrays import BankSpec, schema
-from home_mjx.bank.records.declaration import HOUSE, ROW_KINDS, SHARED, Arrays, Declaration, Key, Sizes
+from home_mjx.bank.records.bank_arrays import BankSpec, declarations
+from home_mjx.bank.records.declaration import HOUSE_AXIS, ROW_KINDS, SHARED, Arrays, Declaration, Key, Sizes
 from home_mjx.bank.records.geometry import LEAF_BITS
 from home_mjx.bank.records.owners import Counts
 from home_mjx.errors import CapacityError, ConfigError
@@ -24,18 +31,18 @@ from home_mjx.schema.compiled import CompiledHouse
 
 MAX_TRIANGLES = 2 ** (31 - LEAF_BITS)
 # Compiler options that must be equal for all houses of a bank, and their values in a house.
-COMMON: Mapping[str, Callable[[CompiledHouse], float]] = {
+COMMON_OPTIONS: Mapping[str, Callable[[CompiledHouse], float]] = {
     "cell": lambda house: house.navigation.cell,
     "agent_radius": lambda house: house.navigation.agent_radius,
     "agent_height": lambda house: house.navigation.agent_height,
 }
-MESSAGES = {"cell": "navigation cell size", "agent_radius": "agent radius", "agent_height": "agent height"}
+OPTION_LABELS = {"cell": "navigation cell size", "agent_radius": "agent radius", "agent_height": "agent height"}
 # Axes whose lengths `BankSpec` stores.
 SPEC_AXES = ("instances", "bodies", "doors", "slides", "colliders", "planes", "starts", "goals")
 
 
 @dataclass(frozen=True)
-class Packed:
+class PackedBank:
     """Arrays and static numbers of a `bank.HouseBank`."""
 
     arrays: Arrays
@@ -50,7 +57,7 @@ class _Part:
     start: Counts
 
 
-def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> Packed:
+def pack_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> PackedBank:
     """Pack houses into the arrays of a bank, in the given order.
 
     Args:
@@ -62,18 +69,18 @@ def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> P
         CapacityError: There are more triangles than leaf codes can address.
         DatasetError: A texture file is missing or is not an image.
     """
-    library, sizes = plan(houses, texture_size)
-    starts = running_starts(library.rows, [rows_of(house) for house in houses])
+    library, sizes = plan_bank(houses, texture_size)
+    starts = cumulative_starts(library.num_rows, [house_rows(house) for house in houses])
     return _packed(houses, library, sizes, starts, texture_size)
 
 
-def plan(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> tuple[Library, dict[str, int]]:
-    """Return the shared library of a bank of these houses and the lengths of all its axes; see `pack`."""
+def plan_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> tuple[Library, dict[str, int]]:
+    """Return the shared library of a bank of these houses and the lengths of all its axes; see `pack_bank`."""
     if not houses:
         raise ConfigError("a bank needs at least one house")
-    library = Library.of(houses)
-    own = [rows_of(house) for house in houses]
-    count = {kind: library.rows[kind] + sum(rows[kind] for rows in own) for kind in ROW_KINDS}
+    library = Library.from_houses(houses)
+    own = [house_rows(house) for house in houses]
+    count = {kind: library.num_rows[kind] + sum(rows[kind] for rows in own) for kind in ROW_KINDS}
     check_triangles(count["triangle"])
     rows = {kind: ragged_class(number) for kind, number in count.items()}
     return library, _sizes(len(houses), library, capacity_of(houses), rows, texture_size)
@@ -85,7 +92,7 @@ def pack_house_slots(
     capacity: Counts,
     stride: Counts,
     texture_size: int = TEXTURE_SIZE,
-) -> Packed:
+) -> PackedBank:
     """Pack houses into a bank of exchangeable houses, each with `stride` rows in the concatenated tables.
 
     Args:
@@ -99,8 +106,8 @@ def pack_house_slots(
         CapacityError: A house needs more, or there are more triangles than leaf codes can address.
     """
     for house in houses:
-        check_house(house, capacity, stride)
-    rows = {kind: library.rows[kind] + len(houses) * stride[kind] for kind in ROW_KINDS}
+        check_house_fits(house, capacity, stride)
+    rows = {kind: library.num_rows[kind] + len(houses) * stride[kind] for kind in ROW_KINDS}
     check_triangles(rows["triangle"])
     starts = [slot_start(library, stride, house_slot) for house_slot in range(len(houses))]
     return _packed(houses, library, _sizes(len(houses), library, capacity, rows, texture_size), starts, texture_size)
@@ -114,24 +121,24 @@ def pack_house_slot(
     Raises:
         CapacityError: The house does not fit.
     """
-    check_house(house, capacity, stride)
+    check_house_fits(house, capacity, stride)
     start = slot_start(library, stride, house_slot)
-    sizes = axis_lengths(capacity) | dict(stride) | {HOUSE: 1}
-    part = _Part(library.house_owners(house, start, sizes), dict.fromkeys((*ROW_KINDS, HOUSE), 0))
+    sizes = axis_lengths(capacity) | dict(stride) | {HOUSE_AXIS: 1}
+    part = _Part(library.house_owners(house, start, sizes), dict.fromkeys((*ROW_KINDS, HOUSE_AXIS), 0))
     arrays = _fill(_declared(shared=False), [part], sizes)
-    first = {**start, HOUSE: house_slot}
+    first = {**start, HOUSE_AXIS: house_slot}
     return arrays, {d.key: first[d.kind] for d in _declared(shared=False)}
 
 
 def slot_start(library: Library, stride: Counts, house_slot: int) -> dict[str, int]:
     """Return the first row of a house slot in each table."""
-    return {kind: library.rows[kind] + house_slot * count for kind, count in stride.items()}
+    return {kind: library.num_rows[kind] + house_slot * count for kind, count in stride.items()}
 
 
-def check_house(house: CompiledHouse, capacity: Counts, stride: Counts) -> None:
+def check_house_fits(house: CompiledHouse, capacity: Counts, stride: Counts) -> None:
     """Raise `CapacityError` if a house does not fit a house slot."""
-    check_fits(house.id, needs(house), capacity)
-    check_fits(house.id, rows_of(house), stride)
+    check_fits(house.id, required_lengths(house), capacity)
+    check_fits(house.id, house_rows(house), stride)
 
 
 def check_triangles(count: int) -> None:
@@ -149,30 +156,30 @@ def common_options(houses: Sequence[CompiledHouse]) -> dict[str, float]:
     Raises:
         ConfigError: The houses were compiled with different options.
     """
-    for name, value in COMMON.items():
+    for name, value in COMMON_OPTIONS.items():
         if len({round(value(house), 9) for house in houses}) > 1:
-            raise ConfigError(f"the houses of a bank must have one {MESSAGES[name]}", hint="Compile them alike.")
-    return {name: float(value(houses[0])) for name, value in COMMON.items()}
+            raise ConfigError(f"the houses of a bank must have one {OPTION_LABELS[name]}", hint="Compile them alike.")
+    return {name: float(value(houses[0])) for name, value in COMMON_OPTIONS.items()}
 
 
 def _packed(
     houses: Sequence[CompiledHouse], library: Library, sizes: Sizes, starts: Sequence[Counts], texture_size: int
-) -> Packed:
+) -> PackedBank:
     spec: dict[str, Any] = {f"num_{name}": sizes[name] for name in SPEC_AXES} | common_options(houses)
-    parts = [_Part(library.owners(sizes) | library.shared(texture_size), dict.fromkeys((*ROW_KINDS, SHARED), 0))]
+    parts = [_Part(library.owners(sizes) | library.shared_owners(texture_size), dict.fromkeys((*ROW_KINDS, SHARED), 0))]
     for i, (house, start) in enumerate(zip(houses, starts, strict=True)):
-        parts.append(_Part(library.house_owners(house, start, sizes), {**start, HOUSE: i}))
-    return Packed(_fill(schema(), parts, sizes), BankSpec(**spec))
+        parts.append(_Part(library.house_owners(house, start, sizes), {**start, HOUSE_AXIS: i}))
+    return PackedBank(_fill(declarations(), parts, sizes), BankSpec(**spec))
 
 
 def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, texture_size: int) -> dict[str, int]:
     """Return the length of every axis of a bank."""
     layers, texels = texture_shape(len(library.textures), texture_size)
-    return {**axis_lengths(capacity), **rows, HOUSE: num_houses, "layers": layers, "texels": texels}
+    return {**axis_lengths(capacity), **rows, HOUSE_AXIS: num_houses, "layers": layers, "texels": texels}
 
 
 def _declared(shared: bool) -> list[Declaration]:
-    return [d for d in schema() if (d.kind == SHARED) == shared]
+    return [d for d in declarations() if (d.kind == SHARED) == shared]
 
 
 def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Sizes) -> Arrays:

@@ -1,12 +1,19 @@
 """Arrays of a bank, grouped by the engine that reads them; each is declared once, at its field (`declaration`)."""
 
-from home_mjx.bank.records.bank_arrays import BankArrays, BankSpec, array_of, by_record, schema, with_arrays
+from home_mjx.bank.records.bank_arrays import (
+    BankArrays,
+    BankSpec,
+    declarations,
+    get_array,
+    group_by_record,
+    replace_arrays,
+)
 from home_mjx.bank.records.bodies import Physics
 from home_mjx.bank.records.declaration import Declaration
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import GpuGeometry
 from home_mjx.bank.records.light import Lights
-from home_mjx.bank.records.places import Navigation
+from home_mjx.bank.records.places import NavigationArrays
 from home_mjx.bank.records.sound import Acoustics
 from home_mjx.bank.records.surfaces import Finish, Materials
 
@@ -20,10 +27,10 @@ __all__ = [
     "GpuGeometry",
     "Lights",
     "Materials",
-    "Navigation",
+    "NavigationArrays",
     "Physics",
-    "array_of",
-    "by_record",
-    "schema",
-    "with_arrays",
+    "declarations",
+    "get_array",
+    "group_by_record",
+    "replace_arrays",
 ]

@@ -12,17 +12,17 @@ from home_mjx.bank.records.bodies import Physics
 from home_mjx.bank.records.declaration import Declaration, Key
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.light import Lights
-from home_mjx.bank.records.owners import HouseAt
-from home_mjx.bank.records.places import Navigation
+from home_mjx.bank.records.owners import HouseOwner
+from home_mjx.bank.records.places import NavigationArrays
 from home_mjx.bank.records.sound import Acoustics
 from home_mjx.bank.records.surfaces import Finish, Materials
-from home_mjx.core.pytree import Pytree, array, declared, static
+from home_mjx.core.pytree import Pytree, array, declared_arrays, static
 from home_mjx.errors import ConfigError
 
 ID_LENGTH = 32  # [bytes], axis "id_bytes" of house_id
 
 
-def ascii_id(at: HouseAt) -> UInt8[np.ndarray, " id_bytes"]:
+def ascii_id(at: HouseOwner) -> UInt8[np.ndarray, " id_bytes"]:
     """Encode the house's id as ASCII bytes, padded with zeros."""
     data = at.house.id.encode()
     if not at.house.id.isascii() or not 0 < len(data) <= ID_LENGTH:
@@ -54,10 +54,10 @@ class BankArrays(Pytree):
     semantics: Int[Array, "semantic columns"] = array("columns: compiled.Semantic", source="semantics", fill=-1)
     physics: Physics
     acoustics: Acoustics
-    navigation: Navigation
+    navigation: NavigationArrays
     finish: Finish
     lights: Lights
-    draw: Int[Array, " h"]  # house indices that resets draw from, each active house equally often
+    reset_houses: Int[Array, " h"]  # house indices that resets draw from, each active house equally often
     house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
     spec: BankSpec = static()
     # Baked records by name, see `home_mjx.houses.add_bakes`; empty: nothing is baked.
@@ -72,13 +72,13 @@ RECORDS: dict[str, type] = {
     "materials": Materials,
     "physics": Physics,
     "acoustics": Acoustics,
-    "navigation": Navigation,
+    "navigation": NavigationArrays,
     "finish": Finish,
     "lights": Lights,
 }
 
 
-def schema() -> tuple[Declaration, ...]:
+def declarations() -> tuple[Declaration, ...]:
     """Return the declarations of all arrays of a bank.
 
     Example:
@@ -91,19 +91,19 @@ def schema() -> tuple[Declaration, ...]:
 @functools.cache
 def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, ...]:
     return tuple(
-        Declaration.of((record, field), annotation, doc, **notes)
+        Declaration.from_field((record, field), annotation, doc, **notes)
         for record, cls in records
-        for field, (annotation, doc, notes) in declared(cls).items()
+        for field, (annotation, doc, notes) in declared_arrays(cls).items()
     )
 
 
-def array_of(bank: BankArrays, key: Key) -> Array:
+def get_array(bank: BankArrays, key: Key) -> Array:
     """Return the array of a bank with this key."""
     record, field = key
     return getattr(getattr(bank, record) if record else bank, field)
 
 
-def by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
+def group_by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
     """Group arrays by record, then by field."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in RECORDS}
     for (record, field), values in arrays.items():
@@ -111,9 +111,9 @@ def by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
     return tables
 
 
-def with_arrays(bank: Bank, arrays: Mapping[Key, Array]) -> Bank:
+def replace_arrays(bank: Bank, arrays: Mapping[Key, Array]) -> Bank:
     """Return the bank with some arrays replaced."""
-    tables = by_record(arrays)
+    tables = group_by_record(arrays)
     own = tables.pop("")
     records = {name: getattr(bank, name).replace(**fields) for name, fields in tables.items() if fields}
     return bank.replace(**own, **records)

@@ -6,38 +6,38 @@ from typing import Any
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.bank.records.owners import HouseAt
+from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.core.pytree import Pytree, array
 from home_mjx.geometry.boxes import box_inertia
-from home_mjx.schema.contact_materials import USUAL, damping_ratio
+from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 
-PARKED = np.array([0.0, 0.0, -100.0])  # [m], position of padded boxes, far below any house
-UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
-SMALL = np.full(3, 0.1, np.float32)  # [m], half extents of padded boxes
+PADDING_POS = np.array([0.0, 0.0, -100.0])  # [m], position of padded boxes, far below any house
+IDENTITY_QUAT = np.array([1.0, 0.0, 0.0, 0.0])
+PADDING_SIZE = np.full(3, 0.1, np.float32)  # [m], half extents of padded boxes
 
 
-def is_body(at: HouseAt) -> Bool[np.ndarray, " k"]:
+def is_body(at: HouseOwner) -> Bool[np.ndarray, " k"]:
     """Return True for each body."""
     return np.ones(len(at.house.bodies.mass), bool)
 
 
-def inertia(at: HouseAt) -> Float[np.ndarray, "k 3"]:
+def box_inertias(at: HouseOwner) -> Float[np.ndarray, "k 3"]:
     """Compute principal inertias of solid boxes, from mass and size rounded to float32."""
     bodies = at.house.bodies
     return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
 
 
-def no_arrangement(at: HouseAt) -> Float[np.ndarray, "0 k 7"]:
-    """Return no arrangements; `arrangements.settled_poses` computes them from banks."""
+def no_arrangement(at: HouseOwner) -> Float[np.ndarray, "0 k 7"]:
+    """Return no arrangements; `arrangements.with_arrangements` computes them from banks."""
     return np.zeros((0, len(at.house.bodies.mass), 7))
 
 
-def damping_ratios(at: HouseAt) -> Float[np.ndarray, " k"]:
+def damping_ratios(at: HouseOwner) -> Float[np.ndarray, " k"]:
     """Compute contact damping ratios of bodies from their restitution."""
     return np.array([damping_ratio(e) for e in at.house.bodies.restitution.tolist()])
 
 
-def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
+def ramp_rows(at: HouseOwner) -> Float[np.ndarray, "r 8"]:
     """Return each ramp's footprint and slope, see `Physics.ramp`."""
     ramps = at.house.ramps
     slope = ramps.slope[:, None]
@@ -46,14 +46,14 @@ def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
     return np.concatenate([top[:, :2], ramps.up, *halves, top[:, 2:], np.tan(slope)], axis=1)
 
 
-def is_door(at: HouseAt) -> Bool[np.ndarray, " doors"]:
+def is_door(at: HouseOwner) -> Bool[np.ndarray, " doors"]:
     """Return True for the rows of door leaves."""
     valid = np.zeros(at.sizes["doors"], bool)
     valid[at.door_row] = True
     return valid
 
 
-def slide_axes(at: HouseAt) -> Float[np.ndarray, "doors 2"]:
+def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
     """Return slide directions of leaves; padding has one too, since all houses must slide in the same rows."""
     axes = np.zeros((at.sizes["doors"], 2))
     axes[at.sizes["doors"] - at.sizes["slides"] :] = [1.0, 0.0]
@@ -61,10 +61,10 @@ def slide_axes(at: HouseAt) -> Float[np.ndarray, "doors 2"]:
     return axes
 
 
-def of_door(field: str, fill: Any = 0) -> Callable[[HouseAt], np.ndarray]:
+def door_source(field: str, fill: Any = 0) -> Callable[[HouseOwner], np.ndarray]:
     """Create a source: a field of the house's doors in the rows that the bank reserves for them."""
 
-    def rows(at: HouseAt) -> np.ndarray:
+    def rows(at: HouseOwner) -> np.ndarray:
         values = getattr(at.house.doors, field)
         padded = np.empty((at.sizes["doors"], *values.shape[1:]), values.dtype)
         padded[...] = fill
@@ -79,52 +79,60 @@ class Physics(Pytree):
     """Static boxes, movable bodies, door leaves and ramps over stairs of every house."""
 
     floor: Float[Array, " h"] = array("[m], top of the ground floor", source="ground_floor")
-    lot: Float[Array, "h 2 2"] = array("[m], minimum and maximum x and y inside the fence", source="lot")
+    fence_rectangle: Float[Array, "h 2 2"] = array("[m], minimum and maximum x and y inside the fence", source="lot")
     collider_pos: Float[Array, "h colliders 3"] = array(
-        "[m]; padding is parked far below", source="colliders.pos", fill=PARKED
+        "[m]; padding is parked far below", source="colliders.pos", fill=PADDING_POS
     )
-    collider_quat: Float[Array, "h colliders 4"] = array("wxyz", source="colliders.quat", fill=UPRIGHT)
-    collider_size: Float[Array, "h colliders 3"] = array("[m], half extents", source="colliders.size", fill=SMALL)
+    collider_quat: Float[Array, "h colliders 4"] = array("wxyz", source="colliders.quat", fill=IDENTITY_QUAT)
+    collider_size: Float[Array, "h colliders 3"] = array(
+        "[m], half extents", source="colliders.size", fill=PADDING_SIZE
+    )
     collider_object: Int[Array, "h colliders"] = array(
         "object id; -1 architecture, barriers and padding", source="colliders.object_id", fill=-1
     )
     body_valid: Bool[Array, "h bodies"] = array("False padding", source=is_body, fill=False)
     body_instance: Int[Array, "h bodies"] = array("-1 padding", source="bodies.instance", fill=-1)
-    body_pos: Float[Array, "h bodies 3"] = array("[m]; padding is parked far below", source="bodies.pos", fill=PARKED)
-    body_quat: Float[Array, "h bodies 4"] = array("wxyz", source="bodies.quat", fill=UPRIGHT)
-    body_size: Float[Array, "h bodies 3"] = array("[m], half extents", source="bodies.size", fill=SMALL)
+    body_pos: Float[Array, "h bodies 3"] = array(
+        "[m]; padding is parked far below", source="bodies.pos", fill=PADDING_POS
+    )
+    body_quat: Float[Array, "h bodies 4"] = array("wxyz", source="bodies.quat", fill=IDENTITY_QUAT)
+    body_size: Float[Array, "h bodies 3"] = array("[m], half extents", source="bodies.size", fill=PADDING_SIZE)
     body_mass: Float[Array, "h bodies"] = array("[kg]", source="bodies.mass", fill=1)
     body_inertia: Float[Array, "h bodies 3"] = array(
-        "[kg m^2], principal", source=inertia, fill=box_inertia(np.ones(1, np.float32), SMALL[None])[0]
+        "[kg m^2], principal", source=box_inertias, fill=box_inertia(np.ones(1, np.float32), PADDING_SIZE[None])[0]
     )
-    body_friction: Float[Array, "h bodies"] = array("sliding", source="bodies.friction", fill=USUAL.friction)
+    body_friction: Float[Array, "h bodies"] = array("sliding", source="bodies.friction", fill=DEFAULT_CONTACT.friction)
     body_damping_ratio: Float[Array, "h bodies"] = array("of its contacts; 1: no bounce", source=damping_ratios, fill=1)
     body_from_model: Float[Array, "h bodies 3 4"] = array(
         "body frame from model frame", source="bodies.from_model", fill=np.eye(3, 4)
     )
-    arrangement: Float[Array, "h arrangements bodies 7"] = array(
+    arrangement_pose: Float[Array, "h arrangements bodies 7"] = array(
         "[m] and wxyz, alternative poses with all bodies at rest; initially empty, see `arrangements`",
         source=no_arrangement,
-        fill=np.concatenate([PARKED, UPRIGHT]),
+        fill=np.concatenate([PADDING_POS, IDENTITY_QUAT]),
     )
     door_valid: Bool[Array, "h doors"] = array("False padding", source=is_door, fill=False)
-    door_instance: Int[Array, "h doors"] = array("-1 padding", source=of_door("instance", -1), fill=-1)
+    door_instance: Int[Array, "h doors"] = array("-1 padding", source=door_source("instance", -1), fill=-1)
     door_pivot: Float[Array, "h doors 2"] = array(
-        "[m], position of the hinge in plan; centre of a sliding leaf", source=of_door("pivot")
+        "[m], position of the hinge in plan; centre of a sliding leaf", source=door_source("pivot")
     )
     door_slide: Float[Array, "h doors 2"] = array(
         "unit direction of sliding; 0 for hinged leaves, which come first", source=slide_axes
     )
     door_closed: Float[Array, "h doors"] = array(
-        "[rad] about +z, or [m] for sliding leaves; closed, relative to as authored", source=of_door("closed")
+        "[rad] about +z, or [m] for sliding leaves; closed, relative to as authored", source=door_source("closed")
     )
-    door_wide: Float[Array, "h doors"] = array("[rad] or [m], fully open", source=of_door("wide"))
-    door_low: Float[Array, "h doors"] = array("[rad] or [m], minimum", source=of_door("low"))
-    door_high: Float[Array, "h doors"] = array("[rad] or [m], maximum", source=of_door("high"))
-    door_pos: Float[Array, "h doors 3"] = array("[m], centre of the leaf as authored", source=of_door("pos"))
-    door_quat: Float[Array, "h doors 4"] = array("wxyz, about z only", source=of_door("quat", UPRIGHT), fill=UPRIGHT)
-    door_size: Float[Array, "h doors 3"] = array("[m], half extents", source=of_door("size", SMALL), fill=SMALL)
-    door_mass: Float[Array, "h doors"] = array("[kg]", source=of_door("mass", 1), fill=1)
+    door_fully_open: Float[Array, "h doors"] = array("[rad] or [m], fully open", source=door_source("wide"))
+    door_low: Float[Array, "h doors"] = array("[rad] or [m], minimum", source=door_source("low"))
+    door_high: Float[Array, "h doors"] = array("[rad] or [m], maximum", source=door_source("high"))
+    door_pos: Float[Array, "h doors 3"] = array("[m], centre of the leaf as authored", source=door_source("pos"))
+    door_quat: Float[Array, "h doors 4"] = array(
+        "wxyz, about z only", source=door_source("quat", IDENTITY_QUAT), fill=IDENTITY_QUAT
+    )
+    door_size: Float[Array, "h doors 3"] = array(
+        "[m], half extents", source=door_source("size", PADDING_SIZE), fill=PADDING_SIZE
+    )
+    door_mass: Float[Array, "h doors"] = array("[kg]", source=door_source("mass", 1), fill=1)
     ramp: Float[Array, "h ramps 8"] = array(
         "centre of its top in plan (2) [m], uphill direction (2), half length and width in plan [m], height of the "
         "centre [m], slope (rise / run); padding has a negative length",

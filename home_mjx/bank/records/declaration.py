@@ -19,11 +19,11 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.errors import CapacityError
 
-HOUSE = "h"
+HOUSE_AXIS = "h"
 ROW_KINDS = ("model", "triangle", "node", "material", "semantic", "cell")
 SHARED = "shared"
 DTYPES: Mapping[Any, type] = {Float: np.float32, Int: np.int32, Bool: np.bool_}  # of annotations without a width
-CYCLE = "cycle"  # fill: repeat a house's rows in turn, so that each is drawn about equally often
+REPEAT_ROWS = "cycle"  # fill: repeat a house's rows in turn, so that each is drawn about equally often
 
 Source = str | Callable[[Any], Any]
 Key = tuple[str, str]  # record, "" for the bank itself, and field
@@ -42,9 +42,9 @@ class Declaration:
         axes: Names of axes, or their lengths.
         dtype: Dtype in the bank.
         source: Origin of the values: a path of attributes from the owner's record, or a function of the owner. The
-            owner is a `TreeAt` for nodes, a `ModelAt` for models and triangles, `Shared` for shared arrays, and a
-            `HouseAt` otherwise.
-        fill: Value of padding, or `CYCLE`.
+            owner is a `TreeOwner` for nodes, a `ModelOwner` for models and triangles, `SharedOwner` for shared arrays, and a
+            `HouseOwner` otherwise.
+        fill: Value of padding, or `REPEAT_ROWS`.
     """
 
     record: str
@@ -56,7 +56,7 @@ class Declaration:
     fill: Any = 0
 
     @classmethod
-    def of(
+    def from_field(
         cls, key: Key, annotation: Any, doc: str, source: Source, fill: Any = 0, dtype: type | None = None
     ) -> "Declaration":
         """Create a declaration from an annotated field and its notes."""
@@ -80,8 +80,8 @@ class Declaration:
 
     @property
     def kind(self) -> str:
-        """`HOUSE`, one of `ROW_KINDS`, or `SHARED`."""
-        return self.axes[0] if self.axes and self.axes[0] in (HOUSE, *ROW_KINDS) else SHARED
+        """`HOUSE_AXIS`, one of `ROW_KINDS`, or `SHARED`."""
+        return self.axes[0] if self.axes and self.axes[0] in (HOUSE_AXIS, *ROW_KINDS) else SHARED
 
     def shape(self, sizes: Sizes) -> tuple[int, ...]:
         """Return the shape in a bank of these sizes."""
@@ -95,7 +95,7 @@ class Declaration:
         """Return the rows of one owner, unpadded; a house has one row."""
         path = isinstance(self.source, str)
         found = np.asarray(attrgetter(self.source)(owner.record) if path else self.source(owner))  # type: ignore
-        return found[None] if self.kind == HOUSE else found
+        return found[None] if self.kind == HOUSE_AXIS else found
 
     def pack(self, parts: list[tuple[int, np.ndarray]], sizes: Sizes) -> np.ndarray:
         """Build the complete array with padding.
@@ -109,9 +109,9 @@ class Declaration:
         """
         shape = self.shape(sizes)
         out = np.empty(shape, self.dtype)
-        out[...] = 0 if self.fill is CYCLE else self.fill
+        out[...] = 0 if self.fill is REPEAT_ROWS else self.fill
         for start, values in parts:
-            given = _cycled(values, shape[1]) if self.fill is CYCLE else values
+            given = _cycled(values, shape[1]) if self.fill is REPEAT_ROWS else values
             self._check(given, start, shape)
             rows = (slice(start, start + len(given)),) if shape else ()
             out[(*rows, *map(slice, given.shape[1:]))] = given

@@ -7,60 +7,60 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records.gpu_geometry import GpuGeometry
-from home_mjx.bank.records.owners import HouseAt, ModelAt, TreeAt
+from home_mjx.bank.records.owners import HouseOwner, ModelOwner, TreeOwner
 from home_mjx.core.pytree import Pytree, array
 from home_mjx.geometry.meshes import invert
 from home_mjx.schema.compiled import ARCHITECTURE
 
 LEAF_BITS = 4  # a leaf code is `~(first << LEAF_BITS | count)`
-NOWHERE = np.array([[np.inf] * 3 + [-np.inf] * 3])  # an empty box that no ray hits
-IDENTITY = np.eye(3, 4)
+EMPTY_BOX = np.array([[np.inf] * 3 + [-np.inf] * 3])  # an empty box that no ray hits
+IDENTITY_POSE = np.eye(3, 4)
 
 
-def absolute_child(at: TreeAt) -> Int[np.ndarray, "n 2"]:
+def offset_codes(at: TreeOwner) -> Int[np.ndarray, "n 2"]:
     """Offset tree codes: add `node` to inner nodes and `first` to the primitives of leaves; keep empty leaves."""
     child = at.record.child
     leaf = np.where(child == -1, -1, ~(~child.astype(np.int64) + (at.first << LEAF_BITS)))
     return np.where(child >= 0, child + at.node, leaf).astype(np.int32)
 
 
-def first_node(at: ModelAt) -> Any:
+def model_root(at: ModelOwner) -> Any:
     """Return the root node of a model's tree."""
     return [at.node]
 
 
-def whole_box(at: ModelAt) -> Any:
+def model_box(at: ModelOwner) -> Any:
     """Return the bounds of a model [m]."""
     return at.record.box[None]
 
 
-def top_root(at: HouseAt) -> int:
+def top_root(at: HouseOwner) -> int:
     """Return the root of a house's top tree, which follows the tree of its architecture."""
     own = at.house.models[at.house.instances.model[ARCHITECTURE]]
     return at.start["node"] + len(own.tree.child)
 
 
-def model_numbers(at: HouseAt) -> list[int]:
+def instance_models(at: HouseOwner) -> list[int]:
     """Return the library models of the instances; the architecture's model is private to the house."""
-    return [at.start["model"], *(at.model[key] for key in at.house.instances.model[ARCHITECTURE + 1 :])]
+    return [at.start["model"], *(at.model_index[key] for key in at.house.instances.model[ARCHITECTURE + 1 :])]
 
 
-def inverse_pose(at: HouseAt) -> Float[np.ndarray, "i 3 4"]:
+def inverse_pose(at: HouseOwner) -> Float[np.ndarray, "i 3 4"]:
     """Invert the poses after rounding them to float32."""
     return invert(at.house.instances.pose.astype(np.float32).astype(np.float64))
 
 
-def first_material(at: HouseAt) -> Int[np.ndarray, " i"]:
+def first_material(at: HouseOwner) -> Int[np.ndarray, " i"]:
     """Return the first material row of each instance."""
     return at.house.instances.material + at.start["material"]
 
 
-def first_semantic(at: HouseAt) -> Int[np.ndarray, " i"]:
+def first_semantic(at: HouseOwner) -> Int[np.ndarray, " i"]:
     """Return the first semantic row of each instance."""
     return at.house.instances.semantic + at.start["semantic"]
 
 
-def semantic_by_object(at: HouseAt) -> Int[np.ndarray, " o"]:
+def semantic_by_object(at: HouseOwner) -> Int[np.ndarray, " o"]:
     """Return the semantic row of each object id; -1 for unused ids."""
     ids = at.house.instances.object_id[ARCHITECTURE + 1 :]
     rows = np.full(1 + ids.max(initial=-1), -1, np.int32)
@@ -75,23 +75,25 @@ class Geometry(Pytree):
     the architecture, and agent a follows as I + a. Tree codes are those of `compiled.Tree`, but absolute.
     """
 
-    node_box: Float[Array, "node 2 6"] = array("per child: min xyz, max xyz", source="box", fill=NOWHERE)
+    node_box: Float[Array, "node 2 6"] = array("per child: min xyz, max xyz", source="box", fill=EMPTY_BOX)
     node_child: Int[Array, "node 2"] = array(
-        ">= 0 node; < 0 leaf: ~code = first << 4 | count", source=absolute_child, fill=-1
+        ">= 0 node; < 0 leaf: ~code = first << 4 | count", source=offset_codes, fill=-1
     )
     triangle: Float[Array, "triangle 3 3"] = array("[m], model frame", source="triangle")
     triangle_uv: Float[Array, "triangle 3 2"] = array("texture coordinates of the corners", source="uv")
     triangle_slot: Int[Array, " triangle"] = array("material slot", source="slot")
     triangle_part: Int[Array, " triangle"] = array("semantic part", source="part")
-    model_root: Int[Array, " model"] = array("root node of the model's tree", source=first_node)
-    model_box: Float[Array, "model 2 3"] = array("[m], min and max", source=whole_box)
+    model_root: Int[Array, " model"] = array("root node of the model's tree", source=model_root)
+    model_box: Float[Array, "model 2 3"] = array("[m], min and max", source=model_box)
     house_root: Int[Array, " h"] = array(
         "root node of the top tree over static instances (leaves hold instance indices)", source=top_root
     )
-    instance_model: Int[Array, "h instances"] = array("-1 padding", source=model_numbers, fill=-1)
-    instance_pose: Float[Array, "h instances 3 4"] = array("world from model", source="instances.pose", fill=IDENTITY)
+    instance_model: Int[Array, "h instances"] = array("-1 padding", source=instance_models, fill=-1)
+    instance_pose: Float[Array, "h instances 3 4"] = array(
+        "world from model", source="instances.pose", fill=IDENTITY_POSE
+    )
     instance_inverse: Float[Array, "h instances 3 4"] = array(
-        "model from world", source=inverse_pose, fill=invert(IDENTITY)
+        "model from world", source=inverse_pose, fill=invert(IDENTITY_POSE)
     )
     instance_object: Int[Array, "h instances"] = array(
         "object id (node index); -1 architecture and padding", source="instances.object_id", fill=-1
@@ -110,6 +112,6 @@ class Geometry(Pytree):
     agent_semantic: Int[Array, ""] = array("semantic row of agents", source="agent")
     gpu: GpuGeometry | None = None  # layout for the `cuda` ray executor; None: computed at each cast
 
-    def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
+    def clip_house_index(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
         """Clip house indices to the bank; JAX's own indexing would count negative ones from the end."""
         return jnp.clip(house, 0, self.house_root.shape[0] - 1)

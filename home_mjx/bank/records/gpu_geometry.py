@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 
-ROUND_UP = 1 + 2.0**-22  # exceeds the rounding error of a half size
+HALF_SIZE_FACTOR = 1 + 2.0**-22  # exceeds the rounding error of a half size
 
 
 class GpuGeometry(Pytree):
@@ -21,7 +21,7 @@ class GpuGeometry(Pytree):
 
     node: Float[Array, "n 16"]  # per child: centre xyz, half size xyz; then bits of the two codes, 2 unused
     triangle: Float[Array, "t 12"]  # corner 0 and bits of the slot, corner 1, 0, corner 2, 0
-    instance: Float[Array, "h i 16"]  # see `records`
+    instance: Float[Array, "h i 16"]  # see `pack_instances`
 
 
 @jax.jit
@@ -37,11 +37,13 @@ def gpu_geometry(geometry: Any) -> GpuGeometry:
     return GpuGeometry(
         node=_nodes(geometry.node_box, geometry.node_child),
         triangle=_triangles(geometry.triangle, geometry.triangle_slot),
-        instance=records(geometry.instance_inverse, root, number, geometry.instance_object, geometry.instance_material),
+        instance=pack_instances(
+            geometry.instance_inverse, root, number, geometry.instance_object, geometry.instance_material
+        ),
     )
 
 
-def records(
+def pack_instances(
     inverse: Float[Array, "*i 3 4"],
     root: Int[Array, "*i"],
     number: Int[Array, "*i"],
@@ -53,17 +55,17 @@ def records(
     return jnp.concatenate([inverse.astype(jnp.float32).reshape(*root.shape, 12), notes], axis=-1)
 
 
-def middles(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Float[Array, "*n 6"]:
+def to_center_half(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Float[Array, "*n 6"]:
     """Convert boxes to centre and half size, rounded up; the half size of inverted boxes and of NaN is -inf."""
     good = jnp.all(low <= high, axis=-1, keepdims=True)
     center = jnp.where(good, low / 2 + high / 2, 0)
-    half = jnp.where(good, jnp.maximum(high - center, center - low) * ROUND_UP, -jnp.inf)
+    half = jnp.where(good, jnp.maximum(high - center, center - low) * HALF_SIZE_FACTOR, -jnp.inf)
     return jnp.concatenate([center, half], axis=-1)
 
 
 def _nodes(box: Float[Array, "n 2 6"], child: Int[Array, "n 2"]) -> Float[Array, "n 16"]:
     codes = _bits(jnp.pad(child, [(0, 0), (0, 2)]))
-    return jnp.concatenate([middles(box[..., :3], box[..., 3:]).reshape(-1, 12), codes], axis=1)
+    return jnp.concatenate([to_center_half(box[..., :3], box[..., 3:]).reshape(-1, 12), codes], axis=1)
 
 
 def _triangles(corner: Float[Array, "t 3 3"], slot: Int[Array, " t"]) -> Float[Array, "t 12"]:

@@ -3,19 +3,19 @@
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.bank.records.bodies import PARKED
+from home_mjx.bank.records.bodies import PADDING_POS
 from home_mjx.core.pytree import Pytree, array
 
-DOWN = np.array([0.0, 0.0, -1.0])
+PADDING_DIRECTION = np.array([0.0, 0.0, -1.0])
 
 
 class Lights(Pytree):
     """Lights of every house, in the frames of the instances that carry them; see `lighting.LightTable`."""
 
-    pos: Float[Array, "h lights 3"] = array("[m]", source="lights.pos", fill=PARKED)
+    pos: Float[Array, "h lights 3"] = array("[m]", source="lights.pos", fill=PADDING_POS)
     axis_u: Float[Array, "h lights 3"] = array("[m], half extents", source="lights.axis_u")
     axis_v: Float[Array, "h lights 3"] = array("[m], half extents", source="lights.axis_v")
-    direction: Float[Array, "h lights 3"] = array("unit", source="lights.direction", fill=DOWN)
+    direction: Float[Array, "h lights 3"] = array("unit", source="lights.direction", fill=PADDING_DIRECTION)
     intensity: Float[Array, "h lights 3"] = array(
         "[W/sr]; for daylight [m^2], times the sky's radiance; 0 padding", source="lights.intensity"
     )

@@ -7,23 +7,23 @@ from typing import cast
 import numpy as np
 from jaxtyping import Int, UInt32
 
-from home_mjx.schema.compiled import CompiledHouse, MaterialTable, Model, Tree
+from home_mjx.schema.compiled import BVH, CompiledHouse, MaterialTable, Model
 from home_mjx.schema.lighting import Gloss
 
 Counts = Mapping[str, int]  # rows by kind
 
 
 @dataclass(frozen=True)
-class TreeAt:
+class TreeOwner:
     """A tree with node 0 at row `node` of the bank; its leaves count primitives from `first` on."""
 
-    record: Tree
+    record: BVH
     node: int
     first: int
 
 
 @dataclass(frozen=True)
-class ModelAt:
+class ModelOwner:
     """A model with its tree at row `node` of the bank."""
 
     record: Model
@@ -40,21 +40,21 @@ class AgentRows:
 
 
 @dataclass(frozen=True)
-class HouseAt:
+class HouseOwner:
     """A house at its rows in a bank.
 
     Attributes:
         record: The house; or the agents' rows, for the tables of materials and semantics.
         start: First row of each kind.
-        model: Index of each library model, by key.
-        layer: Layer of each texture, by path; -1 for "".
+        model_index: Index of each library model, by key.
+        texture_layer: Layer of each texture, by path; -1 for "".
         sizes: Lengths of the bank's axes, by name.
     """
 
     record: CompiledHouse | AgentRows
     start: Counts
-    model: Mapping[str, int]
-    layer: Mapping[str, int]
+    model_index: Mapping[str, int]
+    texture_layer: Mapping[str, int]
     sizes: Counts
 
     @property
@@ -65,11 +65,11 @@ class HouseAt:
     @property
     def door_row(self) -> Int[np.ndarray, " n"]:
         """Row of each leaf of the house among the bank's doors, whose last rows slide."""
-        return self.house.doors.rows(self.sizes["doors"], self.sizes["slides"])
+        return self.house.doors.bank_rows(self.sizes["doors"], self.sizes["slides"])
 
 
 @dataclass(frozen=True)
-class SharedRows:
+class SharedArrays:
     """Values shared by all houses of a bank."""
 
     textures: UInt32[np.ndarray, "layers texels"]
@@ -77,7 +77,7 @@ class SharedRows:
 
 
 @dataclass(frozen=True)
-class Shared:
+class SharedOwner:
     """The owner of shared arrays."""
 
-    record: SharedRows
+    record: SharedArrays

@@ -3,67 +3,67 @@
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt16
 
-from home_mjx.bank.records.declaration import CYCLE
-from home_mjx.bank.records.owners import HouseAt
+from home_mjx.bank.records.declaration import REPEAT_ROWS
+from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.core.pytree import Pytree, array
 from home_mjx.schema.categories import coarse_index
-from home_mjx.schema.compiled import FIELD_FAR
+from home_mjx.schema.compiled import FIELD_UNREACHABLE
 from home_mjx.schema.semantic import Semantic
 
-SURFACES = ("floor", "wall")  # columns of `Navigation.room_surface`
+SURFACE_KINDS = ("floor", "wall")  # columns of `NavigationArrays.room_surface`
 
 
-def first_cell(at: HouseAt) -> int:
+def first_cell(at: HouseOwner) -> int:
     """Return the index of a house's first cell."""
     return at.start["cell"]
 
 
-def num_cells(at: HouseAt) -> int:
+def num_cells(at: HouseOwner) -> int:
     """Count the cells of a house's home region."""
     return len(at.house.navigation.field)
 
 
-def num_free(at: HouseAt) -> int:
+def num_free_cells(at: HouseOwner) -> int:
     """Count the cells of a house that are free as authored."""
-    return num_cells(at) + at.house.navigation.fringe.narrow
+    return num_cells(at) + at.house.navigation.extrapolated.num_free
 
 
-def cell_numbers(at: HouseAt) -> Int[np.ndarray, "levels grid_rows grid_columns"]:
+def cell_numbers(at: HouseOwner) -> Int[np.ndarray, "levels grid_rows grid_columns"]:
     """Return indices of reachable cells; elsewhere and in padding, ~ the index of the nearest one."""
     navigation = at.house.navigation
-    nearest, own = navigation.fringe.nearest, navigation.free
-    own[tuple(navigation.fringe.place.T)] = True
+    nearest, own = navigation.extrapolated.nearest_cell, navigation.home_mask
+    own[tuple(navigation.extrapolated.coords.T)] = True
     sizes = at.sizes["levels"], at.sizes["grid_rows"], at.sizes["grid_columns"]
     beyond = [(0, size - length) for size, length in zip(sizes, nearest.shape, strict=True)]
     number = at.start["cell"] + np.pad(nearest, beyond, mode="edge")
     return np.where(np.pad(own, beyond), number, ~number)
 
 
-def cell_places(at: HouseAt) -> Int[np.ndarray, "c 3"]:
+def cell_coords(at: HouseOwner) -> Int[np.ndarray, "c 3"]:
     """Return level, row and column of a house's cells."""
     navigation = at.house.navigation
-    return np.concatenate([navigation.place, navigation.fringe.place])
+    return np.concatenate([navigation.cell_coords, navigation.extrapolated.coords])
 
 
-def cell_heights(at: HouseAt) -> Float[np.ndarray, " c"]:
+def cell_heights(at: HouseOwner) -> Float[np.ndarray, " c"]:
     """Return the heights of the floor or ramp under a house's cells [m]."""
     navigation = at.house.navigation
-    return np.concatenate([navigation.height, navigation.fringe.height])
+    return np.concatenate([navigation.height, navigation.extrapolated.height])
 
 
-def goal_fields(at: HouseAt) -> UInt16[np.ndarray, "c g"]:
+def goal_fields(at: HouseOwner) -> UInt16[np.ndarray, "c g"]:
     """Return distances to the goals, repeated in turn to the bank's number of goals."""
     navigation = at.house.navigation
-    field = np.concatenate([navigation.field, navigation.fringe.field])
+    field = np.concatenate([navigation.field, navigation.extrapolated.field])
     return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]
 
 
-def room_surfaces(at: HouseAt) -> Int[np.ndarray, "r 2"]:
+def room_surfaces(at: HouseOwner) -> Int[np.ndarray, "r 2"]:
     """Return the semantic rows of each room's floor and of its first wall; -1 none."""
     rows = at.house.semantics
     rooms = np.arange(len(at.house.rooms.type))
     parts = rows[:, Semantic.OBJECT] < 0
-    found = [_first(parts & (rows[:, Semantic.COARSE] == coarse_index(kind)), rows, rooms) for kind in SURFACES]
+    found = [_first(parts & (rows[:, Semantic.COARSE] == coarse_index(kind)), rows, rooms) for kind in SURFACE_KINDS]
     return np.stack([np.where(row < 0, -1, row + at.start["semantic"]) for row in found], axis=-1)
 
 
@@ -75,14 +75,14 @@ def _first(
     return np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
 
 
-def portal_leaves(at: HouseAt) -> Int[np.ndarray, "p 2"]:
+def portal_leaves(at: HouseOwner) -> Int[np.ndarray, "p 2"]:
     """Return the rows of the leaves that close each portal; -1 none."""
     row = np.append(at.door_row, -1)
     return row[at.house.navigation.portals.leaf]
 
 
-class Navigation(Pytree):
-    """Grids of every house and level, starts, goals and portals; see `compiled.Navigation`.
+class NavigationArrays(Pytree):
+    """Grids of every house and level, starts, goals and portals; see `compiled.NavigationArrays`.
 
     Reachable cells are numbered through all houses. Within a house the order is: cells of the home region, cells that
     are free as authored but close to obstacles, cells occupied by movable objects.
@@ -96,18 +96,18 @@ class Navigation(Pytree):
     num_cells: Int[Array, " h"] = array(
         "number of cells of the home region, the first cells of a house", source=num_cells
     )
-    num_free: Int[Array, " h"] = array(
-        "number of those and of the following cells that are free as authored", source=num_free
+    num_free_cells: Int[Array, " h"] = array(
+        "number of those and of the following cells that are free as authored", source=num_free_cells
     )
     cell: Int[Array, "h levels grid_rows grid_columns"] = array(
         "row of `place` and `field`; if unreachable, ~ the row of the nearest reachable cell", source=cell_numbers
     )
-    place: Int[Array, "cell 3"] = array("level, row and column", source=cell_places, dtype=np.int16)
+    cell_coords: Int[Array, "cell 3"] = array("level, row and column", source=cell_coords, dtype=np.int16)
     height: Float[Array, " cell"] = array("[m], height of the floor or ramp", source=cell_heights)
     field: UInt16[Array, "cell goals"] = array(
         "[FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_FAR no path",
         source=goal_fields,
-        fill=FIELD_FAR,
+        fill=FIELD_UNREACHABLE,
     )
     region: Int[Array, "h levels grid_rows grid_columns"] = array(
         "0 home region, others by area; -1 not walkable",
@@ -122,8 +122,8 @@ class Navigation(Pytree):
     room_surface: Int[Array, "h rooms 2"] = array(
         "semantic rows of a room's floor and of its first wall, absolute; -1 none", source=room_surfaces, fill=-1
     )
-    start: Float[Array, "h starts 3"] = array("[m], on the floor", source="navigation.start", fill=CYCLE)
-    goal: Float[Array, "h goals 3"] = array("[m], on the floor", source="navigation.goal", fill=CYCLE)
+    start: Float[Array, "h starts 3"] = array("[m], on the floor", source="navigation.start", fill=REPEAT_ROWS)
+    goal: Float[Array, "h goals 3"] = array("[m], on the floor", source="navigation.goal", fill=REPEAT_ROWS)
     portal_room: Int[Array, "h portals 2"] = array(
         "-1 outdoors, and padding", source="navigation.portals.room", fill=-1
     )

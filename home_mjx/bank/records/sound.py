@@ -5,36 +5,36 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Int8, UInt8
 from scipy.spatial.transform import Rotation
 
-from home_mjx.bank.records.bodies import PARKED
-from home_mjx.bank.records.owners import HouseAt
+from home_mjx.bank.records.bodies import PADDING_POS
+from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.core.pytree import Pytree, array
-from home_mjx.geometry.box_edges import exposed_edges
-from home_mjx.schema.edges import EDGES
+from home_mjx.geometry.box_edges import find_exposed_edges
+from home_mjx.schema.edges import NUM_EDGES
 
 
-def is_plane(at: HouseAt) -> Bool[np.ndarray, " p"]:
+def is_plane(at: HouseOwner) -> Bool[np.ndarray, " p"]:
     """Return True for each plane."""
     return np.ones(len(at.house.planes.material), bool)
 
 
-def plane_material(at: HouseAt) -> Int[np.ndarray, " p"]:
+def plane_material(at: HouseOwner) -> Int[np.ndarray, " p"]:
     """Return the material row of each plane."""
     return at.house.planes.material + at.start["material"]
 
 
-def edge_bits(at: HouseAt) -> Int[np.ndarray, " c"]:
+def exposed_edge_bits(at: HouseOwner) -> Int[np.ndarray, " c"]:
     """Return the exposed edges of static boxes, one bit per edge in the order of `schema.edges`."""
     boxes, rooms = at.house.colliders, at.house.rooms
     turn = Rotation.from_quat(boxes.quat, scalar_first=True).as_matrix()
     heights = np.stack([rooms.floor, rooms.ceiling], axis=1)
-    return exposed_edges(boxes.pos, turn, boxes.size, heights) @ (1 << np.arange(EDGES))
+    return find_exposed_edges(boxes.pos, turn, boxes.size, heights) @ (1 << np.arange(NUM_EDGES))
 
 
 class Acoustics(Pytree):
     """Reflecting planes and diffracting edges of every house."""
 
     plane_valid: Bool[Array, "h planes"] = array("False padding", source=is_plane, fill=False)
-    plane_center: Float[Array, "h planes 3"] = array("[m]", source="planes.center", fill=PARKED)
+    plane_center: Float[Array, "h planes 3"] = array("[m]", source="planes.center", fill=PADDING_POS)
     plane_normal: Float[Array, "h planes 3"] = array("unit", source="planes.normal", fill=np.array([0, 0, 1]))
     plane_u: Float[Array, "h planes 3"] = array(
         "[m], half extent vector", source="planes.axis_u", fill=np.array([1, 0, 0])
@@ -44,14 +44,14 @@ class Acoustics(Pytree):
     )
     plane_material: Int[Array, "h planes"] = array("absolute row", source=plane_material)
     collider_edges: Int[Array, "h colliders"] = array(
-        "bits of the exposed edges of static boxes, see `schema.edges`", source=edge_bits
+        "bits of the exposed edges of static boxes, see `schema.edges`", source=exposed_edge_bits
     )
 
 
-LATE_REVERB = "late_reverb"  # name of the bake whose record is a `LateSound`
+LATE_REVERB = "late_reverb"  # name of the bake whose record is a `LateReverb`
 
 
-class LateSound(Pytree):
+class LateReverb(Pytree):
     """Baked late reverberation of every house h, with all doors fully open.
 
     Rooms are divided into cells. Sound between two cells first arrives in the time bin `arrival`; its energy from that

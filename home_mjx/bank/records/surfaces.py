@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
-from home_mjx.bank.records.owners import HouseAt
+from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.core.color import decode_srgb
 from home_mjx.core.pytree import Pytree, array
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
@@ -11,38 +11,38 @@ from home_mjx.schema.material_kinds import MATERIAL_KINDS
 KIND_INDEX = {"": -1} | {name: i for i, name in enumerate(MATERIAL_KINDS)}
 
 
-def linear_albedo(at: HouseAt) -> Float[np.ndarray, "r 4"]:
+def linear_albedo(at: HouseOwner) -> Float[np.ndarray, "r 4"]:
     """Convert albedo from sRGB to linear light; keep opacity."""
     albedo = at.record.materials.albedo
     return np.concatenate([decode_srgb(albedo[:, :3]), albedo[:, 3:]], axis=1)
 
 
-def texture_layer(at: HouseAt) -> list[int]:
+def texture_layer(at: HouseOwner) -> list[int]:
     """Return the texture layer of each material."""
-    return [at.layer[path] for path in at.record.materials.texture]
+    return [at.texture_layer[path] for path in at.record.materials.texture]
 
 
-def material_kind(at: HouseAt) -> list[int]:
+def material_kind(at: HouseOwner) -> list[int]:
     """Return the index of each material's kind; -1 unknown."""
     return [KIND_INDEX[name] for name in at.record.materials.kind]
 
 
-def specular(at: HouseAt) -> Float[np.ndarray, "r 3"]:
+def specular(at: HouseOwner) -> Float[np.ndarray, "r 3"]:
     """Return the specular colour of every material; rows missing in the gloss table are matt."""
     return np.pad(at.record.gloss.specular, ((0, _missing(at)), (0, 0)))
 
 
-def shininess(at: HouseAt) -> Float[np.ndarray, " r"]:
+def shininess(at: HouseOwner) -> Float[np.ndarray, " r"]:
     """Return the Blinn-Phong exponent of every material; 1 for rows missing in the gloss table."""
     return np.pad(at.record.gloss.shininess, (0, _missing(at)), constant_values=1)
 
 
-def mirror(at: HouseAt) -> Bool[np.ndarray, " r"]:
+def mirror(at: HouseOwner) -> Bool[np.ndarray, " r"]:
     """Return the mask of flat mirrors."""
     return np.pad(at.record.gloss.mirror, (0, _missing(at)))
 
 
-def _missing(at: HouseAt) -> int:
+def _missing(at: HouseOwner) -> int:
     return len(at.record.materials.mask) - len(at.record.gloss.mirror)
 
 

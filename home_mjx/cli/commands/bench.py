@@ -6,31 +6,31 @@ import sys
 from dataclasses import asdict
 
 from benchmarks.cases import CASE_NAMES, measure
-from benchmarks.cases.record import Record, Settings
+from benchmarks.cases.record import BenchSettings, Measurement
 from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.parsing import house_count, positive_int
+from home_mjx.cli.parsing import house_count_type, positive_int_type
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx bench`."""
     parser.add_argument("case", metavar="CASE", help=f"all, {', '.join(CASE_NAMES)}, or one measurement of a case")
     parser.add_argument("--json", action="store_true", help="print one JSON object per line")
-    parser.add_argument("--houses", type=house_count, default=8, help="number of houses (default: 8)")
-    parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
-    parser.add_argument("--seconds", type=positive_int, default=2, help="time per measurement [s] (default: 2)")
+    parser.add_argument("--houses", type=house_count_type, default=8, help="number of houses (default: 8)")
+    parser.add_argument("--envs", type=positive_int_type, default=64, help="environments in the batch (default: 64)")
+    parser.add_argument("--seconds", type=positive_int_type, default=2, help="time per measurement [s] (default: 2)")
     add_dataset_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Print each measurement as soon as it is complete."""
-    settings = Settings(args.dataset, args.houses, args.envs, float(args.seconds))
+    settings = BenchSettings(args.dataset, args.houses, args.envs, float(args.seconds))
     for record in measure(args.case, settings):
-        sys.stdout.write((json.dumps(asdict(record)) if args.json else as_text(record)) + "\n")
+        sys.stdout.write((json.dumps(asdict(record)) if args.json else format_record(record)) + "\n")
         sys.stdout.flush()
     return 0
 
 
-def as_text(record: Record) -> str:
+def format_record(record: Measurement) -> str:
     """Format a record as one line of text and one of notes."""
     text = f"{record.case:<24}{record.value:>14,.4g} {record.unit:<12}"
     if record.compile_seconds is not None:

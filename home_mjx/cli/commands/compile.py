@@ -9,11 +9,11 @@ from home_mjx.cli.houses import (
     add_house_arguments,
     add_movable_option,
     add_strict_option,
+    is_dataset_root,
     load_compiled_house,
-    named_houses,
-    names_root,
+    selected_houses,
 )
-from home_mjx.cli.parsing import MOST_WORKERS, file_path, whole
+from home_mjx.cli.parsing import MAX_WORKERS, parse_path, whole_number_type
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import COLLISIONS
@@ -28,20 +28,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_strict_option(parser)
     add_movable_option(parser)
     parser.add_argument(
-        "--mjcf", type=file_path, metavar="OUT", help="write one house as MJCF into this folder instead"
+        "--mjcf", type=parse_path, metavar="OUT", help="write one house as MJCF into this folder instead"
     )
     parser.add_argument("--collision", default="box", help="with --mjcf: collision geoms of objects, `box` or `exact`")
     group = parser.add_argument_group("whole datasets")
     workers = os.cpu_count() or 1
     group.add_argument(
         "--workers",
-        type=whole(MOST_WORKERS),
+        type=whole_number_type(MAX_WORKERS),
         default=workers,
         help="number of processes (default: number of processors)",
     )
     group.add_argument("--resume", action="store_true", help="skip houses that an earlier run has compiled")
     group.add_argument(
-        "--report", type=file_path, metavar="FILE", help="file for the status of each house (default: in the cache)"
+        "--report", type=parse_path, metavar="FILE", help="file for the status of each house (default: in the cache)"
     )
     group.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask cluster to run on")
 
@@ -54,21 +54,21 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.houses.job import compile_dataset
 
     summary = compile_dataset(
-        named_houses(args),
+        selected_houses(args),
         workers=args.workers,
         resume=args.resume,
         report=args.report,
         scheduler=args.scheduler,
         progress=True,
     )
-    _tell(summary)
+    _print_summary(summary)
     return int(summary.failed > 0)
 
 
 def _write_mjcf(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
-    if names_root(args):
+    if is_dataset_root(args):
         raise ConfigError("--mjcf needs one house, not a dataset", hint="Pass a house, and its dataset with --dataset.")
     house = load_compiled_house(args)
     path = export_mjcf(house, args.mjcf, collision=args.collision)
@@ -78,7 +78,7 @@ def _write_mjcf(args: argparse.Namespace) -> int:
     return 0
 
 
-def _tell(summary: "CompileSummary") -> None:
+def _print_summary(summary: "CompileSummary") -> None:
     from home_mjx.houses.report import FAILED, read_report
 
     done = summary.compiled + summary.cached

@@ -7,17 +7,17 @@ from typing import Any
 
 from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
+from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx demo`."""
-    parser.add_argument("--out", type=file_path, default=Path("demo"), help="folder for the files (default: demo)")
+    parser.add_argument("--out", type=parse_path, default=Path("demo"), help="folder for the files (default: demo)")
     add_dataset_option(parser)
-    parser.add_argument("--houses", type=house_count, default=8, help="number of houses (default: 8)")
-    parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
-    parser.add_argument("--steps", type=positive_int, default=150, help="length of the walk in steps of 0.1 s")
-    parser.add_argument("--seed", type=seed, default=0, help="seed of poses and noise (default: 0)")
+    parser.add_argument("--houses", type=house_count_type, default=8, help="number of houses (default: 8)")
+    parser.add_argument("--envs", type=positive_int_type, default=64, help="environments in the batch (default: 64)")
+    parser.add_argument("--steps", type=positive_int_type, default=150, help="length of the walk in steps of 0.1 s")
+    parser.add_argument("--seed", type=parse_seed, default=0, help="seed of poses and noise (default: 0)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -39,14 +39,14 @@ def run(args: argparse.Namespace) -> int:
         f"{rates['all']:.0f} environment steps/s with all sensors "
         f"({report['num_envs']} environments, {report['num_houses']} houses, {report['device']})",
         f"Look at {args.out / 'contact_sheet.png'}",
-        _watch(args.out, report["search"]),
+        _film_line(args.out, report["search"]),
         f"Figures {args.out / 'report.json'}",
     ]
     sys.stdout.write("\n".join(lines) + "\n")
     return 0
 
 
-def _watch(out: Path, search: list[dict[str, Any]] | str) -> str:
+def _film_line(out: Path, search: list[dict[str, Any]] | str) -> str:
     """Return a line with the path of the film, or the reason why there is none."""
     if isinstance(search, str):
         return f"No film: {search}"

@@ -16,11 +16,11 @@ from home_mjx.core.paths import CACHE_VARIABLE, ROOT_VARIABLE, cache_folder, dat
 from home_mjx.errors import HomeMjxError
 
 OK, NOTE, BROKEN = "ok", "note", "broken"
-OPTIONAL = ("brax", "flax", "matplotlib", "mujoco-warp", "warp-lang")
+OPTIONAL_PACKAGES = ("brax", "flax", "matplotlib", "mujoco-warp", "warp-lang")
 
 
 @dataclass(frozen=True)
-class Finding:
+class CheckResult:
     """One line of the report."""
 
     topic: str
@@ -36,126 +36,128 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print the findings; return 1 if something is broken."""
     broken = False
-    for finding in examine():
+    for finding in run_checks():
         broken |= finding.status == BROKEN
         line = json.dumps(asdict(finding)) if args.json else f"{finding.status:<7} {finding.topic:<14} {finding.detail}"
         sys.stdout.write(line + "\n")
     return int(broken)
 
 
-def examine() -> Iterator[Finding]:
+def run_checks() -> Iterator[CheckResult]:
     """Yield all findings, quick checks first; a check that raises yields a finding of its own."""
-    checks = (_python, _packages, _extras, _known_bad_pairs, _devices, _executors, _ffmpeg, _caches, _dataset)
+    checks = (_python, _packages, _extras, _known_bad_pairs, _devices, _backends, _ffmpeg, _caches, _dataset)
     for check in checks:
         try:
             yield from check()
         except Exception as error:  # any error is a finding for the user
-            yield Finding(check.__name__.strip("_"), BROKEN, f"{type(error).__name__}: {error}")
+            yield CheckResult(check.__name__.strip("_"), BROKEN, f"{type(error).__name__}: {error}")
 
 
-def _python() -> Iterator[Finding]:
+def _python() -> Iterator[CheckResult]:
     detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
-    yield Finding("python", OK, detail)
+    yield CheckResult("python", OK, detail)
 
 
-def _packages() -> Iterator[Finding]:
+def _packages() -> Iterator[CheckResult]:
     """Check every required dependency in our package metadata."""
     required = [r for r in metadata.requires("home-mjx") or [] if "extra ==" not in r]
     for name in sorted({_project_name(r) for r in required} | {"home-mjx", "jaxlib"}):
         version = _version(name)
         if version is None:
-            yield Finding(name, BROKEN, f"not installed. Try: pip install {name}")
+            yield CheckResult(name, BROKEN, f"not installed. Try: pip install {name}")
         else:
-            yield Finding(name, OK, version)
+            yield CheckResult(name, OK, version)
 
 
-def _extras() -> Iterator[Finding]:
-    found = [f"{name} {version}" for name in OPTIONAL if (version := _version(name))]
-    yield Finding("extras", OK, ", ".join(found) or "none installed")
+def _extras() -> Iterator[CheckResult]:
+    found = [f"{name} {version}" for name in OPTIONAL_PACKAGES if (version := _version(name))]
+    yield CheckResult("extras", OK, ", ".join(found) or "none installed")
 
 
-def _known_bad_pairs() -> Iterator[Finding]:
+def _known_bad_pairs() -> Iterator[CheckResult]:
     """Report pairs of versions that install together but fail at run time."""
     import jax
 
     brax, flax = _version("brax"), _version("flax")
-    if brax and _parts(brax) <= (0, 14, 2) and not hasattr(jax, "device_put_replicated"):
+    if brax and _version_numbers(brax) <= (0, 14, 2) and not hasattr(jax, "device_put_replicated"):
         text = f"brax {brax} calls jax.device_put_replicated, which jax {jax.__version__} lacks: before "
-        yield Finding("brax", NOTE, text + "brax.training, call home_mjx.training.shim.install()")
-    if flax and _parts(flax) >= (0, 12, 7) and _parts(jax.__version__) < (0, 10):
-        yield Finding("flax", BROKEN, f"flax {flax} needs jax >= 0.10, found {jax.__version__}. Install flax==0.12.6")
-    if _parts(jax.__version__)[:2] == (0, 11):
+        yield CheckResult("brax", NOTE, text + "brax.training, call home_mjx.training.shim.install()")
+    if flax and _version_numbers(flax) >= (0, 12, 7) and _version_numbers(jax.__version__) < (0, 10):
+        yield CheckResult(
+            "flax", BROKEN, f"flax {flax} needs jax >= 0.10, found {jax.__version__}. Install flax==0.12.6"
+        )
+    if _version_numbers(jax.__version__)[:2] == (0, 11):
         text = f"jaxlib {jax.__version__} crashes when it compiles a whole step for several CPU devices"
-        yield Finding("jax", NOTE, text + "; 0.10 and 0.12 do not. One device is fine")
+        yield CheckResult("jax", NOTE, text + "; 0.10 and 0.12 do not. One device is fine")
 
 
-def _devices() -> Iterator[Finding]:
+def _devices() -> Iterator[CheckResult]:
     import jax
 
     for device in jax.devices():
-        yield Finding("device", OK, f"{device.platform} {device.device_kind} (id {device.id})")
+        yield CheckResult("device", OK, f"{device.platform} {device.device_kind} (id {device.id})")
 
 
-def _executors() -> Iterator[Finding]:
+def _backends() -> Iterator[CheckResult]:
     """Report the backends for ray casting that run here."""
     from home_mjx.raycast_render.backends.cpu import cpu_problem
 
-    yield Finding("executor xla", OK, "the reference, runs everywhere")
+    yield CheckResult("executor xla", OK, "the reference, runs everywhere")
     problem = cpu_problem()
     detail = f"does not work: {problem}; `xla` is used instead, slower on a CPU" if problem else "compiled by Numba"
-    yield Finding("executor cpu", NOTE if problem else OK, detail)
-    yield _cuda_executor()
+    yield CheckResult("executor cpu", NOTE if problem else OK, detail)
+    yield _cuda_backend()
 
 
-def _cuda_executor() -> Finding:
+def _cuda_backend() -> CheckResult:
     from home_mjx.core.native import nvrtc
-    from home_mjx.core.native.platforms import devices_of
+    from home_mjx.core.native.platforms import local_devices
     from home_mjx.raycast_render.backends.cuda import cuda_problem
 
-    if not devices_of("cuda"):
-        return Finding("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
+    if not local_devices("cuda"):
+        return CheckResult("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
     problem = cuda_problem()
     if problem:
-        return Finding("executor cuda", NOTE, f"does not work: {problem}; `xla` is used instead, slower")
+        return CheckResult("executor cuda", NOTE, f"does not work: {problem}; `xla` is used instead, slower")
     version = ".".join(map(str, nvrtc.version(nvrtc.find_library())))
-    return Finding("executor cuda", OK, f"compiled by NVRTC {version}, cached in {cache_folder() / 'kernels'}")
+    return CheckResult("executor cuda", OK, f"compiled by NVRTC {version}, cached in {cache_folder() / 'kernels'}")
 
 
-def _ffmpeg() -> Iterator[Finding]:
+def _ffmpeg() -> Iterator[CheckResult]:
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
     shown = subprocess.run([program, "-version"], capture_output=True, text=True, timeout=60, check=True).stdout
-    yield Finding("ffmpeg", OK, f"{shown.split(' Copyright')[0]} at {program}")
+    yield CheckResult("ffmpeg", OK, f"{shown.split(' Copyright')[0]} at {program}")
 
 
-def _caches() -> Iterator[Finding]:
+def _caches() -> Iterator[CheckResult]:
     folder = cache_folder()
     nearest = next(p for p in (folder, *folder.parents) if p.exists())
     try:
         with tempfile.TemporaryFile(dir=nearest):
-            yield Finding("house cache", OK, str(folder))
+            yield CheckResult("house cache", OK, str(folder))
     except OSError as error:
         text = f"cannot write to {nearest}: {error.strerror}. Set {CACHE_VARIABLE} to a writable folder"
-        yield Finding("house cache", BROKEN, text)
+        yield CheckResult("house cache", BROKEN, text)
     programs = use_compile_cache()
     advice = "none: unset JAX_COMPILATION_CACHE_DIR, so that later starts do not compile again"
-    yield Finding("jax cache", OK if programs else NOTE, str(programs or advice))
+    yield CheckResult("jax cache", OK if programs else NOTE, str(programs or advice))
 
 
-def _dataset() -> Iterator[Finding]:
+def _dataset() -> Iterator[CheckResult]:
     from home_mjx.datasets.registry import open_dataset
 
     root = dataset_root()
     if root is None:
-        yield Finding("dataset", NOTE, f"{ROOT_VARIABLE} is not set: houses are generated")
+        yield CheckResult("dataset", NOTE, f"{ROOT_VARIABLE} is not set: houses are generated")
         return
     try:
         dataset = open_dataset(root)
     except HomeMjxError as error:
-        yield Finding("dataset", BROKEN, str(error))
+        yield CheckResult("dataset", BROKEN, str(error))
     else:
-        yield Finding("dataset", OK, f"{len(dataset.house_ids)} houses in {root}")
+        yield CheckResult("dataset", OK, f"{len(dataset.house_ids)} houses in {root}")
 
 
 def _version(name: str) -> str | None:
@@ -169,7 +171,7 @@ def _project_name(requirement: str) -> str:
     return next(requirement[:i] for i, c in enumerate(requirement + " ") if not (c.isalnum() or c in "-_."))
 
 
-def _parts(version: str) -> tuple[int, ...]:
+def _version_numbers(version: str) -> tuple[int, ...]:
     """Return the leading whole numbers of a version."""
     numbers: list[int] = []
     for part in version.split("."):

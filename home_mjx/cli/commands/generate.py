@@ -3,15 +3,15 @@
 import argparse
 import sys
 
-from home_mjx.cli.parsing import file_path, seed_range
+from home_mjx.cli.parsing import parse_path, parse_seed_range
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx generate`."""
-    parser.add_argument("out", type=file_path, metavar="OUT", help="root of the new dataset")
+    parser.add_argument("out", type=parse_path, metavar="OUT", help="root of the new dataset")
     parser.add_argument(
         "--seeds",
-        type=seed_range,
+        type=parse_seed_range,
         default=range(8),
         metavar="A:B",
         help="from A to B, B excluded (default: 0:8)",

@@ -11,11 +11,11 @@ from home_mjx.cli.houses import (
     add_movable_option,
     add_strict_option,
     compile_options,
+    is_dataset_root,
     load_compiled_house,
     load_house,
-    named_house,
-    names_root,
-    open_named_dataset,
+    open_selected_dataset,
+    selected_house,
 )
 from home_mjx.errors import ConfigError
 
@@ -49,51 +49,51 @@ def run(args: argparse.Namespace) -> int:
         return _validate(args)
     if args.semantics or args.home:
         return _semantics(args)
-    if names_root(args):
+    if is_dataset_root(args):
         return _dataset(args)
     from home_mjx.bank.usage import bank_usage
-    from home_mjx.scene_compile.materials.unknown import TOLERABLE, unknown_share
+    from home_mjx.scene_compile.materials.unknown import MAX_UNKNOWN_SHARE, unknown_material_share
 
     house, _ = load_house(args)
     compiled = load_compiled_house(args)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
-    unknown, jointed = unknown_share(compiled), _jointed(named_house(args)[0], house)
-    fields = compiled.navigation.field.nbytes + compiled.navigation.fringe.field.nbytes
+    unknown, jointed = unknown_material_share(compiled), _count_joints(selected_house(args)[0], house)
+    fields = compiled.navigation.field.nbytes + compiled.navigation.extrapolated.field.nbytes
     if args.json:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
         sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
         sizes["fields"] = fields
-        record["stand_ins"] = [asdict(item) for item in house.stand_ins]
-        record["stuck"] = compiled.stuck.tolist()
+        record["stand_ins"] = [asdict(item) for item in house.fallbacks]
+        record["stuck"] = compiled.blocked_objects.tolist()
         record["unknown_material"] = unknown
         record["joints"] = jointed
         sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
     sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
     for name, count in compiled.report.items():
-        _row(name.replace("_", " "), count)
-    _row("doors, drawers and lids in joints.csv", jointed)
-    _row("bytes of the house alone", taken.houses[house.id])
-    _row("  of which distance fields", fields)
-    _row("bytes of its models", sum(taken.models.values()))
+        _print_row(name.replace("_", " "), count)
+    _print_row("doors, drawers and lids in joints.csv", jointed)
+    _print_row("bytes of the house alone", taken.houses[house.id])
+    _print_row("  of which distance fields", fields)
+    _print_row("bytes of its models", sum(taken.models.values()))
     for key in sorted(taken.models, key=lambda key: -taken.models[key])[:3]:
-        _row(f"  {key}", taken.models[key])
-    _row("bytes of its textures", taken.textures)
+        _print_row(f"  {key}", taken.models[key])
+    _print_row("bytes of its textures", taken.textures)
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
-    if unknown > TOLERABLE:
+    if unknown > MAX_UNKNOWN_SHARE:
         sys.stdout.write(
             f"warning: {unknown:.0%} of the area has a default material: acoustics and contact are approximate\n"
         )
-    for item in house.stand_ins:
+    for item in house.fallbacks:
         sys.stdout.write(f"lacking: {item}\n")
-    for object_id in compiled.stuck.tolist():
+    for object_id in compiled.blocked_objects.tolist():
         sys.stdout.write(f"stuck: {_category(compiled, object_id)} {object_id} overlaps another body, so it is fixed\n")
     return 0
 
 
-def _jointed(dataset: "Dataset", house: "House") -> int:
+def _count_joints(dataset: "Dataset", house: "House") -> int:
     """Count the joints of its objects in the dataset's table of joints; 0 if it has none."""
     keys = [item.model_key for level in house.levels for item in level.objects]
     return sum(len(dataset.joints.get(key, ())) for key in keys)
@@ -107,7 +107,7 @@ def _category(house: "CompiledHouse", object_id: int) -> str:
     return FINE[row[Semantic.FINE]]
 
 
-def _row(name: str, count: int) -> None:
+def _print_row(name: str, count: int) -> None:
     sys.stdout.write(f"{name:<40}{count:>16,}\n")
 
 
@@ -118,7 +118,7 @@ def _dataset(args: argparse.Namespace) -> int:
     from home_mjx.bank.usage import bank_usage
     from home_mjx.houses.house_cache import HouseCache
 
-    dataset = open_named_dataset(args)
+    dataset = open_selected_dataset(args)
     cache = HouseCache(dataset, compile_options(args))
     taken = bank_usage([cache.load(house_id) for house_id in tqdm(dataset.house_ids, desc="houses", unit="house")])
     houses, models = list(taken.houses.values()), list(taken.models.values())
@@ -138,29 +138,31 @@ def _dataset(args: argparse.Namespace) -> int:
         sys.stdout.write(json.dumps({"root": str(dataset.root), "counts": counts, "bytes": sizes}) + "\n")
         return 0
     for name, count in counts.items():
-        _row(name.replace("_", " "), count)
+        _print_row(name.replace("_", " "), count)
     return 0
 
 
 def _semantics(args: argparse.Namespace) -> int:
     """Print a line per surface and object, or one JSON object with the complete semantics."""
     from home_mjx.scene_compile.semantics.engine import house_semantics
-    from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
+    from home_mjx.scene_compile.semantics.looks.options import HOME2017, SemanticOptions
     from home_mjx.scene_compile.semantics.records import house_record
 
-    meaning = house_semantics(*load_house(args), HOME if args.home else SemanticOptions())
+    meaning = house_semantics(*load_house(args), HOME2017 if args.home else SemanticOptions())
     if args.json:
         sys.stdout.write(json.dumps(house_record(meaning)) + "\n")
         return 0
     for part in meaning.parts:
         sys.stdout.write(_line(f"part {part.index}", part.room_type, "", part.description))
     for item in meaning.objects:
-        held = meaning.by_id.get(max(item.support.supporter, item.support.container))
+        held = meaning.objects_by_id.get(max(item.support.supporter, item.support.container))
         on = f"{held.fine} {held.object_id}" if held else item.support.kind
         sys.stdout.write(
             _line(f"object {item.object_id}", item.room_type if item.room >= 0 else "outside", on, item.description)
         )
-    sys.stdout.write(f"{len(meaning.outside)} objects outside of every room, {len(meaning.relations)} relations\n")
+    sys.stdout.write(
+        f"{len(meaning.objects_outside)} objects outside of every room, {len(meaning.relations)} relations\n"
+    )
     return 0
 
 
@@ -170,8 +172,8 @@ def _line(name: str, room: str, support: str, description: str) -> str:
 
 def _validate(args: argparse.Namespace) -> int:
     """Print the findings of the house, or of all houses of a root; return 1 if there are errors, else 0."""
-    dataset = open_named_dataset(args)
-    ids = dataset.house_ids if names_root(args) else [args.house or dataset.house_ids[0]]
+    dataset = open_selected_dataset(args)
+    ids = dataset.house_ids if is_dataset_root(args) else [args.house or dataset.house_ids[0]]
     dataset.prepare(ids, progress=True)
     return int(sum(_validate_one(dataset, house_id, args.json) for house_id in ids) > 0)
 

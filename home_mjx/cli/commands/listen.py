@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.floors import storey_pictures
+from home_mjx.cli.floors import draw_storey_maps
 from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, number
-from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, stand
+from home_mjx.cli.parsing import number_type, parse_path
+from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, place_head
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from home_mjx.audio_jax.parameters.survey import Survey
     from home_mjx.raycast_render.scene.types import Scene
 
-MEASURES = (  # field of `RoomMeasures`, title, format
+PARAMETERS = (  # field of `RoomParameters`, title, format
     ("t20", "T20 [s]", ".2f"),
     ("t30", "T30 [s]", ".2f"),
     ("edt", "EDT [s]", ".2f"),
@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_viewpoint_arguments(parser)
     parser.add_argument(
         "--source",
-        type=number(),
+        type=number_type(),
         nargs=3,
         metavar=("X", "Y", "Z"),
         help="position of the source [m] (default: a goal in the house)",
@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="traced: late reverberation by ray tracing; baked: from a table computed once per house",
     )
     parser.add_argument("--map", action="store_true", help="write level and T30 over the floor plan as images")
-    parser.add_argument("--out", type=file_path, default=Path("sound"), help="folder for the files (default: sound)")
+    parser.add_argument("--out", type=parse_path, default=Path("sound"), help="folder for the files (default: sound)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -62,31 +62,31 @@ def run(args: argparse.Namespace) -> int:
     import scipy.signal
 
     from home_mjx.audio_jax.auralization.sources import clip_samples
-    from home_mjx.audio_jax.base.endpoints import Listener, Source, is_indoors
-    from home_mjx.audio_jax.parameters.survey import SURVEY, survey_room
+    from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, is_indoors
+    from home_mjx.audio_jax.parameters.survey import SURVEY_CONFIG, survey_room
     from home_mjx.viewer.pictures.media import write_png, write_wav
 
-    config = replace(SURVEY, late=args.late)
+    config = replace(SURVEY_CONFIG, late=args.late)
     clip = clip_samples(args.clip, config)
     make_folder(args.out)
-    view = stand(args)
+    view = place_head(args)
     goal = np.asarray(view.bank.navigation.goal[0, 0]) + np.array([0, 0, EYE_HEIGHT], np.float32)
     source = goal if args.source is None else np.array(args.source, np.float32)
     check_inside(view.bank, source, "--source")
     if not bool(is_indoors(view.scene, jnp.asarray(source, jnp.float32))):
         given = f"--source {source[0]:g} {source[1]:g} {source[2]:g} is in a wall, or not above the floor of a room"
         raise ConfigError(given, hint="The result would be silent. `home-mjx render --top` shows the rooms.")
-    scene = _baked(args, view) if args.late == "baked" else view.scene
+    scene = _bake_late_reverb(args, view) if args.late == "baked" else view.scene
     listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
     survey = jax.jit(survey_room, static_argnames="config")
-    found = survey(scene, Source(jnp.asarray(source)), listener, jax.random.key(0), config)
+    found = survey(scene, SoundSource(jnp.asarray(source)), listener, jax.random.key(0), config)
     response = np.asarray(found.response)
     heard = scipy.signal.fftconvolve(response, clip[None], axes=1)
     for name, samples in (("heard.wav", heard), ("response.wav", response)):
         write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
         sys.stdout.write(f"{args.out / name}\n")
     if args.map:
-        for name, picture in storey_pictures(scene, source, config).items():
+        for name, picture in draw_storey_maps(scene, source, config).items():
             write_png(args.out / f"{name}.png", picture)
             sys.stdout.write(f"{args.out / name}.png\n")
     distance = np.linalg.norm(source - view.position)
@@ -94,20 +94,20 @@ def run(args: argparse.Namespace) -> int:
     how = (
         "baked late reverberation" if args.late == "baked" else f"{config.num_rays} rays, {config.num_bounces} bounces"
     )
-    sys.stdout.write(f"\n{measures_table(found)}\n{how}\n")
+    sys.stdout.write(f"\n{format_parameters(found)}\n{how}\n")
     return 0
 
 
-def _baked(args: argparse.Namespace, view: Viewpoint) -> "Scene":
+def _bake_late_reverb(args: argparse.Namespace, view: Viewpoint) -> "Scene":
     """Return the scene with baked late reverberation, cached or computed now."""
     from home_mjx.houses.bakes import add_bakes
 
     return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], "late_reverb", progress=True))
 
 
-def measures_table(survey: "Survey") -> str:
+def format_parameters(survey: "Survey") -> str:
     """Format the parameters of a survey as text: one row each, one column per octave band."""
     rows = [("octave [Hz]", BANDS, "g")]
-    rows += [(title, getattr(survey.measures, name), form) for name, title, form in MEASURES]
+    rows += [(title, getattr(survey.parameters, name), form) for name, title, form in PARAMETERS]
     rows += [("IACC", survey.iacc, ".2f"), ("LF", survey.lateral_fraction, ".2f")]
     return "\n".join(title.ljust(12) + "".join(f"{float(v):8{form}}" for v in row) for title, row, form in rows)

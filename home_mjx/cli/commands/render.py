@@ -8,45 +8,50 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, number, positive_int
-from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, look_down, stand
+from home_mjx.cli.parsing import number_type, parse_path, positive_int_type
+from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, place_head, place_overhead_camera
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS, PRESETS
 from home_mjx.viewer.pictures import pictures
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
 DEPTH_MAX = 10.0  # [m] depth of the last colour
-FOVY = 75.0  # [degrees] default vertical field of view
-MARGIN = 0.4  # [m] margin around a storey
-CUT_WALL = np.uint8(40)  # grey level of walls that the plan cuts
-SHAPES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
+DEFAULT_FOVY = 75.0  # [degrees] default vertical field of view
+STOREY_MARGIN = 0.4  # [m] margin around a storey
+CUT_WALL_GREY = np.uint8(40)  # grey level of walls that the plan cuts
+IMAGE_AXES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx render`."""
     add_viewpoint_arguments(parser)
-    parser.add_argument("--pitch", type=number(-90, 90), help="elevation of the view [degrees] (default: 0)")
+    parser.add_argument("--pitch", type=number_type(-90, 90), help="elevation of the view [degrees] (default: 0)")
     parser.add_argument(
         "--top",
-        type=_storey,
+        type=_parse_storey,
         nargs="?",
         const=0,
         metavar="STOREY",
         help="plan of a storey, seen from below its ceiling (default: the lowest, 0)",
     )
     parser.add_argument(
-        "--size", type=positive_int, nargs=2, default=(640, 480), metavar=("W", "H"), help="size of the images [pixels]"
+        "--size",
+        type=positive_int_type,
+        nargs=2,
+        default=(640, 480),
+        metavar=("W", "H"),
+        help="size of the images [pixels]",
     )
     parser.add_argument(
         "--fovy",
-        type=number(low=1, high=179),
+        type=number_type(low=1, high=179),
         help="vertical field of view [degrees] (default: 75)",
     )
     parser.add_argument("--preset", choices=PRESETS, default="fast", help="shading of the colours (default: fast)")
-    parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel for colours (default: 1)")
+    parser.add_argument("--samples", type=positive_int_type, default=1, help="rays per pixel for colours (default: 1)")
     parser.add_argument("--lens", choices=CAMERA_MODELS, help="camera model (default: pinhole)")
     parser.add_argument(
-        "--out", type=file_path, default=Path("pictures"), help="folder for the files (default: pictures)"
+        "--out", type=parse_path, default=Path("pictures"), help="folder for the files (default: pictures)"
     )
 
 
@@ -58,51 +63,51 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
     from home_mjx.raycast_render.images.render import render
     from home_mjx.viewer.pictures.media import write_png
-    from home_mjx.viewer.pictures.top_view import in_wall
+    from home_mjx.viewer.pictures.top_view import is_in_wall
 
     make_folder(args.out)
-    view, fovy, model = _view(args)
+    view, fovy, model = _place_camera(args)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
     width, height = args.size
     lens = Lens(width, height, model, args.samples)
-    look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
+    look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, shader=args.preset, depth_max=DEPTH_MAX))
     images = {kind: np.asarray(image) for kind, image in look(view.scene, camera).items()}
     if args.top is not None:  # The camera is inside the cut walls and sees the floor below; draw them dark.
-        cut = np.asarray(in_wall(view.scene, camera_rays(camera, lens)[0]))
-        images["rgb"] = np.where(cut[..., None], CUT_WALL, images["rgb"])
+        cut = np.asarray(is_in_wall(view.scene, camera_rays(camera, lens)[0]))
+        images["rgb"] = np.where(cut[..., None], CUT_WALL_GREY, images["rgb"])
     for kind in KINDS:
         path = args.out / f"{kind}.png"
-        write_png(path, _colours(kind, images[kind]))
+        write_png(path, _to_colours(kind, images[kind]))
         sys.stdout.write(f"{path}\n")
     return 0
 
 
-def _view(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
+def _place_camera(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
     """Return the viewpoint of the camera, its `fovy` and its model."""
     if args.top is None:
-        return stand(args, args.pitch or 0.0), np.deg2rad(args.fovy or FOVY), args.lens or "pinhole"
+        return place_head(args, args.pitch or 0.0), np.deg2rad(args.fovy or DEFAULT_FOVY), args.lens or "pinhole"
     given = [f"--{name}" for name in ("at", "yaw", "pitch", "fovy", "lens") if getattr(args, name) is not None]
     if given:
         raise ConfigError(f"{given[0]} cannot be combined with --top", hint="--top frames the whole storey.")
-    view, (x, y) = look_down(args, args.top)
+    view, (x, y) = place_overhead_camera(args, args.top)
     width, height = args.size
-    return view, max(y, x * height / width) + 2 * MARGIN, "orthographic"
+    return view, max(y, x * height / width) + 2 * STOREY_MARGIN, "orthographic"
 
 
-def _storey(text: str) -> int:
+def _parse_storey(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"expected the number of a storey from 0, got `{text}`")
     return int(text)
 
 
-def _colours(kind: str, image: np.ndarray) -> np.ndarray:
+def _to_colours(kind: str, image: np.ndarray) -> np.ndarray:
     """Convert an image to (H, W, 3) uint8; the faces of a cube map are stacked vertically."""
-    if image.ndim > len(SHAPES.get(kind, "hw")):
+    if image.ndim > len(IMAGE_AXES.get(kind, "hw")):
         image = np.concatenate(image)
     if kind == "rgb":
         return image
     if kind == "depth":
-        return pictures.depth_colours(image[..., 0], DEPTH_MAX)
+        return pictures.colour_depth(image[..., 0], DEPTH_MAX)
     if kind == "normal":
         return ((image + 1) * 127.5).astype(np.uint8)
-    return pictures.id_colours(image)
+    return pictures.colour_ids(image)

@@ -7,37 +7,39 @@ from pathlib import Path
 
 from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
-    DEMO,
+    PACKAGED_AGENT,
     add_episode_option,
     add_import_option,
-    checkpoint_of,
-    checkpoint_path,
+    find_checkpoint,
     import_modules,
+    parse_checkpoint_path,
 )
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
+from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx evaluate`."""
-    parser.add_argument("checkpoint", type=checkpoint_path, metavar="CHECKPOINT", help=CHECKPOINT_HELP)
-    parser.add_argument("--episodes", type=positive_int, help="number of episodes (default: 1000, or all of the file)")
-    parser.add_argument("--houses", type=house_count, default=16, help="number of houses (default: 16)")
+    parser.add_argument("checkpoint", type=parse_checkpoint_path, metavar="CHECKPOINT", help=CHECKPOINT_HELP)
+    parser.add_argument(
+        "--episodes", type=positive_int_type, help="number of episodes (default: 1000, or all of the file)"
+    )
+    parser.add_argument("--houses", type=house_count_type, default=16, help="number of houses (default: 16)")
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="val", help="split of the dataset (default: val)"
     )
     parser.add_argument("--greedy", action="store_true", help="take the most likely action instead of sampling")
-    parser.add_argument("--seed", type=seed, default=0, help="seed of episodes and actions (default: 0)")
+    parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
     parser.add_argument(
-        "--films", type=positive_int, default=0, metavar="N", help="film N episodes into the folder `films`"
+        "--films", type=positive_int_type, default=0, metavar="N", help="film N episodes into the folder `films`"
     )
     parser.add_argument(
-        "--out", type=file_path, help="folder for `films` (default: that of the run; for `demo`, the current one)"
+        "--out", type=parse_path, help="folder for `films` (default: that of the run; for `demo`, the current one)"
     )
     add_episode_option(parser)
     parser.add_argument(
         "--dataset",
-        type=file_path,
+        type=parse_path,
         metavar="ROOT",
         help="root of a dataset in SUNCG's format (default: that of the run)",
     )
@@ -48,17 +50,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print the metrics."""
     import_modules(args.modules)
-    path = checkpoint_of(args.checkpoint)
-    from home_mjx.cli.learning.table import as_table
+    path = find_checkpoint(args.checkpoint)
+    from home_mjx.cli.learning.table import format_evaluation
     from home_mjx.training import evaluate_checkpoint
 
     where = {"episode_file": args.episode_file, "dataset": args.dataset}
-    beside = Path() if args.checkpoint == checkpoint_path(DEMO) else path.parent
+    beside = Path() if args.checkpoint == parse_checkpoint_path(PACKAGED_AGENT) else path.parent
     out = make_folder((args.out or beside) / "films") if args.films else None
     report = evaluate_checkpoint(path, args.split, args.houses, args.episodes, args.seed, args.greedy, **where)
     if out is not None:
         from home_mjx.viewer.episodes import film_checkpoint
 
         film_checkpoint(path, out, args.films, args.split, args.houses, args.seed, args.greedy, **where)
-    sys.stdout.write(json.dumps(report) + "\n" if args.json else as_table(report))
+    sys.stdout.write(json.dumps(report) + "\n" if args.json else format_evaluation(report))
     return 0

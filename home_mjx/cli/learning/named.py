@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from home_mjx.cli.parsing import file_path
+from home_mjx.cli.parsing import parse_path
 from home_mjx.errors import ConfigError, HomeMjxError
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ TASK_HELP = (
     "id of an environment, such as PointNav, its newest version; or module:PointNav, which imports the module first"
 )
 CHECKPOINT_HELP = "a checkpoint, the folder of a run, or `demo`: the agent that comes with the package"
-DEMO = "demo"  # name of the packaged agent; use `./demo` for a folder of this name
+PACKAGED_AGENT = "demo"  # name of the packaged agent; use `./demo` for a folder of this name
 
 
 def add_import_option(parser: argparse.ArgumentParser) -> None:
@@ -30,9 +30,9 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_episode_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--episode-file FILE`."""
+    """Add `--episode-file MJCF_FILE`."""
     parser.add_argument(
-        "--episode-file", type=file_path, metavar="FILE",
+        "--episode-file", type=parse_path, metavar="FILE",
         help="use the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
     )  # fmt: skip
 
@@ -73,10 +73,10 @@ def task_spec(task: str) -> "EnvSpec":
 
     module, colon, name = task.rpartition(":")
     import_modules([module] if colon else [])
-    return find_spec(newest(name))
+    return find_spec(newest_version(name))
 
 
-def newest(task: str) -> str:
+def newest_version(task: str) -> str:
     """Return the id of a task, of the newest version if the name has none.
 
     Example:
@@ -89,29 +89,29 @@ def newest(task: str) -> str:
     return max(versions, key=lambda env_id: int(env_id.rpartition("-v")[2]), default=task)
 
 
-def checkpoint_path(text: str) -> Path:
+def parse_checkpoint_path(text: str) -> Path:
     """Convert an argument to a path; `demo` selects the packaged agent.
 
     Example:
         >>> checkpoint_path("demo").name
         'agent.npz'
     """
-    if text != DEMO:
-        return file_path(text)
-    from home_mjx.viewer.demo.search import AGENT
+    if text != PACKAGED_AGENT:
+        return parse_path(text)
+    from home_mjx.viewer.demo.search import AGENT_FILE
 
-    return AGENT
+    return AGENT_FILE
 
 
-def checkpoint_of(path: Path) -> Path:
+def find_checkpoint(path: Path) -> Path:
     """Return the file itself, or the checkpoint in the folder of a run."""
-    from home_mjx.training import CHECKPOINT  # raises ConfigError if the extra `train` is not installed
+    from home_mjx.training import CHECKPOINT_FILE  # raises ConfigError if the extra `train` is not installed
 
-    return path / CHECKPOINT if path.is_dir() else path
+    return path / CHECKPOINT_FILE if path.is_dir() else path
 
 
-def assignments(texts: list[str]) -> dict[str, Any]:
-    """Parse `NAME=VALUE` arguments; values are JSON, else text.
+def parse_assignments(texts: list[str]) -> dict[str, Any]:
+    """Parse `NAME_ROLE=VALUE` arguments; values are JSON, else text.
 
     Raises:
         ConfigError: An argument has no `=`, or too deeply nested brackets.
@@ -120,10 +120,10 @@ def assignments(texts: list[str]) -> dict[str, Any]:
         >>> assignments(["width=32", "actions=discrete"])
         {'width': 32, 'actions': 'discrete'}
     """
-    return dict(_assignment(text) for text in texts)
+    return dict(_parse_assignment(text) for text in texts)
 
 
-def _assignment(text: str) -> tuple[str, Any]:
+def _parse_assignment(text: str) -> tuple[str, Any]:
     name, equals, value = text.partition("=")
     if not (name and equals):
         raise ConfigError(f"expected NAME=VALUE, got `{text:.80}`", hint="For example --env width=32.")

@@ -12,21 +12,21 @@ from home_mjx.cli.learning.named import (
     TASK_HELP,
     add_episode_option,
     add_import_option,
-    assignments,
-    checkpoint_of,
-    checkpoint_path,
+    find_checkpoint,
     import_modules,
+    parse_assignments,
+    parse_checkpoint_path,
     task_spec,
 )
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, house_count, pixels, positive_int, seed
+from home_mjx.cli.parsing import house_count_type, image_side_type, parse_path, parse_seed, positive_int_type
 from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
 
 EXPERT, TRAINED = "expert", "trained"
-NOTHING_MORE = ("state",)  # sensors of agents that do not use observations
+BLIND_SENSORS = ("state",)  # sensors of agents that do not use observations
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,18 +37,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=(EXPERT, "random", TRAINED, "human"),
         help="agent that plays (default: expert, or trained with --checkpoint)",
     )
-    parser.add_argument("--checkpoint", type=checkpoint_path, help=CHECKPOINT_HELP)
+    parser.add_argument("--checkpoint", type=parse_checkpoint_path, help=CHECKPOINT_HELP)
     parser.add_argument("--greedy", action="store_true", help="take a trained agent's most likely action")
-    parser.add_argument("--episodes", type=positive_int, default=3, help="number of episodes (default: 3)")
-    parser.add_argument("--out", type=file_path, default=Path("play"), help="folder for the film (default: play)")
+    parser.add_argument("--episodes", type=positive_int_type, default=3, help="number of episodes (default: 3)")
+    parser.add_argument("--out", type=parse_path, default=Path("play"), help="folder for the film (default: play)")
     parser.add_argument("--no-film", action="store_true", help="do not write a film")
     parser.add_argument(
-        "--size", type=pixels, nargs=2, default=(480, 360), metavar=("W", "H"),
+        "--size", type=image_side_type, nargs=2, default=(480, 360), metavar=("W", "H"),
         help="size of the agent's view [pixels] (default: 480 360)",
     )  # fmt: skip
-    parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel (default: 1)")
-    parser.add_argument("--seed", type=seed, default=0, help="seed of episodes and actions (default: 0)")
-    parser.add_argument("--houses", type=house_count, default=4, help="number of houses (default: 4)")
+    parser.add_argument("--samples", type=positive_int_type, default=1, help="rays per pixel (default: 1)")
+    parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
+    parser.add_argument("--houses", type=house_count_type, default=4, help="number of houses (default: 4)")
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="val", help="split of the dataset (default: val)"
     )
@@ -61,13 +61,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Play, and print the paths of the film."""
     from home_mjx.viewer.episodes.policies import check_agent
-    from home_mjx.viewer.episodes.run import AGENTS, PlayOptions, run_play
+    from home_mjx.viewer.episodes.run import AGENT_NAMES, PlayOptions, run_play
 
     import_modules(args.modules)
-    path = args.checkpoint and checkpoint_of(args.checkpoint)
+    path = args.checkpoint and find_checkpoint(args.checkpoint)
     width, height = args.size
     options = PlayOptions(
-        env=env_spec(args, path, None if path else NOTHING_MORE),
+        env=env_spec(args, path, None if path else BLIND_SENSORS),
         agent=args.agent or (EXPERT if path is None else TRAINED),
         checkpoint=path,
         episodes=args.episodes,
@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
         height=height,
         samples=args.samples,
     )
-    check_agent(options.agent, path, AGENTS)
+    check_agent(options.agent, path, AGENT_NAMES)
     if not args.no_film:
         options = dataclasses.replace(options, out=make_folder(args.out))
     run_play(options)
@@ -96,9 +96,9 @@ def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[s
         raise ConfigError("expected a task", hint="For example home-mjx play RoomNav; home_mjx.list_envs() lists them.")
     spec = task_spec(args.task) if args.task is not None else None
     if checkpoint is not None:
-        from home_mjx.training import judged, read_config
+        from home_mjx.training import evaluation_spec, read_config
 
-        theirs = judged(read_config(checkpoint).env)  # without training-only options
+        theirs = evaluation_spec(read_config(checkpoint).env)  # without training-only options
         if spec is not None and spec.id != theirs.id:
             message = f"expected a checkpoint of {spec.id}, got one of {theirs.id}"
             raise ConfigError(message, file=checkpoint, hint="Omit the task, or pass another checkpoint.")
@@ -107,5 +107,5 @@ def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[s
     houses = spec.houses if args.dataset is None else str(args.dataset)
     seen = {} if sensors is None else {"sensors": sensors}
     rows = {} if args.episode_file is None else {"episodes": str(args.episode_file)}
-    options = {**spec.options, **seen, **assignments(args.env), **rows}
+    options = {**spec.options, **seen, **parse_assignments(args.env), **rows}
     return dataclasses.replace(spec, options=options, houses=houses, num_houses=args.houses, split=args.split)

@@ -11,13 +11,13 @@ from home_mjx.cli.learning.named import (
     TASK_HELP,
     add_episode_option,
     add_import_option,
-    checkpoint_of,
-    checkpoint_path,
+    find_checkpoint,
     import_modules,
+    parse_checkpoint_path,
 )
 from home_mjx.cli.learning.play import EXPERT, TRAINED, env_spec
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
+from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,16 +26,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--agent", choices=(EXPERT, "random", TRAINED), default=EXPERT, help="agent that acts (default: expert)"
     )
-    parser.add_argument("--checkpoint", type=checkpoint_path, help=f"for the agent `trained`: {CHECKPOINT_HELP}")
+    parser.add_argument("--checkpoint", type=parse_checkpoint_path, help=f"for the agent `trained`: {CHECKPOINT_HELP}")
     parser.add_argument("--greedy", action="store_true", help="take a trained agent's most likely action")
     parser.add_argument("--sensors", metavar="A,B", help="recorded sensors (default: rgb,state,instruction)")
-    parser.add_argument("--frames", type=positive_int, default=10_000, help="minimum number of steps (default: 10000)")
-    parser.add_argument("--num-envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
+    parser.add_argument(
+        "--frames", type=positive_int_type, default=10_000, help="minimum number of steps (default: 10000)"
+    )
+    parser.add_argument(
+        "--num-envs", type=positive_int_type, default=64, help="environments in the batch (default: 64)"
+    )
     parser.add_argument("--only-success", action="store_true", help="omit episodes without success")
     parser.add_argument("--resume", action="store_true", help="continue the dataset in the folder")
-    parser.add_argument("--out", type=file_path, help="folder of the dataset (default: data/TASK)")
-    parser.add_argument("--seed", type=seed, default=0, help="seed of episodes and actions (default: 0)")
-    parser.add_argument("--houses", type=house_count, default=32, help="number of houses (default: 32)")
+    parser.add_argument("--out", type=parse_path, help="folder of the dataset (default: data/TASK)")
+    parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
+    parser.add_argument("--houses", type=house_count_type, default=32, help="number of houses (default: 32)")
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="train", help="split of the dataset (default: train)"
     )
@@ -47,22 +51,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Record, and print the location of the dataset."""
-    from home_mjx.tasks import with_expert
+    from home_mjx.tasks import add_expert
     from home_mjx.training.trajectories import Trajectories, record
-    from home_mjx.viewer.episodes.policies import check_agent, policy_of
+    from home_mjx.viewer.episodes.policies import check_agent, make_policy
 
     import_modules(args.modules)
-    path = args.checkpoint and checkpoint_of(args.checkpoint)
+    path = args.checkpoint and find_checkpoint(args.checkpoint)
     check_agent(args.agent, path)
     sensors = tuple((args.sensors or "rgb,state,instruction").split(","))
     spec = env_spec(args, path, sensors if path is None or args.sensors else None)
     out = make_folder(args.out or Path("data") / spec.id)
     env = spec.make()
-    env = with_expert(env) if args.agent == EXPERT else env
-    policy = None if args.agent == EXPERT else policy_of(env, args.agent, path, args.greedy)
+    env = add_expert(env) if args.agent == EXPERT else env
+    policy = None if args.agent == EXPERT else make_policy(env, args.agent, path, args.greedy)
     begun = time.perf_counter()
     steps = record(
-        env, out, policy, frames=args.frames, num_envs=args.num_envs, seed=args.seed, agent=args.agent,
+        env, out, policy, num_steps=args.frames, num_envs=args.num_envs, seed=args.seed, agent=args.agent,
         only_success=args.only_success, resume=args.resume,
     )  # fmt: skip
     took = f"{time.perf_counter() - begun:.0f} s, including compilation"

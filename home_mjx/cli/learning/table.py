@@ -2,10 +2,10 @@
 
 from typing import Any
 
-FIRST = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
+LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
 
 
-def as_table(report: dict[str, Any]) -> str:
+def format_evaluation(report: dict[str, Any]) -> str:
     """Format the report of `evaluate_checkpoint` as a table of means and standard errors.
 
     Example:
@@ -15,7 +15,9 @@ def as_table(report: dict[str, Any]) -> str:
         ['success', '0.500', '±', '0.010', '0.500', '±', '0.010']
     """
     trained, chance = report["trained"], report["random"]
-    names = [name for name in FIRST if name in trained] + [name for name in trained if name not in FIRST]
+    names = [name for name in LEADING_METRICS if name in trained] + [
+        name for name in trained if name not in LEADING_METRICS
+    ]
     rows = [f"{'':<12}{'trained':>18}{'random':>18}"]
     for name in names:
         shown = (f"{figures[name]['mean']:.3f} ± {figures[name]['stderr']:.3f}" for figures in (trained, chance))

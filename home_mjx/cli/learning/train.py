@@ -11,30 +11,32 @@ from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
     TASK_HELP,
     add_import_option,
-    assignments,
-    checkpoint_of,
-    checkpoint_path,
+    find_checkpoint,
     import_modules,
+    parse_assignments,
+    parse_checkpoint_path,
     task_spec,
 )
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import file_path, house_count, positive_int, seed, whole
+from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type, whole_number_type
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
     from home_mjx.training import PPOConfig, RunConfig
 
-MOST_STEPS = 10**15
+MAX_STEPS = 10**15
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx train`."""
     parser.add_argument("task", metavar="TASK", help=TASK_HELP)
     parser.add_argument("--sensors", default="state,goal", metavar="A,B", help="sensors (default: state,goal)")
-    parser.add_argument("--num-envs", type=positive_int, help="environments in the batch")
-    parser.add_argument("--steps", type=whole(MOST_STEPS), help="environment steps, summed over all environments")
-    parser.add_argument("--seed", type=seed, default=0, help="seed of all random numbers (default: 0)")
-    parser.add_argument("--out", type=file_path, help="folder for the files (default: runs/TASK)")
+    parser.add_argument("--num-envs", type=positive_int_type, help="environments in the batch")
+    parser.add_argument(
+        "--steps", type=whole_number_type(MAX_STEPS), help="environment steps, summed over all environments"
+    )
+    parser.add_argument("--seed", type=parse_seed, default=0, help="seed of all random numbers (default: 0)")
+    parser.add_argument("--out", type=parse_path, help="folder for the files (default: runs/TASK)")
     parser.add_argument(
         "--algorithm",
         choices=("ppo", "advised", "clone"),
@@ -43,21 +45,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--clone-steps",
-        type=whole(MOST_STEPS),
+        type=whole_number_type(MAX_STEPS),
         default=0,
         metavar="N",
         help="environment steps of cloning an expert before PPO",
     )
     parser.add_argument("--seconds", type=float, help="time limit of training without compilation [s]")
     parser.add_argument(
-        "--start", type=checkpoint_path, metavar="CHECKPOINT", help=f"start with the network of {CHECKPOINT_HELP}"
+        "--start", type=parse_checkpoint_path, metavar="CHECKPOINT", help=f"start with the network of {CHECKPOINT_HELP}"
     )
     parser.add_argument("--resume", action="store_true", help="continue from the folder's checkpoint")
-    parser.add_argument("--houses", type=house_count, default=32, help="number of training houses (default: 32)")
+    parser.add_argument("--houses", type=house_count_type, default=32, help="number of training houses (default: 32)")
     parser.add_argument(
-        "--episodes", type=positive_int, default=1000, help="number of evaluation episodes (default: 1000)"
+        "--episodes", type=positive_int_type, default=1000, help="number of evaluation episodes (default: 1000)"
     )
-    parser.add_argument("--held-out", type=house_count, default=16, help="number of evaluation houses (default: 16)")
+    parser.add_argument(
+        "--held-out", type=house_count_type, default=16, help="number of evaluation houses (default: 16)"
+    )
     add_dataset_option(parser)
     add_import_option(parser)
     for name, what in (("--env", "of home_mjx.make"), ("--ppo", "of PPOConfig")):
@@ -68,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     """Train, evaluate, and print the results."""
     import_modules(args.modules)
     config = run_config(args)
-    from home_mjx.cli.learning.table import as_table
+    from home_mjx.cli.learning.table import format_evaluation
     from home_mjx.core.files import write_durably
     from home_mjx.training import evaluate_checkpoint, train
     from home_mjx.training.evaluation import check_episodes
@@ -77,28 +81,28 @@ def run(args: argparse.Namespace) -> int:
     check_held_out(config.env, args.held_out)
     out = make_folder(args.out or Path("runs") / config.env.id)
     train(config, out, args.resume)
-    report = evaluate_checkpoint(checkpoint_of(out), num_houses=args.held_out, num_episodes=args.episodes)
+    report = evaluate_checkpoint(find_checkpoint(out), num_houses=args.held_out, num_episodes=args.episodes)
     with write_durably(out / "evaluation.json", "evaluation") as file:
         file.write(json.dumps(report, indent=1).encode() + b"\n")
-    sys.stdout.write(as_table(report) + f"Look at {out / 'curves.png'}\n")
+    sys.stdout.write(format_evaluation(report) + f"Look at {out / 'curves.png'}\n")
     return 0
 
 
 def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
     """Raise ConfigError before training if the dataset has no house for the evaluation."""
     from home_mjx.houses.house_set import HouseSet
-    from home_mjx.training.evaluation import judged
+    from home_mjx.training.evaluation import evaluation_spec
 
-    others = judged(spec, num_houses=num_houses)
+    others = evaluation_spec(spec, num_houses=num_houses)
     if others.houses is not None:
-        _ = HouseSet.of(others.houses, split=others.split, num_houses=others.num_houses).house_ids
+        _ = HouseSet.coerce(others.houses, split=others.split, num_houses=others.num_houses).house_ids
 
 
 def run_config(args: argparse.Namespace) -> "RunConfig":
     """Return the configuration of the run from the arguments."""
     from home_mjx.training import RunConfig
 
-    start = None if args.start is None else str(checkpoint_of(args.start))
+    start = None if args.start is None else str(find_checkpoint(args.start))
     return RunConfig(env_spec(args), ppo_config(args), args.seed, args.algorithm, start, args.clone_steps, args.seconds)
 
 
@@ -106,7 +110,7 @@ def env_spec(args: argparse.Namespace) -> "EnvSpec":
     """Return the spec of task and training houses."""
     import dataclasses
 
-    options = {"sensors": tuple(args.sensors.split(",")), **assignments(args.env)}
+    options = {"sensors": tuple(args.sensors.split(",")), **parse_assignments(args.env)}
     known = task_spec(args.task)
     houses = None if args.dataset is None else str(args.dataset)
     return dataclasses.replace(
@@ -118,9 +122,9 @@ def ppo_config(args: argparse.Namespace) -> "PPOConfig":
     """Return the training options: defaults for the JAX backend, overridden by the arguments."""
     import jax
 
-    from home_mjx.tasks.base.options import override
+    from home_mjx.tasks.base.options import override_options
     from home_mjx.training import CPU_CONFIG, PPOConfig
 
     given = {"num_envs": args.num_envs, "num_timesteps": args.steps}
-    options = {name: value for name, value in given.items() if value is not None} | assignments(args.ppo)
-    return override({"": CPU_CONFIG if jax.default_backend() == "cpu" else PPOConfig()}, options)[""]
+    options = {name: value for name, value in given.items() if value is not None} | parse_assignments(args.ppo)
+    return override_options({"": CPU_CONFIG if jax.default_backend() == "cpu" else PPOConfig()}, options)[""]

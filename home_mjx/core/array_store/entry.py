@@ -19,26 +19,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from home_mjx.core.array_store.flatten import Arrays, Notes
-from home_mjx.core.files import open_regular, write_whole
+from home_mjx.core.array_store.flatten import Arrays, JsonFields
+from home_mjx.core.files import open_regular, write_atomically
 
 # Exceptions that a corrupted or crafted file can raise here, in zipfile, JSON and NumPy.
-BROKEN = (
+READ_ERRORS = (
     *(OSError, EOFError, ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RuntimeError),
     *(MemoryError, SyntaxError, zipfile.BadZipFile, zlib.error, struct.error),
 )
-SUFFIX = ".zip"
-NOTES, DATA = "notes.json", "data"
-ALIGN = 64  # [bytes], alignment of arrays
-MOST = (1 << 31) - 1  # [bytes], maximum size of a member; a larger one would need the ZIP64 format
+ENTRY_SUFFIX = ".zip"
+NOTES_MEMBER, DATA_MEMBER = "notes.json", "data"
+ALIGNMENT = 64  # [bytes], alignment of arrays
+MAX_MEMBER_BYTES = (1 << 31) - 1  # [bytes], maximum size of a member; a larger one would need the ZIP64 format
 _MEMBER = struct.Struct("<4s6xH4x3L3H8xL")  # central directory header, before the name: APPNOTE.TXT, 4.3.12
 _END = struct.Struct("<4s18x")  # end of central directory record: 4.3.16
 _LOCAL = 30  # [bytes], local file header of a member, before its name: 4.3.7
-KINDS = "biuf"  # allowed kinds of array dtypes
+DTYPE_KINDS = "biuf"  # allowed kinds of array dtypes
 
 
-def write_entry(path: Path, arrays: Arrays, notes: Notes) -> None:
-    """Write an entry atomically, see `write_whole`.
+def write_entry(path: Path, arrays: Arrays, notes: JsonFields) -> None:
+    """Write an entry atomically, see `write_atomically`.
 
     Args:
         path: The file, whose stem is stored in the entry; its folder is created if necessary.
@@ -52,36 +52,38 @@ def write_entry(path: Path, arrays: Arrays, notes: Notes) -> None:
     for name, array in arrays.items():
         data = array.tobytes()
         table[name] = (array.dtype.str, array.shape, at)
-        padded = -(-len(data) // ALIGN) * ALIGN
+        padded = -(-len(data) // ALIGNMENT) * ALIGNMENT
         chunks.append(data.ljust(padded, b"\0"))
         at += padded
-    if at > MOST:
-        raise OSError(errno.EFBIG, f"arrays have {at} bytes, an entry holds at most {MOST}", str(path))
+    if at > MAX_MEMBER_BYTES:
+        raise OSError(errno.EFBIG, f"arrays have {at} bytes, an entry holds at most {MAX_MEMBER_BYTES}", str(path))
     head = json.dumps({"name": path.stem, "arrays": table, "notes": notes}).encode()
-    head += b" " * (-(2 * _LOCAL + len(NOTES) + len(head) + len(DATA)) % ALIGN)  # aligns the data member
-    members = {NOTES: head, DATA: b"".join(chunks)}
-    with write_whole(path) as file, zipfile.ZipFile(file, "w") as archive:
+    head += b" " * (
+        -(2 * _LOCAL + len(NOTES_MEMBER) + len(head) + len(DATA_MEMBER)) % ALIGNMENT
+    )  # aligns the data member
+    members = {NOTES_MEMBER: head, DATA_MEMBER: b"".join(chunks)}
+    with write_atomically(path) as file, zipfile.ZipFile(file, "w") as archive:
         for name, data in members.items():
             archive.writestr(zipfile.ZipInfo(name), data)  # no timestamp: equal content, equal bytes
 
 
-def read_entry(path: Path) -> tuple[Arrays, Notes]:
+def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
     """Return the arrays and the notes of an entry.
 
     Raises:
         FileNotFoundError: There is no such entry.
-        Exception: The file is corrupted or another entry; one of `BROKEN`.
+        Exception: The file is corrupted or another entry; one of `READ_ERRORS`.
     """
     content = _content(path)
     notes, data = _members(content)
     head, numbers = _head(_sound(content, notes), path), _sound(content, data)
-    if data.begin % ALIGN:  # entries of older versions are not aligned
+    if data.begin % ALIGNMENT:  # entries of older versions are not aligned
         numbers = numbers.copy()
     arrays = {name: _view(numbers, *place) for name, place in head["arrays"].items()}
     return arrays, head["notes"]
 
 
-def read_notes(path: Path) -> Notes:
+def read_notes(path: Path) -> JsonFields:
     """Return only the notes of an entry; raises the same errors as `read_entry`."""
     content = _content(path)
     return _head(_sound(content, _members(content)[0]), path)["notes"]
@@ -91,7 +93,7 @@ def _content(path: Path) -> np.ndarray:
     """Read the whole file at once; entries are small, and seeking takes longer than reading them."""
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
-        if size > 2 * MOST:
+        if size > 2 * MAX_MEMBER_BYTES:
             raise ValueError(f"entry has {size} bytes")
         content = np.empty(size, np.uint8)
         if file.readinto(content.data) != size:
@@ -114,10 +116,10 @@ def _members(content: np.ndarray) -> list[_Member]:
     as everything else.
     """
     found, begin = [], 0
-    at = listed = len(content) - _END.size - sum(_MEMBER.size + len(name) for name in (NOTES, DATA))
+    at = listed = len(content) - _END.size - sum(_MEMBER.size + len(name) for name in (NOTES_MEMBER, DATA_MEMBER))
     if at < 0 or _END.unpack_from(content.data, len(content) - _END.size)[0] != b"PK\5\6":
         raise ValueError("entry is truncated, or not written by home_mjx")
-    for name in (NOTES, DATA):
+    for name in (NOTES_MEMBER, DATA_MEMBER):
         mark, method, crc, stored, size, letters, *extra, place = _MEMBER.unpack_from(content.data, at)
         if method != zipfile.ZIP_STORED:
             raise ValueError("entry is packed (compressed), expected stored members")
@@ -149,7 +151,7 @@ def _head(text: np.ndarray, path: Path) -> dict[str, Any]:
 
 def _view(data: np.ndarray, dtype: str, shape: list[int], at: int) -> np.ndarray:
     kind = np.dtype(dtype)
-    if kind.kind not in KINDS or min(at, *shape, 0) < 0:
+    if kind.kind not in DTYPE_KINDS or min(at, *shape, 0) < 0:
         raise ValueError(f"entry has an array of type {dtype!s:.20} and shape {shape!s:.80}")
     size = kind.itemsize * math.prod(shape)
     return data[at : at + size].view(kind).reshape(shape)

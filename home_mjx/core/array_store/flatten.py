@@ -10,10 +10,10 @@ import numpy as np
 
 T = TypeVar("T")
 Arrays = dict[str, np.ndarray]
-Notes = dict[str, Any]  # JSON-serializable values
+JsonFields = dict[str, Any]  # JSON-serializable values
 
 
-def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -> tuple[Arrays, Notes]:
+def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -> tuple[Arrays, JsonFields]:
     """Flatten a dataclass and nested ones to arrays and JSON values, by dotted name.
 
     Args:
@@ -22,7 +22,7 @@ def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -
         prefix: Prefix of the names.
     """
     arrays: Arrays = {}
-    notes: Notes = {}
+    notes: JsonFields = {}
     for field in dataclasses.fields(record):
         name, value = prefix + field.name, getattr(record, field.name)
         if name in skip:
@@ -41,7 +41,7 @@ def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -
     return arrays, notes
 
 
-def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: Notes, prefix: str = "", **given: Any) -> T:
+def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: JsonFields, prefix: str = "", **given: Any) -> T:
     """Rebuild a record from the output of `flatten`.
 
     Args:

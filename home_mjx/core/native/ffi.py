@@ -32,11 +32,11 @@ words, halves = pointer_to(types.int64), pointer_to(types.int32)
 argument_words = stack_of(types.int64, 5)
 allocate = types.ExternalFunction("malloc", types.intp(types.intp))
 release = types.ExternalFunction("free", types.void(types.intp))
-give_way = types.ExternalFunction("sched_yield", types.int32())
+yield_thread = types.ExternalFunction("sched_yield", types.int32())
 compiled = njit(error_model="numpy")
 
 
-def digest(*paths: str) -> int:
+def hash_sources(*paths: str) -> int:
     """Hash the source files of a handler, since Numba's cache watches only the file that defines the handler."""
     text = b"".join(Path(path).read_bytes() for path in paths)
     return int.from_bytes(hashlib.sha256(text).digest()[:7], "little")
@@ -44,7 +44,7 @@ def digest(*paths: str) -> int:
 
 @compiled
 @no_type_check
-def wants_work(frame):
+def is_execute_call(frame):
     """Return whether XLA requests execution; answer queries of the interface version here."""
     extension = words(frame)[FRAME_EXTENSION]
     if extension != 0 and halves(extension + WORD * EXTENSION_TYPE)[0] == METADATA:
@@ -58,8 +58,8 @@ def wants_work(frame):
 def open_job(frame, chunks, task):
     """Open a job of `chunks` chunks: XLA's threads call `task`, the address of a C function, with the job.
 
-    Every user of a job calls `next_chunk` until it returns -1, and `chunk_done` after each chunk; then `leave`. The
-    caller calls `close_job` instead of `leave`.
+    Every user of a job calls `next_chunk` until it returns -1, and `chunk_done` after each chunk; then `release_job`. The
+    caller calls `close_job` instead of `release_job`.
     """
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(JOB_WORDS * WORD)
@@ -68,7 +68,7 @@ def open_job(frame, chunks, task):
     state[JOB_CHUNKS], state[JOB_FRAME] = chunks, frame
     for _ in range(helpers):
         if not _schedule(frame, task, job):
-            leave(job)  # on behalf of the task that did not start
+            release_job(job)  # on behalf of the task that did not start
     return job
 
 
@@ -89,7 +89,7 @@ def chunk_done(job):
 
 @compiled
 @no_type_check
-def frame_of(job):
+def job_frame(job):
     """Return the call frame of a job; valid until its last chunk is done."""
     return words(job)[JOB_FRAME]
 
@@ -99,13 +99,13 @@ def frame_of(job):
 def close_job(job):
     """Wait until all chunks are done, then leave the job."""
     while fetch_add(job + WORD * JOB_DONE, 0) < words(job)[JOB_CHUNKS]:
-        give_way()
-    leave(job)
+        yield_thread()
+    release_job(job)
 
 
 @compiled
 @no_type_check
-def leave(job):
+def release_job(job):
     """Drop a reference to a job; the last user frees it."""
     if fetch_add(job + WORD * JOB_USERS, -1) == 1:
         release(job)

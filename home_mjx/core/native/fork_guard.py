@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import BackendError
 
 T = TypeVar("T")
 
@@ -14,27 +14,27 @@ HINT = "Start workers by multiprocessing's `spawn` or `forkserver` method."
 _started_in: list[int] = []  # id of the process that first loaded compiled code
 
 
-def note_start() -> None:
+def record_process() -> None:
     """Record this process as the one that loaded compiled code; call it on every load."""
     if not _started_in:
         _started_in.append(os.getpid())
 
 
-def refuse_forked(action: str) -> None:
-    """Raise `ExecutorError` in a child that was forked after compiled code was loaded.
+def check_not_forked(action: str) -> None:
+    """Raise `BackendError` in a child that was forked after compiled code was loaded.
 
     Args:
         action: The refused action for the message, such as "cast rays".
     """
     if _started_in and _started_in[0] != os.getpid():
-        raise ExecutorError(
+        raise BackendError(
             f"cannot {action} in a forked child of a process that has cast rays or stepped physics",
             hint=HINT,
         )
 
 
-def in_this_process(function: Callable[..., T], action: str) -> Callable[..., T]:
-    """Wrap a function so that it raises `ExecutorError` in children that are forked from now on.
+def forbid_after_fork(function: Callable[..., T], action: str) -> Callable[..., T]:
+    """Wrap a function so that it raises `BackendError` in children that are forked from now on.
 
     Use it for compiled programs. JAX runs a cached program without calling Python code of this package; a large one
     then waits forever for threads that the child lacks.
@@ -49,7 +49,7 @@ def in_this_process(function: Callable[..., T], action: str) -> Callable[..., T]
     def checked(*args: Any) -> T:
         if os.getpid() != made_in:
             message = f"cannot {action} in a forked child of the process that made the environment"
-            raise ExecutorError(message, hint=HINT)
+            raise BackendError(message, hint=HINT)
         return function(*args)
 
     return checked

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 
 from home_mjx.core.native import ffi
-from home_mjx.core.native.fork_guard import note_start
+from home_mjx.core.native.fork_guard import record_process
 
 HostFunction = Callable[[Sequence[np.ndarray], Sequence[np.ndarray]], None]
 
@@ -57,7 +57,7 @@ def register_host_call(target: str, function: HostFunction) -> None:
             return _error(frame, f"{type(error).__name__}: {error}")
         return None
 
-    note_start()
+    record_process()
     _kept.append(handler)
     jax.ffi.register_ffi_target(target, jax.ffi.pycapsule(handler), platform="cpu", api_version=1)
 
@@ -71,7 +71,7 @@ def _halves(address: int) -> Any:
 
 
 def _wants_work(frame: int) -> bool:
-    """Return whether XLA requests execution, like `ffi.wants_work`."""
+    """Return whether XLA requests execution, like `ffi.is_execute_call`."""
     extension = _words(frame)[ffi.FRAME_EXTENSION]
     if extension and _halves(extension + ffi.WORD * ffi.EXTENSION_TYPE)[0] == ffi.METADATA:
         _words(_words(extension)[ffi.EXTENSION_METADATA])[ffi.METADATA_VERSION] = ffi.API_VERSION

@@ -99,7 +99,7 @@ def symbol_address(name: str) -> Any:
 
 @intrinsic
 @no_type_check
-def shifted(typing_context, pointer, count) -> Any:
+def offset_pointer(typing_context, pointer, count) -> Any:
     """Return the pointer advanced by `count` items."""
 
     @no_type_check

@@ -16,21 +16,21 @@ from typing import IO, Any, TypeVar
 
 from numba.core.caching import FunctionCache
 
-from home_mjx.core.files import read_bytes, read_text, write_whole
+from home_mjx.core.files import read_bytes, read_text, write_atomically
 from home_mjx.errors import DatasetError
 
 T = TypeVar("T")
 
-MAX_BYTES = 1 << 28  # maximum size of a compiled function
-SUMS = "sha256.json"
-LOCK = "lock"
-WAIT_SECONDS = 300.0  # [s], maximum wait for another process; no compilation takes that long
+MAX_CODE_BYTES = 1 << 28  # maximum size of a compiled function
+DIGESTS_SUFFIX = "sha256.json"
+LOCK_SUFFIX = "lock"
+MAX_LOCK_WAIT_SECONDS = 300.0  # [s], maximum wait for another process; no compilation takes that long
 POLL_SECONDS = 0.05  # [s]
 
 log = logging.getLogger(__name__)
 
 
-def with_checked_cache(build: Callable[..., T]) -> Callable[..., T]:
+def verify_cache(build: Callable[..., T]) -> Callable[..., T]:
     """Wrap a function that compiles the functions of its own file, so that it loads only verified cache files.
 
     Cache files whose digest differs or was never recorded, such as those of a killed process, are deleted first and
@@ -49,9 +49,9 @@ def with_checked_cache(build: Callable[..., T]) -> Callable[..., T]:
         folder, stem = _place(build)
         if folder is None:
             return build(*args)
-        sums = folder / f"{stem}.{SUMS}"
-        with alone(folder / f"{stem}.{LOCK}"):
-            drop_unsound(folder, stem, sums)
+        sums = folder / f"{stem}.{DIGESTS_SUFFIX}"
+        with exclusive_lock(folder / f"{stem}.{LOCK_SUFFIX}"):
+            delete_unverified(folder, stem, sums)
             made = build(*args)
             _note(folder, stem, sums)
         return made
@@ -59,9 +59,9 @@ def with_checked_cache(build: Callable[..., T]) -> Callable[..., T]:
     return checked
 
 
-def with_cache_checked_once(function: Callable[..., T]) -> Callable[..., T]:
-    """Apply `with_checked_cache` at the first call only, for functions called often with the same types."""
-    checked, done = with_checked_cache(function), []
+def verify_cache_once(function: Callable[..., T]) -> Callable[..., T]:
+    """Apply `verify_cache` at the first call only, for functions called often with the same types."""
+    checked, done = verify_cache(function), []
 
     @functools.wraps(function)
     def first_checked(*args: Any) -> T:
@@ -74,7 +74,7 @@ def with_cache_checked_once(function: Callable[..., T]) -> Callable[..., T]:
     return first_checked
 
 
-def drop_unsound(folder: Path, stem: str, sums: Path) -> None:
+def delete_unverified(folder: Path, stem: str, sums: Path) -> None:
     """Delete files of Numba's cache whose digest differs from the recorded one.
 
     Args:
@@ -91,8 +91,8 @@ def drop_unsound(folder: Path, stem: str, sums: Path) -> None:
 
 
 @contextmanager
-def alone(lock: Path) -> Iterator[None]:
-    """Hold an exclusive lock during the block; after `WAIT_SECONDS` the block runs without it.
+def exclusive_lock(lock: Path) -> Iterator[None]:
+    """Hold an exclusive lock during the block; after `MAX_LOCK_WAIT_SECONDS` the block runs without it.
 
     The operating system releases the lock of a killed process. If files cannot be locked, as on Windows and some
     networks, the block runs at once.
@@ -104,7 +104,7 @@ def alone(lock: Path) -> Iterator[None]:
             import fcntl
 
             lock.parent.mkdir(parents=True, exist_ok=True)
-            file, end = stack.enter_context(lock.open("ab")), time.monotonic() + WAIT_SECONDS
+            file, end = stack.enter_context(lock.open("ab")), time.monotonic() + MAX_LOCK_WAIT_SECONDS
             while not _locked(fcntl, file) and time.monotonic() < end:
                 time.sleep(POLL_SECONDS)
         yield
@@ -141,7 +141,7 @@ def _noted(sums: Path) -> dict[str, str]:
 
 def _digest(path: Path) -> str | None:
     try:
-        return hashlib.sha256(read_bytes(path, most=MAX_BYTES)).hexdigest()
+        return hashlib.sha256(read_bytes(path, max_bytes=MAX_CODE_BYTES)).hexdigest()
     except DatasetError:
         return None
 
@@ -150,5 +150,5 @@ def _note(folder: Path, stem: str, sums: Path) -> None:
     digests = {path.name: digest for path in _files(folder, stem) if (digest := _digest(path))}
     if digests == _noted(sums):
         return
-    with suppress(OSError), write_whole(sums) as file:
+    with suppress(OSError), write_atomically(sums) as file:
         file.write(json.dumps(digests).encode())

@@ -8,14 +8,14 @@ import logging
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from home_mjx.core.files import read_text, write_whole
+from home_mjx.core.files import read_text, write_atomically
 from home_mjx.core.paths import cache_folder
-from home_mjx.errors import DatasetError, ExecutorError, install_hint
+from home_mjx.errors import BackendError, DatasetError, install_hint
 
 OPTIONS = ("--std=c++17",)
 NO_DEFINES: Mapping[str, int] = {}
 NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")  # names for the system loader's search
-MARK = "// sha256 of the rest: "
+DIGEST_HEADER = "// sha256 of the rest: "
 
 log = logging.getLogger(__name__)
 
@@ -62,7 +62,7 @@ def find_library() -> ctypes.CDLL:
             return _load(name)
         except OSError:
             continue
-    raise ExecutorError("no NVRTC library found", hint=install_hint("cuda"))
+    raise BackendError("no NVRTC library found", hint=install_hint("cuda"))
 
 
 def _load(name: Path | str) -> ctypes.CDLL:
@@ -105,7 +105,7 @@ def _compile(library: ctypes.CDLL, code: bytes, name: str, target: str, options:
         given = [o.encode() for o in (f"--gpu-architecture={target}", *options)]
         status = library.nvrtcCompileProgram(program, len(given), (ctypes.c_char_p * len(given))(*given))
         if status:
-            raise ExecutorError(f"NVRTC rejects {name}: {_text(library, program, 'ProgramLog')}")
+            raise BackendError(f"NVRTC rejects {name}: {_text(library, program, 'ProgramLog')}")
         return _text(library, program, "PTX")
     finally:
         library.nvrtcDestroyProgram(ctypes.byref(program))
@@ -122,7 +122,7 @@ def _text(library: ctypes.CDLL, program: ctypes.c_void_p, what: str) -> str:
 def _check(library: ctypes.CDLL, status: int) -> None:
     if status:
         library.nvrtcGetErrorString.restype = ctypes.c_char_p
-        raise ExecutorError(f"NVRTC failed: {library.nvrtcGetErrorString(status).decode()}")
+        raise BackendError(f"NVRTC failed: {library.nvrtcGetErrorString(status).decode()}")
 
 
 def _read(entry: Path) -> str | None:
@@ -134,7 +134,7 @@ def _read(entry: Path) -> str | None:
     except DatasetError as error:
         log.warning("broken cache entry %s is rebuilt: %s", entry, error)
         return None
-    if head != MARK + _digest(ptx):
+    if head != DIGEST_HEADER + _digest(ptx):
         log.warning("broken cache entry %s is rebuilt", entry)
         return None
     return ptx
@@ -142,8 +142,8 @@ def _read(entry: Path) -> str | None:
 
 def _keep(entry: Path, ptx: str) -> None:
     try:
-        with write_whole(entry) as file:
-            file.write(f"{MARK}{_digest(ptx)}\n{ptx}".encode())
+        with write_atomically(entry) as file:
+            file.write(f"{DIGEST_HEADER}{_digest(ptx)}\n{ptx}".encode())
     except OSError as error:
         log.warning("compiled kernel is not cached: %s", error)
 

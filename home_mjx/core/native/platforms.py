@@ -18,13 +18,22 @@ from home_mjx.core.native.sharding import varying_as
 
 PTX_TARGET = "__gpu$xla.gpu.ptx"  # XLA's custom-call target that launches PTX
 TITLES = {"cpu": "CPU backend", "cuda": "NVIDIA GPU"}
-PLATFORMS = {"gpu": "cuda"}  # JAX's backend name -> name of the lowering platform
+PLATFORM_OF_BACKEND = {"gpu": "cuda"}  # JAX's backend name -> name of the lowering platform
 # [bytes], maximum shared memory of a block by compute capability; others use the safe minimum below.
-SHARED_BYTES = {70: 98_304, 75: 65_536, 80: 166_912, 86: 101_376, 87: 166_912, 89: 101_376, 90: 232_448, 100: 232_448}
-LEAST_SHARED_BYTES = 49_152  # [bytes], available on every device
+SHARED_BYTES_BY_CAPABILITY = {
+    70: 98_304,
+    75: 65_536,
+    80: 166_912,
+    86: 101_376,
+    87: 166_912,
+    89: 101_376,
+    90: 232_448,
+    100: 232_448,
+}
+MIN_SHARED_BYTES = 49_152  # [bytes], available on every device
 
 
-def devices_of(platform: str) -> list[Any]:
+def local_devices(platform: str) -> list[Any]:
     """Return JAX's local devices of a platform ("cpu" or "cuda"); empty if JAX does not have the platform."""
     try:
         return jax.local_devices(backend=platform)
@@ -32,7 +41,7 @@ def devices_of(platform: str) -> list[Any]:
         return []
 
 
-def problem_of(platform: str, start: Callable[[], str | None]) -> str | None:
+def find_problem(platform: str, start: Callable[[], str | None]) -> str | None:
     """Run `start` and return the reason why kernels cannot be used on a platform; None if they work.
 
     Args:
@@ -40,7 +49,7 @@ def problem_of(platform: str, start: Callable[[], str | None]) -> str | None:
         start: Compiles, registers and tests the kernels; returns the fault or None. An exception is also a fault, so
             that it does not end a program that works without the kernels.
     """
-    if not devices_of(platform):
+    if not local_devices(platform):
         return f"JAX has no {TITLES[platform]} in this process"
     answer: list[str | None] = []
 
@@ -57,45 +66,47 @@ def problem_of(platform: str, start: Callable[[], str | None]) -> str | None:
     return answer[0]
 
 
-def works(platform: str, problem: str | None, instead: str) -> bool:
+def is_usable(platform: str, problem: str | None, instead: str) -> bool:
     """Return whether `problem` is None; else warn with the substitute `instead` if the platform exists."""
-    if problem and devices_of(platform):
+    if problem and local_devices(platform):
         warnings.warn(f"{instead}: {problem}", RuntimeWarning, stacklevel=3)
     return problem is None
 
 
-def choose(slow: Callable[..., Any], fast: Mapping[str, Callable[..., Any]], *given: Any) -> Any:
-    """Select at lowering the function of `fast` for the target platform; `slow` if there is none."""
+def select_at_lowering(fallback: Callable[..., Any], kernels: Mapping[str, Callable[..., Any]], *given: Any) -> Any:
+    """Select at lowering the function of `kernels` for the target platform; `fallback` if there is none."""
     # JAX traces every branch, so a branch that cannot be selected in this process is left out.
-    covered = {PLATFORMS.get(name, name) for name in backends()} <= set(fast)
-    return jax.lax.platform_dependent(*given, default=None if covered else slow, **fast)
+    covered = {PLATFORM_OF_BACKEND.get(name, name) for name in backends()} <= set(kernels)
+    return jax.lax.platform_dependent(*given, default=None if covered else fallback, **kernels)
 
 
-def ptx_for_all(source: Path | Sequence[Path], defines: Mapping[str, int] = NO_DEFINES) -> str:
+def compile_ptx_for_all(source: Path | Sequence[Path], defines: Mapping[str, int] = NO_DEFINES) -> str:
     """Compile CUDA C to PTX that all GPUs of this process can run; see `nvrtc.compile_ptx`."""
-    capabilities = [int(device.compute_capability.replace(".", "")) for device in devices_of("cuda")]
+    capabilities = [int(device.compute_capability.replace(".", "")) for device in local_devices("cuda")]
     return compile_ptx(source, min(capabilities), defines)
 
 
-def by_platform(slow: Callable[..., Array], fast: Mapping[str, Callable[..., Array]]) -> Callable[..., Array]:
-    """Wrap `choose` as a function with the derivatives of `slow`."""
+def with_fallback_gradient(
+    fallback: Callable[..., Array], kernels: Mapping[str, Callable[..., Array]]
+) -> Callable[..., Array]:
+    """Wrap `select_at_lowering` as a function with the derivatives of `fallback`."""
 
     @jax.custom_jvp
     def run(*given: Any) -> Array:
-        return choose(slow, fast, *given) if fast else slow(*given)
+        return select_at_lowering(fallback, kernels, *given) if kernels else fallback(*given)
 
     @run.defjvp
     def derivative(primals: Any, tangents: Any) -> tuple[Array, Array]:
-        return jax.jvp(slow, primals, tangents)
+        return jax.jvp(fallback, primals, tangents)
 
     return run
 
 
 @functools.cache
-def shared_bytes() -> int:
+def max_shared_bytes() -> int:
     """Return the shared memory that a block may use on all GPUs of this process [bytes]."""
-    found = (int(device.compute_capability.replace(".", "")) for device in devices_of("cuda"))
-    return min((SHARED_BYTES.get(x, LEAST_SHARED_BYTES) for x in found), default=LEAST_SHARED_BYTES)
+    found = (int(device.compute_capability.replace(".", "")) for device in local_devices("cuda"))
+    return min((SHARED_BYTES_BY_CAPABILITY.get(x, MIN_SHARED_BYTES) for x in found), default=MIN_SHARED_BYTES)
 
 
 def call_kernel(

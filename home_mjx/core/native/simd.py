@@ -106,7 +106,7 @@ infer_global(operator.invert)(_Invert)  # pyright: ignore[reportOptionalCall]
 
 @intrinsic
 @no_type_check
-def where(typing_context, mask, a, b) -> Any:
+def select(typing_context, mask, a, b) -> Any:
     """Select lanes of `a` where the mask is set, else of `b`; one of them may be a scalar."""
     kind = a if isinstance(a, Lanes) else b
 
@@ -133,12 +133,12 @@ def _extreme(sign: str) -> Any:
 
 
 # As in Python: return the first operand if the two cannot be compared (NaN).
-least, greatest = _extreme("<"), _extreme(">")
+minimum, maximum = _extreme("<"), _extreme(">")
 
 
 @intrinsic
 @no_type_check
-def magnitude(typing_context, x) -> Any:
+def absolute(typing_context, x) -> Any:
     """Return absolute values."""
 
     @no_type_check
@@ -167,7 +167,7 @@ def multiply_add(typing_context, a, b, c) -> Any:
 
 @intrinsic
 @no_type_check
-def total(typing_context, x) -> Any:
+def sum_lanes(typing_context, x) -> Any:
     """Sum all lanes by repeatedly adding the upper half to the lower half."""
 
     @no_type_check
@@ -187,14 +187,14 @@ def total(typing_context, x) -> Any:
 
 @intrinsic
 @no_type_check
-def spread(typing_context, x) -> Any:
+def broadcast(typing_context, x) -> Any:
     """Broadcast a scalar to all lanes."""
     return Lanes(x)(x), lambda context, builder, sig, args: _spread(builder, args[0])
 
 
 @intrinsic
 @no_type_check
-def count(typing_context, mask) -> Any:
+def count_lanes(typing_context, mask) -> Any:
     """Count the lanes that are set."""
 
     @no_type_check

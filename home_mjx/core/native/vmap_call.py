@@ -16,16 +16,16 @@ from home_mjx.errors import ConfigError
 Step = Callable[..., tuple[Array, ...]]
 
 
-def batched(run: Step, shared: int, results: int) -> Step:
+def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
     """Wrap `run` for any nesting of `vmap`, with inputs that may be sharded over devices by environments.
 
     Args:
         run: Step function. All environments share its first operands; the other operands and the results have a
                 leading environment axis.
-        shared: Number of shared operands.
-        results: Number of results.
+        num_shared: Number of shared operands.
+        num_results: Number of results.
     """
-    spread = _partitioned(run, shared)
+    spread = _partitioned(run, num_shared)
 
     @custom_vmap
     def step(*operands: Array) -> tuple[Array, ...]:
@@ -33,20 +33,20 @@ def batched(run: Step, shared: int, results: int) -> Step:
 
     @step.def_vmap
     def fold(size: int, is_batched: Any, *operands: Array) -> Any:
-        many = (True,) * results
+        many = (True,) * num_results
         whole = tuple(
             x if b else jnp.broadcast_to(x[None], (size, *x.shape)) for x, b in zip(operands, is_batched, strict=True)
         )
-        if any(is_batched[:shared]):
+        if any(is_batched[:num_shared]):
             return jax.lax.map(lambda x: run(*x), whole), many
-        own = (x.reshape(size * x.shape[1], *x.shape[2:]) for x in whole[shared:])
-        stepped = step(*operands[:shared], *own)
+        own = (x.reshape(size * x.shape[1], *x.shape[2:]) for x in whole[num_shared:])
+        stepped = step(*operands[:num_shared], *own)
         return tuple(x.reshape(size, x.shape[0] // size, *x.shape[1:]) for x in stepped), many
 
     return step
 
 
-def without_gradient(step: Step, name: str) -> Step:
+def forbid_gradient(step: Step, name: str) -> Step:
     """Make a step raise `ConfigError` under differentiation, since zero gradients would be silently wrong."""
     guarded = jax.custom_jvp(step)
 
@@ -62,7 +62,7 @@ def without_gradient(step: Step, name: str) -> Step:
     return guarded
 
 
-def numbers(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
+def traced_constant(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
     """Build a constant array from traced operations; a partitioned function must not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
 

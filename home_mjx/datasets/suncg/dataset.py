@@ -12,18 +12,18 @@ from home_mjx.core.paths import ROOT_VARIABLE
 from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset
 from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.seeds import MARKER, in_order
-from home_mjx.datasets.suncg.digests import Inputs
-from home_mjx.datasets.suncg.fallbacks.known_models import with_known_models
-from home_mjx.datasets.suncg.fallbacks.listing import in_words
+from home_mjx.datasets.seeds import GENERATED_MARKER, sort_house_ids
+from home_mjx.datasets.suncg.digests import SuncgDigests
+from home_mjx.datasets.suncg.fallbacks.known_models import add_builtin_categories
+from home_mjx.datasets.suncg.fallbacks.listing import describe_fallbacks
 from home_mjx.datasets.suncg.fallbacks.models import fallback_version
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.formats.element import JsonValue
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.errors import MissingFileError, UnknownIdError, did_you_mean
-from home_mjx.schema.house import House, Mesh, Metadata, StandIn
+from home_mjx.schema.house import Fallback, House, Mesh, Metadata
 
 log = logging.getLogger(__name__)
 
@@ -51,7 +51,7 @@ class SuncgDataset(Dataset):
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
         """Names of the folders with a house.json: generated houses by seed, then all others, sorted."""
-        return in_order(path.parent.name for path in (self.root / "house").glob("*/house.json"))
+        return sort_house_ids(path.parent.name for path in (self.root / "house").glob("*/house.json"))
 
     @cached_property
     def metadata(self) -> Metadata:
@@ -83,7 +83,7 @@ class SuncgDataset(Dataset):
         Args:
             house_id: One of `house_ids`.
             options: Selection of people, plants and backdrops, and whether missing parts are rejected. If not,
-                `stand_ins` of the house lists the fallbacks, and a warning counts them.
+                `fallbacks` of the house lists the fallbacks, and a warning counts them.
 
         Raises:
             DatasetError: The house is unknown, or a file that it needs is missing or broken.
@@ -93,14 +93,14 @@ class SuncgDataset(Dataset):
         if options.strict:
             return read_house(house_id, self.assets, options, self._left_out(options), Metadata({}))
         house = read_house(house_id, self._tolerant, options, self._left_out(options), self._tables)
-        self.warn_fallbacks(house_id, house.stand_ins)
+        self.warn_fallbacks(house_id, house.fallbacks)
         return house
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
         """Return the options with `strict` resolved: generated datasets are complete, so missing parts are errors."""
         if options.strict is not None:
             return options
-        return replace(options, strict=is_file(self.root / MARKER))
+        return replace(options, strict=is_file(self.root / GENERATED_MARKER))
 
     def metadata_for(self, options: ReadOptions) -> Metadata:
         """Return the metadata tables for houses read with these options.
@@ -111,7 +111,7 @@ class SuncgDataset(Dataset):
         Raises:
             DatasetError: A table is missing or broken, see `metadata`.
         """
-        return self.metadata if self.resolved(options).strict else with_known_models(self._tables)
+        return self.metadata if self.resolved(options).strict else add_builtin_categories(self._tables)
 
     @cached_property
     def _tables(self) -> Metadata:
@@ -124,22 +124,22 @@ class SuncgDataset(Dataset):
         Raises:
             DatasetError: Its OBJ file is missing or broken.
         """
-        place = Value(self.root / "object", "", key)
+        place = JsonValue(self.root / "object", "", key)
         return self.assets.model(place.name(), key, place)
 
-    def inputs(self) -> Inputs:
+    def inputs(self) -> SuncgDigests:
         """Return digests of the files behind the houses."""
-        return Inputs(self.root)
+        return SuncgDigests(self.root)
 
     @property
     def fallbacks(self) -> str:
         """Version of the models that replace missing ones; "" for generated datasets, which lack nothing."""
-        return "" if is_file(self.root / MARKER) else fallback_version()
+        return "" if is_file(self.root / GENERATED_MARKER) else fallback_version()
 
-    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[StandIn]) -> None:
+    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[Fallback]) -> None:
         """Log one warning that counts what a house lacks; nothing if it is complete, and nothing twice."""
         if stand_ins:
-            _warn(self.root, house_id, in_words(stand_ins))
+            _warn(self.root, house_id, describe_fallbacks(stand_ins))
 
     def __reduce__(self) -> tuple[Callable[[Path], "SuncgDataset"], tuple[Path]]:
         return open_suncg, (self.root,)
@@ -152,7 +152,7 @@ class SuncgDataset(Dataset):
             raise UnknownIdError(f"unknown house `{house_id}`", file=where, hint=hint)
 
     def _left_out(self, options: ReadOptions) -> Callable[[str], bool]:
-        unwanted = options.categories_left_out
+        unwanted = options.excluded_categories
         return lambda model_id: bool(unwanted) and self.metadata_for(options).info(model_id).coarse in unwanted
 
 

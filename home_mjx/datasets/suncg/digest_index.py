@@ -3,7 +3,7 @@
 A file counts as unchanged while its size, modification and change time (mtime, ctime) and inode are the same. A file
 that changed less than two seconds before it was read is not indexed: a second change might fall into the same clock
 tick, as in Git's index. Changed content with all of these equal is not detected, such as after copying a whole file
-system. Then set `HOME_MJX_RECHECK=1` or call `digests.forget_digests`.
+system. Then set `HOME_MJX_RECHECK=1` or call `digests.delete_digest_indices`.
 
 Indices are in the cache folder, one per dataset root and part of it. They are written atomically. Processes that
 write the same index at the same time may lose each other's entries, which are then only recomputed.
@@ -20,13 +20,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from home_mjx.core.files import read_bytes, write_whole
+from home_mjx.core.files import read_bytes, write_atomically
 from home_mjx.core.paths import cache_folder
 
 FORMAT = 1
-MAX_BYTES = 1 << 28  # maximum size of an index: a million files
+MAX_INDEX_BYTES = 1 << 28  # maximum size of an index: a million files
 RECHECK_VARIABLE = "HOME_MJX_RECHECK"
-YOUNG_SECONDS = 2.0  # [s], minimum age of an indexed file; the clock of FAT ticks every two seconds
+MIN_AGE_SECONDS = 2.0  # [s], minimum age of an indexed file; the clock of FAT ticks every two seconds
 
 log = logging.getLogger(__name__)
 
@@ -34,7 +34,7 @@ Stamp = tuple[int, int, int, int]  # size, mtime and ctime [ns], inode
 
 
 @dataclass(frozen=True)
-class Facts:
+class FileFacts:
     """Digest of a file and names of other files in it.
 
     Attributes:
@@ -46,7 +46,7 @@ class Facts:
     names: tuple[str, ...] = ()
 
 
-def stamp_of(status: os.stat_result) -> Stamp:
+def file_stamp(status: os.stat_result) -> Stamp:
     """Return the stamp that detects a changed file without reading it."""
     return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
 
@@ -66,20 +66,20 @@ class DigestIndex:
         self.unsaved = 0
         self._known = {} if os.environ.get(RECHECK_VARIABLE) else _read(path)
 
-    def facts(self, name: str, stamp: Stamp, look: Callable[[], Facts]) -> Facts:
-        """Return the facts of a file; `look` reads them if the index has no entry with this stamp.
+    def facts(self, name: str, stamp: Stamp, read: Callable[[], FileFacts]) -> FileFacts:
+        """Return the facts of a file; `read` reads them if the index has no entry with this stamp.
 
         Args:
             name: Name of the file, in a constant form.
             stamp: Stamp of the file, taken before this call.
-            look: Reads the file.
+            read: Reads the file.
         """
         found = self._known.get(name)
         if found is not None and found[0] == stamp:
             return found[1]
         before = time.time()
-        facts = look()
-        if before - max(stamp[1], stamp[2]) * 1e-9 > YOUNG_SECONDS:  # times in the future are not trusted
+        facts = read()
+        if before - max(stamp[1], stamp[2]) * 1e-9 > MIN_AGE_SECONDS:  # times in the future are not trusted
             self._known[name] = stamp, facts
             self.unsaved += 1
         return facts
@@ -90,28 +90,28 @@ class DigestIndex:
             return
         self.unsaved = 0
         try:
-            with write_whole(self.path) as file:
+            with write_atomically(self.path) as file:
                 file.write(_encode(_read(self.path) | self._known))
         except OSError as error:
             log.debug("digests are not saved: %s", error)
 
 
-def _encode(known: dict[str, tuple[Stamp, Facts]]) -> bytes:
+def _encode(known: dict[str, tuple[Stamp, FileFacts]]) -> bytes:
     lines = {name: [*stamp, facts.digest.hex(), *facts.names] for name, (stamp, facts) in known.items()}
     text = json.dumps({"format": FORMAT, "files": lines}).encode()
     return b"%08x\n" % zlib.crc32(text) + text
 
 
-def _read(path: Path) -> dict[str, tuple[Stamp, Facts]]:
+def _read(path: Path) -> dict[str, tuple[Stamp, FileFacts]]:
     try:
-        check, _, text = read_bytes(path, most=MAX_BYTES).partition(b"\n")
+        check, _, text = read_bytes(path, max_bytes=MAX_INDEX_BYTES).partition(b"\n")
         if int(check, 16) != zlib.crc32(text):
             return {}
         content: dict[str, Any] = json.loads(text)
         if content["format"] != FORMAT:
             return {}
         lines = content["files"].items()
-        return {name: (tuple(line[:4]), Facts(bytes.fromhex(line[4]), tuple(line[5:]))) for name, line in lines}
+        return {name: (tuple(line[:4]), FileFacts(bytes.fromhex(line[4]), tuple(line[5:]))) for name, line in lines}
     except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError):
         return {}
 

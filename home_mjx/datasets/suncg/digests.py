@@ -10,18 +10,18 @@ import time
 from functools import cached_property
 from pathlib import Path
 
-from home_mjx.core.files import MAX_BYTES, below, read_text
-from home_mjx.datasets.suncg.digest_index import DigestIndex, Facts, Stamp, index_folder, stamp_of
+from home_mjx.core.files import MAX_BYTES, read_text, resolve_below
+from home_mjx.datasets.suncg.digest_index import DigestIndex, FileFacts, Stamp, file_stamp, index_folder
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.errors import DatasetError
 
-MODEL_ID = re.compile(r'"modelId"\s*:\s*("(?:[^"\\]|\\.)*")')
-UNUSED = ("joints.csv", "joints.sha256.json")  # tables that the compiler does not read
-LIBRARY = re.compile(rb"^[ \t]*mtllib[ \t]+(\S.*?)[ \t\r]*$", re.MULTILINE)
-SAVE_SECONDS = 1.0  # [s], minimum time between two writes of the shared index
+MODEL_ID_PATTERN = re.compile(r'"modelId"\s*:\s*("(?:[^"\\]|\\.)*")')
+UNUSED_TABLES = ("joints.csv", "joints.sha256.json")  # tables that the compiler does not read
+MTLLIB_PATTERN = re.compile(rb"^[ \t]*mtllib[ \t]+(\S.*?)[ \t\r]*$", re.MULTILINE)
+MIN_SAVE_SECONDS = 1.0  # [s], minimum time between two writes of the shared index
 
 
-class Inputs:
+class SuncgDigests:
     """Digests of the input files of a dataset's houses; files shared by houses are read once.
 
     A file is read only if its size and times are not in the index, see `digest_index`. Textures are separate,
@@ -52,7 +52,7 @@ class Inputs:
         for name in sorted(self._model_ids(document / "house.json", own)):
             digest.update(self._model(name))
         own.save()
-        self.save(SAVE_SECONDS)
+        self.save(MIN_SAVE_SECONDS)
         return digest.digest()
 
     def texture(self, path: str) -> str:
@@ -60,14 +60,14 @@ class Inputs:
         if path not in self._textures:
             found = os.path.isfile(path)
             self._textures[path] = (
-                self._facts(path, stamp_of(os.stat(path)), self._shared).digest.hex() if found else ""
+                self._facts(path, file_stamp(os.stat(path)), self._shared).digest.hex() if found else ""
             )
         return self._textures[path]
 
     def has_texture(self, name: str) -> bool:
         """Return whether the image of a texture that a house lacked now exists."""
         textures = self._assets.textures
-        return below(self.root, textures.folder, name) is not None and textures.find(name) is not None
+        return resolve_below(self.root, textures.folder, name) is not None and textures.find(name) is not None
 
     def save(self, interval: float = 0.0) -> None:
         """Save new facts to disk, unless that was done less than `interval` seconds ago."""
@@ -88,7 +88,7 @@ class Inputs:
     def _digest(self, folder: Path, index: DigestIndex) -> bytes:
         digest = hashlib.sha256(folder.relative_to(self.root).as_posix().encode(errors="replace"))
         for name, path, stamp in _files(folder):
-            if name in UNUSED:
+            if name in UNUSED_TABLES:
                 continue
             facts = self._facts(path, stamp, index)
             digest.update(name.encode(errors="replace") + b"\0" + facts.digest)
@@ -98,18 +98,18 @@ class Inputs:
 
     def _elsewhere(self, folder: Path, relative: str) -> bytes:
         """Return the digest of a material library in another folder."""
-        found = below(self.root, folder, relative)
+        found = resolve_below(self.root, folder, relative)
         return (
-            self._facts(str(found), stamp_of(found.stat()), self._shared).digest if found and found.is_file() else b""
+            self._facts(str(found), file_stamp(found.stat()), self._shared).digest if found and found.is_file() else b""
         )
 
     def _model_ids(self, document: Path, index: DigestIndex) -> tuple[str, ...]:
         """Return the models named in a house.json; invalid file names are left out."""
         if not document.is_file():
             return ()
-        return self._facts(str(document), stamp_of(document.stat()), index).names
+        return self._facts(str(document), file_stamp(document.stat()), index).names
 
-    def _facts(self, path: str, stamp: Stamp, index: DigestIndex) -> Facts:
+    def _facts(self, path: str, stamp: Stamp, index: DigestIndex) -> FileFacts:
         below = path.removeprefix(self._prefix)
         name = below if below != path else os.path.relpath(path, self.root)
         return index.facts(name, stamp, lambda: _look(path, stamp[0]))
@@ -117,11 +117,11 @@ class Inputs:
 
 @functools.lru_cache(maxsize=8)
 def _shared_index(path: Path) -> DigestIndex:
-    """Return the index of files shared by the houses of a dataset, one for all `Inputs` of a process."""
+    """Return the index of files shared by the houses of a dataset, one for all `SuncgDigests` of a process."""
     return DigestIndex(path)
 
 
-def _look(path: str, size: int) -> Facts:
+def _look(path: str, size: int) -> FileFacts:
     """Read the facts of a file; of files beyond the reader's size limit only the size counts."""
     data = Path(path).read_bytes() if size <= MAX_BYTES else str(size).encode()
     names: tuple[str, ...] = ()
@@ -129,12 +129,12 @@ def _look(path: str, size: int) -> Facts:
         names = _libraries_elsewhere(data)
     elif os.path.basename(path) == "house.json":
         names = _model_names(Path(path))
-    return Facts(hashlib.sha256(data).digest(), names)
+    return FileFacts(hashlib.sha256(data).digest(), names)
 
 
 def _libraries_elsewhere(data: bytes) -> tuple[str, ...]:
     """Find the material libraries in other folders that an OBJ file names."""
-    texts = dict.fromkeys(name.decode(errors="replace").replace("\\", "/") for name in LIBRARY.findall(data))
+    texts = dict.fromkeys(name.decode(errors="replace").replace("\\", "/") for name in MTLLIB_PATTERN.findall(data))
     return tuple(text for text in texts if "/" in text)
 
 
@@ -144,7 +144,7 @@ def _model_names(document: Path) -> tuple[str, ...]:
         text = read_text(document)
     except DatasetError:
         return ()  # loading the house reports the error
-    names = {_decoded(literal) for literal in MODEL_ID.findall(text)}
+    names = {_decoded(literal) for literal in MODEL_ID_PATTERN.findall(text)}
     plain = (n for n in names if n not in ("", ".", "..") and len(n) < 256 and not any(c in n for c in "/\\\0"))
     return tuple(sorted(plain))
 
@@ -160,21 +160,21 @@ def _files(folder: Path) -> list[tuple[str, str, Stamp]]:
     """Return name, path and stamp of the regular files in a folder, sorted by name."""
     try:
         with os.scandir(folder) as entries:
-            return sorted((e.name, e.path, stamp_of(e.stat())) for e in entries if e.is_file())
+            return sorted((e.name, e.path, file_stamp(e.stat())) for e in entries if e.is_file())
     except (FileNotFoundError, NotADirectoryError):
         return []
 
 
-def forget_files() -> None:
+def clear_shared_indices() -> None:
     """Drop the shared indices of this process, as in a new process; for measurements."""
     _shared_index.cache_clear()
 
 
-def forget_digests(root: Path) -> None:
+def delete_digest_indices(root: Path) -> None:
     """Delete the indices of a dataset, so that this process and later ones read all its files again.
 
     Args:
         root: Absolute dataset root.
     """
-    forget_files()
+    clear_shared_indices()
     shutil.rmtree(index_folder(root), ignore_errors=True)

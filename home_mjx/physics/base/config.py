@@ -5,17 +5,17 @@ from dataclasses import dataclass, field
 
 from home_mjx.core.checks import check_flag, check_number, check_type
 from home_mjx.errors import ConfigError
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
 
 IMPLS = ("fused", "jax", "c", "kinematic")
-WARP = ". MJX-Warp is not supported: agents fall through the floor"
+WARP_HINT = ". MJX-Warp is not supported: agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 CONTROLS = ("velocity", "force")
-MOST_AGENTS = 128  # maximum number of agents; arrays grow with the number of agent pairs
-NOT_NUMBERS = ("impl", "jacobian", "control", "sleep", "restitution", "body", "bodies", "timing")
-UNSET = ("friction", "max_geom_pairs", "max_contact_points")  # numbers that may be None
-WHOLE = (
+MAX_AGENTS = 128  # maximum number of agents; arrays grow with the number of agent pairs
+NON_NUMERIC_OPTIONS = ("impl", "jacobian", "control", "sleep", "restitution", "body", "bodies", "timing")
+OPTIONAL_NUMBERS = ("friction", "max_geom_pairs", "max_contact_points")  # numbers that may be None
+WHOLE_NUMBERS = (
     "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
 )  # fmt: skip
 
@@ -27,10 +27,10 @@ class PhysicsConfig:
     Attributes:
         num_agents: Agents per environment, at most 128.
         body: Size, mass, strength and speeds of all agents.
-        bodies: One `Body` per agent if agents differ; `body` is then ignored.
+        bodies: One `AgentBody` per agent if agents differ; `body` is then ignored.
         timing: Length of a physics step and of a control step.
         control: "velocity": actions are fractions of an agent's maximum speeds, which its motors reach within
-            `response_time`. "force": forward and left are fractions of its `push_force`, against a drag that balances
+            `response_time`. "force": forward and left are fractions of its `max_push_force`, against a drag that balances
             it at maximum speed.
         response_time: [s], time constant of an agent's approach to its target velocity.
         friction: Sliding friction of all movable bodies; wood on wood is 0.4. None: by material. Agents are
@@ -63,8 +63,8 @@ class PhysicsConfig:
     """
 
     num_agents: int = 1
-    body: Body = field(default_factory=Body)
-    bodies: tuple[Body, ...] = ()
+    body: AgentBody = field(default_factory=AgentBody)
+    bodies: tuple[AgentBody, ...] = ()
     timing: Timing = field(default_factory=Timing)
     control: str = "velocity"
     response_time: float = 0.1
@@ -85,16 +85,16 @@ class PhysicsConfig:
     def __post_init__(self) -> None:
         self._check_choices()
         self._check_numbers()
-        check_number("num_agents", self.num_agents, 1, MOST_AGENTS, whole=True)
+        check_number("num_agents", self.num_agents, 1, MAX_AGENTS, integer=True)
         if self.restitution is not None:
             check_number("restitution", self.restitution, 0, 0.9)
         check_flag("sleep", self.sleep)
-        check_type("body", self.body, Body)
+        check_type("body", self.body, AgentBody)
         check_type("timing", self.timing, Timing)
         self._check_bodies()
 
     @property
-    def agents(self) -> tuple[Body, ...]:
+    def agents(self) -> tuple[AgentBody, ...]:
         """The body of each agent.
 
         Example:
@@ -107,7 +107,7 @@ class PhysicsConfig:
         if not isinstance(self.bodies, tuple):
             raise ConfigError(f"`bodies` must be a tuple, got {self.bodies!r}", element="PhysicsConfig.bodies")
         for body in self.bodies:
-            check_type("bodies", body, Body)
+            check_type("bodies", body, AgentBody)
         if self.bodies and len(self.bodies) != self.num_agents:
             raise ConfigError(
                 f"there are {len(self.bodies)} bodies for {self.num_agents} agents",
@@ -120,17 +120,17 @@ class PhysicsConfig:
         for name, known in choices.items():
             value = getattr(self, name)
             if value not in known:
-                hint = f"Known: {', '.join(known)}" + (WARP if value == "warp" else "")
+                hint = f"Known: {', '.join(known)}" + (WARP_HINT if value == "warp" else "")
                 raise ConfigError(f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=hint)
 
     def _check_numbers(self) -> None:
         for name, value in vars(self).items():
-            if name in NOT_NUMBERS or (value is None and name in UNSET):
+            if name in NON_NUMERIC_OPTIONS or (value is None and name in OPTIONAL_NUMBERS):
                 continue
             try:
-                check_number(name, value, 1 if name in WHOLE else math.ulp(0), whole=name in WHOLE)
+                check_number(name, value, 1 if name in WHOLE_NUMBERS else math.ulp(0), integer=name in WHOLE_NUMBERS)
             except ConfigError:
-                kind = "a whole number of at least 1" if name in WHOLE else "a positive number"
+                kind = "a whole number of at least 1" if name in WHOLE_NUMBERS else "a positive number"
                 raise ConfigError(
                     f"expected {kind}, got {value!r}",
                     element=f"PhysicsConfig.{name}",

@@ -13,7 +13,7 @@ RADIUS, HALF_LENGTH, MASS, YAW_INERTIA, FORWARD_SPEED, STRAFE_SPEED, TURN_RATE, 
 def agent_table(config: PhysicsConfig, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
     """Pack the physical parameters of each agent, in the order of the columns above; SI units."""
     rows = [
-        (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.push_force)
+        (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.max_push_force)
         for b, inertia in zip(config.agents, yaw_inertia, strict=True)
     ]
     return np.array(rows)
@@ -29,7 +29,7 @@ def motor_forces(
     """Compute the motor forces and torque of an agent.
 
     In velocity control, `f = m (v_target - v) / response_time`. The length of its horizontal part is clipped to
-    `push_force`. In force control, `f = push_force (action - v / max_speed)`, for forward and left separately. This
+    `max_push_force`. In force control, `f = max_push_force (action - v / max_speed)`, for forward and left separately. This
     force, against friction, limits which objects an agent can push.
 
     Args:

@@ -7,7 +7,7 @@ from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
 
 
-class Leaf(Pytree):
+class DoorLeaves(Pytree):
     """Door leaves of any leading shape, each with one joint coordinate.
 
     The coordinate of a hinged leaf is its rotation [rad] about +z from the authored pose. That of a sliding leaf is its
@@ -25,7 +25,7 @@ class Leaf(Pytree):
     high: Float[Array, "*h"]
 
     @classmethod
-    def of(cls, physics: Physics) -> "Leaf":
+    def from_physics(cls, physics: Physics) -> "DoorLeaves":
         """Gather the leaves of all houses (house, door)."""
         quat = physics.door_quat
         valid = physics.door_valid[..., None]
@@ -47,39 +47,39 @@ class Leaf(Pytree):
         return self.size[..., 0] >= 0
 
     @property
-    def turns(self) -> Float[Array, "*h"]:
+    def hinge_mask(self) -> Float[Array, "*h"]:
         """1 for a hinged leaf, 0 for a sliding one."""
         return jnp.where(jnp.any(self.slide != 0, axis=-1), 0.0, jnp.float32(1.0))
 
     @property
-    def own_inertia(self) -> Float[Array, "*h 3"]:
+    def box_inertia(self) -> Float[Array, "*h 3"]:
         """Moments of inertia of a solid box about its own axes [kg m^2]."""
         x, y, z = (self.size[..., k] ** 2 for k in range(3))
         return self.mass[..., None] / 3 * jnp.stack([y + z, x + z, x + y], axis=-1)
 
     @property
-    def far(self) -> Float[Array, "*h"]:
+    def hinge_distance_sq(self) -> Float[Array, "*h"]:
         """Squared distance from the hinge to the leaf's centre [m^2]."""
         return jnp.sum(self.arm * self.arm, axis=-1)
 
     @property
     def inertia(self) -> Float[Array, "*h"]:
         """Moment of inertia about the hinge [kg m^2], by Steiner's theorem; of a sliding leaf its mass [kg]."""
-        return jnp.where(self.turns > 0, self.own_inertia[..., 2] + self.mass * self.far, self.mass)
+        return jnp.where(self.hinge_mask > 0, self.box_inertia[..., 2] + self.mass * self.hinge_distance_sq, self.mass)
 
     @property
     def inverse_weight(self) -> Float[Array, "*h"]:
         """MuJoCo's translational `body_invweight0`: the mean inverse mass at the centre over x, y and z [1/kg]."""
-        return jnp.where(self.turns > 0, self.far, 1.0) / self.inertia / 3
+        return jnp.where(self.hinge_mask > 0, self.hinge_distance_sq, 1.0) / self.inertia / 3
 
     @property
     def inverse_spin_weight(self) -> Float[Array, "*h"]:
         """MuJoCo's rotational `body_invweight0` [1/(kg m^2)]; 0 for a sliding leaf."""
-        return self.turns / self.inertia / 3
+        return self.hinge_mask / self.inertia / 3
 
-    def moved(self, coordinate: Float[Array, "*h"]) -> tuple[Float[Array, "*h 3"], Float[Array, "*h 4"]]:
+    def pose_at(self, coordinate: Float[Array, "*h"]) -> tuple[Float[Array, "*h 3"], Float[Array, "*h 4"]]:
         """Return the centre [m] and orientation (wxyz) of each leaf at the given joint coordinate."""
-        angle = self.turns * coordinate
+        angle = self.hinge_mask * coordinate
         cos, sin = jnp.cos(angle), jnp.sin(angle)
         x = self.pivot[..., 0] + cos * self.arm[..., 0] - sin * self.arm[..., 1] + self.slide[..., 0] * coordinate
         y = self.pivot[..., 1] + sin * self.arm[..., 0] + cos * self.arm[..., 1] + self.slide[..., 1] * coordinate
@@ -88,16 +88,16 @@ class Leaf(Pytree):
         return jnp.stack([x, y, jnp.broadcast_to(self.height, x.shape)], axis=-1), quat
 
 
-def door_table(leaves: Leaf) -> Float[Array, "*h 16"]:
+def door_table(leaves: DoorLeaves) -> Float[Array, "*h 16"]:
     """Pack one row per leaf.
 
     Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia, inverse weight, minimum and maximum coordinate,
-    slide direction (2), and 1 if the leaf is hinged. Units are those of `Leaf`.
+    slide direction (2), and 1 if the leaf is hinged. Units are those of `DoorLeaves`.
     """
     valid = leaves.valid
     inertia = jnp.where(valid, leaves.inertia, jnp.float32(1.0))
     inverse = jnp.where(valid, leaves.inverse_weight, jnp.float32(1.0))
     parts = (leaves.height, leaves.yaw), (inertia, inverse, leaves.low, leaves.high)
     first, last = (jnp.stack(part, axis=-1) for part in parts)
-    turns = leaves.turns[..., None]
+    turns = leaves.hinge_mask[..., None]
     return jnp.concatenate([leaves.pivot, leaves.arm, first, leaves.size, last, leaves.slide, turns], axis=-1)

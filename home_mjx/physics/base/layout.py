@@ -29,7 +29,7 @@ class Layout:
         return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
 
     @property
-    def num_mobiles(self) -> int:
+    def num_dynamic(self) -> int:
         """Number of agents, movable bodies and doors."""
         return self.num_agents + self.num_bodies + self.num_doors
 
@@ -73,7 +73,7 @@ class Layout:
     @property
     def doors(self) -> slice:
         """Slice of the doors among the bodies."""
-        return slice(1 + self.num_agents + self.num_bodies, 1 + self.num_mobiles)
+        return slice(1 + self.num_agents + self.num_bodies, 1 + self.num_dynamic)
 
     @property
     def slots(self) -> slice:

@@ -1,7 +1,7 @@
 """Servo accelerations: hands that hold bodies, door drives, and agents on ramps.
 
 All are accelerations in addition to contact, so an obstacle stops a held or driven body. The acceleration of a held
-body is limited (`HAND_ACCELERATION`), so that contact keeps it out of walls. A spring couples the lag of the body back
+body is limited (`MAX_HAND_ACCELERATION`), so that contact keeps it out of walls. A spring couples the lag of the body back
 to its holder.
 """
 
@@ -9,36 +9,36 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
+from home_mjx.core.transforms import quat_matrix, quat_multiply, yaw_quat
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.control import HALF_LENGTH, RADIUS
 
 GRAVITY = 9.81  # [m/s^2], MuJoCo's default
-HAND_TIME = 0.05  # [s], velocity time constant of a hand; the position time constant is twice as long
-HAND_SPEED = 2.0  # [m/s], maximum speed of a held body towards the hand
-HAND_SPIN = 6.0  # [rad/s], maximum angular speed towards the grip
-HAND_TWIST = 100.0  # [rad/s^2], maximum angular acceleration
+HAND_TIME_CONSTANT = 0.05  # [s], velocity time constant of a hand; the position time constant is twice as long
+MAX_HAND_SPEED = 2.0  # [m/s], maximum speed of a held body towards the hand
+MAX_HAND_SPIN = 6.0  # [rad/s], maximum angular speed towards the grip
+MAX_HAND_ANGULAR_ACCELERATION = 100.0  # [rad/s^2], maximum angular acceleration
 # [m/s^2], maximum acceleration of a held body. A face that is pressed against a wall then penetrates by about 1 mm.
 # For an edge along an edge, as on a door frame, MuJoCo returns one contact point that alternates between both ends.
 # The penetration is then 1.5 cm; with 30 m/s^2 it would be at least 2.5 cm.
-HAND_ACCELERATION = 15.0
-HAND_FORCE = 300.0  # [N], maximum force of a hand
+MAX_HAND_ACCELERATION = 15.0
+MAX_HAND_FORCE = 300.0  # [N], maximum force of a hand
 HAND_STIFFNESS = 1500.0  # [N/m], spring that pulls an agent back towards a lagging body
-HAND_SLACK = 0.05  # [m], lag of the body below which that spring is slack
-HAND_LEASH = 0.3  # [m], lag from which on the body is still pulled but no longer holds the agent back
-DOOR_TIME = 0.3  # [s], position time constant of a door drive
-DOOR_SPEED = 2.0  # [rad/s], or [m/s] of a sliding door; maximum speed of a door drive
-DOOR_TORQUE = 30.0  # [N m], or [N] of a sliding door; maximum torque of a door drive
-ON_RAMP = 0.15  # [m], maximum height of an agent's foot above or below the ramp that supports it
-FREE = 1e9  # goal of a door that is not driven
+MIN_SPRING_LAG = 0.05  # [m], lag of the body below which that spring is slack
+MAX_SPRING_LAG = 0.3  # [m], lag from which on the body is still pulled but no longer holds the agent back
+DOOR_TIME_CONSTANT = 0.3  # [s], position time constant of a door drive
+MAX_DOOR_SPEED = 2.0  # [rad/s], or [m/s] of a sliding door; maximum speed of a door drive
+MAX_DOOR_TORQUE = 30.0  # [N m], or [N] of a sliding door; maximum torque of a door drive
+MAX_RAMP_GAP = 0.15  # [m], maximum height of an agent's foot above or below the ramp that supports it
+NOT_DRIVEN = 1e9  # goal of a door that is not driven
 
 
-def hand_time(config: PhysicsConfig) -> float:
-    """Return the time constant of hands [s]: `HAND_TIME`, or the shortest one that a physics step resolves."""
-    return max(HAND_TIME, 2 * config.timing.sim_dt)
+def hand_time_constant(config: PhysicsConfig) -> float:
+    """Return the time constant of hands [s]: `HAND_TIME_CONSTANT`, or the shortest one that a physics step resolves."""
+    return max(HAND_TIME_CONSTANT, 2 * config.timing.sim_dt)
 
 
-class Held(Pytree):
+class HeldBody(Pytree):
     """Held body and its holder, in the world frame; `spin` is about the body's own axes."""
 
     pos: Float[Array, "3"]  # [m]
@@ -52,7 +52,7 @@ class Held(Pytree):
 
 
 def hand_accelerations(
-    config: PhysicsConfig, held: Held, grip: Float[Array, "7"]
+    config: PhysicsConfig, held: HeldBody, grip: Float[Array, "7"]
 ) -> tuple[Float[Array, "3"], Float[Array, "3"], Float[Array, "2"]]:
     """Compute the accelerations of a held body and the reaction on its holder.
 
@@ -65,22 +65,25 @@ def hand_accelerations(
         Acceleration of the body [m/s^2], which replaces gravity; its angular acceleration about its own axes [rad/s^2];
         force on the agent along x and y [N].
     """
-    time = jnp.float32(hand_time(config))
+    time = jnp.float32(hand_time_constant(config))
     cos, sin = jnp.cos(held.agent_yaw), jnp.sin(held.agent_yaw)
     arm = jnp.stack([cos * grip[0] - sin * grip[1], sin * grip[0] + cos * grip[1], grip[2]])
     rate = held.agent_velocity[3]
     gap = held.agent_pos + arm - held.pos
     carried = held.agent_velocity[:3] + rate * jnp.stack([-arm[1], arm[0], jnp.zeros_like(arm[2])])
-    wanted = carried + gap * _reach(gap, HAND_SPEED, time) - held.velocity
-    most = jnp.minimum(jnp.float32(HAND_ACCELERATION), jnp.float32(HAND_FORCE) / held.mass)
-    linear = _cut(wanted / time, most)
+    wanted = carried + gap * _approach_rate(gap, MAX_HAND_SPEED, time) - held.velocity
+    most = jnp.minimum(jnp.float32(MAX_HAND_ACCELERATION), jnp.float32(MAX_HAND_FORCE) / held.mass)
+    linear = _clip_length(wanted / time, most)
     back_turn = held.quat * jnp.array([1.0, -1.0, -1.0, -1.0], jnp.float32)
-    miss = quat_multiply(back_turn, quat_multiply(body_quat(held.agent_yaw), grip[3:]))
+    miss = quat_multiply(back_turn, quat_multiply(yaw_quat(held.agent_yaw), grip[3:]))
     miss = jnp.where(miss[0] >= 0, 2.0, -2.0) * miss[1:]
     upright = quat_matrix(held.quat)[2]
-    angular = _cut((rate * upright + miss * _reach(miss, HAND_SPIN, time) - held.spin) / time, jnp.float32(HAND_TWIST))
+    angular = _clip_length(
+        (rate * upright + miss * _approach_rate(miss, MAX_HAND_SPIN, time) - held.spin) / time,
+        jnp.float32(MAX_HAND_ANGULAR_ACCELERATION),
+    )
     far = _length(gap[:2])
-    lag = jnp.where(far < jnp.float32(HAND_LEASH), jnp.maximum(far - jnp.float32(HAND_SLACK), 0.0), 0.0)
+    lag = jnp.where(far < jnp.float32(MAX_SPRING_LAG), jnp.maximum(far - jnp.float32(MIN_SPRING_LAG), 0.0), 0.0)
     back = jnp.float32(HAND_STIFFNESS) * lag / far
     return linear, angular, -back * gap[:2]
 
@@ -95,13 +98,13 @@ def door_acceleration(
     Args:
         place: Joint coordinate [rad], of sliding doors [m].
         rate: [rad/s], [m/s]
-        goal: [rad], [m]; `FREE` if the door is not driven.
+        goal: [rad], [m]; `NOT_DRIVEN` if the door is not driven.
         inertia: About the hinge [kg m^2], or mass [kg].
         time: Time constant of the door's velocity [s].
     """
-    wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME), -DOOR_SPEED, DOOR_SPEED)
-    most = jnp.float32(DOOR_TORQUE) / inertia
-    return jnp.where(jnp.abs(goal) < FREE, jnp.clip((wanted - rate) / jnp.float32(time), -most, most), 0.0)
+    wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME_CONSTANT), -MAX_DOOR_SPEED, MAX_DOOR_SPEED)
+    most = jnp.float32(MAX_DOOR_TORQUE) / inertia
+    return jnp.where(jnp.abs(goal) < NOT_DRIVEN, jnp.clip((wanted - rate) / jnp.float32(time), -most, most), 0.0)
 
 
 def ramp_acceleration(
@@ -118,18 +121,18 @@ def ramp_acceleration(
         pos: Centre of the agent's capsule [m].
     """
     _, _, up_x, up_y, half_u, half_v, _, slope = ramps.T
-    along, across, surface = over_ramps(ramps, pos)
+    along, across, surface = ramp_coordinates(ramps, pos)
     sine = slope / jnp.sqrt(1 + slope * slope)
     above = pos[2] - agent[RADIUS] - agent[HALF_LENGTH] - surface
     stands = (along >= -half_u - 0.3 * agent[RADIUS]) & (along <= half_u - agent[RADIUS] * sine)
-    stands &= (slope > 0) & (jnp.abs(across) <= half_v) & (jnp.abs(above) < ON_RAMP)
+    stands &= (slope > 0) & (jnp.abs(across) <= half_v) & (jnp.abs(above) < MAX_RAMP_GAP)
     bears = stands & (surface == jnp.max(jnp.where(stands, surface, -jnp.inf)))
     first = bears & (jnp.cumsum(bears, dtype=jnp.int32) == 1)
     uphill = jnp.where(first, jnp.float32(GRAVITY) * slope, 0.0)
     return jnp.stack([jnp.sum(uphill * up_x), jnp.sum(uphill * up_y)])
 
 
-def over_ramps(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
+def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
     """Return a point's coordinates over each ramp: uphill, across, and the height of the surface there [m]."""
     x, y, up_x, up_y, _, _, middle, slope = ramps.T
     along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
@@ -141,10 +144,10 @@ def _length(vector: Array) -> Array:
     return jnp.sqrt(jnp.sum(vector * vector) + jnp.float32(1e-24))
 
 
-def _reach(gap: Array, fastest: float, time: Array) -> Array:
+def _approach_rate(gap: Array, fastest: float, time: Array) -> Array:
     """Return the speed per distance towards a goal [1/s], which limits the speed to `fastest`."""
     return jnp.minimum(1.0, jnp.float32(fastest) * 2 * time / _length(gap)) / (2 * time)
 
 
-def _cut(vector: Array, most: Array) -> Array:
+def _clip_length(vector: Array, most: Array) -> Array:
     return vector * jnp.minimum(1.0, most / _length(vector))

@@ -5,10 +5,10 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 
-AWAKE = 1e-6  # [m/s^2], [rad/s^2], minimum acceleration of an awake body
+MIN_AWAKE_ACCELERATION = 1e-6  # [m/s^2], [rad/s^2], minimum acceleration of an awake body
 
 
-class Scale(Pytree):
+class BodyScale(Pytree):
     """Factors for the friction and mass of an environment's movable bodies; None is 1."""
 
     friction: Float[Array, "*batch"] | None = None
@@ -34,11 +34,13 @@ class PhysicsState(Pytree):
     qacc: Float[Array, "*batch nv"]  # of the last physics step; warm start of the next one's solver
     held: Int[Array, "*batch a"]  # movable body in each agent's hand; -1 none
     grip: Float[Array, "*batch a 7"]  # target pose of the held body in the agent's frame: position [m], quaternion
-    spot: Float[Array, "*batch a 3"]  # [m], surface point on which the hand places its body; inf: none
-    tries: Int[Array, "*batch a"]  # control steps since the hand started to pick or to place
-    goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.FREE`: not driven
-    touched: Int[Array, "*batch a"]  # contact points per agent except with the floor, maximum over physics steps
-    impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step
-    place: Float[Array, "*batch m 3"]  # [m], position of its strongest contact
-    other: Int[Array, "*batch m"]  # other side of that contact: a dynamic body; -1 none, -2 floor, -3 - c static box c
-    scale: Scale | None = None  # factors of friction and mass, constant in an episode
+    place_target: Float[Array, "*batch a 3"]  # [m], surface point on which the hand places its body; inf: none
+    hand_steps: Int[Array, "*batch a"]  # control steps since the hand started to pick or to place
+    door_goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.FREE`: not driven
+    num_contacts: Int[Array, "*batch a"]  # contact points per agent except with the floor, maximum over physics steps
+    contact_impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step
+    contact_pos: Float[Array, "*batch m 3"]  # [m], position of its strongest contact
+    contact_partner: Int[
+        Array, "*batch m"
+    ]  # other side of that contact: a dynamic body; -1 none, -2 floor, -3 - c static box c
+    scale: BodyScale | None = None  # factors of friction and mass, constant in an episode

@@ -10,12 +10,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.bank.records import Physics
-from home_mjx.mjcf.contact import contact_numbers
+from home_mjx.mjcf.contact import contact_parameters
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.schema.contact_materials import USUAL, damping_ratio
+from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 
-# Columns: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m]; see `contact_numbers`.
-FRICTION, STIFFNESS, DAMPING, LOW, WIDTH = range(5)
+# Columns: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m]; see `contact_parameters`.
+FRICTION, STIFFNESS, DAMPING, IMPEDANCE_LOW, IMPEDANCE_WIDTH = range(5)
 
 
 def body_surfaces(config: PhysicsConfig, physics: Physics) -> Float[Array, "h k 5"]:
@@ -25,9 +25,9 @@ def body_surfaces(config: PhysicsConfig, physics: Physics) -> Float[Array, "h k 
         friction = jnp.full_like(friction, config.friction)
     if config.restitution is not None:
         ratio = jnp.full_like(ratio, damping_ratio(config.restitution))
-    return jnp.stack([friction, *contact_numbers(ratio, config.timing.sim_dt, jnp)], axis=-1)
+    return jnp.stack([friction, *contact_parameters(ratio, config.timing.sim_dt, jnp)], axis=-1)
 
 
-def usual_surface(config: PhysicsConfig) -> Float[np.ndarray, "5"]:
+def default_surface(config: PhysicsConfig) -> Float[np.ndarray, "5"]:
     """Return the contact parameters of unused bodies, which do not bounce."""
-    return np.array([USUAL.friction, *contact_numbers(np.ones(()), config.timing.sim_dt)])
+    return np.array([DEFAULT_CONTACT.friction, *contact_parameters(np.ones(()), config.timing.sim_dt)])

@@ -10,16 +10,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
-from home_mjx.physics.numba.data.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
+from home_mjx.core.native.platforms import PTX_TARGET, compile_ptx_for_all, find_problem, is_usable
+from home_mjx.physics.numba.data.limits import BODY_DOFS, MAX_NEAR_BOXES, POINTS_PER_BODY
 from home_mjx.physics.numba.data.operands import ACTION, BODY_VALID, COLLIDER_POS, DOOR, RAMP
 
 FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "sleep.cuh", "step.cu")
 SOURCES = tuple(Path(__file__).with_name(name) for name in FILES)
 WARP = 32
 CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
-PAIRS_PER_MOBILE = 16  # as in base.cuh
-SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # words of shared memory per dynamic body, as in step.cu
+PAIRS_PER_BODY = 16  # as in base.cuh
+SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_BODY  # words of shared memory per dynamic body, as in step.cu
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
@@ -28,14 +28,14 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
     mobiles = agents + bodies + doors
-    words = (NEAR + 12 + PAIRS_PER_MOBILE + CONTACT_WORDS * POINTS_PER_MOBILE) * mobiles + _newton_words(mobiles)
+    words = (MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * POINTS_PER_BODY) * mobiles + _newton_words(mobiles)
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
     sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
     constants = jnp.concatenate([jnp.full(1, size, jnp.int32) for size in sizes])
     shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + _newton_words(SMALL_ISLAND) + 2)
     launch = {"grid_x": envs, "grid_y": 1, "grid_z": 1, "block_x": WARP, "block_y": 1, "block_z": 1}
     numbers = {name: np.int32(size) for name, size in {**launch, "shared_mem_bytes": shared}.items()}
-    options: dict[str, Any] = {"name": "step_physics", "kernel_type": "ptx", "kernel_data": kernel(), **numbers}
+    options: dict[str, Any] = {"name": "step_physics", "kernel_type": "ptx", "kernel_data": compile_kernel(), **numbers}
     return jax.ffi.ffi_call(PTX_TARGET, (*results, scratch))(*operands, constants, **options)[:-1]
 
 
@@ -48,14 +48,14 @@ def _newton_words(mobiles: int) -> int:
 @functools.cache
 def cuda_available() -> bool:
     """Return whether the CUDA kernel works in this process; warn once if there is an NVIDIA GPU and it fails."""
-    return works("cuda", problem_of("cuda", _start), "falling back to slower MJX physics")
+    return is_usable("cuda", find_problem("cuda", _start), "falling back to slower MJX physics")
 
 
 @functools.cache
-def kernel() -> str:
+def compile_kernel() -> str:
     """Compile PTX that all GPUs of this process can run."""
-    return ptx_for_all(SOURCES)
+    return compile_ptx_for_all(SOURCES)
 
 
 def _start() -> None:
-    kernel()
+    compile_kernel()

@@ -5,15 +5,17 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.transforms import quat_matrix
-from home_mjx.physics.base.servo import ON_RAMP, over_ramps
+from home_mjx.physics.base.servo import MAX_RAMP_GAP, ramp_coordinates
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.mjx.template import Template
 
-SUNK = 0.05  # [m], maximum height of a support above the bottom of what it carries; also the step height of agents
+MAX_SUPPORT_OVERLAP = (
+    0.05  # [m], maximum height of a support above the bottom of what it carries; also the step height of agents
+)
 
 
-def drop_loose(
+def drop_released_bodies(
     template: Template,
     physics: Physics,
     house: Int[Array, ""],
@@ -40,14 +42,14 @@ def drop_loose(
         half = jnp.matmul(jnp.abs(quat_matrix(quat)), physics.body_size[house, body], precision="highest")[2]
         own = jnp.arange(boxes.x.shape[0], dtype=jnp.int32) == boxes.x.shape[0] - layout.num_bodies + body
         others = boxes.replace(top=jnp.where(own, jnp.inf, boxes.top))
-        height = _support(others, pos, pos[2] - half)
+        height = _box_support(others, pos, pos[2] - half)
         height = jnp.maximum(height, physics.floor[house])
         rows = rows.at[body, 2].set(jnp.where(speed[body] > 0, height + half, pos[2]))
         speed = speed.at[body].set(0.0)
     return qpos.at[layout.body_qpos].set(rows.reshape(-1))
 
 
-def ground_below(
+def support_height(
     boxes: Footprints,
     ramps: Float[Array, "r 8"],
     floor: Float[Array, ""],
@@ -68,16 +70,22 @@ def ground_below(
         is 0 except on ramps: a ramp ends at a floor whose edge the agent meets before it reaches that height.
     """
     half_u, half_v = ramps[:, 4], ramps[:, 5]
-    along, across, surface = over_ramps(ramps, pos)
-    on = (jnp.abs(along) <= half_u) & (jnp.abs(across) <= half_v) & (jnp.abs(surface - foot) < jnp.float32(ON_RAMP))
+    along, across, surface = ramp_coordinates(ramps, pos)
+    on = (
+        (jnp.abs(along) <= half_u) & (jnp.abs(across) <= half_v) & (jnp.abs(surface - foot) < jnp.float32(MAX_RAMP_GAP))
+    )
     highest = jnp.max(jnp.where(on, surface, -jnp.inf))
-    height = jnp.maximum(jnp.maximum(_support(boxes, pos, foot), highest), floor)
-    return height, jnp.where(jnp.any(on), jnp.float32(ON_RAMP), 0.0)
+    height = jnp.maximum(jnp.maximum(_box_support(boxes, pos, foot), highest), floor)
+    return height, jnp.where(jnp.any(on), jnp.float32(MAX_RAMP_GAP), 0.0)
 
 
-def _support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
+def _box_support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
     """Return the highest box top under a point [m]; -inf if there is none."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
-    under = (jnp.abs(u) <= boxes.half_u) & (jnp.abs(v) <= boxes.half_v) & (boxes.top <= bottom + jnp.float32(SUNK))
+    under = (
+        (jnp.abs(u) <= boxes.half_u)
+        & (jnp.abs(v) <= boxes.half_v)
+        & (boxes.top <= bottom + jnp.float32(MAX_SUPPORT_OVERLAP))
+    )
     return jnp.max(jnp.where(under, boxes.top, -jnp.inf))

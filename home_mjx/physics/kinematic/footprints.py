@@ -5,10 +5,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.mjx.slots import Boxes
+from home_mjx.physics.mjx.slots import OrientedBoxes
 
-ROUNDS = 3  # depenetration iterations, one obstacle each: a wall, a second one in a corner, a box
-SLOP = 1e-3  # [m], maximum penetration after all iterations
+DEPENETRATION_ITERATIONS = 3  # depenetration iterations, one obstacle each: a wall, a second one in a corner, a box
+MAX_PENETRATION = 1e-3  # [m], maximum penetration after all iterations
 
 
 class Footprints(Pytree):
@@ -23,12 +23,12 @@ class Footprints(Pytree):
     bottom: Float[Array, "*n"]  # [m]
     top: Float[Array, "*n"]
 
-    def passed_by(self, height: Float[Array, ""]) -> "Footprints":
+    def without_boxes_below(self, height: Float[Array, ""]) -> "Footprints":
         """Disable boxes that end at or below a height [m]."""
         return self.replace(bottom=jnp.where(self.top <= height, jnp.inf, self.bottom))
 
     @classmethod
-    def of(cls, boxes: Boxes) -> "Footprints":
+    def from_boxes(cls, boxes: OrientedBoxes) -> "Footprints":
         """Convert oriented boxes, exactly if an axis is vertical.
 
         Other boxes become the smallest upright box around them with the same heading.
@@ -50,51 +50,51 @@ class Footprints(Pytree):
         return cls(pos[0], pos[1], cos, sin, half_u, half_v, pos[2] - rise, pos[2] + rise)
 
 
-class Agents(Pytree):
+class AgentCapsules(Pytree):
     """Agents' positions [m] and the index of the moving agent; the others are its obstacles."""
 
     pos: Float[Array, "a 3"]
     radius: Float[Array, " a"]  # [m]
-    length: Float[Array, " a"]  # [m], half of the capsule's axis
-    me: Int[Array, ""]
+    half_length: Float[Array, " a"]  # [m], half of the capsule's axis
+    index: Int[Array, ""]
 
     @property
     def size(self) -> tuple[Array, Array]:
         """Radius and half length of the moving agent [m]."""
-        return self.radius[self.me], self.length[self.me]
+        return self.radius[self.index], self.half_length[self.index]
 
 
-def slide(
-    boxes: Footprints, agents: Agents, old: Float[Array, "3"], way: Float[Array, "3"]
+def move_and_slide(
+    boxes: Footprints, agents: AgentCapsules, old: Float[Array, "3"], way: Float[Array, "3"]
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
     """Move an agent by a short displacement; return its position and the number of obstacles that it touched."""
     pos = old + way
-    depth = _depths(boxes, agents, pos)
+    depth = _penetration_depths(boxes, agents, pos)
     count = jnp.sum(depth > 0, dtype=jnp.int32)
-    for _ in range(ROUNDS):
-        pos = pos + _way_out(boxes, agents, pos, depth)
-        depth = _depths(boxes, agents, pos)
+    for _ in range(DEPENETRATION_ITERATIONS):
+        pos = pos + _depenetration(boxes, agents, pos, depth)
+        depth = _penetration_depths(boxes, agents, pos)
     # In a gap that is too narrow the agent keeps its old position, unless penetration was deeper there.
     deepest = depth.max()
-    stays = (deepest > SLOP) & (_depths(boxes, agents, old).max() <= deepest)
+    stays = (deepest > MAX_PENETRATION) & (_penetration_depths(boxes, agents, old).max() <= deepest)
     return jnp.where(stays, old, pos), count
 
 
-def _depths(boxes: Footprints, agents: Agents, pos: Float[Array, "3"]) -> Float[Array, " n"]:
+def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
     """Return the penetration depth of an agent in each box and each other agent [m]; negative outside."""
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
     reach = jnp.sqrt(jnp.maximum(radius * radius - above * above, 1e-12))  # capsule radius at the box's height
-    in_box = jnp.where(above < radius, reach - _beyond(boxes, pos)[0], -1.0)
+    in_box = jnp.where(above < radius, reach - _side_distances(boxes, pos)[0], -1.0)
     away = pos[None] - agents.pos
-    own = jnp.arange(agents.radius.shape[0], dtype=jnp.int32) == agents.me
-    apart = own | (jnp.abs(away[:, 2]) > agents.length + agents.radius + length + radius)
+    own = jnp.arange(agents.radius.shape[0], dtype=jnp.int32) == agents.index
+    apart = own | (jnp.abs(away[:, 2]) > agents.half_length + agents.radius + length + radius)
     distance = jnp.sqrt(jnp.where(apart, 1.0, jnp.maximum(away[:, 0] ** 2 + away[:, 1] ** 2, 1e-12)))
     return jnp.concatenate([in_box, jnp.where(apart, -1.0, agents.radius + radius - distance)])
 
 
-def _beyond(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
+def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
     """Return the distance from the sides of boxes [m], negative inside, and its direction along u and v."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
@@ -108,11 +108,13 @@ def _beyond(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Ar
     return jnp.where(inside, jnp.maximum(beyond_u, beyond_v), distance), toward_u, toward_v
 
 
-def _way_out(boxes: Footprints, agents: Agents, pos: Float[Array, "3"], depth: Float[Array, " n"]) -> Array:
+def _depenetration(
+    boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"], depth: Float[Array, " n"]
+) -> Array:
     """Return the displacement that resolves the deepest penetration."""
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)
-    _, u, v = _beyond(box, pos)
+    _, u, v = _side_distances(box, pos)
     away = pos - agents.pos[jnp.maximum(worst - num_boxes, 0)]
     length = jnp.sqrt(jnp.maximum(away[0] ** 2 + away[1] ** 2, 1e-12))
     from_box = jnp.stack([box.cos * u - box.sin * v, box.sin * u + box.cos * v, jnp.zeros_like(u)])

@@ -5,13 +5,13 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.physics.base.control import MASS, motor_forces
-from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.physics.base.servo import (
     GRAVITY,
-    Held,
+    HeldBody,
     door_acceleration,
     hand_accelerations,
-    hand_time,
+    hand_time_constant,
     ramp_acceleration,
 )
 from home_mjx.physics.base.state import PhysicsState
@@ -21,7 +21,7 @@ from home_mjx.physics.mjx.template import Template
 
 def applied_forces(
     template: Template,
-    house: tuple[MovableBodies, Leaf, Float[Array, "r 8"]],
+    house: tuple[MovableBodies, DoorLeaves, Float[Array, "r 8"]],
     state: PhysicsState,
     action: Float[Array, "a 3"],
     qpos: Float[Array, " q"],
@@ -50,16 +50,16 @@ def applied_forces(
     applied = jnp.zeros_like(qvel)
     if layout.num_doors:
         place, rate = qpos[layout.door_qpos], qvel[layout.door_qvel]
-        drive = door_acceleration(place, rate, state.goal, leaves.inertia, hand_time(template.config))
+        drive = door_acceleration(place, rate, state.door_goal, leaves.inertia, hand_time_constant(template.config))
         applied = applied.at[layout.door_qvel].add(drive * leaves.inertia)
     if layout.num_bodies:
         for a in range(layout.num_agents):
-            applied, back = _hold(template, bodies, state, a, (qpos, qvel), applied)
+            applied, back = _add_hand_force(template, bodies, state, a, (qpos, qvel), applied)
             motors = motors.at[a, :2].add(back)
     return motors, applied
 
 
-def _hold(
+def _add_hand_force(
     template: Template,
     bodies: MovableBodies,
     state: PhysicsState,
@@ -72,7 +72,7 @@ def _hold(
     pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]
     agent, speed = qpos[4 * a : 4 * a + 4], qvel[4 * a : 4 * a + 4]
     mass, inertia = bodies.mass[body], bodies.inertia[body]
-    held = Held(
+    held = HeldBody(
         pos=pos[:3],
         quat=pos[3:] / jnp.linalg.norm(pos[3:]),
         velocity=velocity[:3],

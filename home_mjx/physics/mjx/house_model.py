@@ -10,13 +10,13 @@ from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
-from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.state import Scale
-from home_mjx.physics.base.surfaces import FRICTION, LOW, body_surfaces, usual_surface
-from home_mjx.physics.mjx.slots import Boxes
+from home_mjx.physics.base.state import BodyScale
+from home_mjx.physics.base.surfaces import FRICTION, IMPEDANCE_LOW, body_surfaces, default_surface
+from home_mjx.physics.mjx.slots import OrientedBoxes
 from home_mjx.physics.mjx.template_mjcf import (
     CORNER_RADIUS,
     CORNERS,
@@ -40,7 +40,7 @@ class MovableBodies(Pytree):
     inertia: Float[Array, "k 3"]  # [kg m^2], principal
 
 
-def movable_bodies(physics: Physics, house: Int[Array, ""], scale: Scale | None = None) -> MovableBodies:
+def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None) -> MovableBodies:
     """Return a house's movable bodies at their authored poses, with masses scaled for the episode."""
     bodies = _movable_bodies(physics, house)
     if scale is None or scale.mass is None:
@@ -120,13 +120,13 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
 
 
 def house_surfaces(
-    config: PhysicsConfig, physics: Physics, house: Int[Array, ""], scale: Scale | None = None
+    config: PhysicsConfig, physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None
 ) -> Float[Array, "k 5"]:
     """Return the contact parameters of a house's bodies in an episode; see `base.surfaces`.
 
     Unused bodies have the template's parameters.
     """
-    usual = jnp.asarray(usual_surface(config), jnp.float32)
+    usual = jnp.asarray(default_surface(config), jnp.float32)
     own = body_surfaces(config, physics)[house]
     if scale is not None and scale.friction is not None:
         own = own.at[:, FRICTION].multiply(scale.friction)
@@ -147,12 +147,14 @@ def with_surfaces(
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
     if not layout.num_bodies:
         return model
-    none = jnp.zeros((layout.num_mobiles + 1, 5), jnp.float32)  # the last row belongs to the world
+    none = jnp.zeros((layout.num_dynamic + 1, 5), jnp.float32)  # the last row belongs to the world
     own = none.at[layout.num_agents : layout.num_agents + layout.num_bodies].set(surfaces)
     both = own[pairs[rows]]  # (r, 2, 5)
     friction, stiffness, damping, _, _ = both.max(axis=1).T
-    count = (both[..., LOW:] > 0).astype(jnp.float32).sum(axis=1)  # doors and the world have no impedance of their own
-    impedance = both[..., LOW:].sum(axis=1) / count
+    count = (
+        (both[..., IMPEDANCE_LOW:] > 0).astype(jnp.float32).sum(axis=1)
+    )  # doors and the world have no impedance of their own
+    impedance = both[..., IMPEDANCE_LOW:].sum(axis=1) / count
     return model.replace(
         pair_friction=model.pair_friction.at[rows, :2].set(friction[:, None]),
         pair_solref=model.pair_solref.at[rows].set(-jnp.stack([stiffness, damping], axis=-1)),
@@ -160,13 +162,13 @@ def with_surfaces(
     )
 
 
-def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
+def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
     """Return the door leaves of a house; unused leaves are parked."""
-    leaves = jax.tree.map(lambda x: x[house], Leaf.of(physics))
+    leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
     row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
     one = jnp.ones_like(row)
     low, high = PARKED_RANGE
-    parked = Leaf(
+    parked = DoorLeaves(
         pivot=jnp.stack([2 * row, 4 * one], axis=-1),
         arm=one[:, None] * jnp.array([PARKED_ARM], jnp.float32),
         slide=leaves.slide,
@@ -181,7 +183,7 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
     return jax.tree.map(lambda x, y: jnp.where(valid.reshape(-1, *[1] * (x.ndim - 1)), x, y), leaves, parked)
 
 
-def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
+def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Model:
     """Return the model with a house's door leaves on their hinges and rails."""
     if not layout.num_doors:
         return model
@@ -191,7 +193,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
     arm = jnp.concatenate([leaves.arm, flat[:, None]], axis=-1)
     turned = jnp.stack([jnp.cos(leaves.yaw / 2), flat, flat, jnp.sin(leaves.yaw / 2)], axis=-1)
     inertia, weights = leaves.inertia, jnp.stack([leaves.inverse_weight, leaves.inverse_spin_weight], axis=-1)
-    axis = jnp.concatenate([leaves.slide, leaves.turns[:, None]], axis=-1)
+    axis = jnp.concatenate([leaves.slide, leaves.hinge_mask[:, None]], axis=-1)
     more = leaves.mass.sum() - jnp.float32(layout.num_doors * PARKED_MASS)
     limits = jnp.stack([leaves.low, leaves.high], axis=-1)
     upright = jnp.concatenate([flat[:, None] + 1, zero, flat[:, None]], axis=-1)
@@ -203,11 +205,11 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
         body_iquat=model.body_iquat.at[at].set(turned),
         body_mass=model.body_mass.at[at].set(leaves.mass),
         body_subtreemass=model.body_subtreemass.at[at].set(leaves.mass).at[0].add(more),
-        body_inertia=model.body_inertia.at[at].set(leaves.own_inertia),
+        body_inertia=model.body_inertia.at[at].set(leaves.box_inertia),
         body_invweight0=model.body_invweight0.at[at].set(weights),
         dof_invweight0=model.dof_invweight0.at[dof].set(1 / inertia),
         dof_M0=model.dof_M0.at[dof].set(inertia),
-        dof_damping=model.dof_damping.at[dof].set(jnp.float32(DOOR_DRAG) * inertia),
+        dof_damping=model.dof_damping.at[dof].set(jnp.float32(DOOR_DAMPING_RATE) * inertia),
         jnt_axis=model.jnt_axis.at[joint].set(axis),
         jnt_range=model.jnt_range.at[joint].set(limits),
         geom_pos=model.geom_pos.at[geom].set(arm),
@@ -218,7 +220,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
     )
 
 
-def with_slots(model: mjx.Model, layout: Layout, slots: Boxes) -> mjx.Model:
+def with_slots(model: mjx.Model, layout: Layout, slots: OrientedBoxes) -> mjx.Model:
     """Return the model with the given static boxes in its contact slots."""
     at = layout.slots
     aabb = jnp.concatenate([jnp.zeros_like(slots.half), slots.half], axis=-1)

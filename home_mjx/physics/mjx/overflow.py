@@ -22,14 +22,14 @@ from home_mjx.core.pytree import Pytree
 BOX, CAPSULE = int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_CAPSULE)  # pyright: ignore[reportAttributeAccessIssue]
 
 
-class Sizes(Pytree):
+class GeomSizes(Pytree):
     """Sizes of all geoms of the stepped model, with filled contact slots."""
 
     size: Float[Array, "g 3"]  # [m], MuJoCo's `geom_size`
     rbound: Float[Array, " g"]  # [m], radius of the bounding sphere
 
 
-class Lost(Pytree):
+class Overflow(Pytree):
     """Overflow flags of a control step; True means that contacts may have been dropped."""
 
     static_boxes: Bool[Array, "..."]  # an owner touches more static boxes than it has slots
@@ -37,7 +37,7 @@ class Lost(Pytree):
     contact_points: Bool[Array, "..."]  # more contact points than the solver accepts
 
 
-def limit(model: Any, name: str) -> int:
+def numeric_limit(model: Any, name: str) -> int:
     """Return a numeric limit of MJX from a `mujoco.MjModel`."""
     return int(model.numeric(name).data[0])
 
@@ -54,23 +54,23 @@ _sum = functools.partial(jnp.einsum, precision="highest")
 
 
 @dataclass(frozen=True)
-class Pairs:
+class GeomPairs:
     """Geom pairs of the kinds of which MJX tests only some.
 
     Attributes:
         groups: Geoms of the pairs (p, 2), one array per kind.
-        most: Maximum number of pairs of a kind that MJX tests.
+        max_tested: Maximum number of pairs of a kind that MJX tests.
         capsules: Geoms that are capsules.
     """
 
     groups: tuple[Int[np.ndarray, "_ 2"], ...]
-    most: int
+    max_tested: int
     capsules: Int[np.ndarray, " c"]
 
     @classmethod
-    def of(cls, model: Any) -> "Pairs":
+    def from_model(cls, model: Any) -> "GeomPairs":
         """Group a `mujoco.MjModel`'s explicit pairs by kind; keep the kinds that exceed the limit."""
-        most, kinds = limit(model, "max_geom_pairs"), defaultdict(list)
+        most, kinds = numeric_limit(model, "max_geom_pairs"), defaultdict(list)
         for a, b in zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True):
             kind = frozenset((int(model.geom_type[a]), int(model.geom_type[b])))
             if kind in ({BOX}, {BOX, CAPSULE}):
@@ -78,19 +78,19 @@ class Pairs:
         groups = tuple(np.array(pairs) for pairs in kinds.values() if len(pairs) > most)
         return cls(groups, most, np.flatnonzero(model.geom_type == CAPSULE))
 
-    def lost(self, sizes: Sizes, data: mjx.Data) -> Bool[Array, ""]:
+    def find_overflow(self, sizes: GeomSizes, data: mjx.Data) -> Bool[Array, ""]:
         """Return whether a pair touches that the last physics step did not test; poses are those at its start."""
         missed = [jnp.any(self._touch(sizes, data, self._untested(sizes, data, pairs))) for pairs in self.groups]
         return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)
 
-    def _untested(self, sizes: Sizes, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
+    def _untested(self, sizes: GeomSizes, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
         """Return the pairs that MJX skips: those that rank last by the distance of their bounding spheres."""
         first, second = data.geom_xpos[pairs[:, 0]], data.geom_xpos[pairs[:, 1]]
         apart = jnp.linalg.norm(second - first, axis=-1) - sizes.rbound[pairs].sum(axis=-1)
         _, order = jax.lax.top_k(-apart, len(pairs))
-        return jnp.asarray(pairs)[order[self.most :]]
+        return jnp.asarray(pairs)[order[self.max_tested :]]
 
-    def _touch(self, sizes: Sizes, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
+    def _touch(self, sizes: GeomSizes, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
         """Return whether boxes overlap along all of their six face axes; a capsule is replaced by its bounding box."""
         boxes = self._boxes(sizes)
         between = data.geom_xpos[pairs[:, 1]] - data.geom_xpos[pairs[:, 0]]
@@ -101,7 +101,7 @@ class Pairs:
         along_b = jnp.abs(_sum("qk,qkj->qj", between, b)) - half_b - _sum("qij,qi->qj", cosine, half_a)
         return jnp.maximum(along_a.max(axis=-1), along_b.max(axis=-1)) < 0
 
-    def _boxes(self, sizes: Sizes) -> Float[Array, "g 3"]:
+    def _boxes(self, sizes: GeomSizes) -> Float[Array, "g 3"]:
         """Return half extents of every geom's bounding box [m]."""
         size, capsules = sizes.size, self.capsules
         around = jnp.stack([size[capsules, 0], size[capsules, 0], size[capsules, 0] + size[capsules, 1]], axis=-1)

@@ -10,16 +10,16 @@ from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 from home_mjx.physics.mjx.template import Template
 
 
-class Pushes(Pytree):
+class ContactImpulses(Pytree):
     """Contacts of each dynamic body; see `PhysicsState`."""
 
     impulse: Float[Array, "*t m"]  # [N s], of all contacts
     strongest: Float[Array, "*t m"]  # [N s], of the strongest contact
-    place: Float[Array, "*t m 3"]  # [m], of the strongest contact
-    other: Int[Array, "*t m"]  # other side of the strongest contact
+    contact_pos: Float[Array, "*t m 3"]  # [m], of the strongest contact
+    contact_partner: Int[Array, "*t m"]  # other side of the strongest contact
 
 
-def find_pushes(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Pushes:
+def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> ContactImpulses:
     """Collect the contact impulses of one physics step.
 
     Args:
@@ -28,35 +28,36 @@ def find_pushes(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) 
         slot_box: Static box in each slot.
     """
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
-    code = _codes(template, slot_box)
+    code = _owner_codes(template, slot_box)
     first, second = code[contact.geom[:, 0]], code[contact.geom[:, 1]]
     impulse = _normal_forces(data) * jnp.float32(template.config.timing.sim_dt)
-    mobile = jnp.arange(template.layout.num_mobiles, dtype=jnp.int32)
+    mobile = jnp.arange(template.layout.num_dynamic, dtype=jnp.int32)
     is_first, is_second = first[:, None] == mobile[None], second[:, None] == mobile[None]
     own = jnp.where(is_first | is_second, impulse[:, None], 0.0)
     best = jnp.argmax(own, axis=0)
     strongest = own[best, mobile]
     other = jnp.where(is_first[best, mobile], second[best], first[best])
-    return Pushes(
+    return ContactImpulses(
         impulse=own.sum(axis=0),
         strongest=strongest,
-        place=jnp.where((strongest > 0)[:, None], contact.pos[best], 0.0),
-        other=jnp.where(strongest > 0, other, NOTHING),
+        contact_pos=jnp.where((strongest > 0)[:, None], contact.pos[best], 0.0),
+        contact_partner=jnp.where(strongest > 0, other, NOTHING),
     )
 
 
-def over_time(pushes: Pushes) -> Pushes:
+def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
     """Combine all physics steps (t, ...) of a control step: sum the impulses and keep the strongest contact."""
     best = jnp.argmax(pushes.strongest, axis=0)
     mobile = jnp.arange(best.shape[0], dtype=jnp.int32)
-    return Pushes(
-        pushes.impulse.sum(axis=0), *(x[best, mobile] for x in (pushes.strongest, pushes.place, pushes.other))
+    return ContactImpulses(
+        pushes.impulse.sum(axis=0),
+        *(x[best, mobile] for x in (pushes.strongest, pushes.contact_pos, pushes.contact_partner)),
     )
 
 
-def _codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:
+def _owner_codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:
     """Return the owner code of each geom: a dynamic body, the floor or a static box."""
-    mobile = jnp.asarray(template.geom_mobile).at[0].set(FLOOR)
+    mobile = jnp.asarray(template.geom_body).at[0].set(FLOOR)
     return mobile.at[template.layout.slots].set(STATIC - slot_box)
 
 

@@ -18,13 +18,13 @@ from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
 from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT, PARKED_SIZE
 
-REACH = 0.05  # [m], maximum distance of a box from its owner; farther boxes are parked
-FLAT = 0.01  # [m], minimum height of a box above the floor; lower boxes count as floor
+MAX_SLOT_DISTANCE = 0.05  # [m], maximum distance of a box from its owner; farther boxes are parked
+MIN_HEIGHT_ABOVE_FLOOR = 0.01  # [m], minimum height of a box above the floor; lower boxes count as floor
 
 Vector = Sequence[Array]  # x, y, z
 
 
-class Boxes(Pytree):
+class OrientedBoxes(Pytree):
     """Oriented boxes."""
 
     pos: Float[Array, "*n 3"]  # [m], centre
@@ -49,18 +49,18 @@ class Boxes(Pytree):
         return self.pos[..., 2] + rise
 
     def rise_above(self, floor: Float[Array, "*#n"]) -> Bool[Array, "*n"]:
-        """Return whether each box rises above a floor at the given height [m] by more than `FLAT`."""
-        return self.top > floor + jnp.float32(FLAT)
+        """Return whether each box rises above a floor at the given height [m] by more than `MIN_HEIGHT_ABOVE_FLOOR`."""
+        return self.top > floor + jnp.float32(MIN_HEIGHT_ABOVE_FLOOR)
 
 
 def half_above_floor(physics: Physics) -> Float[Array, "h c 3"]:
     """Return half extents [m] of all houses' static boxes; negative for boxes that do not rise above the floor."""
-    boxes = Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
+    boxes = OrientedBoxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
     above = boxes.rise_above(physics.floor[:, None])
     return jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
 
 
-def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:
+def separation(owner: OrientedBoxes, static: OrientedBoxes) -> Float[Array, " c"]:
     """Return the largest gap between one box and each of others along the six face axes of both [m].
 
     Negative values mean overlap. The result is a lower bound of the distance, and exact if faces are opposite each
@@ -77,11 +77,13 @@ def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:
     return jnp.max(jnp.stack(gaps), axis=0)
 
 
-def fill(owner: Boxes, static: Boxes, num: int) -> tuple[Boxes, Int[Array, " num"], Bool[Array, ""]]:
+def fill_slots(
+    owner: OrientedBoxes, static: OrientedBoxes, num: int
+) -> tuple[OrientedBoxes, Int[Array, " num"], Bool[Array, ""]]:
     """Select the `num` static boxes nearest to an owner and cut them to its surroundings.
 
     MJX's broad phase ranks pairs by bounding spheres. Without the cut, the spheres of long walls would displace real
-    contacts. Boxes beyond `REACH` are parked for the same reason.
+    contacts. Boxes beyond `MAX_SLOT_DISTANCE` are parked for the same reason.
 
     Args:
         owner: One box.
@@ -93,22 +95,26 @@ def fill(owner: Boxes, static: Boxes, num: int) -> tuple[Boxes, Int[Array, " num
     """
     gap = separation(owner, static)
     _, index = jax.lax.top_k(-gap, num)
-    radius = jnp.sqrt(_dot(_components(owner.half), _components(owner.half))) + jnp.float32(REACH)
-    nearest = _cut(jax.tree.map(lambda x: x[index], static), owner.pos, radius)
-    boxes = jax.tree.map(lambda x, y: jnp.where((gap[index] < jnp.float32(REACH))[:, None], x, y), nearest, parked(num))
+    radius = jnp.sqrt(_dot(_components(owner.half), _components(owner.half))) + jnp.float32(MAX_SLOT_DISTANCE)
+    nearest = _crop(jax.tree.map(lambda x: x[index], static), owner.pos, radius)
+    boxes = jax.tree.map(
+        lambda x, y: jnp.where((gap[index] < jnp.float32(MAX_SLOT_DISTANCE))[:, None], x, y), nearest, parked_boxes(num)
+    )
     return boxes, index, jnp.sum((gap < 0).astype(jnp.int32)) > num
 
 
-def parked(num: int) -> Boxes:
+def parked_boxes(num: int) -> OrientedBoxes:
     """Return boxes that nothing can touch."""
 
     def rows(*row: float) -> Array:
         return jnp.tile(jnp.array([row], jnp.float32), (num, 1))
 
-    return Boxes(rows(0.0, 0.0, -PARKED_HEIGHT), rows(1.0, 0.0, 0.0, 0.0), rows(PARKED_SIZE, PARKED_SIZE, PARKED_SIZE))
+    return OrientedBoxes(
+        rows(0.0, 0.0, -PARKED_HEIGHT), rows(1.0, 0.0, 0.0, 0.0), rows(PARKED_SIZE, PARKED_SIZE, PARKED_SIZE)
+    )
 
 
-def _cut(boxes: Boxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> Boxes:
+def _crop(boxes: OrientedBoxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> OrientedBoxes:
     """Return the part of each box inside a cube of half extent `radius` that is aligned with the box."""
     axes, pos = boxes.axes, _components(boxes.pos)
     between = [c - p for c, p in zip(_components(center), pos, strict=True)]

@@ -14,7 +14,7 @@ from home_mjx.bank.records import BankSpec
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.control import agent_table
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.mjx.overflow import Pairs, limit
+from home_mjx.physics.mjx.overflow import GeomPairs, numeric_limit
 from home_mjx.physics.mjx.template_mjcf import template_mjcf
 
 T = TypeVar("T")
@@ -50,23 +50,23 @@ class Template:
         host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]
         self.agents = agent_table(config, host.dof_M0[3 : self.layout.agent_qpos.stop : 4])
         self._host = host
-        self.pairs = Pairs.of(host)
-        self.max_points = limit(host, "max_contact_points")
-        self.geom_mobile = host.geom_bodyid - 1  # dynamic body of each geom; -1 for geoms of the world
-        self.pair_mobiles = self.geom_mobile[np.stack([host.pair_geom1, host.pair_geom2], axis=1)]
+        self.pairs = GeomPairs.from_model(host)
+        self.max_points = numeric_limit(host, "max_contact_points")
+        self.geom_body = host.geom_bodyid - 1  # dynamic body of each geom; -1 for geoms of the world
+        self.pair_bodies = self.geom_body[np.stack([host.pair_geom1, host.pair_geom2], axis=1)]
 
     @functools.cached_property
     def model(self) -> mjx.Model:
         """MJX model, created on first use since the fused step does not need it."""
-        return _outside_of_traces(lambda: mjx.put_model(self._host))
+        return _run_untraced(lambda: mjx.put_model(self._host))
 
     @functools.cached_property
     def data(self) -> mjx.Data:
         """Initial MJX data."""
-        return _outside_of_traces(lambda: mjx.make_data(self.model))
+        return _run_untraced(lambda: mjx.make_data(self.model))
 
 
-def _outside_of_traces(make: Callable[[], T]) -> T:
+def _run_untraced(make: Callable[[], T]) -> T:
     """Run `make` in a separate thread: arrays made within a trace, `pmap` or `shard_map` would belong to it."""
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(make).result()

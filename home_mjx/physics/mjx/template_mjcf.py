@@ -7,10 +7,10 @@ import xml.etree.ElementTree as ET
 import numpy as np
 
 from home_mjx.mjcf.agent import SOLREF, add_agent, add_motors, solimp
-from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.surfaces import usual_surface
+from home_mjx.physics.base.surfaces import default_surface
 
 PARKED_HEIGHT = 500.0  # [m], height of unused bodies above the house, and depth of unused slots below it
 PARKED_SIZE = 0.1  # [m], half extent
@@ -71,7 +71,7 @@ def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
 
 
 def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
-    friction, stiffness, damping, _, _ = usual_surface(config).tolist()  # of unused bodies
+    friction, stiffness, damping, _, _ = default_surface(config).tolist()  # of unused bodies
     body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
     kind = {"condim": "1", "solref": SOLREF} if agent else body
     ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, solimp=solimp())
@@ -118,7 +118,7 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
     x, y = PARKED_ARM
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
     moved = PARKED_MASS if slides else inertia + PARKED_MASS * (x * x + y * y)
-    damping = DOOR_DRAG * moved
+    damping = DOOR_DAMPING_RATE * moved
     ET.SubElement(body, "joint", joint, damping=str(damping), solreflimit=SOLREF, solimplimit=solimp())
     at = {"pos": f"{x} {y} 0", "quat": f"{math.cos(PARKED_YAW / 2)} 0 0 {math.sin(PARKED_YAW / 2)}"}
     diagonal = f"{inertia} {inertia} {inertia}"

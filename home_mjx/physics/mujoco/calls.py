@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from home_mjx.core.native.fork_guard import refuse_forked
+from home_mjx.core.native.fork_guard import check_not_forked
 from home_mjx.core.native.sharding import varying_as
 from home_mjx.errors import ConfigError
 
@@ -18,14 +18,14 @@ def call_host(target: str, operands: Sequence[Array], results: Sequence[jax.Shap
     return varying_as(operands, jax.ffi.ffi_call(target, results)(*operands))
 
 
-def refuse_where_impossible() -> None:
+def check_platform() -> None:
     """Refuse, while tracing, programs that C MuJoCo cannot run.
 
     Raises:
         ConfigError: The program is compiled for a GPU or TPU; C MuJoCo runs on the host.
         ExecutorError: This is a forked child of a process that has already stepped.
     """
-    refuse_forked("step physics")
+    check_not_forked("step physics")
     device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
     platform = jax.default_backend() if device is None else getattr(device, "platform", device)
     if platform != "cpu":

@@ -11,13 +11,13 @@ import numpy as np
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Physics
 from home_mjx.errors import ConfigError
-from home_mjx.mjcf.agent import FRICTIONLESS, add_agent
-from home_mjx.mjcf.boxes import MEETS_LEAVES
+from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, add_agent
+from home_mjx.mjcf.boxes import COLLIDES_WITH_LEAVES
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.mujoco.house import HouseInC
-from home_mjx.physics.mujoco.houses import ListedHouses
+from home_mjx.physics.mujoco.house import MujocoHouse
+from home_mjx.physics.mujoco.houses import PrebuiltHouses
 from home_mjx.scene_compile.mjcf.export import instance_name, to_mjcf
 from home_mjx.schema.compiled import CompiledHouse
 
@@ -53,12 +53,14 @@ class ExportedTemplate(Template):
             hint = f"The bank's, in this order: {', '.join(bank.house_ids[:5])}, ..."
             raise ConfigError("`compiled` are not the bank's houses", element="ExportedTemplate", hint=hint)
         super().__init__(config, bank.spec)
-        houses = [exported_in_c(config, self.layout, house, collision) for house in compiled]
-        self.houses = ListedHouses(config, self.layout, houses)
-        self.bank = bank.replace(physics=_as_models_start(bank.physics, self.layout, houses))
+        houses = [build_exported_model(config, self.layout, house, collision) for house in compiled]
+        self.houses = PrebuiltHouses(config, self.layout, houses)
+        self.bank = bank.replace(physics=_with_model_poses(bank.physics, self.layout, houses))
 
 
-def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, collision: str = "box") -> HouseInC:
+def build_exported_model(
+    config: PhysicsConfig, layout: Layout, house: CompiledHouse, collision: str = "box"
+) -> MujocoHouse:
     """Build C MuJoCo's model of an exported house with agents."""
     xml, files = to_mjcf(
         house,
@@ -72,17 +74,17 @@ def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, c
     world = root.find("worldbody")
     assert world is not None
     for a, shape in enumerate(config.agents):
-        add_agent(world, shape, f"agent{a}", **FRICTIONLESS, **MEETS_LEAVES)
+        add_agent(world, shape, f"agent{a}", **FRICTIONLESS_CONTACT, **COLLIDES_WITH_LEAVES)
     model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"), files)  # pyright: ignore[reportAttributeAccessIssue]
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
     bodies, doors = [""] * layout.num_bodies, [""] * layout.num_doors
     for k, instance in enumerate(house.bodies.instance.tolist()):
         bodies[k] = instance_name(house, instance)
-    rows = house.doors.rows(layout.num_doors, layout.num_slides)
+    rows = house.doors.bank_rows(layout.num_doors, layout.num_slides)
     for h, instance in zip(rows.tolist(), house.doors.instance.tolist(), strict=True):
         doors[h] = instance_name(house, instance)
-    return HouseInC(model, layout, agents + bodies + doors, _static_geoms(model, house))
+    return MujocoHouse(model, layout, agents + bodies + doors, _static_geoms(model, house))
 
 
 def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
@@ -98,11 +100,11 @@ def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
     return found
 
 
-def _as_models_start(physics: Physics, layout: Layout, houses: Sequence[HouseInC]) -> Physics:
+def _with_model_poses(physics: Physics, layout: Layout, houses: Sequence[MujocoHouse]) -> Physics:
     """Return the physics arrays with movable bodies at the models' initial poses."""
     poses = np.concatenate([physics.body_pos, physics.body_quat], axis=-1)
     for row, house in zip(poses, houses, strict=True):
         qpos = np.zeros(layout.door_qpos.stop, np.float32)
         qpos[layout.body_qpos] = row.reshape(-1)
-        row[:] = house.placed(qpos)[layout.body_qpos].reshape(-1, 7)
+        row[:] = house.initial_poses(qpos)[layout.body_qpos].reshape(-1, 7)
     return physics.replace(body_pos=jnp.asarray(poses[..., :3]), body_quat=jnp.asarray(poses[..., 3:]))

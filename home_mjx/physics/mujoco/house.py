@@ -9,22 +9,22 @@ from jaxtyping import Float
 
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
-from home_mjx.physics.mujoco.touched import Touched, find_touched
+from home_mjx.physics.mujoco.touched import ContactReport, collect_contacts
 
-FULL = ("CONTACTFULL", "CNSTRFULL")  # MuJoCo's warnings about dropped contacts
+OVERFLOW_WARNINGS = ("CONTACTFULL", "CNSTRFULL")  # MuJoCo's warnings about dropped contacts
 
 
-class Moved(NamedTuple):
+class HouseStepResult(NamedTuple):
     """An environment after a physics step."""
 
     qpos: Float[np.ndarray, " q"]
     qvel: Float[np.ndarray, " v"]
     qacc: Float[np.ndarray, " v"]
-    touched: Touched
-    is_full: bool  # contacts were dropped
+    contacts: ContactReport
+    has_overflow: bool  # contacts were dropped
 
 
-class HouseInC:
+class MujocoHouse:
     """Stepper for environments of one house; thread-safe.
 
     Args:
@@ -42,7 +42,7 @@ class HouseInC:
         owner = np.full(model.nbody, NOTHING)
         q = v = 0
         for mobile, name in enumerate(names):
-            nq, nv = _sizes(layout, mobile)
+            nq, nv = _state_sizes(layout, mobile)
             if name:
                 body = model.body(name)
                 joint = body.jntadr[0]
@@ -61,7 +61,7 @@ class HouseInC:
         qvel: Float[np.ndarray, " v"],
         qacc: Float[np.ndarray, " v"],
         applied: Float[np.ndarray, " v"],
-    ) -> Moved:
+    ) -> HouseStepResult:
         """Advance by one physics step.
 
         Bodies that the house does not have keep their state. A state with NaN or infinite values is returned unchanged.
@@ -73,10 +73,10 @@ class HouseInC:
             applied: Applied forces on all joints [N], [N m].
         """
         if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
-            mobiles = self._layout.num_mobiles
+            mobiles = self._layout.num_dynamic
             zeros, nothing = np.zeros(mobiles), np.full(mobiles, NOTHING)
-            none = Touched(np.zeros(self._layout.num_agents, int), zeros, zeros, np.zeros((mobiles, 3)), nothing)
-            return Moved(qpos, qvel, qacc, none, False)
+            none = ContactReport(np.zeros(self._layout.num_agents, int), zeros, zeros, np.zeros((mobiles, 3)), nothing)
+            return HouseStepResult(qpos, qvel, qacc, none, False)
         data = self._take()
         try:
             data.qpos[:], data.qvel[:] = qpos[self._qpos], qvel[self._dofs]
@@ -85,12 +85,12 @@ class HouseInC:
             after = qpos.copy(), qvel.copy(), np.zeros_like(qacc)
             after[0][self._qpos] = data.qpos
             after[1][self._dofs], after[2][self._dofs] = data.qvel, data.qacc
-            touched = find_touched(data, self._owner, self._layout, self.model.opt.timestep)
-            return Moved(*after, touched, _is_full(data))
+            touched = collect_contacts(data, self._owner, self._layout, self.model.opt.timestep)
+            return HouseStepResult(*after, touched, _has_overflow(data))
         finally:
             self._spare.append(data)
 
-    def placed(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
+    def initial_poses(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
         """Return the poses, with all bodies of the house at their model's initial poses."""
         after = qpos.copy()
         after[self._qpos] = self.model.qpos0
@@ -104,16 +104,16 @@ class HouseInC:
             return mujoco.MjData(self.model)  # pyright: ignore[reportAttributeAccessIssue]
 
 
-def _sizes(layout: Layout, mobile: int) -> tuple[int, int]:
+def _state_sizes(layout: Layout, mobile: int) -> tuple[int, int]:
     """Return a dynamic body's number of elements in the state's `qpos` and `qvel`."""
     if mobile < layout.num_agents:
         return 4, 4
     return (7, 6) if mobile < layout.num_agents + layout.num_bodies else (1, 1)
 
 
-def _is_full(data: Any) -> bool:
+def _has_overflow(data: Any) -> bool:
     """Return whether contacts were dropped, and reset MuJoCo's warnings."""
-    warnings = [data.warning[getattr(mujoco.mjtWarning, f"mjWARN_{name}")] for name in FULL]  # pyright: ignore[reportAttributeAccessIssue]
+    warnings = [data.warning[getattr(mujoco.mjtWarning, f"mjWARN_{name}")] for name in OVERFLOW_WARNINGS]  # pyright: ignore[reportAttributeAccessIssue]
     full = any(warning.number for warning in warnings)
     for warning in warnings:
         warning.number = 0

@@ -15,17 +15,17 @@ from home_mjx.core.native.host_call import register_host_call
 from home_mjx.core.workers import usable_cores
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.mujoco.house import HouseInC
-from home_mjx.physics.mujoco.mjcf import Rows, house_mjcf
+from home_mjx.physics.mujoco.house import MujocoHouse
+from home_mjx.physics.mujoco.mjcf import HouseRows, house_mjcf
 
-MOST_KEPT = 1024  # maximum number of cached houses, least recently used evicted first
+MAX_CACHED_HOUSES = 1024  # maximum number of cached houses, least recently used evicted first
 
 Arrays = Sequence[np.ndarray]
 
 _count = itertools.count()
 
 
-class HousesInC:
+class MujocoHouses:
     """Models of houses, and the two host functions that XLA calls on them.
 
     `find` runs once per control step and maps a house's rows to a number, so that streamed and exchanged banks need no
@@ -33,17 +33,17 @@ class HousesInC:
 
     Attributes:
         layout: Layout of the state.
-        find_target: Target of `jax.ffi.ffi_call`. Operands: arrays of all houses in the order of `Rows`, then the house
+        find_target: Target of `jax.ffi.ffi_call`. Operands: arrays of all houses in the order of `HouseRows`, then the house
             of each environment (e). Result: the number of each house (e).
         step_target: Operands: numbers (e), `qpos`, `qvel`, `qacc`, applied forces. Results: `qpos`, `qvel`, `qacc`, the
-            fields of `Touched`, and whether contacts were dropped (e).
+            fields of `ContactReport`, and whether contacts were dropped (e).
     """
 
     def __init__(self, config: PhysicsConfig, layout: Layout) -> None:
         self._config, self.layout = config, layout
         self._lock = threading.Lock()
         self._numbers: OrderedDict[bytes, int] = OrderedDict()  # by digest of a house's rows; most recently used last
-        self._houses: dict[int, HouseInC] = {}
+        self._houses: dict[int, MujocoHouse] = {}
         own = next(_count)
         self.find_target, self.step_target = f"home_mjx_c_find_{own}", f"home_mjx_c_step_{own}"
         register_host_call(self.find_target, self._find)
@@ -53,16 +53,16 @@ class HousesInC:
         *tables, house = given
         chosen, inverse = np.unique(np.clip(house, 0, len(tables[0]) - 1), return_inverse=True)
         with self._lock:
-            numbers = [self._number(Rows(*(table[h] for table in tables))) for h in chosen]
-            while len(self._numbers) > max(MOST_KEPT, len(chosen)):
+            numbers = [self._number(HouseRows(*(table[h] for table in tables))) for h in chosen]
+            while len(self._numbers) > max(MAX_CACHED_HOUSES, len(chosen)):
                 del self._houses[self._numbers.popitem(last=False)[1]]
         results[0][:] = np.array(numbers, np.int32)[inverse.reshape(-1)]
 
-    def _number(self, rows: Rows) -> int:
+    def _number(self, rows: HouseRows) -> int:
         digest = hashlib.blake2b(b"".join(np.ascontiguousarray(row).tobytes() for row in rows)).digest()
         number = self._numbers.get(digest)
         if number is None:
-            number, house = next(_count), house_in_c(self._config, self.layout, rows)
+            number, house = next(_count), build_house_model(self._config, self.layout, rows)
             self._houses[number], self._numbers[digest] = house, number
         self._numbers.move_to_end(digest)
         return number
@@ -79,22 +79,22 @@ class HousesInC:
         for env in envs.tolist():
             number, *state = (x[env] for x in given)
             moved = self._houses[int(number)].step(*state)
-            values = *moved[:3], *moved.touched, moved.is_full
+            values = *moved[:3], *moved.contacts, moved.has_overflow
             for result, value in zip(results, values, strict=True):
                 result[env] = value
 
 
-def house_in_c(config: PhysicsConfig, layout: Layout, rows: Rows) -> HouseInC:
+def build_house_model(config: PhysicsConfig, layout: Layout, rows: HouseRows) -> MujocoHouse:
     """Build C MuJoCo's model of a house."""
     model = mujoco.MjModel.from_xml_string(house_mjcf(config, rows))  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
     bodies = [f"body{k}" if valid else "" for k, valid in enumerate(rows.body_valid)]
     doors = [f"door{h}" if valid else "" for h, valid in enumerate(rows.door_valid)]
     static = {f"static{c}": c for c in np.flatnonzero((rows.collider_size > 0).all(axis=-1)).tolist()}
-    return HouseInC(model, layout, agents + bodies + doors, static)
+    return MujocoHouse(model, layout, agents + bodies + doors, static)
 
 
-class ListedHouses(HousesInC):
+class PrebuiltHouses(MujocoHouses):
     """Prebuilt models; the house index of an environment is the index into a list.
 
     Args:
@@ -103,7 +103,7 @@ class ListedHouses(HousesInC):
         houses: One model for each house of the bank, in its order.
     """
 
-    def __init__(self, config: PhysicsConfig, layout: Layout, houses: Sequence[HouseInC]) -> None:
+    def __init__(self, config: PhysicsConfig, layout: Layout, houses: Sequence[MujocoHouse]) -> None:
         super().__init__(config, layout)
         self._houses = dict(enumerate(houses))
 
@@ -115,9 +115,9 @@ class ListedHouses(HousesInC):
 
 
 @functools.cache
-def houses_in_c(config: PhysicsConfig, layout: Layout) -> HousesInC:
+def shared_house_models(config: PhysicsConfig, layout: Layout) -> MujocoHouses:
     """Return the models shared by all templates of these options and capacities."""
-    return HousesInC(config, layout)
+    return MujocoHouses(config, layout)
 
 
 @functools.cache

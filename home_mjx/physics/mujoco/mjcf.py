@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import box_inertia
-from home_mjx.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, solimp
-from home_mjx.mjcf.boxes import MEETS_LEAVES, add_leaf, body_surface, numbers
+from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, SOLREF, add_agent, solimp
+from home_mjx.mjcf.boxes import COLLIDES_WITH_LEAVES, add_leaf, body_contact_attributes, numbers
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
 from home_mjx.schema.compiled import Doors
@@ -21,8 +21,8 @@ CORNER = {"contype": "0", "conaffinity": "4"}
 AGENT = {"contype": "3", "conaffinity": "11"}
 
 
-class Rows(NamedTuple):
-    """One house's rows of `bank.records.Physics`, under the same names."""
+class HouseRows(NamedTuple):
+    """One house's rows of `bank.pack_instances.Physics`, under the same names."""
 
     floor: Float[np.ndarray, ""]
     collider_pos: Float[np.ndarray, "c 3"]
@@ -44,7 +44,7 @@ class Rows(NamedTuple):
     door_slide: Float[np.ndarray, "h 2"]
 
 
-def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
+def house_mjcf(config: PhysicsConfig, rows: HouseRows) -> str:
     """Return the MJCF of a house with its agents.
 
     Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank. Unused
@@ -61,7 +61,7 @@ def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
         place = {"pos": numbers(rows.collider_pos[c]), "quat": numbers(rows.collider_quat[c])}
         ET.SubElement(world, "geom", place, name=f"static{c}", type="box", size=numbers(rows.collider_size[c]))
     for a, shape in enumerate(config.agents):
-        add_agent(world, shape, f"agent{a}", **FRICTIONLESS, **AGENT)
+        add_agent(world, shape, f"agent{a}", **FRICTIONLESS_CONTACT, **AGENT)
     for k in np.flatnonzero(rows.body_valid).tolist():
         _add_body(config, world, rows, k)
     for h in np.flatnonzero(rows.door_valid).tolist():
@@ -77,20 +77,20 @@ def _add_options(root: ET.Element, config: PhysicsConfig) -> None:
     ET.SubElement(option, "flag", eulerdamp="disable", autoreset="disable")
 
 
-def _add_body(config: PhysicsConfig, world: ET.Element, rows: Rows, k: int) -> None:
+def _add_body(config: PhysicsConfig, world: ET.Element, rows: HouseRows, k: int) -> None:
     body = ET.SubElement(world, "body", name=f"body{k}")
     ET.SubElement(body, "freejoint")
     inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))
     ET.SubElement(body, "inertial", pos="0 0 0", mass=f"{rows.body_mass[k]:.9g}", diaginertia=inertia)
     friction = rows.body_friction[k] if config.friction is None else config.friction
     ratio = damping_ratio(config.restitution) if config.restitution is not None else rows.body_damping_ratio[k]
-    touch = body_surface(float(friction), float(ratio), config.timing.sim_dt)
-    ET.SubElement(body, "geom", MEETS_LEAVES | touch, type="box", size=numbers(rows.body_size[k]))
+    touch = body_contact_attributes(float(friction), float(ratio), config.timing.sim_dt)
+    ET.SubElement(body, "geom", COLLIDES_WITH_LEAVES | touch, type="box", size=numbers(rows.body_size[k]))
     for corner in CORNERS * (rows.body_size[k] - CORNER_RADIUS):
         ET.SubElement(body, "geom", CORNER | touch, type="sphere", size=str(CORNER_RADIUS), pos=numbers(corner))
 
 
-def _doors(rows: Rows) -> Doors:
+def _doors(rows: HouseRows) -> Doors:
     names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
     place = {name: getattr(rows, f"door_{name}") for name in names}
-    return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, wide=rows.door_high, **place)
+    return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, fully_open=rows.door_high, **place)

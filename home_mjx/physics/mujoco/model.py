@@ -14,16 +14,16 @@ from mujoco import rollout
 
 from home_mjx.core.checks import check_number, check_shape
 from home_mjx.core.native.host_call import register_host_call
-from home_mjx.core.native.vmap_call import batched, without_gradient
+from home_mjx.core.native.vmap_call import batch_kernel, forbid_gradient
 from home_mjx.core.workers import usable_cores
-from home_mjx.physics.mujoco.calls import call_host, refuse_where_impossible
+from home_mjx.physics.mujoco.calls import call_host, check_platform
 
-FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS.value  # pyright: ignore[reportAttributeAccessIssue]
+STATE_SPEC = mujoco.mjtState.mjSTATE_FULLPHYSICS.value  # pyright: ignore[reportAttributeAccessIssue]
 
 _count = itertools.count()
 
 
-class ModelInC:
+class MujocoModel:
     """C MuJoCo stepper for environments of one model; build it once, outside of `jit`.
 
     A state is one vector: MuJoCo's `mjSTATE_FULLPHYSICS` (time, `qpos`, `qvel`, activations), in float32. `step` works
@@ -48,17 +48,17 @@ class ModelInC:
     """
 
     def __init__(self, model: Any, substeps: int = 1) -> None:
-        check_number("substeps", substeps, 1, whole=True)
+        check_number("substeps", substeps, 1, integer=True)
         self.model, self._substeps = model, substeps
         self.qpos, self.qvel = slice(1, 1 + model.nq), slice(1 + model.nq, 1 + model.nq + model.nv)
         self._data = [mujoco.MjData(model) for _ in range(usable_cores())]  # pyright: ignore[reportAttributeAccessIssue]
         self._pool, self._lock = rollout.Rollout(nthread=usable_cores()), threading.Lock()
-        start = np.zeros(mujoco.mj_stateSize(model, FULL))  # pyright: ignore[reportAttributeAccessIssue]
-        mujoco.mj_getState(model, self._data[0], start, FULL)  # pyright: ignore[reportAttributeAccessIssue]
+        start = np.zeros(mujoco.mj_stateSize(model, STATE_SPEC))  # pyright: ignore[reportAttributeAccessIssue]
+        mujoco.mj_getState(model, self._data[0], start, STATE_SPEC)  # pyright: ignore[reportAttributeAccessIssue]
         self.start = jnp.asarray(start, jnp.float32)
         self._target = f"home_mjx_c_model_{next(_count)}"
         register_host_call(self._target, self._run)
-        self._step = without_gradient(batched(self._call, 0, 2), "C MuJoCo")
+        self._step = forbid_gradient(batch_kernel(self._call, 0, 2), "C MuJoCo")
 
     def step(
         self, state: Float[Array, " s"], ctrl: Float[Array, " u"]
@@ -79,7 +79,7 @@ class ModelInC:
         """
         check_shape("state", jnp.shape(state), self.start.shape)
         check_shape("ctrl", jnp.shape(ctrl), (self.model.nu,))
-        refuse_where_impossible()
+        check_platform()
         after, sensors = self._step(state[None], ctrl[None])
         return after[0], sensors[0]
 

@@ -7,12 +7,12 @@ import mujoco
 import numpy as np
 
 from home_mjx.errors import ConfigError
-from home_mjx.mjcf.boxes import ONLY_MOVING
+from home_mjx.mjcf.boxes import COLLIDES_WITH_MOVABLES
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.schema.compiled import CompiledHouse
 
 PREFIX = "robot/"  # prefix of all names of the robot's elements
-MEETS_LEAVES = 1 << 30  # contact bit of door leaves and the robot; hand-written MJCF rarely uses it
+LEAF_CONTACT_BIT = 1 << 30  # contact bit of door leaves and the robot; hand-written MJCF rarely uses it
 
 
 def robot_in_house(
@@ -59,7 +59,7 @@ def robot_in_house(
         for joint in [j for j in spec.joints if j.type == mujoco.mjtJoint.mjJNT_FREE]:  # pyright: ignore[reportAttributeAccessIssue]
             spec.delete(joint)
     guest = _read(robot)
-    _meet(spec, guest)
+    _enable_leaf_contacts(spec, guest)
     x, y, z = house.navigation.start[0] if position is None else position
     quat = [np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]
     frame = spec.worldbody.add_frame(pos=[x, y, z], quat=quat)
@@ -81,11 +81,11 @@ def _read(robot: Any) -> Any:
         raise ConfigError(f"robot is not valid MJCF: {error}", file=None if is_text else Path(robot)) from error
 
 
-def _meet(house: Any, robot: Any) -> None:
+def _enable_leaf_contacts(house: Any, robot: Any) -> None:
     """Let door leaves, which otherwise collide with moving bodies only, collide with the robot."""
     for geom in house.geoms:
-        if str(geom.contype) == ONLY_MOVING["contype"] and not geom.conaffinity:
-            geom.contype |= MEETS_LEAVES
+        if str(geom.contype) == COLLIDES_WITH_MOVABLES["contype"] and not geom.conaffinity:
+            geom.contype |= LEAF_CONTACT_BIT
     for geom in robot.geoms:
         if geom.contype or geom.conaffinity:
-            geom.conaffinity |= MEETS_LEAVES
+            geom.conaffinity |= LEAF_CONTACT_BIT

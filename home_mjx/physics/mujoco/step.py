@@ -9,68 +9,68 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
-from home_mjx.core.native.vmap_call import Step, batched, without_gradient
+from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.mjx.applied import applied_forces
 from home_mjx.physics.mjx.house_model import house_doors, movable_bodies
-from home_mjx.physics.mjx.overflow import Lost
-from home_mjx.physics.mjx.push_limits import Pushes, over_time
+from home_mjx.physics.mjx.overflow import Overflow
+from home_mjx.physics.mjx.push_limits import ContactImpulses, combine_substeps
 from home_mjx.physics.mjx.slots import half_above_floor
-from home_mjx.physics.mjx.step import within_limits
+from home_mjx.physics.mjx.step import apply_state_limits
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.mujoco.calls import call_host, refuse_where_impossible
+from home_mjx.physics.mujoco.calls import call_host, check_platform
 from home_mjx.physics.mujoco.exported import ExportedTemplate
-from home_mjx.physics.mujoco.houses import HousesInC, houses_in_c
-from home_mjx.physics.mujoco.mjcf import Rows
+from home_mjx.physics.mujoco.houses import MujocoHouses, shared_house_models
+from home_mjx.physics.mujoco.mjcf import HouseRows
 
 NUM_RESULTS = 9
 MOTOR_DOFS = (0, 1, 3)  # actuated elements of an agent's x, y, z and yaw
 
 
-def step_c(
+def step_mujoco(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
-) -> tuple[PhysicsState, Lost]:
+) -> tuple[PhysicsState, Overflow]:
     """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
     Raises:
         ConfigError: The program is compiled for a platform other than CPU.
         ExecutorError: This is a forked child of a process that has already stepped.
     """
-    refuse_where_impossible()
+    check_platform()
     bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
     parts, layout = (bodies, leaves, physics.ramp[house]), template.layout
     find, move = _calls(_houses(template, physics))
     tables = physics.replace(collider_size=half_above_floor(physics))
-    (number,) = find(*(getattr(tables, name) for name in Rows._fields), house[None])
+    (number,) = find(*(getattr(tables, name) for name in HouseRows._fields), house[None])
 
-    def substep(carry: tuple[Array, ...], _: None) -> tuple[tuple[Array, ...], tuple[Array, Pushes, Array]]:
+    def substep(carry: tuple[Array, ...], _: None) -> tuple[tuple[Array, ...], tuple[Array, ContactImpulses, Array]]:
         motors, applied = applied_forces(template, parts, state, action, carry[0], carry[1])
         applied = applied.at[_motor_dofs(layout)].add(motors.reshape(-1))
         moved = move(number, *(x[None] for x in (*carry, applied)))
         qpos, qvel, qacc, count, impulse, strongest, place, other, full = (x[0] for x in moved)
-        qpos, qvel = within_limits(template, bodies, leaves, state, (qpos, qvel))
-        pushes = Pushes(impulse=impulse, strongest=strongest, place=place, other=other)
+        qpos, qvel = apply_state_limits(template, bodies, leaves, state, (qpos, qvel))
+        pushes = ContactImpulses(impulse=impulse, strongest=strongest, contact_pos=place, contact_partner=other)
         return (qpos, qvel, qacc), (count, pushes, full)
 
     first = state.qpos, state.qvel, state.qacc
     length = template.config.timing.substeps
     (qpos, qvel, qacc), (count, pushes, full) = jax.lax.scan(substep, first, None, length=length)
-    whole, no = over_time(pushes), jnp.zeros((), bool)
-    pushed = {"impulse": whole.impulse, "place": whole.place, "other": whole.other}
-    after = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, touched=count.max(axis=0), **pushed)
-    return after, Lost(static_boxes=no, contact_pairs=no, contact_points=jnp.any(full))
+    whole, no = combine_substeps(pushes), jnp.zeros((), bool)
+    pushed = {"impulse": whole.impulse, "place": whole.contact_pos, "other": whole.contact_partner}
+    after = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, num_contacts=count.max(axis=0), **pushed)
+    return after, Overflow(static_boxes=no, contact_pairs=no, contact_points=jnp.any(full))
 
 
 def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
     return np.add.outer(4 * np.arange(layout.num_agents), MOTOR_DOFS).reshape(-1)
 
 
-def _houses(template: Template, physics: Physics) -> HousesInC:
+def _houses(template: Template, physics: Physics) -> MujocoHouses:
     """Return the models that the template steps: exported houses, or models built from the bank."""
     if not isinstance(template, ExportedTemplate):
-        return houses_in_c(template.config, template.layout)
+        return shared_house_models(template.config, template.layout)
     if len(template.houses) != physics.floor.shape[0]:
         raise ConfigError(
             f"the template has {len(template.houses)} exported houses, the bank has {physics.floor.shape[0]}",
@@ -81,7 +81,7 @@ def _houses(template: Template, physics: Physics) -> HousesInC:
 
 
 @functools.cache
-def _calls(houses: HousesInC) -> tuple[Step, Step]:
+def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
     """Return the host calls that find the houses of environments and that step environments by one physics step."""
 
     def find(*operands: Array) -> tuple[Array, ...]:
@@ -93,12 +93,14 @@ def _calls(houses: HousesInC) -> tuple[Step, Step]:
         given = (number, *(x.astype(jnp.float32) for x in state))
         return call_host(houses.step_target, given, _results(houses.layout, given[1:4]))
 
-    return batched(find, len(Rows._fields), 1), without_gradient(batched(move, 0, NUM_RESULTS), "C MuJoCo")
+    return batch_kernel(find, len(HouseRows._fields), 1), forbid_gradient(
+        batch_kernel(move, 0, NUM_RESULTS), "C MuJoCo"
+    )
 
 
 def _results(layout: Layout, state: Sequence[Array]) -> list[jax.ShapeDtypeStruct]:
-    """Return the shapes of the results of a physics step of environments; see `HousesInC`."""
-    envs, agents, mobiles = state[0].shape[0], layout.num_agents, layout.num_mobiles
+    """Return the shapes of the results of a physics step of environments; see `MujocoHouses`."""
+    envs, agents, mobiles = state[0].shape[0], layout.num_agents, layout.num_dynamic
     shapes = [(x.shape, jnp.float32) for x in state]
     shapes += [((envs, agents), jnp.int32), ((envs, mobiles), jnp.float32), ((envs, mobiles), jnp.float32)]
     shapes += [((envs, mobiles, 3), jnp.float32), ((envs, mobiles), jnp.int32), ((envs,), jnp.bool_)]

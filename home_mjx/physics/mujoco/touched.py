@@ -9,17 +9,17 @@ from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.touch import FLOOR, NOTHING
 
 
-class Touched(NamedTuple):
-    """Contacts of each dynamic body, see `PhysicsState`; `count` is per agent."""
+class ContactReport(NamedTuple):
+    """Contacts of each dynamic body, see `PhysicsState`; `num_contacts` is per agent."""
 
-    count: Int[np.ndarray, " a"]  # contact points except with the floor
+    num_contacts: Int[np.ndarray, " a"]  # contact points except with the floor
     impulse: Float[np.ndarray, " m"]  # [N s], of all contacts
     strongest: Float[np.ndarray, " m"]  # [N s], of the strongest contact
-    place: Float[np.ndarray, "m 3"]  # [m], of the strongest contact
-    other: Int[np.ndarray, " m"]  # other side of the strongest contact
+    contact_pos: Float[np.ndarray, "m 3"]  # [m], of the strongest contact
+    contact_partner: Int[np.ndarray, " m"]  # other side of the strongest contact
 
 
-def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: float) -> Touched:
+def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: float) -> ContactReport:
     """Collect the contact impulses of the physics step that `data` has just done.
 
     Args:
@@ -28,7 +28,7 @@ def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: fl
         layout: Layout of the state.
         dt: Length of the step [s].
     """
-    contact, mobiles = data.contact, layout.num_mobiles
+    contact, mobiles = data.contact, layout.num_dynamic
     one, two = owner[contact.geom].reshape(-1, 2).T
     me, other = np.concatenate([one, two]), np.concatenate([two, one])
     met = me[(other != FLOOR) & (me >= 0)]
@@ -40,7 +40,7 @@ def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: fl
     strongest[me[rows]], partner[me[rows]] = impulse[rows], other[rows]
     place[me[rows]] = contact.pos[rows % max(len(one), 1)]
     total = np.bincount(me[rows], impulse[rows], mobiles)
-    return Touched(count, total, strongest, place, partner)
+    return ContactReport(count, total, strongest, place, partner)
 
 
 def _normal_forces(data: Any) -> Float[np.ndarray, " n"]:

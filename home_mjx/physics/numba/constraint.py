@@ -10,8 +10,8 @@ from typing import no_type_check
 
 from numba import njit
 
-from home_mjx.core.native.memory import shifted
-from home_mjx.physics.numba.data.limits import DOOR_COLUMNS, LIMIT, SLEEPER, SURFACE_COLUMNS
+from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.numba.data.limits import DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
 from home_mjx.physics.numba.data.work import NUM_CONTACTS
 
 TINY = 1e-15  # MuJoCo's mjMINVAL
@@ -30,7 +30,7 @@ def make_rows(work, numbers):
         if b >= 0:
             _jacobian(work, n, 1, b, 1.0)
             inverse += work.inverse[b]
-        if b == LIMIT:
+        if b == JOINT_LIMIT:
             inverse = 1 / work.mass[6 * a]
         friction, stiffness, damping, low, width = _surface(work, numbers, a, b)
         work.friction[n], distance = friction, work.place[4 * n + 3]
@@ -93,7 +93,7 @@ def _jacobian(work, n, side, m, sign):
     z = work.place[4 * n + 2] - work.pos[3 * m + 2]
     for row in range(3):
         u, v, w = work.frame[9 * n + 3 * row], work.frame[9 * n + 3 * row + 1], work.frame[9 * n + 3 * row + 2]
-        jacobian = shifted(work.jacobian, 36 * n + 18 * side + 6 * row)
+        jacobian = offset_pointer(work.jacobian, 36 * n + 18 * side + 6 * row)
         jacobian[0], jacobian[1], jacobian[2] = sign * u, sign * v, sign * w
         # Rotational part about the body's own axes: (arm x direction) in its frame.
         tx, ty, tz = y * w - z * v, z * u - x * w, x * v - y * u
@@ -110,13 +110,13 @@ def _door_jacobian(work, n, side, m, sign):
     Along a direction it is (up x arm) for a hinged leaf, or the slide direction for a sliding one. At a joint limit the
     first row is the rate itself.
     """
-    door = shifted(work.door, DOOR_COLUMNS * (m - work.num_free))
+    door = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free))
     x = door[15] * (work.place[4 * n] - door[0]) + door[14]
     y = door[15] * (work.place[4 * n + 1] - door[1]) - door[13]
-    jacobian = shifted(work.jacobian, 36 * n + 18 * side)
+    jacobian = offset_pointer(work.jacobian, 36 * n + 18 * side)
     for k in range(18):
         jacobian[k] = 0.0
-    if work.second[n] == LIMIT:
+    if work.second[n] == JOINT_LIMIT:
         jacobian[0] = work.frame[9 * n]
         return
     for row in range(3):
@@ -127,15 +127,15 @@ def _door_jacobian(work, n, side, m, sign):
 @no_type_check
 def _surface(work, numbers, a, b):
     """Return the parameters of a contact or joint limit, as a row of `base.surfaces`; agents are always first."""
-    if b == LIMIT or a < work.num_agents:
+    if b == JOINT_LIMIT or a < work.num_agents:
         return 0.0, numbers.stiffness, numbers.damping, numbers.impedance_low, numbers.impedance_width
-    other = SLEEPER - b if b <= SLEEPER else b
+    other = SLEEPING_BODY - b if b <= SLEEPING_BODY else b
     if a >= work.num_free:  # a door that meets a sleeping body
         a, other = other, a
-    own = shifted(work.surface, SURFACE_COLUMNS * a)
+    own = offset_pointer(work.surface, SURFACE_COLUMNS * a)
     if other < 0 or other >= work.num_free:
         return own[0], own[1], own[2], own[3], own[4]
-    its = shifted(work.surface, SURFACE_COLUMNS * other)
+    its = offset_pointer(work.surface, SURFACE_COLUMNS * other)
     low, width = (own[3] + its[3]) / 2, (own[4] + its[4]) / 2
     return max(own[0], its[0]), max(own[1], its[1]), max(own[2], its[2]), low, width
 

@@ -10,12 +10,12 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.memory import call, pointer_to, symbol_address
-from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.physics.base import servo, state, touch
 from home_mjx.physics.numba import constraint, contacts, forces, motion, sleep, solver, step
 from home_mjx.physics.numba.data import limits, numbers, operands
 from home_mjx.physics.numba.data import work as native_work
-from home_mjx.physics.numba.data.numbers import Numbers
+from home_mjx.physics.numba.data.numbers import StepParams
 from home_mjx.physics.numba.data.operands import (
     ACTION,
     AGENT,
@@ -27,33 +27,33 @@ from home_mjx.physics.numba.data.operands import (
     COLLIDER_HALF,
     COLLIDER_POS,
     COLLIDER_QUAT,
+    CONTACT_IMPULSE,
+    CONTACT_PARTNER,
     DOOR,
     FLOOR,
     GOAL,
     GRIP,
     HELD,
     HOUSE,
-    LOST,
     NEW_QACC,
     NEW_QPOS,
     NEW_QVEL,
-    NUMBERS,
-    OTHER,
-    PUSH,
+    NUM_AGENT_CONTACTS,
+    OVERFLOW,
+    PARAMS,
     QACC,
     QPOS,
     QVEL,
     RAMP,
     SCALE,
-    TOUCHED,
 )
-from home_mjx.physics.numba.data.work import free_work, make_work
+from home_mjx.physics.numba.data.work import allocate_workspace, free_workspace
 from home_mjx.physics.numba.shapes import box_box, capsule
 from home_mjx.physics.numba.step import load_agents, load_house, scale_bodies, step_env
 
 CHUNK = 16  # environments per chunk of work
 WORK, TASK = "home_mjx_step_work", "home_mjx_step_task"
-NUM_NUMBERS = len(Numbers._fields)
+NUM_NUMBERS = len(StepParams._fields)
 
 float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
 work_address, task_address = symbol_address(WORK), symbol_address(TASK)
@@ -86,10 +86,10 @@ def sources_digest() -> int:
         state,
         touch,
     )
-    return ffi.digest(*(part.__file__ for part in parts))
+    return ffi.hash_sources(*(part.__file__ for part in parts))
 
 
-@with_checked_cache
+@verify_cache
 def build_handler() -> tuple[Any, Any, Any]:
     """Compile the work, the task and the handler, or load them from Numba's cache on disk.
 
@@ -112,7 +112,7 @@ def build_handler() -> tuple[Any, Any, Any]:
     def task(job):
         _ = digest
         call(work_address(), job)
-        ffi.leave(job)
+        ffi.release_job(job)
         return 0
 
     llvmlite.binding.add_symbol(TASK, task.address)
@@ -121,7 +121,7 @@ def build_handler() -> tuple[Any, Any, Any]:
     @no_type_check
     def handler(frame):
         _ = digest
-        if ffi.wants_work(frame):
+        if ffi.is_execute_call(frame):
             job = ffi.open_job(frame, -(-ffi.dim(frame, ffi.OPERANDS, HOUSE, 0) // CHUNK), task_address())
             call(work_address(), job)
             ffi.close_job(job)
@@ -138,7 +138,7 @@ def _work(job):
         chunk = ffi.next_chunk(job)
         if chunk < 0:
             return
-        _step_chunk(ffi.frame_of(job), chunk)
+        _step_chunk(ffi.job_frame(job), chunk)
         ffi.chunk_done(job)
 
 
@@ -149,8 +149,8 @@ def _step_chunk(frame, chunk):
     bodies, agents = _operand_dim(frame, BODY_VALID, 1), _operand_dim(frame, ACTION, 1)
     doors, ramps = _operand_dim(frame, DOOR, 1), _operand_dim(frame, RAMP, 1)
     house = int_pointer(ffi.data(frame, ffi.OPERANDS, HOUSE))
-    given, floor = _numbers(_floats(frame, NUMBERS, 0)), _floats(frame, FLOOR, 0)
-    work = make_work(agents, bodies, doors, colliders)
+    given, floor = _numbers(_floats(frame, PARAMS, 0)), _floats(frame, FLOOR, 0)
+    work = allocate_workspace(agents, bodies, doors, colliders)
     load_agents(work, _floats(frame, AGENT, 0))
     loaded = -1
     for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _operand_dim(frame, HOUSE, 0))):
@@ -165,16 +165,16 @@ def _step_chunk(frame, chunk):
         before = _floats(frame, QPOS, env), _floats(frame, QVEL, env), _floats(frame, QACC, env)
         after = _results(frame, NEW_QPOS, env), _results(frame, NEW_QVEL, env), _results(frame, NEW_QACC, env)
         report = (
-            _flags(frame, TOUCHED, env),
-            _flags(frame, LOST, env),
-            _results(frame, PUSH, env),
-            _flags(frame, OTHER, env),
+            _flags(frame, NUM_AGENT_CONTACTS, env),
+            _flags(frame, OVERFLOW, env),
+            _results(frame, CONTACT_IMPULSE, env),
+            _flags(frame, CONTACT_PARTNER, env),
         )
         held = int_pointer(ffi.row(frame, ffi.OPERANDS, HELD, env))
         control = _floats(frame, ACTION, env), held, _floats(frame, GRIP, env), _floats(frame, GOAL, env)
         ground = floor[own], _floats(frame, RAMP, own), ramps
         step_env(work, given, ground, before, control, after, report)
-    free_work(work)
+    free_workspace(work)
 
 
 @compiled
@@ -225,5 +225,5 @@ def _flags(frame, index, row):
 @compiled
 @no_type_check
 def _numbers(given):
-    """Convert an array to the `Numbers` record."""
-    return Numbers(*to_fixed_tuple(carray(given, NUM_NUMBERS).astype(np.float64), NUM_NUMBERS))
+    """Convert an array to the `StepParams` record."""
+    return StepParams(*to_fixed_tuple(carray(given, NUM_NUMBERS).astype(np.float64), NUM_NUMBERS))

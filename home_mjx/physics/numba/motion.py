@@ -6,7 +6,7 @@ from typing import no_type_check
 
 from numba import njit
 
-from home_mjx.core.native.memory import shifted
+from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.numba.data.limits import DOOR_COLUMNS
 
 compiled = njit(error_model="numpy")
@@ -14,24 +14,24 @@ compiled = njit(error_model="numpy")
 
 @compiled
 @no_type_check
-def place_mobiles(work, also_sleepers):
+def update_poses(work, also_sleepers):
     """Update the axes of dynamic bodies and the poses of door leaves from their coordinates."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
                 work.rot[9 * a + 3 * k + j] = 1.0 if k == j else 0.0
-    for m in range(work.num_agents, work.num_mobiles):
+    for m in range(work.num_agents, work.num_dynamic):
         if work.used[m] or (also_sleepers and work.there[m]):
             if m < work.num_free:
-                rotation(shifted(work.quat, 4 * m), shifted(work.rot, 9 * m))
+                write_rotation(offset_pointer(work.quat, 4 * m), offset_pointer(work.rot, 9 * m))
             else:
-                _place_leaf(work, m)
+                _update_leaf_pose(work, m)
 
 
 @compiled
 @no_type_check
-def _place_leaf(work, m):
-    door, rot = shifted(work.door, DOOR_COLUMNS * (m - work.num_free)), shifted(work.rot, 9 * m)
+def _update_leaf_pose(work, m):
+    door, rot = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free)), offset_pointer(work.rot, 9 * m)
     way = work.quat[4 * m]
     angle = door[15] * way
     c, s = cos(angle), sin(angle)
@@ -46,7 +46,7 @@ def _place_leaf(work, m):
 
 @compiled
 @no_type_check
-def rotation(quat, rot):
+def write_rotation(quat, rot):
     """Write the rotation matrix of a unit quaternion wxyz, with axes as columns."""
     w, x, y, z = quat[0], quat[1], quat[2], quat[3]
     rot[0], rot[1], rot[2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
@@ -56,7 +56,7 @@ def rotation(quat, rot):
 
 @compiled
 @no_type_check
-def move_mobiles(work, numbers):
+def integrate(work, numbers):
     """Integrate all dynamic bodies by semi-implicit Euler."""
     for a in range(work.num_agents):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
@@ -64,7 +64,7 @@ def move_mobiles(work, numbers):
     for m in range(work.num_agents, work.num_free):
         if work.used[m]:
             _move_body(work, numbers, m)
-    for m in range(work.num_free, work.num_mobiles):
+    for m in range(work.num_free, work.num_dynamic):
         if work.used[m]:
             work.vel[6 * m] += numbers.sim_dt * work.acc[6 * m]
             work.quat[4 * m] += numbers.sim_dt * work.vel[6 * m]
@@ -89,14 +89,14 @@ def _move_body(work, numbers, m):
         work.vel[6 * m + k] += dt * work.acc[6 * m + k]
     for k in range(3):
         work.pos[3 * m + k] += dt * work.vel[6 * m + k]
-    _turn(shifted(work.quat, 4 * m), work.vel[6 * m + 3], work.vel[6 * m + 4], work.vel[6 * m + 5], dt)
-    _limit(shifted(work.vel, 6 * m), 0, numbers.max_body_speed)
-    _limit(shifted(work.vel, 6 * m), 3, numbers.max_body_spin)
+    _rotate_quat(offset_pointer(work.quat, 4 * m), work.vel[6 * m + 3], work.vel[6 * m + 4], work.vel[6 * m + 5], dt)
+    _clip_length(offset_pointer(work.vel, 6 * m), 0, numbers.max_body_speed)
+    _clip_length(offset_pointer(work.vel, 6 * m), 3, numbers.max_body_spin)
 
 
 @compiled
 @no_type_check
-def _turn(quat, x, y, z, dt):
+def _rotate_quat(quat, x, y, z, dt):
     """Rotate a quaternion by an angular velocity [rad/s] about its own axes."""
     rate = sqrt(x * x + y * y + z * z)
     if rate < 1e-15:
@@ -115,7 +115,7 @@ def _turn(quat, x, y, z, dt):
 
 @compiled
 @no_type_check
-def _limit(values, first, most):
+def _clip_length(values, first, most):
     square = 0.0
     for k in range(3):
         square += values[first + k] * values[first + k]

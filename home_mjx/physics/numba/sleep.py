@@ -11,40 +11,40 @@ from typing import no_type_check
 
 from numba import njit
 
-from home_mjx.core.native.memory import shifted
-from home_mjx.physics.base.state import AWAKE
-from home_mjx.physics.numba.contacts import apart, spheres_meet
-from home_mjx.physics.numba.data.limits import FREE
-from home_mjx.physics.numba.data.work import dofs
+from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION
+from home_mjx.physics.numba.contacts import are_boxes_apart, do_spheres_overlap
+from home_mjx.physics.numba.data.limits import NOT_DRIVEN
+from home_mjx.physics.numba.data.work import num_contact_dofs
 
-WAKE_NEAR = 0.01  # [m], distance within which agents and moving bodies wake others, at zero speed
+WAKE_DISTANCE = 0.01  # [m], distance within which agents and moving bodies wake others, at zero speed
 
 compiled = njit(error_model="numpy")
 
 
 @compiled
 @no_type_check
-def find_sleepers(work, numbers, held, goal):
+def mark_sleeping(work, numbers, held, goal):
     """Mark sleeping bodies from the state, and awake ones that may fall asleep."""
-    for m in range(work.num_mobiles):
+    for m in range(work.num_dynamic):
         work.used[m], work.wakes[m] = work.there[m], 0
         work.calm[m] = 1 if m >= work.num_agents and numbers.sleep > 0 else 0
     for a in range(work.num_agents):
         if held[a] >= 0:
             work.calm[work.num_agents + held[a]] = 0
-    for m in range(work.num_free, work.num_mobiles):
-        if abs(goal[m - work.num_free]) < FREE:
+    for m in range(work.num_free, work.num_dynamic):
+        if abs(goal[m - work.num_free]) < NOT_DRIVEN:
             work.calm[m] = 0
-    for m in range(work.num_agents, work.num_mobiles):
-        if work.calm[m] and _stands_still(work, m):
+    for m in range(work.num_agents, work.num_dynamic):
+        if work.calm[m] and _is_at_rest(work, m):
             work.used[m] = 0
 
 
 @compiled
 @no_type_check
-def _stands_still(work, m):
+def _is_at_rest(work, m):
     moves = False
-    for k in range(dofs(work, m)):
+    for k in range(num_contact_dofs(work, m)):
         moves |= work.vel[6 * m + k] != 0 or work.acc[6 * m + k] != 0
     return not moves
 
@@ -53,51 +53,55 @@ def _stands_still(work, m):
 @no_type_check
 def _wake(work, m):
     work.used[m], work.calm[m], work.wakes[m] = 1, 0, 0
-    work.acc[6 * m + (2 if m < work.num_free else 0)] = -AWAKE
+    work.acc[6 * m + (2 if m < work.num_free else 0)] = -MIN_AWAKE_ACCELERATION
 
 
 @compiled
 @no_type_check
-def wake_touched(work):
+def wake_touched_bodies(work):
     """Mark touched sleeping bodies as awake."""
-    for m in range(work.num_agents, work.num_mobiles):
+    for m in range(work.num_agents, work.num_dynamic):
         if work.wakes[m]:
             _wake(work, m)
 
 
 @compiled
 @no_type_check
-def wake_near(work, numbers):
+def wake_near_bodies(work, numbers):
     """Mark sleeping bodies as awake that agents or fast bodies may touch in the next physics step."""
-    for m in range(work.num_mobiles):
+    for m in range(work.num_dynamic):
         if work.used[m] and (m < work.num_agents or not work.calm[m]):
-            speed = shifted(work.vel, 6 * m)
+            speed = offset_pointer(work.vel, 6 * m)
             if m < work.num_free:
                 fast = _length(speed, 0) + _length(speed, 3) * work.radius[m]
             else:
                 fast = 2 * abs(speed[0]) * work.radius[m]
-            reach = WAKE_NEAR + 2 * numbers.sim_dt * fast
-            for other in range(work.num_agents, work.num_mobiles):
+            reach = WAKE_DISTANCE + 2 * numbers.sim_dt * fast
+            for other in range(work.num_agents, work.num_dynamic):
                 sleeps = work.there[other] and not work.used[other] and (m < work.num_free or other < work.num_free)
-                if sleeps and _comes_near(work, m, other, reach):
+                if sleeps and _is_near(work, m, other, reach):
                     work.wakes[other] = 1
-    wake_touched(work)
+    wake_touched_bodies(work)
 
 
 @compiled
 @no_type_check
-def _comes_near(work, m, other, reach):
-    pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
-    return spheres_meet(work, m, other, reach) and not apart(work, m, pos, rot, half, reach)
+def _is_near(work, m, other, reach):
+    pos, rot, half = (
+        offset_pointer(work.pos, 3 * other),
+        offset_pointer(work.rot, 9 * other),
+        offset_pointer(work.half, 3 * other),
+    )
+    return do_spheres_overlap(work, m, other, reach) and not are_boxes_apart(work, m, pos, rot, half, reach)
 
 
 @compiled
 @no_type_check
-def note_moves(work, numbers):
+def mark_moving(work, numbers):
     """Mark bodies that move as not calm, after a physics step."""
-    for m in range(work.num_agents, work.num_mobiles):
+    for m in range(work.num_agents, work.num_dynamic):
         if work.used[m] and work.calm[m]:
-            speed, acceleration = shifted(work.vel, 6 * m), shifted(work.acc, 6 * m)
+            speed, acceleration = offset_pointer(work.vel, 6 * m), offset_pointer(work.acc, 6 * m)
             if m < work.num_free:
                 fast = _length(speed, 0) > numbers.rest_speed or _length(speed, 3) > numbers.rest_spin
                 pulled = _length(acceleration, 0) > numbers.rest_pull
@@ -118,12 +122,12 @@ def _length(values, first):
 
 @compiled
 @no_type_check
-def fall_asleep(work):
+def put_to_sleep(work):
     """Set islands whose bodies are all calm to sleep, after a control step."""
-    for m in range(work.num_mobiles):
+    for m in range(work.num_dynamic):
         if work.used[m] and not work.calm[m]:
             work.wakes[work.island[m]] = 1
-    for m in range(work.num_agents, work.num_mobiles):
+    for m in range(work.num_agents, work.num_dynamic):
         if work.used[m] and not work.wakes[work.island[m]]:
             for k in range(6):
                 work.vel[6 * m + k] = work.acc[6 * m + k] = 0.0

@@ -15,14 +15,16 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from home_mjx.core.native.memory import shifted
+from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, num_rows
-from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, dofs
+from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, num_contact_dofs
 
-ENOUGH = 1e-9  # line-search tolerance: final slope of the cost over that at its start
-LINE_STEPS = 40  # maximum number of line-search iterations
-SOLVED = 1e-22  # Newton tolerance: remaining decrease over the cost's scale, the square of a relative error of 1e-11
-SMALLEST = 1e-12  # minimum Cholesky pivot before its square root [kg] or [kg m^2]
+LINE_SEARCH_TOLERANCE = 1e-9  # line-search tolerance: final slope of the cost over that at its start
+MAX_LINE_STEPS = 40  # maximum number of line-search iterations
+NEWTON_TOLERANCE = (
+    1e-22  # Newton tolerance: remaining decrease over the cost's scale, the square of a relative error of 1e-11
+)
+MIN_PIVOT = 1e-12  # minimum Cholesky pivot before its square root [kg] or [kg m^2]
 
 compiled = njit(error_model="numpy")
 
@@ -34,9 +36,9 @@ def solve(work, numbers):
     work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
-    for root in range(work.num_mobiles):
+    for root in range(work.num_dynamic):
         if work.used[root] and work.island[root] == root:
-            members, size = _members(work, root)
+            members, size = _collect_members(work, root)
             rows = 0
             for n in range(count):
                 if work.island[work.first[n]] == root:
@@ -53,13 +55,13 @@ def solve(work, numbers):
 @no_type_check
 def _find_islands(work):
     """Label each body with the first body of its island, the bodies connected by contacts."""
-    for m in range(work.num_mobiles):
+    for m in range(work.num_dynamic):
         work.island[m] = m
     for n in range(work.counts[NUM_CONTACTS]):
         if work.second[n] >= 0:
             a, b = _root(work, work.first[n]), _root(work, work.second[n])
             work.island[max(a, b)] = min(a, b)
-    for m in range(work.num_mobiles):
+    for m in range(work.num_dynamic):
         work.island[m] = _root(work, m)
 
 
@@ -73,15 +75,15 @@ def _root(work, m):
 
 @compiled
 @no_type_check
-def _members(work, root):
+def _collect_members(work, root):
     """Collect an island's bodies and assign their offsets in its vectors; return both counts."""
     members, size = 0, 0
-    for m in range(root, work.num_mobiles):
+    for m in range(root, work.num_dynamic):
         if work.used[m] and work.island[m] == root:
             work.members[members] = m
             work.offset[m] = size
             members += 1
-            size += dofs(work, m)
+            size += num_contact_dofs(work, m)
     return members, size
 
 
@@ -101,7 +103,7 @@ def _newton(work, members, rows, size, iterations):
         full = length == 1.0
         for i in range(members):
             m = work.members[i]
-            for k in range(dofs(work, m)):
+            for k in range(num_contact_dofs(work, m)):
                 work.acc[6 * m + k] += length * work.search[work.offset[m] + k]
         if length == 0.0:
             return
@@ -137,7 +139,7 @@ def _assemble(work, members, rows, size):
             hessian[size * i + j] = 0.0
     for i in range(members):
         m = work.members[i]
-        for k in range(dofs(work, m)):
+        for k in range(num_contact_dofs(work, m)):
             at = work.offset[m] + k
             hessian[size * at + at] = work.mass[6 * m + k]
             gradient[at] = work.mass[6 * m + k] * (work.acc[6 * m + k] - work.smooth[6 * m + k])
@@ -168,8 +170,8 @@ def _add_contact(work, n, size):
         m = work.first[n] if side == 0 else work.second[n]
         if m < 0:
             continue
-        own = shifted(work.jacobian, 36 * n + 18 * side)
-        for i in range(dofs(work, m)):
+        own = offset_pointer(work.jacobian, 36 * n + 18 * side)
+        for i in range(num_contact_dofs(work, m)):
             row = work.offset[m] + i
             x, y, z = own[i], own[6 + i], own[12 + i]
             gradient[row] += x * f0 + y * f1 + z * f2
@@ -177,8 +179,8 @@ def _add_contact(work, n, size):
             # The first body of a contact also comes first in its island, so this fills the lower triangle.
             for other in range(side + 1):
                 by = work.first[n] if other == 0 else m
-                jacobian = shifted(work.jacobian, 36 * n + 18 * other)
-                for j in range(i + 1 if other == side else dofs(work, by)):
+                jacobian = offset_pointer(work.jacobian, 36 * n + 18 * other)
+                for j in range(i + 1 if other == side else num_contact_dofs(work, by)):
                     column = work.offset[by] + j
                     hessian[size * row + column] += u * jacobian[j] + v * jacobian[6 + j] + w * jacobian[12 + j]
 
@@ -191,7 +193,7 @@ def _factorise(matrix, size):
         pivot = matrix[size * j + j]
         for k in range(j):
             pivot -= matrix[size * j + k] * matrix[size * j + k]
-        pivot = sqrt(max(pivot, SMALLEST))
+        pivot = sqrt(max(pivot, MIN_PIVOT))
         matrix[size * j + j] = pivot
         for i in range(j + 1, size):
             value = matrix[size * i + j]
@@ -220,15 +222,15 @@ def _back_substitute(factor, gradient, search, size):
 @no_type_check
 def _line_search(work, members, rows):
     """Return the step along `search` that minimises the cost; exactly 1 if a full step minimises its piece."""
-    start, curve, scale = _along_mobiles(work, members)
-    _slopes(work, rows)
+    start, curve, scale = _inertial_derivatives(work, members)
+    _residual_slopes(work, rows)
     before, _ = _derivatives(work, rows, start, curve, 0.0)
-    if not before < -SOLVED * scale:
+    if not before < -NEWTON_TOLERANCE * scale:
         return 0.0
     low, high, length = 0.0, np.inf, 1.0
-    for _ in range(LINE_STEPS):
+    for _ in range(MAX_LINE_STEPS):
         slope, bend = _derivatives(work, rows, start, curve, length)
-        if abs(slope) <= -ENOUGH * before:
+        if abs(slope) <= -LINE_SEARCH_TOLERANCE * before:
             return length
         if slope < 0:
             low = length
@@ -242,12 +244,12 @@ def _line_search(work, members, rows):
 
 @compiled
 @no_type_check
-def _along_mobiles(work, members):
+def _inertial_derivatives(work, members):
     """Compute slope at 0 and curvature of the cost's inertial term along `search`, and the cost's scale."""
     start, curve, scale = 0.0, 0.0, 0.0
     for i in range(members):
         m = work.members[i]
-        for k in range(dofs(work, m)):
+        for k in range(num_contact_dofs(work, m)):
             step = work.search[work.offset[m] + k]
             start += work.mass[6 * m + k] * (work.acc[6 * m + k] - work.smooth[6 * m + k]) * step
             curve += work.mass[6 * m + k] * step * step
@@ -258,7 +260,7 @@ def _along_mobiles(work, members):
 
 @compiled
 @no_type_check
-def _slopes(work, rows):
+def _residual_slopes(work, rows):
     """Compute the slopes of the rows' residuals along `search`."""
     for i in range(rows):
         n = work.rows[i]
@@ -266,8 +268,8 @@ def _slopes(work, rows):
         for side in range(2):
             m = work.first[n] if side == 0 else work.second[n]
             if m >= 0:
-                jacobian = shifted(work.jacobian, 36 * n + 18 * side)
-                for k in range(dofs(work, m)):
+                jacobian = offset_pointer(work.jacobian, 36 * n + 18 * side)
+                for k in range(num_contact_dofs(work, m)):
                     step = work.search[work.offset[m] + k]
                     x, y, z = x + jacobian[k] * step, y + jacobian[6 + k] * step, z + jacobian[12 + k] * step
         friction = work.friction[n]

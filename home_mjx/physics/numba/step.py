@@ -6,14 +6,21 @@ from typing import no_type_check
 
 from numba import njit
 
-from home_mjx.core.native.memory import shifted
+from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
-from home_mjx.physics.numba.contacts import find_contacts, forget_near
-from home_mjx.physics.numba.data.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, SLEEPER, SURFACE_COLUMNS
-from home_mjx.physics.numba.data.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
-from home_mjx.physics.numba.forces import drive_mobiles
-from home_mjx.physics.numba.motion import move_mobiles, place_mobiles, rotation
-from home_mjx.physics.numba.sleep import fall_asleep, find_sleepers, note_moves, wake_near, wake_touched
+from home_mjx.physics.numba.contacts import find_contacts, invalidate_near_boxes
+from home_mjx.physics.numba.data.limits import (
+    AGENT_COLUMNS,
+    DOOR_COLUMNS,
+    FLOOR,
+    JOINT_LIMIT,
+    SLEEPING_BODY,
+    SURFACE_COLUMNS,
+)
+from home_mjx.physics.numba.data.work import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
+from home_mjx.physics.numba.forces import compute_smooth_accelerations
+from home_mjx.physics.numba.motion import integrate, update_poses, write_rotation
+from home_mjx.physics.numba.sleep import mark_moving, mark_sleeping, put_to_sleep, wake_near_bodies, wake_touched_bodies
 from home_mjx.physics.numba.solver import solve
 
 compiled = njit(error_model="numpy")
@@ -25,7 +32,7 @@ def load_house(work, static, bodies, door):
     """Load a house's numbers; negative half extents mark missing boxes and doors.
 
     Args:
-        work: Arrays, see `work.Work`.
+        work: Arrays, see `work.Workspace`.
         static: Position, quaternion and half extents of its static boxes.
         bodies: Validity, half extents, mass, inertia and `reference_surfaces` of its movable bodies.
         door: Rows of `door_table`.
@@ -37,7 +44,7 @@ def load_house(work, static, bodies, door):
         work.static_half[i] = collider_half[i]
     for c in range(work.num_static):
         if collider_half[3 * c] >= 0:
-            rotation(shifted(collider_quat, 4 * c), shifted(work.static_rot, 9 * c))
+            write_rotation(offset_pointer(collider_quat, 4 * c), offset_pointer(work.static_rot, 9 * c))
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
         work.there[m] = 1 if body_valid[b] else 0
@@ -50,10 +57,10 @@ def load_house(work, static, bodies, door):
         work.radius[m], work.inverse[m] = sqrt(square), 1 / work.mass[6 * m]
         for k in range(SURFACE_COLUMNS):
             work.surface[SURFACE_COLUMNS * m + k] = body_surface[SURFACE_COLUMNS * b + k]
-    for i in range(DOOR_COLUMNS * (work.num_mobiles - work.num_free)):
+    for i in range(DOOR_COLUMNS * (work.num_dynamic - work.num_free)):
         work.door[i] = door[i]
-    for m in range(work.num_free, work.num_mobiles):
-        _load_door(work, m, shifted(door, DOOR_COLUMNS * (m - work.num_free)))
+    for m in range(work.num_free, work.num_dynamic):
+        _load_door(work, m, offset_pointer(door, DOOR_COLUMNS * (m - work.num_free)))
 
 
 @compiled
@@ -109,8 +116,8 @@ def step_env(work, numbers, ground, state, control, result, report):
     """Step one environment whose house and agents are loaded in `work`.
 
     Args:
-        work: Arrays, see `work.Work`.
-        numbers: See `numbers.Numbers`.
+        work: Arrays, see `work.Workspace`.
+        numbers: See `numbers.StepParams`.
         ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and their number.
         state: qpos, qvel and the last accelerations, flat as in the template.
         control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).
@@ -123,25 +130,25 @@ def step_env(work, numbers, ground, state, control, result, report):
     qpos, qvel, qacc = state
     touched, lost, push, other = report
     _load(work, qpos, qvel, qacc)
-    forget_near(work)
-    work.counts[LOST_STATIC] = work.counts[LOST_POINTS] = 0
-    _start_report(work, touched, push, other)
-    find_sleepers(work, numbers, control[1], control[3])
+    invalidate_near_boxes(work)
+    work.counts[STATIC_OVERFLOW] = work.counts[POINT_OVERFLOW] = 0
+    _clear_report(work, touched, push, other)
+    mark_sleeping(work, numbers, control[1], control[3])
     for substep in range(int(numbers.substeps)):
-        place_mobiles(work, substep == 0)
-        wake_near(work, numbers)
-        drive_mobiles(work, numbers, control, ramp, num_ramps)
+        update_poses(work, substep == 0)
+        wake_near_bodies(work, numbers)
+        compute_smooth_accelerations(work, numbers, control, ramp, num_ramps)
         find_contacts(work, numbers, floor)
         make_rows(work, numbers)
         solve(work, numbers)
-        move_mobiles(work, numbers)
-        _count_touched(work, touched)
-        _note_pushes(work, numbers, push, other)
-        note_moves(work, numbers)
-        wake_touched(work)
-    fall_asleep(work)
+        integrate(work, numbers)
+        _count_agent_contacts(work, touched)
+        _record_impulses(work, numbers, push, other)
+        mark_moving(work, numbers)
+        wake_touched_bodies(work)
+    put_to_sleep(work)
     _store(work, qpos, result)
-    lost[0], lost[1] = work.counts[LOST_STATIC], work.counts[LOST_POINTS]
+    lost[0], lost[1] = work.counts[STATIC_OVERFLOW], work.counts[POINT_OVERFLOW]
 
 
 @compiled
@@ -171,7 +178,7 @@ def _load(work, qpos, qvel, qacc):
             work.vel[6 * m + k], work.acc[6 * m + k] = qvel[v + k], qacc[v + k]
     bodies = work.num_free - work.num_agents
     q, v = 4 * work.num_agents + 7 * bodies, 4 * work.num_agents + 6 * bodies
-    for h in range(work.num_mobiles - work.num_free):
+    for h in range(work.num_dynamic - work.num_free):
         m = work.num_free + h
         for k in range(1, 6):
             work.vel[6 * m + k] = work.acc[6 * m + k] = 0.0
@@ -202,7 +209,7 @@ def _store(work, before, result):
             qacc[v + k] = work.acc[6 * m + k] if used else 0.0
     bodies = work.num_free - work.num_agents
     q, v = 4 * work.num_agents + 7 * bodies, 4 * work.num_agents + 6 * bodies
-    for h in range(work.num_mobiles - work.num_free):
+    for h in range(work.num_dynamic - work.num_free):
         m = work.num_free + h
         qpos[q + h] = work.quat[4 * m] if work.used[m] else before[q + h]
         qvel[v + h] = work.vel[6 * m] if work.used[m] else 0.0
@@ -211,19 +218,19 @@ def _store(work, before, result):
 
 @compiled
 @no_type_check
-def _start_report(work, touched, push, other):
+def _clear_report(work, touched, push, other):
     for a in range(work.num_agents):
         touched[a] = 0
-    for m in range(work.num_mobiles):
+    for m in range(work.num_dynamic):
         work.push[2 * m] = work.push[2 * m + 1] = 0.0
-        other[m] = LIMIT
+        other[m] = JOINT_LIMIT
         for k in range(4):
             push[4 * m + k] = 0.0
 
 
 @compiled
 @no_type_check
-def _count_touched(work, touched):
+def _count_agent_contacts(work, touched):
     for a in range(work.num_agents):
         count = 0
         for n in range(work.counts[NUM_CONTACTS]):
@@ -234,15 +241,15 @@ def _count_touched(work, touched):
 
 @compiled
 @no_type_check
-def _note_pushes(work, numbers, push, other):
+def _record_impulses(work, numbers, push, other):
     """Add the impulses of a physics step and keep the strongest contact of each dynamic body."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         impulse = _impulse(work, numbers, n)
-        if b == LIMIT or impulse == 0:
+        if b == JOINT_LIMIT or impulse == 0:
             continue
         for side in range(2):
-            m, partner = (a, SLEEPER - b if b <= SLEEPER else b) if side == 0 else (b, a)
+            m, partner = (a, SLEEPING_BODY - b if b <= SLEEPING_BODY else b) if side == 0 else (b, a)
             if m < 0:
                 continue
             work.push[2 * m] += impulse

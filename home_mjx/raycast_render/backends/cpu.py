@@ -8,35 +8,37 @@ import numpy as np
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
-from home_mjx.core.native.fork_guard import note_start
-from home_mjx.core.native.platforms import devices_of, problem_of, works
+from home_mjx.core.native.fork_guard import record_process
+from home_mjx.core.native.platforms import find_problem, is_usable, local_devices
 from home_mjx.core.native.sharding import varying_false
-from home_mjx.errors import ExecutorError
-from home_mjx.raycast_render.backends.probe import probe
-from home_mjx.raycast_render.backends.step_by_step import step_by_step
-from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
+from home_mjx.errors import BackendError
+from home_mjx.raycast_render.backends.probe import find_fault
+from home_mjx.raycast_render.backends.step_by_step import cast_multi_hit_by_loop
+from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
 
 TARGET = "home_mjx_cast"
 
 _kept: list[object] = []  # keeps compiled functions alive: XLA may call them until the process ends
 
 
-def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
-    """Cast rays of shape (environments, rays per environment); see `executors.Executor`.
+def cast_cpu(
+    geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
+) -> RawHit:
+    """Cast rays of shape (environments, rays per environment); see `executors.RayBackend`.
 
     Raises:
         ExecutorError: The executor is not available in this process.
     """
     problem = cpu_problem()
     if problem:
-        raise ExecutorError(f"the `cpu` executor is not available: {problem}", hint="Use executor='xla'.")
+        raise BackendError(f"the `cpu` executor is not available: {problem}", hint="Use executor='xla'.")
     return _call(geometry, house, moving, rays, query)
 
 
 @functools.cache
 def cpu_available() -> bool:
     """Return whether the `cpu` executor works in this process; warn once if JAX has a CPU backend and it fails."""
-    return works("cpu", cpu_problem(), "falling back to the slower `xla` executor for ray casts")
+    return is_usable("cpu", cpu_problem(), "falling back to the slower `xla` executor for ray casts")
 
 
 @functools.cache
@@ -45,23 +47,23 @@ def cpu_problem() -> str | None:
 
     The first call compiles, registers and tests it.
     """
-    return problem_of("cpu", _start)
+    return find_problem("cpu", _start)
 
 
 def _start() -> str | None:
-    note_start()
+    record_process()
     from home_mjx.raycast_render.backends.numba.ffi_handler import build_handler
 
     compiled = build_handler()
     _kept.extend(compiled)
     jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(compiled[-1].ctypes), platform="cpu", api_version=1)
-    with jax.default_device(devices_of("cpu")[0]):
-        return probe(_call)
+    with jax.default_device(local_devices("cpu")[0]):
+        return find_fault(_call)
 
 
-def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Query) -> RawHit:
-    if query.steps:
-        return step_by_step(_call, geometry, house, moving, rays, query)
+def _call(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery) -> RawHit:
+    if query.num_hits:
+        return cast_multi_hit_by_loop(_call, geometry, house, moving, rays, query)
     shape = rays.shape
     float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))

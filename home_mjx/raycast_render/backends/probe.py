@@ -8,18 +8,18 @@ import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.bank.records import Geometry
-from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Rays
+from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, Rays
 
 T = TypeVar("T")
 
 
-def probe(executor: Callable) -> str | None:
+def find_fault(executor: Callable) -> str | None:
     """Return a description of the error in an executor's result; None if the result is correct.
 
     Four rays run along +z. They hit the static triangle at z = 1, hit the moving one at z = 2, miss both, and end
     before the static one.
     """
-    hits = jax.jit(lambda *args: executor(*args, CLOSEST))(_geometry(), jnp.zeros(1, jnp.int32), _moving(), _rays())
+    hits = jax.jit(lambda *args: executor(*args, CLOSEST_HIT))(_geometry(), jnp.zeros(1, jnp.int32), _moving(), _rays())
     t, instance, triangle, u, v, front = (np.asarray(x)[0] for x in hits)
     right = (
         np.allclose(t[:2], [1, 2], atol=1e-5)
@@ -63,13 +63,13 @@ def _geometry() -> Geometry:
     )
 
 
-def _moving() -> Moving:
+def _moving() -> DynamicInstances:
     pose = np.eye(3, 4, dtype=np.float32)
     pose[:, 3] = 5, 0, 1
     inverse = np.eye(3, 4, dtype=np.float32)
     inverse[:, 3] = -pose[:, 3]
     return _batched(
-        Moving(
+        DynamicInstances(
             instance=jnp.ones(1, jnp.int32),
             model=jnp.zeros(1, jnp.int32),
             pose=jnp.asarray(pose[None]),

@@ -8,35 +8,43 @@ from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.native.sharding import varying_false
-from home_mjx.raycast_render.scene.surface import by_instance
-from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Query, RawHit, Rays
+from home_mjx.raycast_render.scene.surface import index_by_instance
+from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, RawHit, RayQuery, Rays
 
 
-def step_by_step(
-    cast: Callable[..., RawHit], geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query
+def cast_multi_hit_by_loop(
+    cast: Callable[..., RawHit],
+    geometry: Geometry,
+    house: Int[Array, " e"],
+    moving: DynamicInstances,
+    rays: Rays,
+    query: RayQuery,
 ) -> RawHit:
     """Return successive hits of shape (environments, rays per environment, steps).
 
     Args:
-        cast: An executor, see `executors.Executor`, also for the other arguments.
+        cast: An executor, see `executors.RayBackend`, also for the other arguments.
         geometry: Geometry shared by all environments.
         house: House of each environment.
         moving: Dynamic instances of each environment.
         rays: Rays (e r ...).
         query: Steps and skin.
     """
-    whole, objects = rays.expanded(), jax.vmap(by_instance)(geometry.instance_object[house], moving, moving.object_id)
+    whole, objects = (
+        rays.expanded(),
+        jax.vmap(index_by_instance)(geometry.instance_object[house], moving, moving.object_id),
+    )
 
     def step(ahead: tuple[Array, Array, Array], _: None) -> tuple[tuple[Array, Array, Array], RawHit]:
         start, end, exclude = ahead
-        hit = cast(geometry, house, moving, rays.replace(t_min=start, t_max=end, exclude=exclude), CLOSEST)
+        hit = cast(geometry, house, moving, rays.replace(t_min=start, t_max=end, exclude=exclude), CLOSEST_HIT)
         met = hit.instance >= 0
         object_id = jnp.take_along_axis(objects, jnp.maximum(hit.instance, 0), axis=1, mode="clip")
-        start = jnp.where(met, hit.t + jnp.float32(query.skin), start)
+        start = jnp.where(met, hit.t + jnp.float32(query.hit_epsilon), start)
         # After its first miss a ray gets an empty interval, which costs nothing.
         return (start, jnp.where(met, end, -jnp.inf), jnp.where(met & (object_id >= 0), object_id, exclude)), hit
 
     never = varying_false(house, moving, rays)  # makes the loop's carry device-varying under `shard_map`
     start, end, exclude = (jnp.where(never, jnp.zeros_like(x), x) for x in (whole.t_min, whole.t_max, whole.exclude))
-    _, hits = jax.lax.scan(step, (start, end, exclude), length=query.steps)
+    _, hits = jax.lax.scan(step, (start, end, exclude), length=query.num_hits)
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, 2), hits)

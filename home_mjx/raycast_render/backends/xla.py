@@ -17,14 +17,14 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.native.sharding import varying_false
-from home_mjx.geometry.bvh import EMPTY, MAX_DEPTH
-from home_mjx.raycast_render.backends.step_by_step import step_by_step
+from home_mjx.geometry.bvh import EMPTY_LEAF, MAX_DEPTH
+from home_mjx.raycast_render.backends.step_by_step import cast_multi_hit_by_loop
 from home_mjx.raycast_render.scene.constants import FAR_SLACK, MISS, TINY
-from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
+from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
 
-LEAF = 4  # triangles tested at once
-CHUNK_CPU = 1 << 12  # rays in lock step on CPUs, whose state fits into the cache
-CHUNK = 1 << 20  # rays in lock step on accelerators, enough to fill them; about 1 kB each
+TRIANGLES_PER_TEST = 4  # triangles tested at once
+MAX_CPU_CHUNK = 1 << 12  # rays in lock step on CPUs, whose state fits into the cache
+MAX_CHUNK = 1 << 20  # rays in lock step on accelerators, enough to fill them; about 1 kB each
 
 
 class _Best(NamedTuple):
@@ -53,19 +53,21 @@ class _Operands(NamedTuple):
 
     geometry: Geometry
     house: Int[Array, " e"]
-    moving: Moving
+    moving: DynamicInstances
     any_hit: bool
     env: Int[Array, " n"]
     rays: Rays
 
 
-def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
-    """Cast rays of shape (environments, rays per environment); see `executors.Executor`."""
-    if query.steps:
-        return step_by_step(cast_xla, geometry, house, moving, rays, query)
+def cast_xla(
+    geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
+) -> RawHit:
+    """Cast rays of shape (environments, rays per environment); see `executors.RayBackend`."""
+    if query.num_hits:
+        return cast_multi_hit_by_loop(cast_xla, geometry, house, moving, rays, query)
     rays, shape = rays.expanded(), rays.shape
     total = rays.t_min.size
-    chunk = min(CHUNK_CPU if jax.default_backend() == "cpu" else CHUNK, max(total, 1))
+    chunk = min(MAX_CPU_CHUNK if jax.default_backend() == "cpu" else MAX_CHUNK, max(total, 1))
     count = -(-total // chunk)
 
     def split(x: Array, fill: float = 0) -> Array:
@@ -84,7 +86,7 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
 
 def _cast_chunk(world: _Operands) -> RawHit:
     state = lax.while_loop(
-        lambda s: jnp.any(s.code != EMPTY), lambda s: _visit_leaves(world, _walk_down(world, s)), _start(world)
+        lambda s: jnp.any(s.code != EMPTY_LEAF), lambda s: _visit_leaves(world, _descend(world, s)), _start(world)
     )
     best = state.best
     missed = best.instance < 0
@@ -102,25 +104,25 @@ def _start(world: _Operands) -> _State:
         slot = jnp.asarray(slot, jnp.int32)  # a Python number if jit is disabled
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
         meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
-        return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))
+        return _push(*carry, jnp.where(meets, _leaf_code(world.geometry.instance_model.shape[1] + slot, 1), EMPTY_LEAF))
 
     stack = jnp.broadcast_to(none[:, None], (n, slots + 2 * MAX_DEPTH + 2))
     stack, size = lax.fori_loop(0, slots, add, (stack, zero))
-    code = jnp.where(alive, world.geometry.house_root[world.house[world.env]], EMPTY)
+    code = jnp.where(alive, world.geometry.house_root[world.house[world.env]], EMPTY_LEAF)
     best = _Best(jnp.minimum(rays.t_max, MISS) + weight, none, none, weight, weight, zero > 0)
     frame = rays.origin + weight[:, None], rays.direction + weight[:, None]
     return _State(code, stack, size, zero, none, zero, *frame, best)
 
 
-def _walk_down(world: _Operands, state: _State) -> _State:
+def _descend(world: _Operands, state: _State) -> _State:
     """Descend until no ray is at a node: each moves to the nearer child that it hits, or pops its stack."""
 
     def step(state: _State) -> _State:
         is_node = state.code >= 0
         near, far = _children(world, state, jnp.where(is_node, state.code, 0))
-        stack, size = _push(state.stack, state.size, jnp.where(is_node, far, EMPTY))
+        stack, size = _push(state.stack, state.size, jnp.where(is_node, far, EMPTY_LEAF))
         state = state._replace(stack=stack, size=size, code=jnp.where(is_node, near, state.code))
-        return _pop(state, is_node & (near == EMPTY))
+        return _pop(state, is_node & (near == EMPTY_LEAF))
 
     return lax.while_loop(lambda s: jnp.any(s.code >= 0), step, state)
 
@@ -128,40 +130,42 @@ def _walk_down(world: _Operands, state: _State) -> _State:
 def _visit_leaves(world: _Operands, state: _State) -> _State:
     """Test up to four triangles per ray at a leaf; then let rays leave finished instances and enter new ones."""
     first, count = ~state.code >> 4, ~state.code & 15
-    at_triangles = (state.instance >= 0) & (state.code != EMPTY)
+    at_triangles = (state.instance >= 0) & (state.code != EMPTY_LEAF)
     best = _test_triangles(world, state, jnp.where(at_triangles, first, 0), jnp.where(at_triangles, count, 0))
-    rest = jnp.where(count > LEAF, _leaf(first + LEAF, count - LEAF), EMPTY)
+    rest = jnp.where(
+        count > TRIANGLES_PER_TEST, _leaf_code(first + TRIANGLES_PER_TEST, count - TRIANGLES_PER_TEST), EMPTY_LEAF
+    )
     state = state._replace(best=best, code=jnp.where(at_triangles, rest, state.code))
-    state = _leave(world, _pop(state, at_triangles & (rest == EMPTY)))
+    state = _leave(world, _pop(state, at_triangles & (rest == EMPTY_LEAF)))
     if world.any_hit:
-        state = state._replace(code=jnp.where(best.instance >= 0, EMPTY, state.code))
+        state = state._replace(code=jnp.where(best.instance >= 0, EMPTY_LEAF, state.code))
     return _enter(world, state)
 
 
-def _leaf(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array, "..."]:
+def _leaf_code(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array, "..."]:
     return ~(first << 4 | count)
 
 
 def _push(
     stack: Int[Array, "n s"], size: Int[Array, " n"], code: Int[Array, " n"]
 ) -> tuple[Int[Array, "n s"], Int[Array, " n"]]:
-    """Push every code except `EMPTY`."""
+    """Push every code except `EMPTY_LEAF`."""
     n, depth = stack.shape
-    place = jnp.where(code == EMPTY, depth, size)
-    return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY).astype(jnp.int32)
+    place = jnp.where(code == EMPTY_LEAF, depth, size)
+    return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY_LEAF).astype(jnp.int32)
 
 
 def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
-    """Pop the stack of rays within their frame; `EMPTY` if nothing is left."""
+    """Pop the stack of rays within their frame; `EMPTY_LEAF` if nothing is left."""
     there = wanted & (state.size > state.base)
     size = jnp.where(there, state.size - 1, state.size)
-    code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY)
+    code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY_LEAF)
     return state._replace(size=size, code=jnp.where(wanted, code, state.code))
 
 
 def _leave(world: _Operands, state: _State) -> _State:
     """Return rays that have finished their instance to the world frame and continue there."""
-    done = (state.instance >= 0) & (state.code == EMPTY)
+    done = (state.instance >= 0) & (state.code == EMPTY_LEAF)
     state = state._replace(
         instance=jnp.where(done, -1, state.instance),
         base=jnp.where(done, 0, state.base),
@@ -178,8 +182,8 @@ def _enter(world: _Operands, state: _State) -> _State:
     """
     geometry, moving, house = world.geometry, world.moving, world.house[world.env]
     index, count = ~state.code >> 4, ~state.code & 15
-    arrives = (state.instance < 0) & (state.code < 0) & (state.code != EMPTY)
-    rest = jnp.where(arrives & (count > 1), _leaf(index + 1, count - 1), EMPTY)
+    arrives = (state.instance < 0) & (state.code < 0) & (state.code != EMPTY_LEAF)
+    rest = jnp.where(arrives & (count > 1), _leaf_code(index + 1, count - 1), EMPTY_LEAF)
     stack, size = _push(state.stack, state.size, rest)
     fixed = jnp.clip(index, 0, geometry.instance_model.shape[1] - 1)
     slot = jnp.clip(index - geometry.instance_model.shape[1], 0, moving.instance.shape[1] - 1)
@@ -215,13 +219,13 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Return codes of a node's children that the ray hits before its best hit, nearer first; `EMPTY` for others."""
+    """Return codes of a node's children that the ray hits before its best hit, nearer first; `EMPTY_LEAF` for others."""
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
     behind = (child < 0) | (child > node[:, None])  # holds in every built tree; prevents endless loops in invalid ones
-    code_a = jnp.where((a <= limits[1]) & behind[:, 0], child[:, 0], EMPTY)
-    code_b = jnp.where((b <= limits[1]) & behind[:, 1], child[:, 1], EMPTY)
+    code_a = jnp.where((a <= limits[1]) & behind[:, 0], child[:, 0], EMPTY_LEAF)
+    code_b = jnp.where((b <= limits[1]) & behind[:, 1], child[:, 1], EMPTY_LEAF)
     return jnp.where(a <= b, code_a, code_b), jnp.where(a <= b, code_b, code_a)
 
 
@@ -237,9 +241,9 @@ def _slab(
 
 
 def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
-    """Update the best hits with the first `LEAF` triangles of a leaf."""
+    """Update the best hits with the first `TRIANGLES_PER_TEST` triangles of a leaf."""
     geometry, rays, best = world.geometry, world.rays, state.best
-    step = jnp.arange(LEAF, dtype=jnp.int32)[None]
+    step = jnp.arange(TRIANGLES_PER_TEST, dtype=jnp.int32)[None]
     triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
     t, u, v, front = _intersect(geometry.triangle[triangle], state.origin, state.direction)
     stops = geometry.material_mask[state.material[:, None] + geometry.triangle_slot[triangle]] & rays.mask[:, None]

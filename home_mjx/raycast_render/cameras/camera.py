@@ -11,15 +11,15 @@ from jaxtyping import Array, Bool, Float
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import UNIT_SLACK, is_unit, quat_matrix
+from home_mjx.core.transforms import UNIT_QUAT_TOLERANCE, is_unit_quat, quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS
 
 MAX_PIXELS = 2**26  # maximum pixels of an image: more is a mistake, and kernels count rays in 32 bits
 MAX_SAMPLES = 1 << 16  # maximum rays per pixel
-CENTER = (0.5, 0.5)  # centre of a pixel, right and down [px]
+PIXEL_CENTER = (0.5, 0.5)  # centre of a pixel, right and down [px]
 # Right, up and forward of the faces of a cube map in the camera's frame: front, right, back, left, up, down.
-CUBE = np.array(
+CUBE_FACES = np.array(
     [
         [[1, 0, 0], [0, 1, 0], [0, 0, -1]],
         [[0, 0, 1], [0, 1, 0], [1, 0, 0]],
@@ -81,9 +81,9 @@ class Lens:
 
     def __post_init__(self) -> None:
         check_known("camera model", [self.model], CAMERA_MODELS)
-        check_number("width of a camera", self.width, 1, whole=True)
-        check_number("height of a camera", self.height, 1, whole=True)
-        check_number("samples of a camera", self.samples, 1, MAX_SAMPLES, whole=True)
+        check_number("width of a camera", self.width, 1, integer=True)
+        check_number("height of a camera", self.height, 1, integer=True)
+        check_number("samples of a camera", self.samples, 1, MAX_SAMPLES, integer=True)
         if math.prod(self.shape) > MAX_PIXELS:
             raise ConfigError(f"an image may have at most {MAX_PIXELS} pixels, got {' x '.join(map(str, self.shape))}")
         if self.model == "cube" and self.width != self.height:
@@ -98,10 +98,10 @@ class Lens:
         return (6, self.height, self.width) if self.model == "cube" else (self.height, self.width)
 
 
-def is_usable(camera: Camera, lens: Lens) -> Bool[Array, ""]:
+def is_valid_camera(camera: Camera, lens: Lens) -> Bool[Array, ""]:
     """Return whether the camera yields an image: finite numbers, a unit quaternion and a valid field of view."""
     finite = [jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(camera)]
-    return jnp.all(jnp.stack([*finite, is_unit(camera.quat), _is_view(camera.fovy, lens)]))
+    return jnp.all(jnp.stack([*finite, is_unit_quat(camera.quat), _is_valid_fovy(camera.fovy, lens)]))
 
 
 def check_camera(camera: Camera, lens: Lens) -> None:
@@ -115,16 +115,16 @@ def check_camera(camera: Camera, lens: Lens) -> None:
         return  # poses that are not finite give images without hits
     # NumPy, since JAX operations on concrete arrays return tracers while another function is traced.
     norm, fovy = float(np.linalg.norm(camera.quat)), float(camera.fovy)
-    if abs(norm**2 - 1) >= UNIT_SLACK:
+    if abs(norm**2 - 1) >= UNIT_QUAT_TOLERANCE:
         hint = "Divide it by its length; (1, 0, 0, 0) is the identity."
         raise ConfigError(f"a camera's quaternion must have unit length, got {norm:.4g}", hint=hint)
-    if not _is_view(fovy, lens):
+    if not _is_valid_fovy(fovy, lens):
         what = "height [m] above 0" if lens.model == "orthographic" else "field of view [rad] between 0 and pi"
         hint = "Write jnp.deg2rad(degrees)." if fovy > np.pi else "Use a positive number."
         raise ConfigError(f"`fovy` of a camera must be a {what}, got {fovy:g}", hint=hint)
 
 
-def _is_view(fovy: Any, lens: Lens) -> Any:
+def _is_valid_fovy(fovy: Any, lens: Lens) -> Any:
     """Return whether a number, or an array, is a valid `fovy`; lenses other than pinhole and orthographic ignore it."""
     if lens.model == "pinhole":
         return (fovy > 0) & (fovy < np.pi)
@@ -137,7 +137,7 @@ def has_intrinsics(lens: Lens) -> bool:
 
 
 def camera_rays(
-    camera: Camera, lens: Lens, at: Float[Array, "2"] | tuple[float, float] = CENTER
+    camera: Camera, lens: Lens, at: Float[Array, "2"] | tuple[float, float] = PIXEL_CENTER
 ) -> tuple[Float[Array, "*image 3"], Float[Array, "*image 3"]]:
     """Return world origins and directions of one ray per pixel, row 0 at the top.
 
@@ -153,20 +153,20 @@ def camera_rays(
     column, row = jnp.meshgrid(column, row)
     turn = quat_matrix(camera.quat)
     if lens.model == "orthographic":
-        x, y = _on_plane(column, row, lens, camera.fovy / 2)
-        shift = _turned(turn, jnp.stack([x, y, jnp.zeros_like(x)], axis=-1))
+        x, y = _plane_coordinates(column, row, lens, camera.fovy / 2)
+        shift = _rotate(turn, jnp.stack([x, y, jnp.zeros_like(x)], axis=-1))
         return jnp.broadcast_to(camera.pos, shift.shape) + shift, jnp.broadcast_to(-turn[:, 2], shift.shape)
-    direction = _turned(turn, _local(camera, lens, column, row))
+    direction = _rotate(turn, _local_directions(camera, lens, column, row))
     return jnp.broadcast_to(camera.pos, direction.shape), direction
 
 
-def pixel_width(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float[Array, ""]]:
+def pixel_footprint(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the width of a pixel's footprint across its ray [m]: at the ray's origin, and its growth per unit of t."""
     none = jnp.zeros_like(camera.fovy)
     if lens.model == "orthographic":
         return camera.fovy / lens.height, none
     if lens.model in ("pinhole", "cube"):
-        return none, 2 * _slope(camera, lens) / lens.height
+        return none, 2 * _half_height(camera, lens) / lens.height
     span = 180.0 if lens.model == "panorama" else lens.elevation[1] - lens.elevation[0]
     return none, jnp.full_like(none, np.deg2rad(span) / lens.height)
 
@@ -186,7 +186,7 @@ def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
     """
     if not has_intrinsics(lens):
         raise ConfigError(f"a camera of model `{lens.model}` has no intrinsic matrix")
-    focal = lens.height / 2 / _slope(camera, lens)
+    focal = lens.height / 2 / _half_height(camera, lens)
     zero, one = jnp.zeros_like(focal), jnp.ones_like(focal)
     middle = one * (lens.width / 2), one * (lens.height / 2)
     rows = [[focal, zero, middle[0]], [zero, focal, middle[1]], [zero, zero, one]]
@@ -210,25 +210,25 @@ def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) ->
     return origin + direction * depth
 
 
-def _local(
+def _local_directions(
     camera: Camera, lens: Lens, column: Float[Array, "h w"], row: Float[Array, "h w"]
 ) -> Float[Array, "*image 3"]:
     """Return ray directions in the camera's frame."""
     if lens.model in ("panorama", "lidar"):
-        return _on_sphere(column, row, lens)
-    x, y = _on_plane(column, row, lens, _slope(camera, lens))
+        return _sphere_directions(column, row, lens)
+    x, y = _plane_coordinates(column, row, lens, _half_height(camera, lens))
     if lens.model == "pinhole":
         return jnp.stack([x, y, -jnp.ones_like(x)], axis=-1)
     weight = jnp.stack([x, y, jnp.ones_like(x)], axis=-1)
-    return jnp.sum(jnp.asarray(CUBE)[:, None, None] * weight[None, ..., None], axis=-2)
+    return jnp.sum(jnp.asarray(CUBE_FACES)[:, None, None] * weight[None, ..., None], axis=-2)
 
 
-def _slope(camera: Camera, lens: Lens) -> Float[Array, ""]:
+def _half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
     """Return half the image height at unit depth."""
     return jnp.ones_like(camera.fovy) if lens.model == "cube" else jnp.tan(camera.fovy / 2)
 
 
-def _on_plane(
+def _plane_coordinates(
     column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens, half: Float[Array, ""]
 ) -> tuple[Float[Array, "h w"], Float[Array, "h w"]]:
     """Return right and up coordinates on an image of half height `half`."""
@@ -236,7 +236,7 @@ def _on_plane(
     return x * half * (lens.width / lens.height), y * half
 
 
-def _on_sphere(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
+def _sphere_directions(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
     left = (0.5 - column / lens.width) * (2 * np.pi)
     if lens.model == "panorama":
         up = (0.5 - row / lens.height) * np.pi
@@ -247,6 +247,6 @@ def _on_sphere(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens
     return jnp.stack([-jnp.sin(left) * jnp.cos(up), jnp.sin(up), -jnp.cos(left) * jnp.cos(up)], axis=-1)
 
 
-def _turned(turn: Float[Array, "3 3"], local: Float[Array, "*image 3"]) -> Float[Array, "*image 3"]:
+def _rotate(turn: Float[Array, "3 3"], local: Float[Array, "*image 3"]) -> Float[Array, "*image 3"]:
     # Not a matrix product: accelerators may compute those with reduced precision.
     return jnp.sum(turn.reshape((1,) * (local.ndim - 1) + (3, 3)) * local[..., None, :], axis=-1)

@@ -4,12 +4,12 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, UInt8
 
-from home_mjx.raycast_render.shaders.shading import encode
-from home_mjx.raycast_render.shaders.texture import DECODE
+from home_mjx.raycast_render.shaders.shading import encode_srgb
+from home_mjx.raycast_render.shaders.texture import SRGB_TO_LINEAR
 
-BASELINE = 351.3  # [m], disparity times depth; the published model has 35130 with centimetres
-SHIFT = 0.5  # [px], standard deviation of the shift of a reading
-JITTER = 1 / 6  # [step], standard deviation of a disparity
+DISPARITY_SCALE = 351.3  # [m], disparity times depth; the published model has 35130 with centimetres
+SHIFT_STD = 0.5  # [px], standard deviation of the shift of a reading
+DISPARITY_STD = 1 / 6  # [step], standard deviation of a disparity
 
 
 def kinect_depth(
@@ -44,15 +44,15 @@ def kinect_depth(
     """
     shift_key, jitter_key = jax.random.split(key)
     height, width, _ = depth.shape
-    shift = jnp.round(jax.random.normal(shift_key, (2, height, width), jnp.float32) * (SHIFT * strength)).astype(
+    shift = jnp.round(jax.random.normal(shift_key, (2, height, width), jnp.float32) * (SHIFT_STD * strength)).astype(
         jnp.int32
     )
     rows, columns = jnp.meshgrid(jnp.arange(height), jnp.arange(width), indexing="ij")
     seen = depth[jnp.clip(rows + shift[0], 0, height - 1), jnp.clip(columns + shift[1], 0, width - 1)]
     inside = (seen >= near) & (seen <= far)
-    disparity = BASELINE / jnp.where(inside, seen, 1.0)
-    disparity = jnp.round(disparity + JITTER * strength * jax.random.normal(jitter_key, seen.shape, jnp.float32))
-    return jnp.where(inside, BASELINE / jnp.maximum(disparity, 1.0), jnp.inf)
+    disparity = DISPARITY_SCALE / jnp.where(inside, seen, 1.0)
+    disparity = jnp.round(disparity + DISPARITY_STD * strength * jax.random.normal(jitter_key, seen.shape, jnp.float32))
+    return jnp.where(inside, DISPARITY_SCALE / jnp.maximum(disparity, 1.0), jnp.inf)
 
 
 def sensor_rgb(
@@ -78,6 +78,6 @@ def sensor_rgb(
         >>> sensor_rgb(jax.random.key(0), jnp.zeros((4, 4, 3), jnp.uint8)).dtype
         dtype('uint8')
     """
-    linear = jnp.asarray(DECODE)[rgb.astype(jnp.int32)]
+    linear = jnp.asarray(SRGB_TO_LINEAR)[rgb.astype(jnp.int32)]
     deviation = jnp.sqrt(shot * linear + read)
-    return encode(linear + deviation * jax.random.normal(key, rgb.shape, jnp.float32))
+    return encode_srgb(linear + deviation * jax.random.normal(key, rgb.shape, jnp.float32))

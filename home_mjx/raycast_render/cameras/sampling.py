@@ -6,18 +6,18 @@ from jaxtyping import Array, Float, Int
 
 # The plastic number generalises the golden ratio to two dimensions.
 # Source: M. Roberts, "The unreasonable effectiveness of quasirandom sequences".
-PLASTIC = 1.32471795724474602596
-STEP = np.array([1 / PLASTIC, 1 / PLASTIC**2], np.float32)
+PLASTIC_NUMBER = 1.32471795724474602596
+SAMPLE_STEP = np.array([1 / PLASTIC_NUMBER, 1 / PLASTIC_NUMBER**2], np.float32)
 
 
-def point(sample: Int[Array, ""] | int) -> Float[Array, "2"]:
+def sample_point(sample: Int[Array, ""] | int) -> Float[Array, "2"]:
     """Return a sample's point in the unit square; sample 0 is the centre."""
-    shift = jnp.asarray(STEP) * jnp.asarray(sample, jnp.float32) + 0.5
+    shift = jnp.asarray(SAMPLE_STEP) * jnp.asarray(sample, jnp.float32) + 0.5
     return shift - jnp.floor(shift)
 
 
-def points(sample: Int[Array, ""] | int, shape: tuple[int, ...], seed: int) -> Float[Array, "*image 2"]:
+def sample_points(sample: Int[Array, ""] | int, shape: tuple[int, ...], seed: int) -> Float[Array, "*image 2"]:
     """Return a sample's point for each pixel, with a random shift per pixel, so that errors look like grain."""
     own = np.random.default_rng(seed).random((*shape, 2), np.float32)
-    moved = jnp.broadcast_to(point(sample), own.shape) + own
+    moved = jnp.broadcast_to(sample_point(sample), own.shape) + own
     return moved - jnp.floor(moved)

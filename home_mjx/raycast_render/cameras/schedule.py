@@ -12,15 +12,15 @@ from home_mjx.core.checks import check_number
 T = TypeVar("T")
 
 
-def render_every(interval: int, step: Int[Array, ""], draw: Callable[[], T], last: T) -> T:
-    """Return `draw()` on every `interval`-th step, else the last images at no cost.
+def render_every(interval: int, step: Int[Array, ""], render_images: Callable[[], T], last: T) -> T:
+    """Return `render_images()` on every `interval`-th step, else the last images at no cost.
 
     Call it outside of `vmap`, with a step shared by all environments: under `vmap` JAX computes both branches.
 
     Args:
         interval: Steps between images, at least 1.
         step: Step number, from 0.
-        draw: Renders the images.
+        render_images: Renders the images.
         last: Images of the last step.
 
     Raises:
@@ -32,18 +32,18 @@ def render_every(interval: int, step: Int[Array, ""], draw: Callable[[], T], las
         >>> float(images["depth"].max())
         0.0
     """
-    check_number("interval", interval, 1, whole=True)
-    return jax.lax.cond(step % interval == 0, draw, lambda: last)
+    check_number("interval", interval, 1, integer=True)
+    return jax.lax.cond(step % interval == 0, render_images, lambda: last)
 
 
-def render_some(chosen: Int[Array, " n"], draw: Callable[..., T], last: T, *batched: object) -> T:
+def render_some(envs: Int[Array, " n"], render_images: Callable[..., T], last: T, *batched: object) -> T:
     """Render images of some environments of a batch; the others keep their last images at no cost.
 
     Args:
-        chosen: Indices of the environments; indices out of range are ignored, so that the list can be padded.
-        draw: Renders the images of one environment.
+        envs: Indices of the environments; indices out of range are ignored, so that the list can be padded.
+        render_images: Renders the images of one environment.
         last: Images of all environments, with a leading axis.
-        batched: Arguments of `draw`, with the same leading axis.
+        batched: Arguments of `render_images`, with the same leading axis.
 
     Example:
         >>> draw = lambda camera: {"depth": jnp.full((4, 4, 1), camera)}
@@ -52,8 +52,8 @@ def render_some(chosen: Int[Array, " n"], draw: Callable[..., T], last: T, *batc
         >>> images["depth"].max((1, 2, 3)).tolist()
         [0.0, 0.0, 2.0]
     """
-    some = jax.tree.map(lambda x: jnp.take(x, chosen, axis=0, mode="clip"), batched)
-    images = jax.vmap(draw)(*some)
+    some = jax.tree.map(lambda x: jnp.take(x, envs, axis=0, mode="clip"), batched)
+    images = jax.vmap(render_images)(*some)
     size = jax.tree.leaves(last)[0].shape[0]
-    rows = jnp.where((chosen >= 0) & (chosen < size), chosen, size)
+    rows = jnp.where((envs >= 0) & (envs < size), envs, size)
     return jax.tree.map(lambda old, new: old.at[rows].set(new, mode="drop"), last, images)

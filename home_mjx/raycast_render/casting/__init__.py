@@ -1,1 +1,1 @@
-"""`cast`, `occluded` and `cast_through`: batching, partitioning, gradients."""
+"""`cast`, `occluded` and `cast_multi_hit`: batching, partitioning, gradients."""

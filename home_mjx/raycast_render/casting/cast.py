@@ -8,11 +8,11 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
-from home_mjx.core.native.fork_guard import refuse_forked
+from home_mjx.core.native.fork_guard import check_not_forked
 from home_mjx.raycast_render.casting.flat import flat_cast
-from home_mjx.raycast_render.casting.hit_gradient import differentiable
-from home_mjx.raycast_render.scene.types import CLOSEST, Hit, Moving, Query, Rays, Scene
-from home_mjx.schema.compiled import Ray
+from home_mjx.raycast_render.casting.hit_gradient import attach_gradient
+from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, Hit, RayQuery, Rays, Scene
+from home_mjx.schema.compiled import RayKind
 
 Distance = Float[Array, "..."] | float
 Id = Int[Array, "..."] | int
@@ -25,8 +25,8 @@ def cast(
     t_min: Distance = 0.0,
     t_max: Distance = float("inf"),
     exclude: Id = -1,
-    mask: Id = Ray.CAMERA,
-    executor: str | None = None,
+    mask: Id = RayKind.CAMERA,
+    backend: str | None = None,
 ) -> Hit:
     """Cast rays and return their closest hits with t_min <= t <= t_max, for any leading shape.
 
@@ -41,8 +41,8 @@ def cast(
         t_min: Start of the ray interval, >= 0; one value or one per ray.
         t_max: End of the ray interval; rays with t_max < t_min have no hit and no cost.
         exclude: Object id that the ray ignores, or I + a for agent a; -1 none.
-        mask: `Ray` bits; the ray ignores materials that match none of them.
-        executor: "xla", "cpu" or "cuda". None selects the scene's; if that is None too, the fastest one of the platform
+        mask: `RayKind` bits; the ray ignores materials that match none of them.
+        backend: "xla", "cpu" or "cuda". None selects the scene's; if that is None too, the fastest one of the platform
             for which the program is compiled.
 
     Returns:
@@ -58,8 +58,8 @@ def cast(
         Array(2.95, dtype=float32)
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
-    shared = _shared(origin, t_min, t_max, exclude, mask)
-    return _hit(scene, rays, _run(scene, rays, shared, executor, CLOSEST))
+    shared = _shared_fields(origin, t_min, t_max, exclude, mask)
+    return _hit(scene, rays, _run(scene, rays, shared, backend, CLOSEST_HIT))
 
 
 def occluded(
@@ -69,8 +69,8 @@ def occluded(
     t_min: Distance = 0.0,
     t_max: Distance = float("inf"),
     exclude: Id = -1,
-    mask: Id = Ray.LIGHT,
-    executor: str | None = None,
+    mask: Id = RayKind.LIGHT,
+    backend: str | None = None,
 ) -> Bool[Array, "*rays"]:
     """Return whether anything blocks the rays between t_min and t_max; cheaper than `cast`, with the same arguments.
 
@@ -79,22 +79,22 @@ def occluded(
         >>> lit = ~occluded(scene, point, offset, t_min=1e-3, t_max=1.0)  # doctest: +SKIP
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
-    shared = _shared(origin, t_min, t_max, exclude, mask)
-    _, instance, *_ = _run(scene, rays, shared, executor, Query(any_hit=True))
+    shared = _shared_fields(origin, t_min, t_max, exclude, mask)
+    _, instance, *_ = _run(scene, rays, shared, backend, RayQuery(any_hit=True))
     return (instance >= 0).reshape(rays.t_min.shape)
 
 
-def cast_through(
+def cast_multi_hit(
     scene: Scene,
     origin: Float[Array, "*#rays 3"],
     direction: Float[Array, "*#rays 3"],
-    steps: int,
-    skin: float,
+    num_hits: int,
+    hit_epsilon: float,
     t_min: Distance = 0.0,
     t_max: Distance = float("inf"),
     exclude: Id = -1,
-    mask: Id = Ray.CAMERA,
-    executor: str | None = None,
+    mask: Id = RayKind.CAMERA,
+    backend: str | None = None,
 ) -> Hit:
     """Return successive hits along rays, each found as if a new cast began behind the hit before it.
 
@@ -106,16 +106,16 @@ def cast_through(
         scene: Scene of one environment.
         origin: [m], world; a single origin for all rays is read once, which is faster.
         direction: World; t is in units of its length.
-        steps: Number of hits, at least 1.
-        skin: Offset behind a hit at which the next cast begins, in units of t.
+        num_hits: Number of hits, at least 1.
+        hit_epsilon: Offset behind a hit at which the next cast begins, in units of t.
         t_min: Start of the ray interval, as in `cast`.
         t_max: End of the ray interval.
         exclude: Object id that the ray ignores until it hits another object; -1 none.
-        mask: `Ray` bits.
-        executor: As in `cast`.
+        mask: `RayKind` bits.
+        backend: As in `cast`.
 
     Returns:
-        The hits, with the leading shape of the rays and a last axis of `steps`. All entries from a ray's first miss on
+        The hits, with the leading shape of the rays and a last axis of `num_hits`. All entries from a ray's first miss on
         are misses.
 
     Raises:
@@ -128,16 +128,16 @@ def cast_through(
         Array([1.2, 1.3, 2.95, inf], dtype=float32)
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
-    shared = _shared(origin, t_min, t_max, exclude, mask)
-    hits = _run(scene, rays, shared, executor, Query(steps=steps, skin=skin))
-    each = jax.tree.map(lambda x: jnp.repeat(jnp.expand_dims(x, rays.t_min.ndim), steps, rays.t_min.ndim), rays)
+    shared = _shared_fields(origin, t_min, t_max, exclude, mask)
+    hits = _run(scene, rays, shared, backend, RayQuery(num_hits=num_hits, hit_epsilon=hit_epsilon))
+    each = jax.tree.map(lambda x: jnp.repeat(jnp.expand_dims(x, rays.t_min.ndim), num_hits, rays.t_min.ndim), rays)
     return _hit(scene, each, hits)
 
 
 def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
     """Attach gradients to an executor's results, one hit per ray, and restore the rays' shape."""
     t, instance, triangle, u, v, front = (x.reshape(-1) for x in hits)
-    t, u, v = differentiable(scene, rays, instance, triangle, t, u, v)
+    t, u, v = attach_gradient(scene, rays, instance, triangle, t, u, v)
     t = jnp.where(instance < 0, jnp.inf, t)
     return Hit(*(x.reshape(rays.t_min.shape) for x in (t, instance, triangle, u, v, front)))
 
@@ -159,7 +159,7 @@ def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exc
     )
 
 
-def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> tuple[str, ...]:
+def _shared_fields(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> tuple[str, ...]:
     """Return the names of the fields with one value for all rays.
 
     The order is fixed. The order of a set of strings would differ between processes, and JAX's compilation cache would
@@ -169,22 +169,22 @@ def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: 
     return (*(name for name, x in given.items() if jnp.ndim(x) == 0), *(("origin",) if origin.ndim == 1 else ()))
 
 
-def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, query: Query) -> tuple[Array, ...]:
+def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, query: RayQuery) -> tuple[Array, ...]:
     """Run the executor; return hits of shape (rays,) or (rays, steps).
 
     The executor gets a single value of each `shared` field, which saves memory traffic.
     """
-    refuse_forked("cast rays")
+    check_not_forked("cast rays")
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
     flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
-    house, moving = scene.geometry.known_house(scene.house), _known(scene.geometry, scene.moving)
+    house, moving = scene.geometry.clip_house_index(scene.house), _clip_rows(scene.geometry, scene.moving)
     args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], moving), flat
-    hits = flat_cast(executor or scene.executor, query)(*jax.tree.map(lax.stop_gradient, args))
+    hits = flat_cast(executor or scene.backend, query)(*jax.tree.map(lax.stop_gradient, args))
     return tuple(x[0] for x in hits)
 
 
-def _known(geometry: Geometry, moving: Moving) -> Moving:
+def _clip_rows(geometry: Geometry, moving: DynamicInstances) -> DynamicInstances:
     """Clip the models and materials of moving instances to valid rows, since native code does not check bounds."""
     models, materials = geometry.model_root.shape[0], geometry.material_mask.shape[0]
     return moving.replace(

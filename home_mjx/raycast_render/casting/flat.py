@@ -10,65 +10,65 @@ from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
 from home_mjx.bank.records import Geometry
-from home_mjx.raycast_render.backends.choose import Executor, find_executor
-from home_mjx.raycast_render.casting.partition import partitioned
-from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
+from home_mjx.raycast_render.backends.choose import RayBackend, find_backend
+from home_mjx.raycast_render.casting.partition import add_partitioning
+from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
 
-Flat = Callable[[Geometry, Array, Moving, Rays], RawHit]
+BatchedCast = Callable[[Geometry, Array, DynamicInstances, Rays], RawHit]
 
 
 @functools.cache
-def flat_cast(executor: str | None, query: Query) -> Flat:
+def flat_cast(executor: str | None, query: RayQuery) -> BatchedCast:
     """Return a function that casts rays (e r ...) in environments (e ...) that share one geometry.
 
     `vmap` of the function extends axis e or axis r.
     """
-    run = find_executor(executor)
+    run = find_backend(executor)
 
-    @partitioned
-    def spread(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
+    @add_partitioning
+    def spread(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
         return run(geometry, house, moving, rays, query)
 
     @custom_vmap
-    def cast(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
+    def cast(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
         return spread(geometry, house, moving, rays)
 
     @cast.def_vmap
-    def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> Any:
+    def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> Any:
         geometry_batched, house_batched, moving_batched, rays_batched = batched
         if size == 0:
             hits = _no_hits(cast, tuple(batched), (geometry, house, moving, rays))
         elif _any(geometry_batched):
-            hits = _one_by_one(run, query, size, tuple(batched), (geometry, house, moving, rays))
+            hits = _cast_sequentially(run, query, size, tuple(batched), (geometry, house, moving, rays))
         elif _any((house_batched, moving_batched)):
             places = _broadcast(size, (house, moving, rays), (house_batched, moving_batched, rays_batched))
             hits = cast(geometry, *jax.tree.map(_merge, places))
             hits = jax.tree.map(lambda x: x.reshape(size, x.shape[0] // size, *x.shape[1:]), hits)
         else:
-            hits = cast(geometry, house, moving, _more_rays(size, rays, rays_batched))
+            hits = cast(geometry, house, moving, _fold_rays(size, rays, rays_batched))
             hits = jax.tree.map(lambda x: jnp.moveaxis(_split(x, size), 1, 0), hits)
         return hits, jax.tree.map(lambda _: True, hits)
 
     return cast
 
 
-def _no_hits(cast: Flat, batched: Any, args: Any) -> RawHit:
+def _no_hits(cast: BatchedCast, batched: Any, args: Any) -> RawHit:
     """Return the hits of an empty batch without calling an executor."""
     one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
     return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 
 
-def _one_by_one(run: Executor, query: Query, size: int, batched: Any, args: Any) -> RawHit:
+def _cast_sequentially(run: RayBackend, query: RayQuery, size: int, batched: Any, args: Any) -> RawHit:
     """Cast sequentially in environments with different geometries, which cannot share a cast."""
 
-    def one(args: tuple[Geometry, Array, Moving, Rays]) -> RawHit:
+    def one(args: tuple[Geometry, Array, DynamicInstances, Rays]) -> RawHit:
         geometry, house, moving, rays = args
         return run(geometry, house, moving, rays, query)
 
     return jax.lax.map(one, _broadcast(size, args, batched))
 
 
-def _more_rays(size: int, rays: Rays, batched: Any) -> Rays:
+def _fold_rays(size: int, rays: Rays, batched: Any) -> Rays:
     """Fold a batch axis into rays: (e r ...), or (size e r ...) of batched fields, to (e size*r ...).
 
     Shared fields stay shared.

@@ -9,7 +9,7 @@ from home_mjx.raycast_render.scene.types import Rays, Scene
 Coordinates = tuple[Float[Array, " n"], Float[Array, " n"], Float[Array, " n"]]
 
 
-def differentiable(
+def attach_gradient(
     scene: Scene,
     rays: Rays,
     instance: Int[Array, " n"],

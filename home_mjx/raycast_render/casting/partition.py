@@ -10,11 +10,11 @@ from jax.sharding import NamedSharding, PartitionSpec
 
 from home_mjx.raycast_render.scene.types import RawHit
 
-NUM_PLACES = 9  # arrays with a leading axis of environments: the house and the fields of Moving
-NUM_RAYS = 6  # fields of Rays
+NUM_ENV_ARRAYS = 9  # arrays with a leading axis of environments: the house and the fields of Moving
+NUM_RAY_FIELDS = 6  # fields of Rays
 
 
-def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
+def add_partitioning(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
     """Return `run(geometry, house (e), moving (e ...), rays (e r ...))` with a partitioning rule.
 
     Without a rule, a program on sharded inputs would gather them all on every device before each cast.
@@ -38,9 +38,11 @@ def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
 
 def _sharding_rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
     """Return an einsum-like rule: `e` environments, `r` rays; all other axes are independent."""
-    alone = len(operands) - NUM_PLACES - NUM_RAYS
-    shared = [()] * alone + [("e",)] * NUM_PLACES
-    shared += [("e", "r") if _shape(rays)[1] == _shape(results[0])[1] else ("e",) for rays in operands[-NUM_RAYS:]]
+    alone = len(operands) - NUM_ENV_ARRAYS - NUM_RAY_FIELDS
+    shared = [()] * alone + [("e",)] * NUM_ENV_ARRAYS
+    shared += [
+        ("e", "r") if _shape(rays)[1] == _shape(results[0])[1] else ("e",) for rays in operands[-NUM_RAY_FIELDS:]
+    ]
     rule = [
         " ".join((*names, *(f"x{i}y{axis}" for axis in range(len(names), len(_shape(operand))))))
         for i, (names, operand) in enumerate(zip(shared, operands, strict=True))

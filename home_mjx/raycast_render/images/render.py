@@ -9,7 +9,7 @@ from home_mjx.raycast_render.images.view import View
 from home_mjx.raycast_render.scene import surface
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.shaders import shading
-from home_mjx.raycast_render.shaders.preset import Preset, resolve
+from home_mjx.raycast_render.shaders.preset import ShaderSpec, resolve_shader
 from home_mjx.schema.semantic import Semantic
 
 SEMANTIC_KINDS = {
@@ -33,7 +33,7 @@ def render(
     lens: Lens = LENS,
     *,
     kinds: tuple[str, ...] = ("rgb", "depth"),
-    preset: Preset = "fast",
+    shader: ShaderSpec = "fast",
     exclude: Int[Array, ""] | int = -1,
     depth_max: float | None = 10.0,
 ) -> dict[str, Array]:
@@ -42,7 +42,7 @@ def render(
     Row 0 is at the top; H, W is `lens.shape`. Kinds:
 
     * rgb: uint8 (H, W, 3), sRGB, shaded by the preset: "fast" is textured albedo under a light at the camera. "lit", or
-      a `Lit` with options, uses the lights of the house.
+      a `LitShader` with options, uses the lights of the house.
     * albedo: float32 (H, W, 3), linear light.
     * depth: float32 (H, W, 1), t of the camera's rays [m]: along the optical axis for pinholes, cubes and orthographic
       cameras, along the ray for others. distance: along the ray [m]. Both are inf on a miss, unless clipped.
@@ -50,16 +50,16 @@ def render(
     * instance: int32 (H, W), object ids, I + a for agent a; -1 for the architecture and on a miss.
     * fine, coarse, nyu40, room, level, partition, room_type, size, color (of 16): int32 (H, W), columns of
       `scene.bank.semantics`; -1 for none and on a miss.
-    * material: int32 (H, W), rows of `scene.bank.materials`; -1 on a miss.
+    * material: int32 (H, W), rows of `scene.bank.sound_materials`; -1 on a miss.
     * valid: bool (), True if all poses are finite, all quaternions are of unit length and the field of view is valid.
       If False, all pixels are misses.
 
     Args:
-        scene: Scene of one environment, whose `executor` casts the rays.
+        scene: Scene of one environment, whose `backend` casts the rays.
         camera: Pose and field of view.
         lens: Projection model and resolution.
         kinds: Kinds of images to render.
-        preset: Shading of rgb.
+        shader: Shading of rgb.
         exclude: Object id hidden from the camera, such as its own agent; -1 none.
         depth_max: Maximum value of depth and distance images [m]; None disables clipping.
 
@@ -77,18 +77,18 @@ def render(
     if depth_max is not None:
         check_number("depth_max", depth_max, 0)
     check_camera(camera, lens)
-    scene = scene.replace(house=scene.bank.known_house(scene.house))
-    view = View(scene, camera, lens, resolve(preset), exclude)
-    images = _Images(view, depth_max)
+    scene = scene.replace(house=scene.bank.clip_house_index(scene.house))
+    view = View(scene, camera, lens, resolve_shader(shader), exclude)
+    images = _LazyImages(view, depth_max)
     return {kind: images.of(kind) for kind in kinds}
 
 
-class _Images:
+class _LazyImages:
     """Images of one view, each computed on request."""
 
     def __init__(self, view: View, depth_max: float | None) -> None:
         self._view, self._depth_max = view, depth_max
-        self._scene, self._rays = view.scene, view.middle
+        self._scene, self._rays = view.scene, view.center_rays
 
     def of(self, kind: str) -> Array:
         if kind in SEMANTIC_KINDS:
@@ -99,10 +99,10 @@ class _Images:
         return self._view.rgb()
 
     def _albedo(self) -> Array:
-        return shading.albedo(self._scene, self._rays.hit).packed()
+        return shading.albedo(self._scene, self._rays.hit).pack()
 
     def _normal(self) -> Array:
-        return surface.normals(self._scene, self._rays.direction, self._rays.hit)
+        return surface.face_normals(self._scene, self._rays.direction, self._rays.hit)
 
     def _depth(self) -> Array:
         return self._clip(self._rays.hit.t)

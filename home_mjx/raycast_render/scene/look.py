@@ -11,13 +11,13 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.vec import Vec, take
 
 # Multipliers and shifts of MurmurHash3's finaliser; A. Appleby, 2011.
-FIRST, SECOND, ROUNDS = 0x85EBCA6B, 0xC2B2AE35, (16, 13, 16)
+MULTIPLIER_1, MULTIPLIER_2, SHIFTS = 0x85EBCA6B, 0xC2B2AE35, (16, 13, 16)
 GOLDEN = 0x9E3779B1  # 2^32 over the golden ratio, which separates neighbouring rows
-TO_UNIT = 2.0**-24
-RED, GREEN, BLUE, SWAPPED, LAYER = range(5)  # channels of `drawn`, one per random number of a material
+UNIT_SCALE = 2.0**-24
+RED, GREEN, BLUE, SWAP, LAYER = range(5)  # channels of `hash_uniform`, one per random number of a material
 
 
-class Look(Pytree):
+class AppearanceOverrides(Pytree):
     """Appearance overrides of an episode; None keeps the house's value."""
 
     seed: UInt32[Array, ""]  # of the random numbers of materials
@@ -30,7 +30,9 @@ class Look(Pytree):
     swap: Float[Array, ""] | None = None  # probability that a textured material gets a random texture of the bank
 
 
-def dimmed(look: Look | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]) -> Vec:
+def scale_lamps(
+    look: AppearanceOverrides | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]
+) -> Vec:
     """Scale the light of windows, or of lamps by room (-1: no room), by the episode's factors."""
     if look is not None and look.lamps is not None:
         lamps = take(look.lamps, jnp.clip(room + 1, 0, look.lamps.shape[0] - 1))
@@ -40,26 +42,28 @@ def dimmed(look: Look | None, light: Vec, daylight: Bool[Array, "*#n"], room: In
     return light
 
 
-def outdoors(look: Look | None, light: Vec) -> Vec:
+def scale_daylight(look: AppearanceOverrides | None, light: Vec) -> Vec:
     """Scale the light of sun or sky by the episode's factor."""
     return light if look is None or look.daylight is None else light * look.daylight
 
 
-def exposed(look: Look | None, light: Vec) -> Vec:
+def scale_exposure(look: AppearanceOverrides | None, light: Vec) -> Vec:
     """Scale the light that a camera receives by the episode's exposure factor."""
     return light if look is None or look.exposure is None else light * look.exposure
 
 
-def tinted(look: Look | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
+def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
     """Return reflectances of materials, given by row, with the episode's random tint."""
     if look is None or look.tint is None:
         return color
     tint = look.tint
-    factors = (1 + tint * (2 * drawn(look.seed, row, channel) - 1) for channel in (RED, GREEN, BLUE))
+    factors = (1 + tint * (2 * hash_uniform(look.seed, row, channel) - 1) for channel in (RED, GREEN, BLUE))
     return (color * Vec(*factors)).map(lambda x: jnp.clip(x, 0.0, 1.0))
 
 
-def swapped(look: Look | None, layer: Int[Array, "*rays"], row: Int[Array, "*rays"], layers: Array) -> Array:
+def swap_textures(
+    look: AppearanceOverrides | None, layer: Int[Array, "*rays"], row: Int[Array, "*rays"], layers: Array
+) -> Array:
     """Return texture layers with the episode's random swaps; -1, no texture, stays -1.
 
     Args:
@@ -71,23 +75,23 @@ def swapped(look: Look | None, layer: Int[Array, "*rays"], row: Int[Array, "*ray
     if look is None or look.swap is None:
         return layer
     count = jnp.max(layers, initial=-1) + 1
-    other = (drawn(look.seed, row, LAYER) * count.astype(jnp.float32)).astype(jnp.int32)
-    goes = (layer >= 0) & (drawn(look.seed, row, SWAPPED) < look.swap)
+    other = (hash_uniform(look.seed, row, LAYER) * count.astype(jnp.float32)).astype(jnp.int32)
+    goes = (layer >= 0) & (hash_uniform(look.seed, row, SWAP) < look.swap)
     return jnp.where(goes, jnp.minimum(other, count - 1), layer)
 
 
-def drawn(seed: UInt32[Array, ""], row: Int[Array, "*n"], what: int) -> Float[Array, "*n"]:
+def hash_uniform(seed: UInt32[Array, ""], row: Int[Array, "*n"], what: int) -> Float[Array, "*n"]:
     """Draw a number in [0, 1) for each row, determined by seed, row and channel.
 
     Example:
         >>> drawn(jnp.uint32(7), jnp.arange(2), RED).shape
         (2,)
     """
-    own = _mixed(row.astype(jnp.uint32) * jnp.uint32(GOLDEN) + jnp.uint32(what))
-    return (_mixed(own ^ seed) >> 8).astype(jnp.float32) * jnp.float32(TO_UNIT)
+    own = _mix_bits(row.astype(jnp.uint32) * jnp.uint32(GOLDEN) + jnp.uint32(what))
+    return (_mix_bits(own ^ seed) >> 8).astype(jnp.float32) * jnp.float32(UNIT_SCALE)
 
 
-def _mixed(x: UInt32[Array, "*n"]) -> UInt32[Array, "*n"]:
-    x = (x ^ (x >> ROUNDS[0])) * jnp.uint32(FIRST)
-    x = (x ^ (x >> ROUNDS[1])) * jnp.uint32(SECOND)
-    return x ^ (x >> ROUNDS[2])
+def _mix_bits(x: UInt32[Array, "*n"]) -> UInt32[Array, "*n"]:
+    x = (x ^ (x >> SHIFTS[0])) * jnp.uint32(MULTIPLIER_1)
+    x = (x ^ (x >> SHIFTS[1])) * jnp.uint32(MULTIPLIER_2)
+    return x ^ (x >> SHIFTS[2])

@@ -10,15 +10,15 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS
 from home_mjx.bank.records import Geometry
-from home_mjx.core.transforms import bounds, compose, invert, is_unit, rigid
-from home_mjx.raycast_render.scene.look import Look
-from home_mjx.raycast_render.scene.types import Moving, Scene
-from home_mjx.schema.agent import Body
+from home_mjx.core.transforms import compose, invert, is_unit_quat, rigid_transform, transform_bounds
+from home_mjx.raycast_render.scene.look import AppearanceOverrides
+from home_mjx.raycast_render.scene.types import DynamicInstances, Scene
+from home_mjx.schema.agent import AgentBody
 
-SLACK = 1e-4  # [m], margin of bounding boxes, since intersections round differently in a model's own frame
+BOX_MARGIN = 1e-4  # [m], margin of bounding boxes, since intersections round differently in a model's own frame
 
 
-@functools.partial(jax.jit, inline=True, static_argnames="executor")
+@functools.partial(jax.jit, inline=True, static_argnames="backend")
 def make_scene(
     bank: HouseBank,
     house: Int[Array, ""],
@@ -26,10 +26,10 @@ def make_scene(
     body_quat: Float[Array, "k 4"],
     agent_pos: Float[Array, "a 3"],
     agent_quat: Float[Array, "a 4"],
-    executor: str | None = None,
+    backend: str | None = None,
     door_angle: Float[Array, " h"] | None = None,
     agent_size: Float[Array, "a 2"] | None = None,
-    look: Look | None = None,
+    appearance: AppearanceOverrides | None = None,
 ) -> Scene:
     """Return the scene of one environment.
 
@@ -41,11 +41,11 @@ def make_scene(
             invalid.
         agent_pos: Centre of every agent's capsule [m].
         agent_quat: Orientation of every agent as unit quaternion (w, x, y, z).
-        executor: Executor of all rays in the scene, see `cast`.
+        backend: Executor of all rays in the scene, see `cast`.
         door_angle: Rotation of every door about +z from its authored pose [rad], or displacement of a sliding door [m].
             None: the authored pose.
-        agent_size: Radius and height of every agent [m]; None: those of a default `Body`.
-        look: Appearance overrides of the episode; None: none.
+        agent_size: Radius and height of every agent [m]; None: those of a default `AgentBody`.
+        appearance: Appearance overrides of the episode; None: none.
 
     Returns:
         The scene; its moving instances are the bodies, then the doors, then the agents.
@@ -54,43 +54,45 @@ def make_scene(
         >>> scene = make_scene(bank, house, body_pos, body_quat, agent_pos, agent_quat)  # doctest: +SKIP
         >>> hit = cast(scene, eye, direction)  # doctest: +SKIP
     """
-    house = bank.known_house(house)
+    house = bank.clip_house_index(house)
     bodies = _bodies(bank, house, body_pos, body_quat)
     agents = _agents(bank.geometry, agent_pos, agent_quat, agent_size)
     doors = _doors(bank, house, jnp.zeros(bank.spec.num_doors, jnp.float32) if door_angle is None else door_angle)
     moving = jax.tree.map(lambda *x: jnp.concatenate(x), bodies, doors, agents)
-    return Scene(bank=bank, house=house, moving=moving, executor=executor, look=look)
+    return Scene(bank=bank, house=house, moving=moving, backend=backend, appearance=appearance)
 
 
-def agent_sizes(bodies: Sequence[Body]) -> Float[Array, "a 2"] | None:
-    """Return radius and height of agents [m] for `make_scene`; None if all equal those of a default `Body`."""
+def agent_sizes(bodies: Sequence[AgentBody]) -> Float[Array, "a 2"] | None:
+    """Return radius and height of agents [m] for `make_scene`; None if all equal those of a default `AgentBody`."""
     sizes = [(body.radius, body.height) for body in bodies]
     return None if set(sizes) == {(RADIUS, HEIGHT)} else jnp.array(sizes, jnp.float32)
 
 
-def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]) -> Moving:
+def _bodies(
+    bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]
+) -> DynamicInstances:
     valid = bank.physics.body_valid[house]
     instance = jnp.where(valid, bank.physics.body_instance[house], -1)
-    pose = jax.vmap(compose)(_placed(pos, quat), bank.physics.body_from_model[house])
+    pose = jax.vmap(compose)(_pose_matrices(pos, quat), bank.physics.body_from_model[house])
     return _instances(bank, house, instance, pose)
 
 
-def _placed(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float[Array, "n 3 4"]:
+def _pose_matrices(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float[Array, "n 3 4"]:
     """Return pose matrices; NaN for quaternions that are not of unit length, which would scale the object."""
-    return jnp.where(is_unit(quat)[:, None, None], jax.vmap(rigid)(pos, quat), jnp.nan)
+    return jnp.where(is_unit_quat(quat)[:, None, None], jax.vmap(rigid_transform)(pos, quat), jnp.nan)
 
 
-def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) -> Moving:
+def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) -> DynamicInstances:
     physics = bank.physics
     instance = jnp.where(physics.door_valid[house], physics.door_instance[house], -1)
     slide = physics.door_slide[house]
     angle, way = jnp.where(jnp.any(slide != 0, axis=-1), 0.0, angle), angle[:, None] * slide
-    turn = jax.vmap(_about)(physics.door_pivot[house], angle, way)
+    turn = jax.vmap(_door_motion)(physics.door_pivot[house], angle, way)
     placed = bank.geometry.instance_pose[house, jnp.maximum(instance, 0)]
     return _instances(bank, house, instance, jax.vmap(compose)(turn, placed))
 
 
-def _about(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, "2"]) -> Float[Array, "3 4"]:
+def _door_motion(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, "2"]) -> Float[Array, "3 4"]:
     """Return a rotation about the vertical line through a point of the plan, followed by a horizontal displacement."""
     (x, y), (along, across) = pivot, way
     cos, sin = jnp.cos(angle), jnp.sin(angle)
@@ -102,7 +104,7 @@ def _about(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, 
 
 def _instances(
     bank: HouseBank, house: Int[Array, ""], instance: Int[Array, " d"], pose: Float[Array, "d 3 4"]
-) -> Moving:
+) -> DynamicInstances:
     """Return instances of the house at the given poses; -1: none."""
     geometry, valid, row = bank.geometry, instance >= 0, jnp.maximum(instance, 0)
     # The matrix of a missing instance is arbitrary and may be singular.
@@ -120,8 +122,8 @@ def _instances(
 
 def _agents(
     geometry: Geometry, pos: Float[Array, "a 3"], quat: Float[Array, "a 4"], size: Float[Array, "a 2"] | None
-) -> Moving:
-    count, pose = pos.shape[0], _placed(pos, quat)
+) -> DynamicInstances:
+    count, pose = pos.shape[0], _pose_matrices(pos, quat)
     if size is not None:
         wide, tall = size[:, 0] / jnp.float32(RADIUS), size[:, 1] / jnp.float32(HEIGHT)
         pose = pose * jnp.stack([wide, wide, tall, jnp.ones_like(wide)], axis=-1)[:, None]
@@ -139,8 +141,10 @@ def _agents(
 
 def _moving(
     geometry: Geometry, instance: Int[Array, " d"], model: Int[Array, " d"], pose: Float[Array, "d 3 4"], **rows: Array
-) -> Moving:
+) -> DynamicInstances:
     never = jnp.array([[jnp.inf] * 3, [-jnp.inf] * 3], jnp.float32)
-    box = jax.vmap(bounds)(pose, geometry.model_box[model]) + jnp.array([[[-SLACK], [SLACK]]], jnp.float32)
+    box = jax.vmap(transform_bounds)(pose, geometry.model_box[model]) + jnp.array(
+        [[[-BOX_MARGIN], [BOX_MARGIN]]], jnp.float32
+    )
     box = jnp.where((instance >= 0)[:, None, None], box, never[None])
-    return Moving(instance=instance, model=model, pose=pose, inverse=jax.vmap(invert)(pose), box=box, **rows)
+    return DynamicInstances(instance=instance, model=model, pose=pose, inverse=jax.vmap(invert)(pose), box=box, **rows)

@@ -4,26 +4,26 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.raycast_render.scene.types import Hit, Moving, Scene
+from home_mjx.raycast_render.scene.types import DynamicInstances, Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 
 
 def object_ids(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
     """Return object ids; -1 for the architecture and on a miss."""
-    ids = by_instance(scene.geometry.instance_object[scene.house], scene.moving, scene.moving.object_id)
+    ids = index_by_instance(scene.geometry.instance_object[scene.house], scene.moving, scene.moving.object_id)
     return jnp.where(hit.instance < 0, -1, take(ids, jnp.maximum(hit.instance, 0)))
 
 
 def material_rows(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
     """Return rows in the bank's material table; -1 on a miss."""
-    first = by_instance(scene.geometry.instance_material[scene.house], scene.moving, scene.moving.material)
+    first = index_by_instance(scene.geometry.instance_material[scene.house], scene.moving, scene.moving.material)
     slot = take(scene.geometry.triangle_slot, jnp.maximum(hit.triangle, 0))
     return jnp.where(hit.instance < 0, -1, take(first, jnp.maximum(hit.instance, 0)) + slot)
 
 
 def semantics(scene: Scene, hit: Hit, column: int) -> Int[Array, "*rays"]:
     """Return a column of the semantic table (`compiled.Semantic`); -1 on a miss."""
-    first = by_instance(scene.geometry.instance_semantic[scene.house], scene.moving, scene.moving.semantic)
+    first = index_by_instance(scene.geometry.instance_semantic[scene.house], scene.moving, scene.moving.semantic)
     part = take(scene.geometry.triangle_part, jnp.maximum(hit.triangle, 0))
     row = take(first, jnp.maximum(hit.instance, 0)) + part
     return jnp.where(hit.instance < 0, -1, take(scene.bank.semantics, row, int(column)))
@@ -43,13 +43,13 @@ def texture_corners(scene: Scene, hit: Hit) -> tuple[Vec, Vec]:
     return u, v
 
 
-def normals(scene: Scene, direction: Float[Array, "*rays 3"], hit: Hit) -> Float[Array, "*rays 3"]:
+def face_normals(scene: Scene, direction: Float[Array, "*rays 3"], hit: Hit) -> Float[Array, "*rays 3"]:
     """Return unit geometric normals of the triangles in the world, facing the rays; zero on a miss."""
-    return unit_normals(scene, Vec.of(direction), hit).packed()
+    return unit_normals(scene, Vec.unpack(direction), hit).pack()
 
 
 def unit_normals(scene: Scene, direction: Vec, hit: Hit) -> Vec:
-    """Return unit geometric normals as `normals` does, with one array per component."""
+    """Return unit geometric normals as `face_normals` does, with one array per component."""
     area = area_vectors(scene, direction, hit)
     return area * jnp.where(hit.instance < 0, 0.0, area.inverse_norm())
 
@@ -57,17 +57,17 @@ def unit_normals(scene: Scene, direction: Vec, hit: Hit) -> Vec:
 def area_vectors(scene: Scene, direction: Vec, hit: Hit) -> Vec:
     """Return geometric normals in the world, facing the rays, with a length of twice the triangle's area [m^2]."""
     a, b, c = (take_vec(scene.geometry.triangle, jnp.maximum(hit.triangle, 0), k) for k in range(3))
-    area = to_world(scene, (b - a).cross(c - a), hit)
+    area = area_to_world(scene, (b - a).cross(c - a), hit)
     return select(area.dot(direction) > 0, -area, area)
 
 
-def to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
+def area_to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
     """Transform vector products from the frame of the hit model to the world.
 
     They transform by the transpose of the inverse times the determinant, as normals do except for their length.
     """
-    inverse = by_instance(scene.geometry.instance_inverse[scene.house], scene.moving, scene.moving.inverse)
-    rows = [Vec.of(inverse[:, i, :3]) for i in range(3)]
+    inverse = index_by_instance(scene.geometry.instance_inverse[scene.house], scene.moving, scene.moving.inverse)
+    rows = [Vec.unpack(inverse[:, i, :3]) for i in range(3)]
     volume = 1 / jnp.maximum(jnp.abs(rows[0].dot(rows[1].cross(rows[2]))), 1e-30)
     # The barrier keeps this computation per instance; fusion with later operations would repeat it per pixel.
     rows = jax.lax.optimization_barrier([row * volume for row in rows])
@@ -76,7 +76,7 @@ def to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
     return x * local.x + y * local.y + z * local.z
 
 
-def by_instance(static: Array, moving: Moving, moved: Array) -> Array:
+def index_by_instance(static: Array, moving: DynamicInstances, moved: Array) -> Array:
     """Build a table over all instances of one environment: the house's with moved rows replaced, then the agents'."""
     size = static.shape[0] + moving.instance.shape[0]
     table = jnp.concatenate([static, jnp.zeros((size - static.shape[0], *static.shape[1:]), static.dtype)])

@@ -9,10 +9,10 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
 from home_mjx.core.pytree import Pytree, static
-from home_mjx.raycast_render.scene.look import Look
+from home_mjx.raycast_render.scene.look import AppearanceOverrides
 
 
-class Moving(Pytree):
+class DynamicInstances(Pytree):
     """Dynamic instances of one environment: D = movable objects, then doors, then agents."""
 
     instance: Int[Array, " d"]  # instance index in the house, I + a for agent a; -1 none
@@ -43,10 +43,10 @@ class Scene(Pytree):
 
     bank: HouseBank  # shared by all environments
     house: Int[Array, ""]
-    moving: Moving
-    executor: str | None = static(default=None)  # executor of rays, see `cast`; None: fastest of the platform
-    look: Look | None = None  # appearance overrides of the episode; None: none
-    materials: SoundMaterials | None = None  # acoustic materials of this environment; None: the bank's
+    moving: DynamicInstances
+    backend: str | None = static(default=None)  # executor of rays, see `cast`; None: fastest of the platform
+    appearance: AppearanceOverrides | None = None  # appearance overrides of the episode; None: none
+    sound_materials: SoundMaterials | None = None  # acoustic materials of this environment; None: the bank's
 
     @property
     def geometry(self) -> Geometry:
@@ -54,17 +54,17 @@ class Scene(Pytree):
         return self.bank.geometry
 
     @classmethod
-    def axes(cls, executor: str | None = None) -> "Scene":
+    def axes(cls, backend: str | None = None) -> "Scene":
         """Return `in_axes` or `out_axes` of a batch of scenes that share one bank.
 
         Args:
-            executor: Executor of the scenes.
+            backend: Executor of the scenes.
 
         Example:
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
             >>> hits = jax.vmap(cast, in_axes=(Scene.axes(), 0, 0))(moved, origins, directions)  # doctest: +SKIP
         """
-        return cls.unchecked(bank=None, house=0, moving=0, executor=executor, look=0, materials=0)
+        return cls.build_unchecked(bank=None, house=0, moving=0, executor=backend, look=0, materials=0)
 
 
 class Rays(Pytree):
@@ -92,15 +92,15 @@ class Rays(Pytree):
         return jax.tree.map(lambda x: jnp.broadcast_to(x, (*self.shape, *x.shape[2:])), self)
 
 
-class Query(NamedTuple):
+class RayQuery(NamedTuple):
     """Kind of a ray query; a program is compiled for each."""
 
     any_hit: bool = False  # True: a ray may stop at any hit, and only its existence is returned
-    steps: int = 0  # number of successive hits per ray, see `cast_through`; 0: closest hit only
-    skin: float = 0.0  # offset of each step behind the hit before it, in units of |direction|
+    num_hits: int = 0  # number of successive hits per ray, see `cast_multi_hit`; 0: closest hit only
+    hit_epsilon: float = 0.0  # offset of each step behind the hit before it, in units of |direction|
 
 
-CLOSEST = Query()
+CLOSEST_HIT = RayQuery()
 
 
 class RawHit(NamedTuple):

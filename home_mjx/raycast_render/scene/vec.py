@@ -32,11 +32,11 @@ class Vec(Pytree):
     z: Component
 
     @classmethod
-    def of(cls, rows: Shaped[Array, "*rays 3"]) -> "Vec":
+    def unpack(cls, rows: Shaped[Array, "*rays 3"]) -> "Vec":
         """Split a trailing axis of 3 into components."""
         return cls(*(rows[..., i] for i in range(3)))
 
-    def packed(self) -> Shaped[Array, "*rays 3"]:
+    def pack(self) -> Shaped[Array, "*rays 3"]:
         """Stack the components along a trailing axis of 3."""
         # Without the barrier XLA would repeat shared computations for each component.
         return jnp.stack(jax.lax.optimization_barrier((self.x, self.y, self.z)), axis=-1)

@@ -2,14 +2,14 @@
 
 import math
 
-LATITUDE = 48.0  # [degrees]
-FULL = 0.595  # transmittance of the air at 35 degrees, the default elevation of `Lit`
-WARM_BELOW = 18.0  # [degrees], elevation of the sun below which its light reddens
-DUSK, NIGHT = 0.12, 1e-3  # radiance of the sky at sunset, and its minimum, over that at 35 degrees
-TWILIGHT = 4.5  # [degrees], depression of the sun per factor of 10 in the sky's radiance
+DEFAULT_LATITUDE = 48.0  # [degrees]
+REFERENCE_TRANSMITTANCE = 0.595  # transmittance of the air at 35 degrees, the default elevation of `LitShader`
+MAX_WARM_ELEVATION = 18.0  # [degrees], elevation of the sun below which its light reddens
+SUNSET_SKY_SHARE, MIN_SKY_SHARE = 0.12, 1e-3  # radiance of the sky at sunset, and its minimum, over that at 35 degrees
+TWILIGHT_DECADE = 4.5  # [degrees], depression of the sun per factor of 10 in the sky's radiance
 
 
-def sun_position(hour: float, latitude: float = LATITUDE, declination: float = 12.0) -> tuple[float, float]:
+def sun_position(hour: float, latitude: float = DEFAULT_LATITUDE, declination: float = 12.0) -> tuple[float, float]:
     """Compute the sun's azimuth, from +x (east) towards +y (north), and its elevation [degrees].
 
     Args:
@@ -39,7 +39,7 @@ def sun_share(elevation: float) -> float:
     if elevation <= 0:
         return 0.0
     mass = 1 / (math.sin(math.radians(elevation)) + 0.50572 * (elevation + 6.07995) ** -1.6364)
-    return 0.7 ** (mass**0.678) / FULL
+    return 0.7 ** (mass**0.678) / REFERENCE_TRANSMITTANCE
 
 
 def sky_share(elevation: float) -> float:
@@ -47,10 +47,12 @@ def sky_share(elevation: float) -> float:
 
     It is affine in the sine of the elevation by day and decays exponentially in twilight.
     """
-    day = DUSK + (1 - DUSK) * math.sin(math.radians(max(elevation, 0.0))) / math.sin(math.radians(35.0))
-    return max(NIGHT, day * 10 ** (min(elevation, 0.0) / TWILIGHT))
+    day = SUNSET_SKY_SHARE + (1 - SUNSET_SKY_SHARE) * math.sin(math.radians(max(elevation, 0.0))) / math.sin(
+        math.radians(35.0)
+    )
+    return max(MIN_SKY_SHARE, day * 10 ** (min(elevation, 0.0) / TWILIGHT_DECADE))
 
 
-def warmth(elevation: float) -> float:
+def sun_redness(elevation: float) -> float:
     """Return the redness of sunlight, from 0 to 1 as the sun sinks to the horizon."""
-    return max(0.0, 1 - max(elevation, 0.0) / WARM_BELOW)
+    return max(0.0, 1 - max(elevation, 0.0) / MAX_WARM_ELEVATION)

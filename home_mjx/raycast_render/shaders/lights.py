@@ -8,27 +8,29 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
-from home_mjx.raycast_render.scene.look import Look, dimmed, outdoors
-from home_mjx.raycast_render.scene.surface import by_instance
+from home_mjx.raycast_render.scene.look import AppearanceOverrides, scale_daylight, scale_lamps
+from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
-from home_mjx.raycast_render.shaders.daytime import warmth
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.daytime import sun_redness
+from home_mjx.raycast_render.shaders.preset import LitShader
 from home_mjx.schema.compiled import ARCHITECTURE
 
-OFFSET = 5e-4  # [m], offset of shadow rays above the surface at their origin
-GAP = 0.05  # [m], distance before the light at which shadow rays end, since bulbs may be recessed into ceilings
-ELSEWHERE = 0.1  # weight of lights in other rooms in the selection of lights
-SHADE = 0.6  # [m], minimum distance that is assumed between a lamp's own surfaces and its light
-DAYLIGHT = (0.85, 0.93, 1.0)  # colour of the sky's light
-SUNLIGHT, SUNSET = (1.0, 0.93, 0.82), (1.0, 0.6, 0.3)
+SHADOW_BIAS = 5e-4  # [m], offset of shadow rays above the surface at their origin
+SHADOW_RAY_END = (
+    0.05  # [m], distance before the light at which shadow rays end, since bulbs may be recessed into ceilings
+)
+OTHER_ROOM_WEIGHT = 0.1  # weight of lights in other rooms in the selection of lights
+MIN_LIGHT_DISTANCE = 0.6  # [m], minimum distance that is assumed between a lamp's own surfaces and its light
+SKY_COLOR = (0.85, 0.93, 1.0)  # colour of the sky's light
+SUN_COLOR, SUNSET_COLOR = (1.0, 0.93, 0.82), (1.0, 0.6, 0.3)
 LUMINANCE = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709
 INDEX_BITS = 10  # bits of a key for the light's index; a house has fewer than 2**10 lights
-UNROLLED = 4  # lights compared per scan step: 16 are not faster and take three times as long to compile
+LIGHTS_PER_STEP = 4  # lights compared per scan step: 16 are not faster and take three times as long to compile
 
 Color = tuple[float, float, float]
 # Emitting position on a light, in [-1, 1] along each of its axes; None: its centre.
-Spread = Float[Array, "*rays 2"] | None
+LightSample = Float[Array, "*rays 2"] | None
 
 
 class PlacedLights(Pytree):
@@ -37,7 +39,7 @@ class PlacedLights(Pytree):
     pos: Vec  # [m]
     axis_u: Vec  # [m], half extents
     axis_v: Vec
-    aim: Vec  # unit
+    direction: Vec  # unit
     intensity: Vec
     power: Float[Array, "*lights"]  # luminance of the intensity
     exponent: Float[Array, "*lights"]
@@ -48,7 +50,7 @@ class PlacedLights(Pytree):
     room: Int[Array, "*lights"]
 
 
-class Point(Pytree):
+class ShadingPoint(Pytree):
     """Shading points of rays of any shape."""
 
     pos: Vec  # [m]
@@ -60,48 +62,50 @@ class Point(Pytree):
     room: Int[Array, "*rays"]
 
 
-class Received(Pytree):
+class IncidentLight(Pytree):
     """Incident light at points."""
 
     diffuse: Vec  # irradiance [W/m^2]
     specular: Vec  # specular radiance for a specular reflectance of 1 [W/m^2/sr]
 
 
-def place_lights(scene: Scene, options: Lit) -> PlacedLights:
+def place_lights(scene: Scene, options: LitShader) -> PlacedLights:
     """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps."""
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]
     carrier = jnp.maximum(instance, 0)
-    pose = by_instance(geometry.instance_pose[house], scene.moving, scene.moving.pose)[carrier]
-    columns = [Vec.of(pose[:, :, i]) for i in range(4)]
+    pose = index_by_instance(geometry.instance_pose[house], scene.moving, scene.moving.pose)[carrier]
+    columns = [Vec.unpack(pose[:, :, i]) for i in range(4)]
 
     def turned(vectors: Float[Array, "l 3"]) -> Vec:
-        local = Vec.of(vectors)
+        local = Vec.unpack(vectors)
         return columns[0] * local.x + columns[1] * local.y + columns[2] * local.z
 
     daylight = lights.daylight[house]
-    intensity = Vec.of(lights.intensity[house])
-    intensity = select(daylight, intensity * Vec(*DAYLIGHT) * options.sky, intensity)
-    intensity = dimmed(scene.look, intensity, daylight, lights.room[house])
+    intensity = Vec.unpack(lights.intensity[house])
+    intensity = select(daylight, intensity * Vec(*SKY_COLOR) * options.sky, intensity)
+    intensity = scale_lamps(scene.appearance, intensity, daylight, lights.room[house])
     placed = PlacedLights(
         pos=turned(lights.pos[house]) + columns[3],
         axis_u=turned(lights.axis_u[house]),
         axis_v=turned(lights.axis_v[house]),
-        aim=turned(lights.direction[house]).unit(),
+        direction=turned(lights.direction[house]).unit(),
         intensity=intensity,
         power=intensity.dot(Vec(*LUMINANCE)),
         exponent=lights.exponent[house],
         cutoff=lights.cutoff[house],
         area=lights.area[house],
         instance=instance,
-        object_id=by_instance(geometry.instance_object[house], scene.moving, scene.moving.object_id)[carrier],
+        object_id=index_by_instance(geometry.instance_object[house], scene.moving, scene.moving.object_id)[carrier],
         room=lights.room[house],
     )
     # The barrier keeps this computation per light; fusion with later operations would repeat it per pixel.
     return jax.lax.optimization_barrier(placed)
 
 
-def lamp_light(scene: Scene, lights: PlacedLights, point: Point, spread: Spread, count: int) -> Received:
+def lamp_light(
+    scene: Scene, lights: PlacedLights, point: ShadingPoint, spread: LightSample, count: int
+) -> IncidentLight:
     """Compute the unoccluded light of each point's most important lights.
 
     Args:
@@ -113,21 +117,23 @@ def lamp_light(scene: Scene, lights: PlacedLights, point: Point, spread: Spread,
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
-        return Received(none, none)
+        return IncidentLight(none, none)
     # The barriers prevent recomputation for every light and on the other side of the cast.
-    key = jax.lax.optimization_barrier(choose(lights, point, count))
+    key = jax.lax.optimization_barrier(select_lights(lights, point, count))
     chosen = key & (2**INDEX_BITS - 1)
     light = jax.tree.map(lambda column: take(column, chosen), lights)
     at = jax.tree.map(lambda x: jnp.broadcast_to(x[None], key.shape), point)
     source = light.pos
     if spread is not None:
         source = source + light.axis_u * spread[None, ..., 0] + light.axis_v * spread[None, ..., 1]
-    own = _is_own(light, at.instance)
-    strength, toward = _unshadowed(light, source - at.pos, at, own)
+    own = _is_own_lamp(light, at.instance)
+    strength, toward = _unoccluded_irradiance(light, source - at.pos, at, own)
     strength = jnp.where((key >> INDEX_BITS > 0) & (light.power > 0), strength, 0.0)
-    start = at.pos + at.normal * OFFSET
+    start = at.pos + at.normal * SHADOW_BIAS
     way = source - start
-    reach = jnp.where((strength > 0) & ~own, 1 - GAP * jnp.minimum(way.inverse_norm(), 1 / GAP), -1.0)
+    reach = jnp.where(
+        (strength > 0) & ~own, 1 - SHADOW_RAY_END * jnp.minimum(way.inverse_norm(), 1 / SHADOW_RAY_END), -1.0
+    )
     gloss = strength * blinn_phong(at, toward)
     start, way, reach, strength, gloss = jax.lax.optimization_barrier((start, way, reach, strength, gloss))
     blocked = occluded(scene, start.packed(), way.packed(), t_max=reach, exclude=light.object_id)
@@ -135,60 +141,60 @@ def lamp_light(scene: Scene, lights: PlacedLights, point: Point, spread: Spread,
     def arriving(share: Float[Array, "k *rays"]) -> Vec:
         return (light.intensity * jnp.where(blocked, 0.0, share)).map(lambda x: jnp.sum(x, axis=0))
 
-    return Received(arriving(strength), arriving(gloss))
+    return IncidentLight(arriving(strength), arriving(gloss))
 
 
-def choose(lights: PlacedLights, point: Point, count: int) -> Int[Array, "k *rays"]:
+def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[Array, "k *rays"]:
     """Select the lights with the highest estimated irradiance at each point, brightest first.
 
     Returns:
         Keys whose lowest `INDEX_BITS` bits are the light's index; the upper bits are 0 if there are no more lights.
     """
     total = lights.instance.shape[0]
-    lines = -(-total // UNROLLED)
+    lines = -(-total // LIGHTS_PER_STEP)
 
     def lines_of(column: Array) -> Array:
-        padding = lines * UNROLLED - total
-        return jnp.pad(column, (0, padding), constant_values=-1).reshape(lines, UNROLLED)
+        padding = lines * LIGHTS_PER_STEP - total
+        return jnp.pad(column, (0, padding), constant_values=-1).reshape(lines, LIGHTS_PER_STEP)
 
     def compare(best: list[Array], line: tuple[PlacedLights, Array]) -> tuple[list[Array], None]:
-        for i in range(UNROLLED):
+        for i in range(LIGHTS_PER_STEP):
             light, number = jax.tree.map(lambda column, i=i: column[i], line)
-            key = _key(light, number, point)
+            key = _light_key(light, number, point)
             for place, other in enumerate(best):
                 best = [*best[:place], jnp.maximum(other, key), *best[place + 1 :]]
                 key = jnp.minimum(other, key)
         return best, None
 
     none = [jnp.zeros_like(point.instance)] * min(count, total)
-    numbers = jnp.arange(lines * UNROLLED, dtype=jnp.int32).reshape(lines, UNROLLED)
+    numbers = jnp.arange(lines * LIGHTS_PER_STEP, dtype=jnp.int32).reshape(lines, LIGHTS_PER_STEP)
     best, _ = jax.lax.scan(compare, none, (jax.tree.map(lines_of, lights), numbers))
     return jnp.stack(best)
 
 
-def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Received:
+def sun_light(scene: Scene, point: ShadingPoint, spread: LightSample, options: LitShader) -> IncidentLight:
     """Compute the light of the sun where it is not occluded; its disc has a diameter of one degree."""
-    aim, level = _sun(scene.look, options)
+    aim, level = _sun(scene.appearance, options)
     way = aim.map(lambda x: jnp.full(point.instance.shape, x, jnp.float32))
     if spread is not None:
         way = way + (level * spread[..., 0] + aim.cross(level) * spread[..., 1]) * 0.0087
-    strength = jnp.where(point.instance < 0, 0.0, options.sun * _facing(point, aim))
+    strength = jnp.where(point.instance < 0, 0.0, options.sun * _surface_cosine(point, aim))
     reach = jnp.where(strength > 0, jnp.inf, -1.0)
-    start = point.pos + point.normal * OFFSET
+    start = point.pos + point.normal * SHADOW_BIAS
     gloss = strength * blinn_phong(point, aim)
     # The barrier prevents recomputation after the cast.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
-    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach)
-    light = outdoors(scene.look, mixed(SUNLIGHT, SUNSET, warmth(options.sun_elevation)))
-    return Received(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
+    blocked = occluded(scene, start.packed(), way.pack(), t_max=reach)
+    light = scale_daylight(scene.appearance, mix_colors(SUN_COLOR, SUNSET_COLOR, sun_redness(options.sun_elevation)))
+    return IncidentLight(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
 
 
-def mixed(one: Color, other: Color, share: float) -> Vec:
+def mix_colors(one: Color, other: Color, share: float) -> Vec:
     """Interpolate linearly between two colours."""
     return Vec(*(a + (b - a) * share for a, b in zip(one, other, strict=True)))
 
 
-def _sun(look: Look | None, options: Lit) -> tuple[Vec, Vec]:
+def _sun(look: AppearanceOverrides | None, options: LitShader) -> tuple[Vec, Vec]:
     """Return the unit direction to the sun, and a horizontal unit vector perpendicular to it."""
     azimuth, elevation = math.radians(options.sun_azimuth), math.radians(options.sun_elevation)
     given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
@@ -200,7 +206,7 @@ def _sun(look: Look | None, options: Lit) -> tuple[Vec, Vec]:
     return Vec(turn[0] * rise[0], turn[1] * rise[0], rise[1]), Vec(-turn[1], turn[0], 0.0)
 
 
-def blinn_phong(point: Point, toward: Vec) -> Float[Array, "*rays"]:
+def blinn_phong(point: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
     """Compute the normalised Blinn-Phong BRDF, (n + 8) / (8 pi) * cos^n of the half vector.
 
     Source: T. Akenine-Möller et al., "Real-Time Rendering", on the normalised Blinn-Phong reflectance.
@@ -209,7 +215,7 @@ def blinn_phong(point: Point, toward: Vec) -> Float[Array, "*rays"]:
     return (point.shininess + 8) / (8 * math.pi) * jnp.exp(point.shininess * jnp.log(cosine))
 
 
-def _key(light: PlacedLights, number: Int[Array, ""], point: Point) -> Int[Array, "*rays"]:
+def _light_key(light: PlacedLights, number: Int[Array, ""], point: ShadingPoint) -> Int[Array, "*rays"]:
     """Return a sortable key: upper bits of the estimated irradiance of one light, then the light's index.
 
     Powers of cosines use C. Schlick's approximation, which is exact for exponents 0 and 1: "A fast alternative to
@@ -218,45 +224,45 @@ def _key(light: PlacedLights, number: Int[Array, ""], point: Point) -> Int[Array
     offset = light.pos - point.pos
     square = jnp.maximum(offset.dot(offset), 1e-4)
     inverse = jax.lax.rsqrt(square)
-    cosine = -offset.dot(light.aim) * inverse
+    cosine = -offset.dot(light.direction) * inverse
     facing = jnp.maximum(offset.dot(point.shading) * inverse, 0.0)
     ahead = jnp.maximum(cosine, 1e-6)
     fall = (light.exponent + ahead * (1 - light.exponent)) * (square + light.area / math.pi)
     per_fall = jax.lax.rsqrt(fall) ** 2  # cheaper on a GPU than one division per light
     strength = jnp.where(cosine >= light.cutoff, light.power * facing * ahead * per_fall, 0.0)
     here = (light.room == point.room) | (point.room < 0)
-    strength = jnp.where(here, strength, ELSEWHERE * strength)
-    strength = jnp.where(_is_own(light, point.instance), light.power / SHADE**2, strength)
+    strength = jnp.where(here, strength, OTHER_ROOM_WEIGHT * strength)
+    strength = jnp.where(_is_own_lamp(light, point.instance), light.power / MIN_LIGHT_DISTANCE**2, strength)
     bits = jax.lax.bitcast_convert_type(jnp.where(light.instance >= 0, strength, 0.0), jnp.int32)
     return (bits & -(2**INDEX_BITS)) | number
 
 
-def _is_own(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
+def _is_own_lamp(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
     """Return whether the surface belongs to the lamp that emits the light; window frames do not count."""
     return (light.instance == instance) & (light.instance != ARCHITECTURE) & (light.area == 0)
 
 
-def _unshadowed(
-    light: PlacedLights, offset: Vec, at: Point, own: Bool[Array, "*rays"]
+def _unoccluded_irradiance(
+    light: PlacedLights, offset: Vec, at: ShadingPoint, own: Bool[Array, "*rays"]
 ) -> tuple[Float[Array, "*rays"], Vec]:
     """Compute the unoccluded irradiance per intensity [1/m^2], and the unit direction to the light.
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
     algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, transmit its light.
     """
-    square = jnp.maximum(offset.dot(offset), jnp.where(own, SHADE**2, 1e-4))
+    square = jnp.maximum(offset.dot(offset), jnp.where(own, MIN_LIGHT_DISTANCE**2, 1e-4))
     toward = offset.unit()
-    profile = _profile(-toward.dot(light.aim), light.exponent, light.cutoff)
-    share = jnp.where(own, 0.7, profile * _facing(at, toward))
+    profile = _emission_profile(-toward.dot(light.direction), light.exponent, light.cutoff)
+    share = jnp.where(own, 0.7, profile * _surface_cosine(at, toward))
     return share / (square + light.area / math.pi), toward
 
 
-def _facing(at: Point, toward: Vec) -> Float[Array, "*rays"]:
+def _surface_cosine(at: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
     """Return the cosine at the surface; 0 if the light is behind the geometric or the shading normal."""
     return jnp.where(toward.dot(at.normal) > 0, jnp.maximum(toward.dot(at.shading), 0.0), 0.0)
 
 
-def _profile(
+def _emission_profile(
     cosine: Float[Array, "*rays"], exponent: Float[Array, "*rays"], cutoff: Float[Array, "*rays"]
 ) -> Float[Array, "*rays"]:
     """Return the fraction of a light's intensity that is emitted in a direction."""

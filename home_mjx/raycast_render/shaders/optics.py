@@ -11,22 +11,22 @@ from home_mjx.raycast_render.scene.surface import material_rows, texture_coordin
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import texture
-from home_mjx.schema.compiled import Ray
+from home_mjx.schema.compiled import RayKind
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 
 GLASS = MATERIAL_KINDS.index("glass")
-CUT = 128  # minimum opacity of an opaque texel; texels below it are holes
-PAST = 1e-4  # [m], offset from a surface at which a ray continues
+MIN_OPAQUE_ALPHA = 128  # minimum opacity of an opaque texel; texels below it are holes
+HIT_EPSILON = 1e-4  # [m], offset from a surface at which a ray continues
 
 
-class Sight(Pytree):
+class PathState(Pytree):
     """Path state of camera rays: last segment, hit, footprint and throughput."""
 
     origin: Vec  # [m], of the last segment
     direction: Vec  # of the last segment, with the length of the camera ray's
     hit: Hit
-    width: Float[Array, "*rays"]  # [m], of the footprint at the origin of the last segment
-    tint: Vec  # throughput of glass and mirrors on the path
+    footprint: Float[Array, "*rays"]  # [m], of the footprint at the origin of the last segment
+    throughput: Vec  # throughput of glass and mirrors on the path
 
     @property
     def end(self) -> Vec:
@@ -34,77 +34,77 @@ class Sight(Pytree):
         return self.origin + self.direction * jnp.where(self.hit.instance < 0, 0.0, self.hit.t)
 
 
-def follow(
+def trace_specular(
     scene: Scene,
-    sight: Sight,
-    growth: Float[Array, ""],
-    bounces: int,
+    path: PathState,
+    footprint_growth: Float[Array, ""],
+    max_specular_depth: int,
     exclude: Int[Array, ""] | int,
-) -> Sight:
-    """Trace camera rays through at most `bounces` specular events.
+) -> PathState:
+    """Trace camera rays through at most `max_specular_depth` specular events.
 
     Behind the first pane all other glass is ignored, so that any number of panes costs one ray.
 
     Args:
         scene: Scene of one environment.
-        sight: Camera rays and their first hits.
-        growth: Increase of the footprint's width per unit of t [m].
-        bounces: Maximum number of casts.
+        path: Camera rays and their first hits.
+        footprint_growth: Increase of the footprint's width per unit of t [m].
+        max_specular_depth: Maximum number of casts.
         exclude: Object id hidden from the camera, except in mirrors.
     """
-    for _ in range(bounces):
-        sight = _go_on(scene, sight, growth, exclude)
-    return sight
+    for _ in range(max_specular_depth):
+        path = _extend_path(scene, path, footprint_growth, exclude)
+    return path
 
 
-def _go_on(
+def _extend_path(
     scene: Scene,
-    sight: Sight,
+    sight: PathState,
     growth: Float[Array, ""],
     exclude: Int[Array, ""] | int,
-) -> Sight:
+) -> PathState:
     hit, bank = sight.hit, scene.bank
     row = jnp.maximum(material_rows(scene, hit), 0)
     seen = hit.instance >= 0
     mirror = seen & take(bank.finish.mirror, row)
-    hole = seen & ~mirror & _holes(scene, hit, row)
+    hole = seen & ~mirror & _is_cut_out(scene, hit, row)
     glass = (take(bank.materials.kind, row) == GLASS) & (take(bank.materials.albedo, row, 3) < 1)
     on = mirror | hole | (seen & glass)
     normal = unit_normals(scene, sight.direction, hit)
     bent = sight.direction - normal * (2 * sight.direction.dot(normal))
     direction = select(mirror, bent, sight.direction)
     # Offset the origin from a mirror, since float32 rounding may put the hit point behind it.
-    pos = select(on, select(mirror, sight.end + normal * PAST, sight.end), sight.origin)
+    pos = select(on, select(mirror, sight.end + normal * HIT_EPSILON, sight.end), sight.origin)
     # The barrier prevents recomputation after the cast.
     pos, direction, on, hole, mirror, row = jax.lax.optimization_barrier((pos, direction, on, hole, mirror, row))
     found = cast(
         scene,
         pos.packed(),
         direction.packed(),
-        t_min=jnp.where(hole, PAST * direction.inverse_norm(), 0.0),
+        t_min=jnp.where(hole, HIT_EPSILON * direction.inverse_norm(), 0.0),
         t_max=jnp.where(on, jnp.inf, -1.0),
         exclude=jnp.where(mirror, -1, exclude),
-        mask=jnp.where(hole, int(Ray.CAMERA), int(Ray.LIGHT)),
+        mask=jnp.where(hole, int(RayKind.CAMERA), int(RayKind.LIGHT)),
     )
-    tint = select(mirror, take_vec(bank.materials.albedo, row), _through(bank.materials, row))
-    return Sight(
+    tint = select(mirror, take_vec(bank.materials.albedo, row), _transmittance(bank.materials, row))
+    return PathState(
         origin=pos,
         direction=direction,
         hit=jax.tree.map(lambda new, old: jnp.where(on, new, old), found, hit),
-        width=sight.width + growth * jnp.where(on, hit.t, 0.0),
-        tint=select(on & ~hole, sight.tint * tint, sight.tint),
+        footprint=sight.footprint + growth * jnp.where(on, hit.t, 0.0),
+        throughput=select(on & ~hole, sight.throughput * tint, sight.throughput),
     )
 
 
-def _through(materials: Materials, row: Int[Array, "*rays"]) -> Vec:
+def _transmittance(materials: Materials, row: Int[Array, "*rays"]) -> Vec:
     """Return the transmittance of glass: 1 for clear glass, mostly its own colour for coloured glass."""
     opacity = take(materials.albedo, row, 3)
     return take_vec(materials.albedo, row).map(lambda color: 1 - opacity * (1 - color))
 
 
-def _holes(scene: Scene, hit: Hit, row: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
+def _is_cut_out(scene: Scene, hit: Hit, row: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
     """Return whether rays have hit a texture where it is cut out."""
     materials = scene.bank.materials
     layer = take(materials.texture, row)
-    texel = texture.nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
-    return (layer >= 0) & (texture.channel(texel, texture.ALPHA) < CUT)
+    texel = texture.sample_nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
+    return (layer >= 0) & (texture.texel_channel(texel, texture.ALPHA_CHANNEL) < MIN_OPAQUE_ALPHA)

@@ -10,7 +10,7 @@ from home_mjx.schema.choices import PRESETS
 
 
 @dataclass(frozen=True)
-class Lit:
+class LitShader:
     """Options of the lit preset: the lights of the house, with shadows.
 
     Rays per sample: at most 1 + bounces + num_lights + 1 (sun) + 1 (ambient occlusion).
@@ -18,13 +18,13 @@ class Lit:
     Attributes:
         num_lights: Lights per point, those with the highest unoccluded irradiance; lights of other rooms are weighted
             by 0.1. A shadow ray tests each light, so none shines through walls.
-        bounces: Maximum number of specular events: glass, cut-out textures and mirrors.
+        max_specular_depth: Maximum number of specular events: glass, cut-out textures and mirrors.
         sun: Normal irradiance of the sun [W/m^2]; 0 disables the sun and its rays.
         sun_azimuth: Direction to the sun from +x towards +y [degrees].
         sun_elevation: Elevation of the sun above the horizon [degrees]; below 18 sunlight and horizon are redder.
         sky: Radiance of the sky [W/m^2/sr], outdoors and through windows; 0: night.
         ambient: Factor of the interreflected light.
-        corners: Ambient-occlusion radius [m]; 0 disables ambient occlusion. Noisy unless the lens takes several samples
+        ao_radius: Ambient-occlusion radius [m]; 0 disables ambient occlusion. Noisy unless the lens takes several samples
             per pixel.
         exposure: Factor of all light before tone mapping. None: auto exposure, which maps the mean luminance of each
             image to middle grey.
@@ -34,13 +34,13 @@ class Lit:
     """
 
     num_lights: int = 4
-    bounces: int = 2
+    max_specular_depth: int = 2
     sun: float = 9.0
     sun_azimuth: float = 250.0
     sun_elevation: float = 35.0
     sky: float = 3.0
     ambient: float = 1.0
-    corners: float = 0.0
+    ao_radius: float = 0.0
     exposure: float | None = 2.3
 
     def __post_init__(self) -> None:
@@ -48,10 +48,10 @@ class Lit:
             if option.name == "exposure" and self.exposure is None:
                 continue
             least = -math.inf if option.name.startswith("sun_") else 0
-            check_number(option.name, getattr(self, option.name), least, whole=isinstance(option.default, int))
+            check_number(option.name, getattr(self, option.name), least, integer=isinstance(option.default, int))
 
     @classmethod
-    def at(cls, hour: float, **options: Any) -> "Lit":
+    def from_hour(cls, hour: float, **options: Any) -> "LitShader":
         """Return options with the sun and sky of a time of day; other options as given.
 
         Args:
@@ -76,16 +76,16 @@ class Lit:
         return cls(**(given | options))
 
 
-Preset = str | Lit
+ShaderSpec = str | LitShader
 
 
-def resolve(preset: Preset) -> Lit | None:
+def resolve_shader(preset: ShaderSpec) -> LitShader | None:
     """Return the options of the lit preset; None for the fast preset.
 
     Raises:
         ConfigError: The preset is unknown.
     """
-    if isinstance(preset, Lit):
+    if isinstance(preset, LitShader):
         return preset
     check_known("preset", [preset], PRESETS)
-    return Lit() if preset == "lit" else None
+    return LitShader() if preset == "lit" else None

@@ -15,13 +15,13 @@ def _decode_table() -> Float[np.ndarray, "256"]:
     return decode_srgb(np.arange(256) / 255).astype(np.float32)
 
 
-DECODE = _decode_table()
+SRGB_TO_LINEAR = _decode_table()
 # Minimax polynomial of the curve above byte 10, highest power first, fitted to the 245 bytes.
-DECODE_POWERS = (-0.05466916, 0.22675983, -0.43463315, 0.71703972, 0.51144349, 0.03313933, 0.00091457)
-ALPHA = 3  # index of the alpha channel
+SRGB_TO_LINEAR_POLYNOMIAL = (-0.05466916, 0.22675983, -0.43463315, 0.71703972, 0.51144349, 0.03313933, 0.00091457)
+ALPHA_CHANNEL = 3  # index of the alpha channel
 
 
-def edge_of(textures: UInt32[Array, "l p"]) -> int:
+def texture_edge(textures: UInt32[Array, "l p"]) -> int:
     """Return the edge of the largest mip level [px].
 
     A square texture of edge s has (4 s^2 - 1) / 3 texels in all levels.
@@ -29,42 +29,42 @@ def edge_of(textures: UInt32[Array, "l p"]) -> int:
     return math.isqrt((3 * textures.shape[1] + 1) // 4)
 
 
-def channel(texel: UInt32[Array, "*rays"], place: int) -> Int[Array, "*rays"]:
-    """Return a byte of texels: red, green, blue, `ALPHA`."""
+def texel_channel(texel: UInt32[Array, "*rays"], place: int) -> Int[Array, "*rays"]:
+    """Return a byte of texels: red, green, blue, `ALPHA_CHANNEL`."""
     return ((texel >> (8 * place)) & 255).astype(jnp.int32)
 
 
-def linear(texel: UInt32[Array, "*rays"]) -> Vec:
+def decode_linear(texel: UInt32[Array, "*rays"]) -> Vec:
     """Decode texels to linear light."""
-    return Vec(*(take(jnp.asarray(DECODE), channel(texel, place)) for place in range(3)))
+    return Vec(*(take(jnp.asarray(SRGB_TO_LINEAR), texel_channel(texel, place)) for place in range(3)))
 
 
-def nearly_linear(texel: UInt32[Array, "*rays"]) -> Vec:
+def linear_approx(texel: UInt32[Array, "*rays"]) -> Vec:
     """Decode texels to linear light within 6e-6, without a table look-up per channel, for texture filters."""
 
     def decode(byte: Int[Array, "*rays"]) -> Float[Array, "*rays"]:
         value = byte.astype(jnp.float32) * (1 / 255)
-        curve = jnp.full_like(value, DECODE_POWERS[0])
-        for power in DECODE_POWERS[1:]:
+        curve = jnp.full_like(value, SRGB_TO_LINEAR_POLYNOMIAL[0])
+        for power in SRGB_TO_LINEAR_POLYNOMIAL[1:]:
             curve = curve * value + power
         return jnp.where(byte <= 10, value * (1 / 12.92), curve)
 
-    return Vec(*(decode(channel(texel, place)) for place in range(3)))
+    return Vec(*(decode(texel_channel(texel, place)) for place in range(3)))
 
 
-def nearest(
+def sample_nearest(
     textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], u: Float[Array, "*rays"], v: Float[Array, "*rays"]
 ) -> UInt32[Array, "*rays"]:
     """Return the nearest texel of the largest level of a repeating texture; v = 0 is the bottom row.
 
     At 64x64 pixels textures are minified, and bilinear taps would cost four gathers and still alias.
     """
-    size = edge_of(textures)
+    size = texture_edge(textures)
     column, row = (jnp.minimum(jnp.floor((x - jnp.floor(x)) * size).astype(jnp.int32), size - 1) for x in (u, v))
     return _pick(textures, layer, (size - 1 - row) * size + column)
 
 
-def trilinear(
+def sample_trilinear(
     textures: UInt32[Array, "l p"],
     layer: Int[Array, "*rays"],
     u: Float[Array, "*rays"],
@@ -80,7 +80,7 @@ def trilinear(
         v: Texture coordinate upwards; 0 is the bottom row.
         level: Mip level; 0 is the largest, 1 has half its edge. Clipped to the levels of the texture.
     """
-    last = edge_of(textures).bit_length() - 1
+    last = texture_edge(textures).bit_length() - 1
     level = jnp.clip(level, 0.0, float(last))
     low = jnp.floor(level)
     fine = _bilinear(textures, layer, u, v, low.astype(jnp.int32))
@@ -111,7 +111,7 @@ def _bilinear(
     v: Float[Array, "*rays"],
     level: Int[Array, "*rays"],
 ) -> Vec:
-    edge = edge_of(textures)
+    edge = texture_edge(textures)
     size = edge >> level
     start = (edge * edge - size * size) * 4 // 3  # texels of all larger levels
     # Texel centres are at half integers; rows count down from v = 1.
@@ -122,7 +122,7 @@ def _bilinear(
     def texel(dx: int, dy: int) -> Vec:
         # Edges are powers of two, so the mask computes the remainder.
         x, y = (left.astype(jnp.int32) + dx) & (size - 1), (top.astype(jnp.int32) + dy) & (size - 1)
-        return nearly_linear(_pick(textures, layer, start + y * size + x))
+        return linear_approx(_pick(textures, layer, start + y * size + x))
 
     upper = _mix(texel(0, 0), texel(1, 0), column - left)
     lower = _mix(texel(0, 1), texel(1, 1), column - left)

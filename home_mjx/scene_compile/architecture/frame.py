@@ -6,12 +6,12 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset
-from home_mjx.schema.compiled import Rooms
+from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import House
 
 
 @dataclass(frozen=True)
-class Frame:
+class HouseFrame:
     """A house with its rooms in the world frame (Z up, metres).
 
     Attributes:
@@ -22,14 +22,14 @@ class Frame:
 
     house: House
     offset: Float[np.ndarray, "3"]
-    rooms: Rooms
+    rooms: RoomTable
 
 
-def find_frame(house: House) -> Frame:
+def find_frame(house: House) -> HouseFrame:
     """Return the world frame of a house, with the centre of its ground-floor rooms at x = y = 0.
 
     Raises:
         DatasetError: The house has no room with a mesh.
     """
     offset = ground_offset(house)
-    return Frame(house, offset, extract_rooms(house, offset))
+    return HouseFrame(house, offset, extract_rooms(house, offset))

@@ -6,19 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.geometry.polygons import smallest_room
-from home_mjx.geometry.rectangles import cell_centers, cluster, cover
+from home_mjx.geometry.polygons import find_smallest_room
+from home_mjx.geometry.rectangles import cell_centers, cover_with_rectangles, merge_close_values
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.architecture.shell import Shell, ShellPart, Wall, has_room_behind, inner_normal
-from home_mjx.schema.compiled import Planes, Rooms
+from home_mjx.scene_compile.architecture.shell import BuildingShell, ShellPart, WallPart, has_room_behind, inner_normal
+from home_mjx.schema.compiled import Planes, RoomTable
 
-SNAP = 0.06  # [m], corners of neighbouring rooms closer than this are merged
-SAME_PLANE = 0.06  # [m], maximum distance between planes that are merged; walls may be slightly oblique
-LEAST = 0.2  # [m], minimum edge of a reflecting rectangle, and minimum overlap of two that are merged
+CORNER_MERGE_DISTANCE = 0.06  # [m], corners of neighbouring rooms closer than this are merged
+MAX_PLANE_DISTANCE = 0.06  # [m], maximum distance between planes that are merged; walls may be slightly oblique
+MIN_RECTANGLE_EDGE = 0.2  # [m], minimum edge of a reflecting rectangle, and minimum overlap of two that are merged
 
 
 @dataclass(frozen=True)
-class Rectangle:
+class ReflectionRectangle:
     """One reflecting rectangle, spanned by `u` and `v`."""
 
     center: Float[np.ndarray, "3"]  # [m]
@@ -28,22 +28,24 @@ class Rectangle:
     slot: int  # material slot of the architecture
 
 
-def build_planes(house: Shell, rooms: Rooms) -> Planes:
+def build_reflection_planes(shell: BuildingShell, rooms: RoomTable) -> Planes:
     """Build the reflection planes of a house.
 
     Args:
-        house: Its architecture, whose slots are the first rows of the house's material table.
+        shell: Its architecture, whose slots are the first rows of the house's material table.
         rooms: Its rooms.
     """
-    walls = [(i, p) for i, p in enumerate(house.parts) if isinstance(p, Wall)]
-    inner = [_wall(p, inner_normal(p, rooms), int(house.facing[i]), rooms) for i, p in walls]
+    walls = [(i, p) for i, p in enumerate(shell.parts) if isinstance(p, WallPart)]
+    inner = [_wall(p, inner_normal(p, rooms), int(shell.inner_slot[i]), rooms) for i, p in walls]
     outer = [
-        _wall(p, -inner_normal(p, rooms), int(house.backing[i]), rooms) for i, p in walls if has_room_behind(p, rooms)
+        _wall(p, -inner_normal(p, rooms), int(shell.outer_slot[i]), rooms)
+        for i, p in walls
+        if has_room_behind(p, rooms)
     ]
     found = _merge_walls(_large(inner))
     # The far side of a wall is added only if no room has it as an inner side, for example around a nested room.
     found += [wall for wall in _merge_walls(_large(outer)) if not any(_overlap(wall, other) for other in found)]
-    found += _large(r for kind in ("floor", "ceiling") for r in _flat(house, rooms, kind))
+    found += _large(r for kind in ("floor", "ceiling") for r in _flat(shell, rooms, kind))
     return Planes(
         center=_rows(r.center for r in found),
         normal=_rows(r.normal for r in found),
@@ -53,27 +55,27 @@ def build_planes(house: Shell, rooms: Rooms) -> Planes:
     )
 
 
-def _large(rectangles: Iterable[Rectangle]) -> list[Rectangle]:
-    return [r for r in rectangles if min(np.linalg.norm(r.u), np.linalg.norm(r.v)) * 2 > LEAST]
+def _large(rectangles: Iterable[ReflectionRectangle]) -> list[ReflectionRectangle]:
+    return [r for r in rectangles if min(np.linalg.norm(r.u), np.linalg.norm(r.v)) * 2 > MIN_RECTANGLE_EDGE]
 
 
 def _rows(vectors: Iterable[np.ndarray]) -> Float[np.ndarray, "p 3"]:
     return np.array(list(vectors), float).reshape(-1, 3)
 
 
-def _wall(part: Wall, normal: Float[np.ndarray, "3"], slot: int, rooms: Rooms) -> Rectangle:
+def _wall(part: WallPart, normal: Float[np.ndarray, "3"], slot: int, rooms: RoomTable) -> ReflectionRectangle:
     """Return one side of a wall, from the floor to the ceiling of its room."""
     slab = part.slab
     side = slab.high if slab.to_world(np.array([0.0, 1.0, 0.0])) @ normal > 0 else slab.low
     low, high = rooms.floor[part.room], rooms.ceiling[part.room]
     middle = np.array([(slab.low[0] + slab.high[0]) / 2, side[1], (low + high) / 2])
     along = slab.to_world(np.array([slab.length / 2, 0.0, 0.0]))
-    return Rectangle(slab.to_world(middle), normal, along, np.array([0.0, 0.0, (high - low) / 2]), slot)
+    return ReflectionRectangle(slab.to_world(middle), normal, along, np.array([0.0, 0.0, (high - low) / 2]), slot)
 
 
-def _merge_walls(walls: Sequence[Rectangle]) -> list[Rectangle]:
+def _merge_walls(walls: Sequence[ReflectionRectangle]) -> list[ReflectionRectangle]:
     """Merge coplanar rectangles that overlap, as around nested rooms, so that no surface reflects twice."""
-    merged: list[Rectangle] = []
+    merged: list[ReflectionRectangle] = []
     for wall in walls:
         twin = next((i for i, other in enumerate(merged) if _overlap(wall, other)), None)
         if twin is None:
@@ -83,15 +85,15 @@ def _merge_walls(walls: Sequence[Rectangle]) -> list[Rectangle]:
     return merged if len(merged) == len(walls) else _merge_walls(merged)
 
 
-def _overlap(a: Rectangle, b: Rectangle) -> bool:
+def _overlap(a: ReflectionRectangle, b: ReflectionRectangle) -> bool:
     direction = a.u / np.linalg.norm(a.u)
     away = b.center - a.center
-    if a.normal @ b.normal < 0.999 or abs(away @ a.normal) > SAME_PLANE or abs(away[2]) > a.v[2] + b.v[2]:
+    if a.normal @ b.normal < 0.999 or abs(away @ a.normal) > MAX_PLANE_DISTANCE or abs(away[2]) > a.v[2] + b.v[2]:
         return False
-    return bool(abs(away @ direction) < np.linalg.norm(a.u) + abs(b.u @ direction) - LEAST)
+    return bool(abs(away @ direction) < np.linalg.norm(a.u) + abs(b.u @ direction) - MIN_RECTANGLE_EDGE)
 
 
-def _hull(a: Rectangle, b: Rectangle) -> Rectangle:
+def _hull(a: ReflectionRectangle, b: ReflectionRectangle) -> ReflectionRectangle:
     """Return the rectangle around two coplanar ones; the longer one sets the material slot."""
     direction = a.u / np.linalg.norm(a.u)
     along = np.array([[(r.center - a.center) @ direction, abs(r.u @ direction)] for r in (a, b)])
@@ -100,13 +102,15 @@ def _hull(a: Rectangle, b: Rectangle) -> Rectangle:
     center = a.center + direction * (low + high) / 2
     center[2] = (bottom + top) / 2
     slot = a.slot if along[0, 1] >= along[1, 1] else b.slot
-    return Rectangle(center, a.normal, direction * (high - low) / 2, np.array([0, 0, (top - bottom) / 2]), slot)
+    return ReflectionRectangle(
+        center, a.normal, direction * (high - low) / 2, np.array([0, 0, (top - bottom) / 2]), slot
+    )
 
 
-def _flat(house: Shell, rooms: Rooms, kind: str) -> list[Rectangle]:
+def _flat(house: BuildingShell, rooms: RoomTable, kind: str) -> list[ReflectionRectangle]:
     """Return the rectangles of floors or ceilings; where rooms nest, the smallest room owns the area."""
     found = []
-    for part, slot in zip(house.parts, house.facing, strict=True):
+    for part, slot in zip(house.parts, house.inner_slot, strict=True):
         if part.kind == kind:
             height = float((rooms.floor if kind == "floor" else rooms.ceiling)[part.room])
             normal = np.array([0.0, 0.0, 1.0 if kind == "floor" else -1.0])
@@ -114,12 +118,14 @@ def _flat(house: Shell, rooms: Rooms, kind: str) -> list[Rectangle]:
     return found
 
 
-def _plan_rectangles(house: Shell, rooms: Rooms, part: ShellPart) -> list[tuple[Float[np.ndarray, "4"], float]]:
+def _plan_rectangles(
+    house: BuildingShell, rooms: RoomTable, part: ShellPart
+) -> list[tuple[Float[np.ndarray, "4"], float]]:
     """Return the rectangles (u0, v0, u1, v1) and yaw that cover the plan area owned by this room.
 
     `u` and `v` are plan coordinates along the room's longest wall [m].
     """
-    walls = [p.slab for p in house.parts if isinstance(p, Wall) and p.room == part.room]
+    walls = [p.slab for p in house.parts if isinstance(p, WallPart) and p.room == part.room]
     yaw = max(walls, key=lambda s: s.length).yaw if walls else 0.0
     turn = yaw_matrix(yaw)[:2, :2]
     here = np.flatnonzero(rooms.level == part.level)
@@ -128,15 +134,18 @@ def _plan_rectangles(house: Shell, rooms: Rooms, part: ShellPart) -> list[tuple[
     others = np.concatenate([rooms.polygon[r] @ turn for r in here])
     within = ((others > [u0, v0]) & (others < [u1, v1])).all(axis=1)
     corners = np.concatenate([own, others[within]])
-    u, v = cluster(corners[:, 0], SNAP), cluster(corners[:, 1], SNAP)
-    mine = smallest_room(rooms, here, cell_centers(u, v) @ turn.T) == part.room
-    return [(rectangle, yaw) for rectangle in cover(u, v, mine)]
+    u, v = (
+        merge_close_values(corners[:, 0], CORNER_MERGE_DISTANCE),
+        merge_close_values(corners[:, 1], CORNER_MERGE_DISTANCE),
+    )
+    mine = find_smallest_room(rooms, here, cell_centers(u, v) @ turn.T) == part.room
+    return [(rectangle, yaw) for rectangle in cover_with_rectangles(u, v, mine)]
 
 
 def _level(
     rectangle: Float[np.ndarray, "4"], yaw: float, height: float, normal: Float[np.ndarray, "3"], slot: int
-) -> Rectangle:
+) -> ReflectionRectangle:
     u0, v0, u1, v1 = rectangle
     turn = yaw_matrix(yaw)
     center = turn @ np.array([(u0 + u1) / 2, (v0 + v1) / 2, height])
-    return Rectangle(center, normal, turn[:, 0] * (u1 - u0) / 2, turn[:, 1] * (v1 - v0) / 2, slot)
+    return ReflectionRectangle(center, normal, turn[:, 0] * (u1 - u0) / 2, turn[:, 1] * (v1 - v0) / 2, slot)

@@ -1,6 +1,6 @@
 """Assignment of overlapping floor and ceiling areas to rooms: the smallest room owns each point.
 
-This is the rule of `smallest_room`, which navigation, collision and sound use as well. Real houses often nest rooms
+This is the rule of `find_smallest_room`, which navigation, collision and sound use as well. Real houses often nest rooms
 with coplanar floors. Without the rule, rounding would decide which of the floors a ray hits.
 """
 
@@ -11,33 +11,35 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.geometry.polygons import polygon_area
-from home_mjx.geometry.slabs import grow, simplify, triangulate
-from home_mjx.schema.compiled import Rooms
+from home_mjx.geometry.slabs import offset_outwards, simplify, triangulate
+from home_mjx.schema.compiled import RoomTable
 
-STRIP = 0.05  # [m], overlaps up to this width are ignored: floors extend 2 cm beyond the middle of their walls
-LEAST = 0.01  # [m^2], minimum area of an overlap that is removed
-SLIVER = 1e-7  # [m^2], pieces smaller than this are dropped
-LEVEL = 0.7  # minimum vertical component of a floor's or ceiling's unit normal
+IGNORED_OVERLAP_WIDTH = (
+    0.05  # [m], overlaps up to this width are ignored: floors extend 2 cm beyond the middle of their walls
+)
+MIN_OVERLAP_AREA = 0.01  # [m^2], minimum area of an overlap that is removed
+MIN_PIECE_AREA = 1e-7  # [m^2], pieces smaller than this are dropped
+MIN_NORMAL_Z = 0.7  # minimum vertical component of a floor's or ceiling's unit normal
 
 Polygon = Float[np.ndarray, "_ 2"]
 
 
 @dataclass(frozen=True)
-class Pieces:
+class ClippedSurface:
     """Triangles of a surface after clipping.
 
     Attributes:
         triangles: Corners [m].
         uv: Texture coordinates of the corners.
-        source: Index of the original triangle.
+        triangle_index: Index of the original triangle.
     """
 
     triangles: Float[np.ndarray, "t 3 3"]
     uv: Float[np.ndarray, "t 3 2"]
-    source: Int[np.ndarray, " t"]
+    triangle_index: Int[np.ndarray, " t"]
 
 
-def owners_before(room: int, others: Sequence[int], rooms: Rooms) -> list[list[Polygon]]:
+def find_owner_outlines(room: int, others: Sequence[int], rooms: RoomTable) -> list[list[Polygon]]:
     """Return triangulated outlines of the smaller rooms that own parts of this room's area.
 
     Args:
@@ -48,16 +50,16 @@ def owners_before(room: int, others: Sequence[int], rooms: Rooms) -> list[list[P
     here = np.flatnonzero(rooms.level == rooms.level[room]).tolist()
     order = sorted(here, key=lambda r: -polygon_area(rooms.polygon[r]))
     smaller = [r for r in order[order.index(room) + 1 :] if r in others]
-    found = [(_triangles(rooms.polygon[r], 0.0), _triangles(rooms.polygon[r], -STRIP)) for r in smaller]
+    found = [(_triangles(rooms.polygon[r], 0.0), _triangles(rooms.polygon[r], -IGNORED_OVERLAP_WIDTH)) for r in smaller]
     mine = _triangles(rooms.polygon[room], 0.0)
-    return [whole for whole, inner in found if _shared(mine, inner) > LEAST]
+    return [whole for whole, inner in found if _shared(mine, inner) > MIN_OVERLAP_AREA]
 
 
 def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
     """Triangulate a polygon after offsetting its sides outwards; empty if it then intersects itself."""
     try:
         corners = simplify(polygon)
-        grown = corners if outset == 0 else grow(corners, outset)
+        grown = corners if outset == 0 else offset_outwards(corners, outset)
         return [grown[t] for t in triangulate(grown)]
     except ValueError:
         return []
@@ -88,10 +90,10 @@ def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
         way = end - start
         side = way[0] * (inside[:, 1] - start[1]) - way[1] * (inside[:, 0] - start[0])
         beyond, inside = _clip(inside, -side), _clip(inside, side)
-        if polygon_area(beyond) > SLIVER:
+        if polygon_area(beyond) > MIN_PIECE_AREA:
             found.append(beyond)
-        if polygon_area(inside) <= SLIVER:
-            return found if polygon_area(piece) - sum(map(polygon_area, found)) > SLIVER else [piece]
+        if polygon_area(inside) <= MIN_PIECE_AREA:
+            return found if polygon_area(piece) - sum(map(polygon_area, found)) > MIN_PIECE_AREA else [piece]
     return found
 
 
@@ -107,23 +109,23 @@ def _clip(polygon: Polygon, side: Float[np.ndarray, " n"]) -> Polygon:
     return np.array(corners).reshape(-1, 2)
 
 
-def cut_surface(
+def clip_surface(
     triangles: Float[np.ndarray, "t 3 3"],
     uv: Float[np.ndarray, "t 3 2"],
-    toward: float,
+    side: float,
     owners: Sequence[list[Polygon]],
-) -> Pieces:
+) -> ClippedSurface:
     """Remove the areas of other rooms from the visible side of a slab; keep a slab that would lose all of it.
 
     Args:
         triangles: Corners of the slab [m].
         uv: Their texture coordinates.
-        toward: 1 if the slab is seen from above, -1 from below.
-        owners: Output of `owners_before`.
+        side: 1 if the slab is seen from above, -1 from below.
+        owners: Output of `find_owner_outlines`.
     """
     cutters = [triangle for owner in owners for triangle in owner]
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    seen = toward * normal[:, 2] > LEVEL * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)
+    seen = side * normal[:, 2] > MIN_NORMAL_Z * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)
     found, left = [], 0
     for number, (triangle, corners) in enumerate(zip(triangles, uv, strict=True)):
         rest = _without([triangle[:, :2]], cutters) if seen[number] else [triangle[:, :2]]
@@ -134,8 +136,8 @@ def cut_surface(
             fans = [_fan(piece, triangle, corners) for piece in rest]
             found += [(*fan, [number] * len(fan[0])) for fan in fans]
     if not left:
-        return Pieces(triangles, uv, np.arange(len(triangles)))
-    return Pieces(*(np.concatenate([item[k] for item in found]) for k in range(3)))
+        return ClippedSurface(triangles, uv, np.arange(len(triangles)))
+    return ClippedSurface(*(np.concatenate([item[k] for item in found]) for k in range(3)))
 
 
 def _fan(
@@ -144,5 +146,5 @@ def _fan(
     """Triangulate a piece of a triangle, with the plane, winding and texture coordinates of the original."""
     weight = np.linalg.solve(np.vstack([triangle[:, :2].T, np.ones(3)]), np.vstack([piece.T, np.ones(len(piece))])).T
     order = np.array([[0, k, k + 1] for k in range(1, len(piece) - 1)])
-    order = order[[polygon_area(piece[k]) > SLIVER / 100 for k in order]]
+    order = order[[polygon_area(piece[k]) > MIN_PIECE_AREA / 100 for k in order]]
     return (weight @ triangle)[order], (weight @ uv)[order]

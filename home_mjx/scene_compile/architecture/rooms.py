@@ -7,21 +7,21 @@ from home_mjx.errors import DatasetError
 from home_mjx.geometry.meshes import to_z_up
 from home_mjx.geometry.outline import bounding_outline, outline
 from home_mjx.schema.categories import room_type_index
-from home_mjx.schema.compiled import Rooms
-from home_mjx.schema.house import House, Mesh, Room
+from home_mjx.schema.compiled import RoomTable
+from home_mjx.schema.house import House, Mesh, RoomNode
 
 
-def ground_floor(rooms: Rooms) -> float:
+def ground_floor_height(rooms: RoomTable) -> float:
     """Return the floor height of the lowest level that has rooms [m]."""
     return float(rooms.floor[rooms.level == rooms.level.min()].min())
 
 
-def triangles_of(mesh: Mesh, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "f 3 3"]:
+def world_triangles(mesh: Mesh, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "f 3 3"]:
     """Return the triangles of a room's mesh in the world frame [m]."""
     return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces] + offset
 
 
-def house_rooms(house: House) -> list[tuple[int, Room]]:
+def house_rooms(house: House) -> list[tuple[int, RoomNode]]:
     """Return (level index, room) pairs in file order."""
     return [(level.index, room) for level in house.levels for room in level.rooms]
 
@@ -45,7 +45,7 @@ def ground_offset(house: House) -> Float[np.ndarray, "3"]:
     )
 
 
-def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> Rooms:
+def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> RoomTable:
     """Extract outlines, floor heights and ceiling heights of all rooms.
 
     Args:
@@ -55,7 +55,7 @@ def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> Rooms:
     found = house_rooms(house)
     polygons, heights = zip(*(_measure(room, offset) for _, room in found), strict=True)
     floor, ceiling = np.array(heights).T
-    return Rooms(
+    return RoomTable(
         type=np.array([room_type_index(room.types[0]) if room.types else -1 for _, room in found], np.int32),
         level=np.array([level for level, _ in found], np.int32),
         polygon=tuple(polygons),
@@ -64,10 +64,10 @@ def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> Rooms:
     )
 
 
-def _measure(room: Room, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
+def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
     """Return the outline and the (floor, ceiling) heights of a room; missing meshes are replaced by the others."""
     meshes = (room.floor, room.ceiling, room.walls)
-    floor, ceiling, walls = (None if m is None else triangles_of(m, offset) for m in meshes)
+    floor, ceiling, walls = (None if m is None else world_triangles(m, offset) for m in meshes)
     parts = [p for p in (floor, ceiling, walls) if p is not None]
     if not parts:
         return np.zeros((0, 2)), (0.0, 0.0)

@@ -7,20 +7,20 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.meshes import bounds, make_model
-from home_mjx.geometry.polygons import inside_polygon
+from home_mjx.geometry.polygons import is_inside_polygon
 from home_mjx.geometry.wall_groups import wall_faces
-from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.architecture.ownership import Pieces, cut_surface, owners_before
-from home_mjx.scene_compile.architecture.rooms import house_rooms, triangles_of
-from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, same_wall
+from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.architecture.ownership import ClippedSurface, clip_surface, find_owner_outlines
+from home_mjx.scene_compile.architecture.rooms import house_rooms, world_triangles
+from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, is_same_wall
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
-from home_mjx.schema.compiled import Model, Rooms
+from home_mjx.schema.compiled import Model, RoomTable
 from home_mjx.schema.house import House, Mesh
 from home_mjx.schema.semantic import semantic_row
 
-PROBE = 0.15  # [m], distance beyond a wall of the points that are tested against room outlines
-SKIN = 0.01  # [m], surfaces deeper than this inside a wall count as hidden
-LAYER_GAP = 0.12  # [m], slabs with a smaller vertical gap are one partition, such as a ceiling and the floor above
+ROOM_PROBE_DISTANCE = 0.15  # [m], distance beyond a wall of the points that are tested against room outlines
+VISIBLE_DEPTH = 0.01  # [m], surfaces deeper than this inside a wall count as hidden
+MAX_LAYER_GAP = 0.12  # [m], slabs with a smaller vertical gap are one partition, such as a ceiling and the floor above
 
 
 @dataclass(frozen=True)
@@ -36,47 +36,47 @@ class ShellPart:
 
 
 @dataclass(frozen=True)
-class Wall(ShellPart):
+class WallPart(ShellPart):
     """A wall of one room, with its inner and outer layers."""
 
     slab: Slab
 
 
 @dataclass(frozen=True)
-class Shell:
+class BuildingShell:
     """Architecture of a house; its instance 0."""
 
     parts: tuple[ShellPart, ...]
     partition: Int[np.ndarray, " q"]  # physical wall or slab of each part
     model: Model
     surfaces: tuple[SurfaceMaterial, ...]  # indexed by slot of the model
-    facing: Int[np.ndarray, " q"]  # slot with the largest area on each part's inner side
-    backing: Int[np.ndarray, " q"]  # slot with the largest area on the outer side
+    inner_slot: Int[np.ndarray, " q"]  # slot with the largest area on each part's inner side
+    outer_slot: Int[np.ndarray, " q"]  # slot with the largest area on the outer side
     semantics: Int[np.ndarray, "q columns"]
     num_meshes: int
 
 
-def build_shell(frame: Frame) -> Shell:
+def build_shell(frame: HouseFrame) -> BuildingShell:
     """Build the walls, floors, ceilings and grounds of a house in the world frame."""
     house, rooms = frame.house, frame.rooms
     parts = tuple(_parts(house, frame.offset))
-    partition = partitions(parts)
+    partition = find_partitions(parts)
     surfaces, slots = _slots(parts, _categories(parts, partition, rooms))
     pieces = [_owned(p, parts, rooms) for p in parts]
     model = make_model(
         f"architecture_{house.id}",
         np.concatenate([p.triangles for p in pieces]),
         np.concatenate([p.uv for p in pieces]),
-        np.concatenate([slot[p.source] for slot, p in zip(slots, pieces, strict=True)]),
-        np.repeat(np.arange(len(parts)), [len(p.source) for p in pieces]),
+        np.concatenate([slot[p.triangle_index] for slot, p in zip(slots, pieces, strict=True)]),
+        np.repeat(np.arange(len(parts)), [len(p.triangle_index) for p in pieces]),
     )
-    return Shell(
+    return BuildingShell(
         parts=parts,
         partition=partition,
         model=model,
         surfaces=tuple(surfaces),
-        facing=np.array([_slot_on_side(p, s, inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
-        backing=np.array([_slot_on_side(p, s, -inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
+        inner_slot=np.array([_slot_on_side(p, s, inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
+        outer_slot=np.array([_slot_on_side(p, s, -inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
         semantics=np.array([_row(p, int(i)) for p, i in zip(parts, partition, strict=True)]),
         num_meshes=len({id(p.mesh) for p in parts}),
     )
@@ -97,25 +97,25 @@ def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
 
 
 def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offset: np.ndarray) -> ShellPart:
-    triangles = triangles_of(mesh, offset)[faces]
+    triangles = world_triangles(mesh, offset)[faces]
     if kind == "wall":
-        return Wall(kind, room, level, mesh, faces, triangles, fit_slab(triangles))
+        return WallPart(kind, room, level, mesh, faces, triangles, fit_slab(triangles))
     return ShellPart(kind, room, level, mesh, faces, triangles)
 
 
-def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: Rooms) -> Pieces:
+def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: RoomTable) -> ClippedSurface:
     """Return the triangles of a part; floors and ceilings without the areas owned by other rooms."""
     uv = part.mesh.uv[part.faces]
     owners = []
     if part.kind in ("floor", "ceiling"):
         others = [other.room for other in parts if other.kind == part.kind and other is not part]
-        owners = owners_before(part.room, others, rooms)
+        owners = find_owner_outlines(part.room, others, rooms)
     if not owners:
-        return Pieces(part.triangles, uv, np.arange(len(part.faces)))
-    return cut_surface(part.triangles, uv, 1.0 if part.kind == "floor" else -1.0, owners)
+        return ClippedSurface(part.triangles, uv, np.arange(len(part.faces)))
+    return clip_surface(part.triangles, uv, 1.0 if part.kind == "floor" else -1.0, owners)
 
 
-def partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
+def find_partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
     """Return the index of the physical wall or slab of each part; copies in neighbouring rooms share one."""
     leader = list(range(len(parts)))
     for i, a in enumerate(parts):
@@ -127,13 +127,13 @@ def partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
 
 
 def _same_partition(a: ShellPart, b: ShellPart) -> bool:
-    if isinstance(a, Wall) and isinstance(b, Wall):
-        return same_wall(a.slab, b.slab)
+    if isinstance(a, WallPart) and isinstance(b, WallPart):
+        return is_same_wall(a.slab, b.slab)
     if {a.kind, b.kind} & {"wall", "ground"}:
         return False
     (low_a, high_a), (low_b, high_b) = bounds(a.triangles), bounds(b.triangles)
     common = np.minimum(high_a, high_b) - np.maximum(low_a, low_b)
-    return bool((common[:2] > LAYER_GAP).all() and common[2] > -LAYER_GAP)
+    return bool((common[:2] > MAX_LAYER_GAP).all() and common[2] > -MAX_LAYER_GAP)
 
 
 def _root(leader: list[int], i: int) -> int:
@@ -147,15 +147,15 @@ def _unite(leader: list[int], i: int, j: int) -> None:
     leader[max(a, b)] = min(a, b)
 
 
-def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], rooms: Rooms) -> list[str]:
+def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], rooms: RoomTable) -> list[str]:
     """Return the acoustic category of each part; copies of one wall share it, so transmission is symmetric."""
     numbered = zip(parts, partition, strict=True)
-    inner = {int(p) for part, p in numbered if isinstance(part, Wall) and _is_inner(part, rooms)}
+    inner = {int(p) for part, p in numbered if isinstance(part, WallPart) and _is_inner(part, rooms)}
     walls = ["wall" if p in inner else "outer_wall" for p in partition]
-    return [wall if isinstance(part, Wall) else part.kind for part, wall in zip(parts, walls, strict=True)]
+    return [wall if isinstance(part, WallPart) else part.kind for part, wall in zip(parts, walls, strict=True)]
 
 
-def _is_inner(part: Wall, rooms: Rooms) -> bool:
+def _is_inner(part: WallPart, rooms: RoomTable) -> bool:
     """Return whether rooms are on both sides of at least half of a wall."""
     polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
     between = _indoors(part.slab, -1, polygons) & _indoors(part.slab, 1, polygons)
@@ -163,11 +163,11 @@ def _is_inner(part: Wall, rooms: Rooms) -> bool:
 
 
 def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Bool[np.ndarray, " p"]:
-    """Return whether points along a wall, `PROBE` beyond one of its sides, are inside any of the polygons."""
-    edge = slab.high[1] + PROBE if side > 0 else slab.low[1] - PROBE
+    """Return whether points along a wall, `ROOM_PROBE_DISTANCE` beyond one of its sides, are inside any of the polygons."""
+    edge = slab.high[1] + ROOM_PROBE_DISTANCE if side > 0 else slab.low[1] - ROOM_PROBE_DISTANCE
     along = np.linspace(slab.low[0], slab.high[0], 13)[1:-1]
     points = slab.to_world(np.stack([along, np.full_like(along, edge), np.zeros_like(along)], axis=-1))[:, :2]
-    return np.any([inside_polygon(polygon, points) for polygon in polygons], axis=0)
+    return np.any([is_inside_polygon(polygon, points) for polygon in polygons], axis=0)
 
 
 def _slots(parts: Sequence[ShellPart], categories: Sequence[str]) -> tuple[list[SurfaceMaterial], list[np.ndarray]]:
@@ -197,9 +197,9 @@ def _row(part: ShellPart, partition: int) -> Int[np.ndarray, " columns"]:
     return semantic_row(name, name, name, room=part.room, level=part.level, partition=partition)
 
 
-def inner_normal(part: ShellPart, rooms: Rooms) -> Float[np.ndarray, "3"]:
+def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
     """Return the unit direction from the part into its room."""
-    if not isinstance(part, Wall):
+    if not isinstance(part, WallPart):
         return np.array([0.0, 0.0, -1.0 if part.kind == "ceiling" else 1.0])
     polygon = [rooms.polygon[part.room]]
     left, right = (_indoors(part.slab, side, polygon).mean() for side in (1, -1))
@@ -210,11 +210,11 @@ def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[n
     """Return the slot with the largest visible area on one side of a part."""
     normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
     height = (part.triangles @ toward).min(axis=1)
-    surface = height > height.max() - SKIN
+    surface = height > height.max() - VISIBLE_DEPTH
     return int(np.bincount(slots, np.maximum(normal @ toward, 0) * surface).argmax())
 
 
-def has_room_behind(part: Wall, rooms: Rooms) -> bool:
+def has_room_behind(part: WallPart, rooms: RoomTable) -> bool:
     """Return whether any room is beyond at least half of a wall's outer side."""
     polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
     away = part.slab.to_world(np.array([0.0, 1.0, 0.0])) @ inner_normal(part, rooms) < 0

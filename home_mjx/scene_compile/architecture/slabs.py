@@ -6,12 +6,20 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.geometry.boxes import BoxSet, box_set, join, no_boxes
-from home_mjx.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes
+from home_mjx.geometry.rectangles import (
+    cell_centers,
+    cover_with_rectangles,
+    is_in_triangles,
+    merge_close_values,
+    split_rectangles,
+)
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.geometry.wall_groups import direction_across
+from home_mjx.geometry.wall_groups import facing_axis
 
-SNAP = 0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ by less
+EDGE_MERGE_DISTANCE = (
+    0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ by less
+)
 
 
 @dataclass(frozen=True)
@@ -42,11 +50,11 @@ def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
     """Fit the local frame of a wall; the across axis is the dominant direction of its face normals."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
     area = np.linalg.norm(normal, axis=1)
-    across = direction_across(normal[:, :2], area)
-    return slab_along(float(np.arctan2(-across[0], across[1])), triangles, normal)
+    across = facing_axis(normal[:, :2], area)
+    return fit_slab_at_yaw(float(np.arctan2(-across[0], across[1])), triangles, normal)
 
 
-def slab_along(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3"]) -> Slab:
+def fit_slab_at_yaw(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3"]) -> Slab:
     """Return the slab with the specified yaw around triangles."""
     turn = yaw_matrix(yaw)
     local = triangles @ turn
@@ -55,7 +63,7 @@ def slab_along(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[
     return Slab(yaw, flat.min(axis=0), flat.max(axis=0), local[facing])
 
 
-def same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
+def is_same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
     """Return whether two slabs are copies of one physical wall, or one overlaps the other as its continuation.
 
     Args:
@@ -72,26 +80,26 @@ def same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool
     return bool(common > overlap and abs(ends[:, 1].mean() - a.middle) < gap)
 
 
-def wall_boxes(slabs: Sequence[Slab], longest: float) -> BoxSet:
+def wall_boxes(slabs: Sequence[Slab], max_length: float) -> BoxSet:
     """Fill one physical wall, except for its openings, with boxes.
 
     Args:
         slabs: Prisms of the wall: copies in neighbouring rooms, inner and outer layers.
-        longest: Maximum length of a box [m].
+        max_length: Maximum length of a box [m].
     """
     main = max(slabs, key=lambda s: s.length)
     turn = yaw_matrix(main.yaw)
     corners = np.concatenate([s.to_world(np.stack([s.low, s.high])) for s in slabs]) @ turn
     faces = np.concatenate([s.to_world(s.faces) for s in slabs]) @ turn
     if not len(faces):
-        return no_boxes()
+        return empty_boxes()
     across = corners[:, 1].min(), corners[:, 1].max()
-    u, v = (cluster(faces[..., axis], SNAP) for axis in (0, 2))
-    solid = in_triangles(faces[..., [0, 2]], cell_centers(u, v))
-    pieces = split(cover(u, v, solid), longest)
-    return join(_piece(piece, across, main.yaw) for piece in pieces)
+    u, v = (merge_close_values(faces[..., axis], EDGE_MERGE_DISTANCE) for axis in (0, 2))
+    solid = is_in_triangles(faces[..., [0, 2]], cell_centers(u, v))
+    pieces = split_rectangles(cover_with_rectangles(u, v, solid), max_length)
+    return concat_boxes(_piece(piece, across, main.yaw) for piece in pieces)
 
 
 def _piece(piece: Float[np.ndarray, "4"], across: tuple[float, float], yaw: float) -> BoxSet:
     low, high = np.array([piece[0], across[0], piece[1]]), np.array([piece[2], across[1], piece[3]])
-    return box_set(yaw_matrix(yaw) @ ((low + high) / 2), (high - low) / 2, yaw)
+    return make_boxes(yaw_matrix(yaw) @ ((low + high) / 2), (high - low) / 2, yaw)

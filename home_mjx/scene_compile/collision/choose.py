@@ -2,21 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 
-from home_mjx.geometry.boxes import BoxSet, join
-from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, may_move
-from home_mjx.scene_compile.collision.settle import carriers_first, find_support, loads_of, settle
+from home_mjx.geometry.boxes import BoxSet, concat_boxes
+from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions, is_movable
+from home_mjx.scene_compile.collision.settle import find_loads, find_support, place_on_supports, sort_carriers_first
 from home_mjx.scene_compile.objects.masses import object_mass
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.compiled import Rooms
+from home_mjx.schema.compiled import RoomTable
 
 
-def choose_movables(
+def select_movables(
     objects: Sequence[PlacedObject],
     static: Mapping[int, BoxSet],
     fixed: BoxSet,
-    rooms: Rooms,
+    rooms: RoomTable,
     options: MovableOptions,
-) -> tuple[list[Candidate], list[int], int]:
+) -> tuple[list[MovableCandidate], list[int], int]:
     """Select the objects that become bodies.
 
     An object that carries others is a body only if all of its loads are bodies, so that nothing is left in the air.
@@ -32,33 +32,35 @@ def choose_movables(
         The selected objects, lightest first; ids of candidates that are not free to move; number of free candidates
         beyond `max_bodies`.
     """
-    loads = loads_of(objects, options.reach)
-    everything = join([fixed, *static.values()])
-    free = [_candidate(o, rooms, options) for o in objects if may_move(o, options)]
-    resting = [c for c in free if c.floor is not None or find_support(c.box, everything, options.reach) is not None]
+    loads = find_loads(objects, options.max_support_gap)
+    everything = concat_boxes([fixed, *static.values()])
+    free = [_candidate(o, rooms, options) for o in objects if is_movable(o, options)]
+    resting = [
+        c for c in free if c.floor is not None or find_support(c.box, everything, options.max_support_gap) is not None
+    ]
     candidates = sorted(resting, key=lambda c: (c.mass, c.item.object_id))
-    standing = settle(candidates, loads, static, fixed, options)
-    ids = set(_first(standing, loads, options.max_bodies))
+    standing = place_on_supports(candidates, loads, static, fixed, options)
+    ids = set(_lightest(standing, loads, options.max_bodies))
     # The remaining objects are obstacles with their own boxes, which may be slightly larger.
-    chosen = settle([c for c in candidates if c.item.object_id in ids], loads, static, fixed, options)
+    chosen = place_on_supports([c for c in candidates if c.item.object_id in ids], loads, static, fixed, options)
     free_ids = {c.item.object_id for c in standing}
     stuck = [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
     return sorted(chosen, key=lambda c: (c.mass, c.item.object_id)), stuck, len(standing) - len(ids)
 
 
-def _candidate(item: PlacedObject, rooms: Rooms, options: MovableOptions) -> Candidate:
+def _candidate(item: PlacedObject, rooms: RoomTable, options: MovableOptions) -> MovableCandidate:
     floor = float(rooms.floor[item.room])
-    on_floor = bool(abs(item.box.bottom[0] - floor) <= options.reach)
-    return Candidate(item, item.box, object_mass(item), floor if on_floor else None)
+    on_floor = bool(abs(item.box.bottom[0] - floor) <= options.max_support_gap)
+    return MovableCandidate(item, item.box, object_mass(item), floor if on_floor else None)
 
 
-def _first(standing: Sequence[Candidate], loads: Mapping[int, Sequence[int]], most: int) -> list[int]:
+def _lightest(standing: Sequence[MovableCandidate], loads: Mapping[int, Sequence[int]], most: int) -> list[int]:
     """Return the ids of the lightest objects.
 
     An object sorts by the heaviest of itself and its loads, so all of its loads are included as well.
     """
     mass: dict[int, float] = {}
-    for c in reversed(carriers_first(standing, loads)):
+    for c in reversed(sort_carriers_first(standing, loads)):
         own = c.item.object_id
         mass[own] = max([c.mass, *(mass.get(i, 0.0) for i in loads.get(own, ()))])
     # Sorting is stable, and loads precede their carriers in the reversed order.

@@ -8,21 +8,24 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.core.checks import check_number
-from home_mjx.geometry.box_fit import components, fit_boxes, narrowest_box
-from home_mjx.geometry.boxes import BoxSet, footprint, join, no_boxes
+from home_mjx.geometry.box_fit import fit_boxes, narrowest_box, triangle_components
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, footprint
 from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.architecture.shell import Shell, Wall
+from home_mjx.scene_compile.architecture.shell import BuildingShell, WallPart
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
-from home_mjx.scene_compile.objects.doorways import PORTALS
+from home_mjx.scene_compile.objects.doorways import PORTAL_CATEGORIES
 from home_mjx.scene_compile.objects.place import PlacedObject
 
-SOFT = ("curtain", "rug")  # categories without colliders: agents walk through or over them
-FITTING = 0.2  # [m], parts of a door up to this size are handles or hinges and get no box
-SILL = 0.04  # [m] above the floor; parts of a door below this are its sill, which agents step over
-LEAF_HEIGHT = 1.0  # [m], minimum height of a door leaf
-LEAST_PIECE, MOST_BOXES = 0.1, 256  # [m], minimum wall piece; maximum boxes per object; finer ones waste memory
-LEAF_TURN = np.deg2rad(3.0)  # minimum angle of an open leaf to its wall
+PASSABLE_CATEGORIES = ("curtain", "rug")  # categories without colliders: agents walk through or over them
+MAX_FITTING_SIZE = 0.2  # [m], parts of a door up to this size are handles or hinges and get no box
+MAX_SILL_HEIGHT = 0.04  # [m] above the floor; parts of a door below this are its sill, which agents step over
+MIN_LEAF_HEIGHT = 1.0  # [m], minimum height of a door leaf
+MIN_WALL_PIECE, MAX_BOXES_PER_OBJECT = (
+    0.1,
+    256,
+)  # [m], minimum wall piece; maximum boxes per object; finer ones waste memory
+MIN_OPEN_LEAF_ANGLE = np.deg2rad(3.0)  # minimum angle of an open leaf to its wall
 
 
 @dataclass(frozen=True)
@@ -30,34 +33,34 @@ class ColliderOptions:
     """Options of collision boxes.
 
     Attributes:
-        height: Boxes that begin higher above the level's floor are omitted [m].
-        step: Boxes that end lower above the level's floor are omitted [m].
-        wall_length: Maximum length of one piece of a wall [m].
-        boxes_per_object: Maximum number of boxes per object.
+        max_bottom_height: Boxes that begin higher above the level's floor are omitted [m].
+        min_top_height: Boxes that end lower above the level's floor are omitted [m].
+        max_wall_length: Maximum length of one piece of a wall [m].
+        max_boxes_per_object: Maximum number of boxes per object.
 
     Raises:
         ConfigError: A value is out of range.
     """
 
-    height: float = 2.0
-    step: float = 0.03
-    wall_length: float = 1.5
-    boxes_per_object: int = 8
+    max_bottom_height: float = 2.0
+    min_top_height: float = 0.03
+    max_wall_length: float = 1.5
+    max_boxes_per_object: int = 8
 
     def __post_init__(self) -> None:
-        check_number("height", self.height, 0)
-        check_number("step", self.step, 0)
-        check_number("wall_length", self.wall_length, LEAST_PIECE)
-        check_number("boxes_per_object", self.boxes_per_object, 1, MOST_BOXES, whole=True)
+        check_number("max_bottom_height", self.max_bottom_height, 0)
+        check_number("min_top_height", self.min_top_height, 0)
+        check_number("max_wall_length", self.max_wall_length, MIN_WALL_PIECE)
+        check_number("max_boxes_per_object", self.max_boxes_per_object, 1, MAX_BOXES_PER_OBJECT, integer=True)
 
 
-def wall_colliders(shell: Shell, options: ColliderOptions) -> BoxSet:
+def wall_colliders(shell: BuildingShell, options: ColliderOptions) -> BoxSet:
     """Return boxes of each physical wall of all levels, solid except for its openings."""
     walls: dict[int, list] = {}
     for part, partition in zip(shell.parts, shell.partition, strict=True):
-        if isinstance(part, Wall):
+        if isinstance(part, WallPart):
             walls.setdefault(int(partition), []).append(part.slab)
-    return join(wall_boxes(slabs, options.wall_length) for slabs in walls.values())
+    return concat_boxes(wall_boxes(slabs, options.max_wall_length) for slabs in walls.values())
 
 
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
@@ -70,14 +73,16 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
         floor: Height of the level's floor [m].
         options: Number and height limits of boxes.
     """
-    boxes, leaves = no_boxes(), []
+    boxes, leaves = empty_boxes(), []
     if item.info.coarse == "window":
         boxes = item.box
-    elif item.info.coarse not in SOFT and bounds(item.triangles)[0, 2] < floor + options.height:
-        sill = floor + SILL - item.pose[2, 3] if item.info.coarse in PORTALS else None
-        boxes, leaves = _fit_shape(_shape(item), sill, options.boxes_per_object)
+    elif (
+        item.info.coarse not in PASSABLE_CATEGORIES and bounds(item.triangles)[0, 2] < floor + options.max_bottom_height
+    ):
+        sill = floor + MAX_SILL_HEIGHT - item.pose[2, 3] if item.info.coarse in PORTAL_CATEGORIES else None
+        boxes, leaves = _fit_shape(_shape(item), sill, options.max_boxes_per_object)
         boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
-        boxes = join([boxes, item.shut_leaves])
+        boxes = concat_boxes([boxes, item.shut_leaves])
     return keep_reachable(boxes, floor, options), leaves
 
 
@@ -94,7 +99,7 @@ def _shape(item: PlacedObject) -> _Shape:
     """Return the shape of an object, without the leaves of a door whose hinges are known."""
     # The triangles use the rounded matrix too; otherwise cached boxes would depend on the order of nearly equal shapes.
     linear = np.round(yaw_matrix(-item.yaw) @ item.pose[:, :3], 6) + 0.0
-    return _Shape(item.main.key, linear.tobytes(), item.main.triangle.astype(np.float64) @ linear.T)
+    return _Shape(item.main_part.key, linear.tobytes(), item.main_part.triangle.astype(np.float64) @ linear.T)
 
 
 @lru_cache(maxsize=1 << 12)
@@ -109,7 +114,7 @@ def _place(boxes: BoxSet, item: PlacedObject) -> BoxSet:
     return BoxSet(boxes.center @ yaw_matrix(item.yaw).T + item.pose[:, 3], boxes.half, boxes.yaw + item.yaw)
 
 
-def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
+def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, max_boxes: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
     """Return boxes of the frame and of the open leaves of a door.
 
     Each leaf gets one box along its own direction, so that the passage is as wide as it appears.
@@ -117,32 +122,34 @@ def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, most: int) ->
     Args:
         triangles: The door, its wall along x [m].
         sill: Triangles that end lower are omitted [m].
-        most: Maximum number of boxes for the frame.
+        max_boxes: Maximum number of boxes for the frame.
     """
-    part = components(triangles)
+    part = triangle_components(triangles)
     frame, leaves = [], []
     for number in np.unique(part):
         piece = triangles[(part == number) & (triangles[..., 2].max(axis=1) > sill)]
-        if len(piece) and np.ptp(piece.reshape(-1, 3), axis=0).max() > FITTING:
+        if len(piece) and np.ptp(piece.reshape(-1, 3), axis=0).max() > MAX_FITTING_SIZE:
             box = narrowest_box(piece.reshape(-1, 3))
             if _is_open_leaf(box):
                 leaves.append(box)
             else:
                 frame.append(piece)
-    return fit_boxes(np.concatenate(frame), 0.0, most) if frame else no_boxes(), tuple(leaves)
+    return fit_boxes(np.concatenate(frame), 0.0, max_boxes) if frame else empty_boxes(), tuple(leaves)
 
 
 def _is_open_leaf(box: BoxSet) -> bool:
     turn = (box.yaw[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4
-    return bool(box.half[0, 2] * 2 > LEAF_HEIGHT and abs(turn) > LEAF_TURN)
+    return bool(box.half[0, 2] * 2 > MIN_LEAF_HEIGHT and abs(turn) > MIN_OPEN_LEAF_ANGLE)
 
 
 def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> BoxSet:
     """Return the boxes that an agent or object on a floor at this height can touch."""
-    return boxes[(boxes.top > floor + options.step) & (boxes.bottom < floor + options.height)]
+    return boxes[(boxes.top > floor + options.min_top_height) & (boxes.bottom < floor + options.max_bottom_height)]
 
 
-def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], gain: float = 0.5) -> list[BoxSet]:
+def select_passable_leaves(
+    leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], min_gain: float = 0.5
+) -> list[BoxSet]:
     """Return the open leaves that keep their boxes; a leaf that cuts off a part of the house is omitted.
 
     SUNCG's open doors are half open and often blocked by furniture; a resident would push the leaf aside. An omitted
@@ -151,20 +158,20 @@ def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], floa
     Args:
         leaves: One box each.
         free_area: Function from leaf boxes to the area of the largest free region [m^2].
-        gain: Minimum area that a leaf must cut off to be omitted [m^2].
+        min_gain: Minimum area that a leaf must cut off to be omitted [m^2].
     """
     if not leaves:
         return []
-    area = free_area(join(leaves))
+    area = free_area(concat_boxes(leaves))
     for leaf in leaves:
         others = [other for other in leaves if other is not leaf]
-        without = free_area(join(others))
-        if without > area + gain + 4 * float(leaf.half[0, 0] * leaf.half[0, 1]):
-            return passable_leaves(others, free_area, gain)
+        without = free_area(concat_boxes(others))
+        if without > area + min_gain + 4 * float(leaf.half[0, 0] * leaf.half[0, 1]):
+            return select_passable_leaves(others, free_area, min_gain)
     return list(leaves)
 
 
-def not_hidden(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
+def exposed_mask(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
     """Return a mask of the boxes that are not contained in another box, since contained ones cannot be touched."""
     kept = np.ones(len(boxes), bool)
     corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)

@@ -6,58 +6,60 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.geometry.boxes import BoxSet, box_set, footprint_distance, join
-from home_mjx.scene_compile.collision.floors import SLAB, FloorPlan, top_under
-from home_mjx.scene_compile.objects.stairs import Stairs
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint_distance, make_boxes
+from home_mjx.scene_compile.collision.floors import FLOOR_THICKNESS, FloorPlan, highest_top_below
+from home_mjx.scene_compile.objects.stairs import Staircase
 
-STEP_DOWN = 0.3  # [m], drops up to this height need no barrier
-RAIL = 1.1  # [m], height of a barrier
-THICKNESS = 0.06  # [m], of a barrier
-SPACING = 0.05  # [m], maximum distance of the points at which an edge is tested
-OUTSIDE = 0.05  # [m], distance beyond an edge at which the drop is measured
-WALL_REACH = 0.08  # [m], maximum distance from an edge to the wall that closes it; outlines run in or beside walls
+MAX_SAFE_DROP = 0.3  # [m], drops up to this height need no barrier
+BARRIER_HEIGHT = 1.1  # [m], height of a barrier
+BARRIER_THICKNESS = 0.06  # [m], of a barrier
+SAMPLE_SPACING = 0.05  # [m], maximum distance of the points at which an edge is tested
+DROP_PROBE_DISTANCE = 0.05  # [m], distance beyond an edge at which the drop is measured
+MAX_WALL_DISTANCE = (
+    0.08  # [m], maximum distance from an edge to the wall that closes it; outlines run in or beside walls
+)
 
 
 @dataclass(frozen=True)
-class Edge:
+class FloorEdge:
     """A straight edge of a floor.
 
     Attributes:
         start: First end [m].
         end: Second end [m].
-        out: Unit direction away from the floor.
+        outward: Unit direction away from the floor.
         height: Height of the floor [m].
     """
 
     start: Float[np.ndarray, "2"]
     end: Float[np.ndarray, "2"]
-    out: Float[np.ndarray, "2"]
+    outward: Float[np.ndarray, "2"]
     height: float
 
     @property
     def points(self) -> Float[np.ndarray, "n 2"]:
-        """Points along the edge, at most `SPACING` apart, without its ends [m]."""
-        count = max(int(np.ceil(np.linalg.norm(self.end - self.start) / SPACING)), 1)
+        """Points along the edge, at most `SAMPLE_SPACING` apart, without its ends [m]."""
+        count = max(int(np.ceil(np.linalg.norm(self.end - self.start) / SAMPLE_SPACING)), 1)
         return self.start + (np.arange(count) + 0.5)[:, None] / count * (self.end - self.start)
 
-    def part(self, first: int, last: int) -> "Edge":
+    def segment(self, first: int, last: int) -> "FloorEdge":
         """Return the part of the edge around a range of its points."""
         way = (self.end - self.start) / len(self.points)
-        return Edge(self.start + first * way, self.start + last * way, self.out, self.height)
+        return FloorEdge(self.start + first * way, self.start + last * way, self.outward, self.height)
 
     @property
     def barrier(self) -> BoxSet:
         """Upright box just beyond the edge; slightly longer, so that barriers meet at corners."""
         way = self.end - self.start
         length = float(np.linalg.norm(way))
-        middle = (self.start + self.end) / 2 + self.out * THICKNESS / 2
-        low, high = self.height - SLAB, self.height + RAIL
-        half = [length / 2 + THICKNESS, THICKNESS / 2, (high - low) / 2]
-        return box_set([*middle, (low + high) / 2], half, float(np.arctan2(way[1], way[0])))
+        middle = (self.start + self.end) / 2 + self.outward * BARRIER_THICKNESS / 2
+        low, high = self.height - FLOOR_THICKNESS, self.height + BARRIER_HEIGHT
+        half = [length / 2 + BARRIER_THICKNESS, BARRIER_THICKNESS / 2, (high - low) / 2]
+        return make_boxes([*middle, (low + high) / 2], half, float(np.arctan2(way[1], way[0])))
 
 
-def edge_barriers(
-    plans: Sequence[FloorPlan], floors: BoxSet, stairs: Sequence[Stairs], walls: BoxSet, ground: float
+def build_drop_barriers(
+    plans: Sequence[FloorPlan], floors: BoxSet, stairs: Sequence[Staircase], walls: BoxSet, ground_height: float
 ) -> BoxSet:
     """Return barriers along all edges that have a drop and are not closed by a wall.
 
@@ -66,16 +68,16 @@ def edge_barriers(
         floors: Boxes of these floors.
         stairs: Stairs, which close the drop at their head.
         walls: Boxes that close an edge: walls, windows, existing barriers.
-        ground: Height of the plane below everything [m].
+        ground_height: Height of the plane below everything [m].
     """
     found = []
     for plan in plans:
         for edge in _edges(plan):
-            found += _runs(edge, _over_a_drop(edge, floors, stairs, ground) & ~_closed(edge, walls))
-    return join(edge.barrier for edge in found)
+            found += _runs(edge, _over_a_drop(edge, floors, stairs, ground_height) & ~_closed(edge, walls))
+    return concat_boxes(edge.barrier for edge in found)
 
 
-def _edges(plan: FloorPlan) -> Iterator[Edge]:
+def _edges(plan: FloorPlan) -> Iterator[FloorEdge]:
     """Yield straight runs of cell sides with a floor on one side and a drop on the other."""
     padded = np.pad(plan.height, 1, constant_values=-np.inf)
     lines = plan.u, plan.v
@@ -83,7 +85,7 @@ def _edges(plan: FloorPlan) -> Iterator[Edge]:
         turned = padded[1:-1] if axis == 0 else padded[:, 1:-1].T
         for side in (1, -1):
             inner, outer = (turned[:, :-1], turned[:, 1:])[::side]
-            over = inner > outer + STEP_DOWN
+            over = inner > outer + MAX_SAFE_DROP
             for line in range(over.shape[1]):
                 yield from _along(
                     plan, lines[axis][line], lines[1 - axis], np.where(over, inner, -np.inf)[:, line], axis, side
@@ -92,7 +94,7 @@ def _edges(plan: FloorPlan) -> Iterator[Edge]:
 
 def _along(
     plan: FloorPlan, at: float, stops: Float[np.ndarray, " n"], height: Float[np.ndarray, " m"], axis: int, side: int
-) -> Iterator[Edge]:
+) -> Iterator[FloorEdge]:
     """Yield the edges on one grid line, each along neighbouring cells of equal height."""
     breaks = np.flatnonzero(np.concatenate([[True], height[1:] != height[:-1], [True]]))
     for first, last in zip(breaks[:-1].tolist(), breaks[1:].tolist(), strict=True):
@@ -100,27 +102,29 @@ def _along(
             ends = np.array([[at, stops[first]], [at, stops[last]]])
             out = np.array([float(side), 0.0])
             ends, out = (ends, out) if axis == 0 else (ends[:, ::-1], out[::-1])
-            start, end = plan.world(ends)
-            yield Edge(start, end, plan.world(out), float(height[first]))
+            start, end = plan.to_world(ends)
+            yield FloorEdge(start, end, plan.to_world(out), float(height[first]))
 
 
-def _over_a_drop(edge: Edge, floors: BoxSet, stairs: Sequence[Stairs], ground: float) -> Bool[np.ndarray, " n"]:
-    beyond = edge.points + OUTSIDE * edge.out
-    below = np.maximum(top_under(floors, beyond, edge.height + STEP_DOWN), ground)
+def _over_a_drop(edge: FloorEdge, floors: BoxSet, stairs: Sequence[Staircase], ground: float) -> Bool[np.ndarray, " n"]:
+    beyond = edge.points + DROP_PROBE_DISTANCE * edge.outward
+    below = np.maximum(highest_top_below(floors, beyond, edge.height + MAX_SAFE_DROP), ground)
     for one in stairs:
         below = np.maximum(below, one.surface(beyond))
-    return edge.height - below > STEP_DOWN
+    return edge.height - below > MAX_SAFE_DROP
 
 
-def _closed(edge: Edge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
+def _closed(edge: FloorEdge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
     """Return whether a box as high as a railing closes each point of the edge."""
     closed = np.zeros(len(edge.points), bool)
-    for i in np.flatnonzero((walls.bottom < edge.height + RAIL / 2) & (walls.top > edge.height + RAIL / 2)).tolist():
-        closed |= footprint_distance(walls, i, edge.points) < WALL_REACH
+    for i in np.flatnonzero(
+        (walls.bottom < edge.height + BARRIER_HEIGHT / 2) & (walls.top > edge.height + BARRIER_HEIGHT / 2)
+    ).tolist():
+        closed |= footprint_distance(walls, i, edge.points) < MAX_WALL_DISTANCE
     return closed
 
 
-def _runs(edge: Edge, wanted: Bool[np.ndarray, " n"]) -> list[Edge]:
+def _runs(edge: FloorEdge, wanted: Bool[np.ndarray, " n"]) -> list[FloorEdge]:
     """Return the parts of an edge whose points are wanted."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], wanted, [False]]).astype(int)))
-    return [edge.part(int(first), int(last)) for first, last in ends.reshape(-1, 2)]
+    return [edge.segment(int(first), int(last)) for first, last in ends.reshape(-1, 2)]

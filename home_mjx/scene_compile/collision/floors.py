@@ -6,18 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from home_mjx.geometry.boxes import BoxSet, box_set, join
-from home_mjx.geometry.polygons import inside_polygon, polygon_distance, smallest_room
-from home_mjx.geometry.rectangles import cell_centers, cluster, cover
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
+from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_distance
+from home_mjx.geometry.rectangles import cell_centers, cover_with_rectangles, merge_close_values
 from home_mjx.geometry.rotations import plane_matrix, yaw_matrix
-from home_mjx.scene_compile.objects.stairs import Stairs
-from home_mjx.schema.compiled import Rooms
+from home_mjx.scene_compile.objects.stairs import Staircase
+from home_mjx.schema.compiled import RoomTable
 
-SLAB = 0.15  # [m], thickness of a floor
-SNAP = 0.01  # [m], grid lines closer than this are merged
-SLANTED = 0.02  # [m], edges that deviate less than this from a grid direction count as straight
-PARALLEL = 0.01  # [rad], maximum deviation of edges that count as parallel or perpendicular
-STRIP = 0.1  # [m], maximum width of the strips along a slanted edge
+FLOOR_THICKNESS = 0.15  # [m], thickness of a floor
+LINE_MERGE_DISTANCE = 0.01  # [m], grid lines closer than this are merged
+MAX_STRAIGHT_DEVIATION = 0.02  # [m], edges that deviate less than this from a grid direction count as straight
+PARALLEL_TOLERANCE = 0.01  # [rad], maximum deviation of edges that count as parallel or perpendicular
+MAX_STRIP_WIDTH = 0.1  # [m], maximum width of the strips along a slanted edge
 
 Polygon = Float[np.ndarray, "_ 2"]
 
@@ -40,36 +40,36 @@ class FloorPlan:
     height: Float[np.ndarray, "_ _"]
     lowest: float
 
-    def world(self, local: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p 2"]:
+    def to_world(self, local: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p 2"]:
         """Transform points from the plan's axes to the world."""
         return local @ plane_matrix(self.yaw).T
 
     def boxes(self, above: float = -np.inf) -> BoxSet:
-        """Return the floors as boxes that extend to `SLAB` below the level's lowest floor.
+        """Return the floors as boxes that extend to `FLOOR_THICKNESS` below the level's lowest floor.
 
         Args:
             above: Floors at or below this height are omitted [m].
         """
         found = []
         for height in np.unique(self.height[self.height > above]).tolist():
-            bottom = self.lowest - SLAB
-            for u0, v0, u1, v1 in _fewest(self.u, self.v, self.height == height).tolist():
-                middle = self.world(np.array([(u0 + u1) / 2, (v0 + v1) / 2]))
+            bottom = self.lowest - FLOOR_THICKNESS
+            for u0, v0, u1, v1 in _smaller_cover(self.u, self.v, self.height == height).tolist():
+                middle = self.to_world(np.array([(u0 + u1) / 2, (v0 + v1) / 2]))
                 half = [(u1 - u0) / 2, (v1 - v0) / 2, (height - bottom) / 2]
-                found.append(box_set([*middle, (height + bottom) / 2], half, self.yaw))
-        return join(found)
+                found.append(make_boxes([*middle, (height + bottom) / 2], half, self.yaw))
+        return concat_boxes(found)
 
 
-def _fewest(
+def _smaller_cover(
     u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
 ) -> Float[np.ndarray, "r 4"]:
     """Return the smaller of two rectangle covers, grown along either axis first."""
-    upright, lying = cover(u, v, solid), cover(v, u, solid.T)[:, [1, 0, 3, 2]]
+    upright, lying = cover_with_rectangles(u, v, solid), cover_with_rectangles(v, u, solid.T)[:, [1, 0, 3, 2]]
     return min(upright, lying, key=len)
 
 
 def plan_floors(
-    rooms: Rooms, level: int, doorways: Sequence[Float[np.ndarray, "4 2"]], stairs: Sequence[Stairs], grid: int
+    rooms: RoomTable, level: int, doorways: Sequence[Float[np.ndarray, "4 2"]], stairs: Sequence[Staircase], grid: int
 ) -> FloorPlan:
     """Return the floor plan of a level: rooms, doorways between rooms, and the top treads of stairs.
 
@@ -82,7 +82,7 @@ def plan_floors(
     """
     here = np.flatnonzero(rooms.level == level)
     holes = [outline for s in stairs if s.upper == grid for outline in s.well]
-    treads = [(top, s.high) for s in stairs if s.upper == grid for top in s.top]
+    treads = [(top, s.high) for s in stairs if s.upper == grid for top in s.top_tread]
     gaps = [(way, _nearest_floor(rooms, here, way.mean(axis=0))) for way in doorways] + treads
     outlines = [*(rooms.polygon[r] for r in here if len(rooms.polygon[r])), *(p for p, _ in gaps), *holes]
     lowest = float(rooms.floor[here].min())
@@ -91,16 +91,16 @@ def plan_floors(
     yaw = _main_direction(outlines)
     u, v = _lines([p @ plane_matrix(yaw) for p in outlines])
     centers = cell_centers(u, v) @ plane_matrix(yaw).T
-    room = smallest_room(rooms, here, centers)
+    room = find_smallest_room(rooms, here, centers)
     height = np.where(room >= 0, rooms.floor[room], -np.inf)
     for outline, floor in gaps:
-        height = np.where(np.isinf(height) & inside_polygon(outline, centers), floor, height)
+        height = np.where(np.isinf(height) & is_inside_polygon(outline, centers), floor, height)
     for hole in holes:
-        height[inside_polygon(hole, centers)] = -np.inf
+        height[is_inside_polygon(hole, centers)] = -np.inf
     return FloorPlan(yaw, u, v, np.round(height, 4), lowest)
 
 
-def _nearest_floor(rooms: Rooms, here: Int[np.ndarray, " r"], point: Float[np.ndarray, "2"]) -> float:
+def _nearest_floor(rooms: RoomTable, here: Int[np.ndarray, " r"], point: Float[np.ndarray, "2"]) -> float:
     away = [polygon_distance(rooms.polygon[r], point) for r in here]
     return float(rooms.floor[here[int(np.argmin(away))]])
 
@@ -110,7 +110,7 @@ def _main_direction(outlines: Sequence[Polygon]) -> float:
     edge = np.concatenate([np.roll(p, -1, axis=0) - p for p in outlines])
     length, yaw = np.hypot(*edge.T), np.arctan2(edge[:, 1], edge[:, 0])
     stray = abs(np.sin(2 * (yaw[:, None] - yaw))) / 2  # sine of the deviation from parallel or perpendicular
-    best = int(np.argmax((length * (stray < PARALLEL)).sum(axis=1) + 1e-6 * length))
+    best = int(np.argmax((length * (stray < PARALLEL_TOLERANCE)).sum(axis=1) + 1e-6 * length))
     return float((yaw[best] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
 
 
@@ -120,16 +120,16 @@ def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float
     for outline in outlines:
         for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
             stray = float(abs(b - a).min())
-            count = int(np.ceil(stray / STRIP)) if stray > SLANTED else 1
+            count = int(np.ceil(stray / MAX_STRIP_WIDTH)) if stray > MAX_STRAIGHT_DEVIATION else 1
             points.append(a + (b - a) * np.linspace(0, 1, count + 1)[:, None])
     u, v = np.concatenate(points).T
-    return cluster(u, SNAP), cluster(v, SNAP)
+    return merge_close_values(u, LINE_MERGE_DISTANCE), merge_close_values(v, LINE_MERGE_DISTANCE)
 
 
-def top_under(boxes: BoxSet, points: Float[np.ndarray, "p 2"], most: float) -> Float[np.ndarray, " p"]:
-    """Return the height of the highest box under each point with a top of at most `most` [m]; -inf if none."""
+def highest_top_below(boxes: BoxSet, points: Float[np.ndarray, "p 2"], max_height: float) -> Float[np.ndarray, " p"]:
+    """Return the height of the highest box under each point with a top of at most `max_height` [m]; -inf if none."""
     height = np.full(len(points), -np.inf)
-    for i in np.flatnonzero(boxes.top <= most).tolist():
+    for i in np.flatnonzero(boxes.top <= max_height).tolist():
         local = (points - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]
         inside = (abs(local) <= boxes.half[i, :2]).all(axis=1)
         height[inside] = np.maximum(height[inside], boxes.top[i])

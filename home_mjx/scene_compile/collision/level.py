@@ -5,21 +5,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from home_mjx.geometry.boxes import BoxSet, distinct, join, no_boxes
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, unique_boxes
 from home_mjx.scene_compile.collision.colliders import (
     ColliderOptions,
+    exposed_mask,
     keep_reachable,
-    not_hidden,
     object_colliders,
-    passable_leaves,
+    select_passable_leaves,
 )
-from home_mjx.scene_compile.collision.movables import Candidate
+from home_mjx.scene_compile.collision.movables import MovableCandidate
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Colliders
 
 
 @dataclass(frozen=True)
-class LooseLeaf:
+class UnhingedLeaf:
     """Box of an open leaf without a known hinge: static, or without a collider."""
 
     object_id: int
@@ -33,19 +33,19 @@ class LevelBoxes:
     Attributes:
         walls: Boxes of the architecture.
         objects: Boxes of each object while it is fixed, by object id.
-        loose: Open leaves without a known hinge.
+        unhinged: Open leaves without a known hinge.
         hinged: Boxes of leaves that turn, in their initial pose.
     """
 
     walls: BoxSet
     objects: Mapping[int, BoxSet]
-    loose: Sequence[LooseLeaf]
+    unhinged: Sequence[UnhingedLeaf]
     hinged: BoxSet
 
     @property
     def fixed(self) -> BoxSet:
         """Walls and all leaves, which never move, whichever objects are movable."""
-        return join([self.walls, *(leaf.box for leaf in self.loose), self.hinged])
+        return concat_boxes([self.walls, *(leaf.box for leaf in self.unhinged), self.hinged])
 
 
 def level_boxes(walls: BoxSet, objects: Sequence[PlacedObject], floor: float, options: ColliderOptions) -> LevelBoxes:
@@ -58,12 +58,12 @@ def level_boxes(walls: BoxSet, objects: Sequence[PlacedObject], floor: float, op
         options: Options of box fitting.
     """
     fitted = {o.object_id: object_colliders(o, floor, options) for o in objects}
-    loose = [LooseLeaf(i, leaf) for i, (_, leaves) in fitted.items() for leaf in leaves]
+    loose = [UnhingedLeaf(i, leaf) for i, (_, leaves) in fitted.items() for leaf in leaves]
     return LevelBoxes(
         keep_reachable(walls, floor, options),
         {object_id: boxes for object_id, (boxes, _) in fitted.items()},
         [leaf for leaf in loose if len(keep_reachable(leaf.box, floor, options))],
-        keep_reachable(join(leaf.box for o in objects for leaf in o.leaves), floor, options),
+        keep_reachable(concat_boxes(leaf.box for o in objects for leaf in o.leaves), floor, options),
     )
 
 
@@ -73,39 +73,41 @@ class Obstacles:
 
     Attributes:
         boxes: All possible obstacles.
-        moving: Movable objects; their boxes are in their initial pose.
-        felt: Leaves without a known hinge that keep their colliders, since they leave the way free.
+        movable: Movable objects; their boxes are in their initial pose.
+        solid_leaves: Leaves without a known hinge that keep their colliders, since they leave the way free.
         barriers: Invisible boxes that keep agents in the rooms.
     """
 
     boxes: LevelBoxes
-    moving: Sequence[Candidate]
-    felt: Sequence[LooseLeaf] = ()
-    barriers: BoxSet = field(default_factory=no_boxes)
+    movable: Sequence[MovableCandidate]
+    solid_leaves: Sequence[UnhingedLeaf] = ()
+    barriers: BoxSet = field(default_factory=empty_boxes)
 
     @property
-    def standing(self) -> dict[int, BoxSet]:
+    def fixed_objects(self) -> dict[int, BoxSet]:
         """Boxes of the fixed objects, by object id."""
-        moving = {c.item.object_id for c in self.moving}
+        moving = {c.item.object_id for c in self.movable}
         return {i: boxes for i, boxes in self.boxes.objects.items() if i not in moving}
 
     @property
     def static(self) -> BoxSet:
         """All static boxes; the barriers are last."""
-        return join([self.boxes.walls, self.things])
+        return concat_boxes([self.boxes.walls, self.static_without_walls])
 
     @property
-    def things(self) -> BoxSet:
+    def static_without_walls(self) -> BoxSet:
         """All static boxes except walls."""
-        return join([*self.standing.values(), *(leaf.box for leaf in self.felt), self.barriers])
+        return concat_boxes([*self.fixed_objects.values(), *(leaf.box for leaf in self.solid_leaves), self.barriers])
 
     @property
     def all(self) -> BoxSet:
         """All boxes, including movable objects; hinged leaves are omitted, since agents can push them open."""
-        return join([self.static, *(c.box for c in self.moving)])
+        return concat_boxes([self.static, *(c.box for c in self.movable)])
 
 
-def find_obstacles(boxes: LevelBoxes, moving: Sequence[Candidate], free_area: Callable[[BoxSet], float]) -> Obstacles:
+def find_obstacles(
+    boxes: LevelBoxes, moving: Sequence[MovableCandidate], free_area: Callable[[BoxSet], float]
+) -> Obstacles:
     """Return all obstacles except leaves without a known hinge that cut off a part of the level.
 
     Args:
@@ -114,35 +116,37 @@ def find_obstacles(boxes: LevelBoxes, moving: Sequence[Candidate], free_area: Ca
         free_area: Function from boxes to the area of the largest free region between them [m^2].
     """
     around = Obstacles(boxes, moving).all
-    kept = passable_leaves([leaf.box for leaf in boxes.loose], lambda leaves: free_area(join([around, leaves])))
-    return Obstacles(boxes, moving, [leaf for leaf in boxes.loose if any(leaf.box is box for box in kept)])
+    kept = select_passable_leaves(
+        [leaf.box for leaf in boxes.unhinged], lambda leaves: free_area(concat_boxes([around, leaves]))
+    )
+    return Obstacles(boxes, moving, [leaf for leaf in boxes.unhinged if any(leaf.box is box for box in kept)])
 
 
-def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, unseen: BoxSet) -> Colliders:
+def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, invisible: BoxSet) -> Colliders:
     """Return the static boxes of all levels, without contained ones; invisible boxes are last.
 
     Args:
         levels: Obstacles of each level.
         floors: Floor boxes of all levels.
-        unseen: Fences, railings and guards; the levels' barriers precede them.
+        invisible: Fences, railings and guards; the levels' barriers precede them.
     """
     objects, loose = (
-        by_object([level.standing for level in levels]),
-        {id(leaf.box): leaf for level in levels for leaf in level.felt}.values(),
+        merge_by_object([level.fixed_objects for level in levels]),
+        {id(leaf.box): leaf for level in levels for leaf in level.solid_leaves}.values(),
     )
-    walls = distinct(join(level.boxes.walls for level in levels))
-    barriers = join([*(level.barriers for level in levels), unseen])
+    walls = unique_boxes(concat_boxes(level.boxes.walls for level in levels))
+    barriers = concat_boxes([*(level.barriers for level in levels), invisible])
     counts = [(-1, len(floors) + len(walls)), *((i, len(b)) for i, b in objects.items())]
     counts += [(leaf.object_id, 1) for leaf in loose] + [(-1, len(barriers))]
-    boxes = join([floors, walls, *objects.values(), *(leaf.box for leaf in loose), barriers])
-    shown = not_hidden(boxes) | (np.arange(len(boxes)) >= len(boxes) - len(barriers))
+    boxes = concat_boxes([floors, walls, *objects.values(), *(leaf.box for leaf in loose), barriers])
+    shown = exposed_mask(boxes) | (np.arange(len(boxes)) >= len(boxes) - len(barriers))
     return boxes[shown].colliders(np.repeat(*np.array(counts, np.int32).T)[shown])
 
 
-def by_object(levels: Sequence[Mapping[int, BoxSet]]) -> dict[int, BoxSet]:
+def merge_by_object(levels: Sequence[Mapping[int, BoxSet]]) -> dict[int, BoxSet]:
     """Return the boxes of each object on all levels, by object id, without duplicates."""
     found: dict[int, list[BoxSet]] = {}
     for level in levels:
         for object_id, boxes in level.items():
             found.setdefault(object_id, []).append(boxes)
-    return {object_id: distinct(join(boxes)) for object_id, boxes in found.items()}
+    return {object_id: unique_boxes(concat_boxes(boxes)) for object_id, boxes in found.items()}

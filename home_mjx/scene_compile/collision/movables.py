@@ -6,13 +6,13 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from home_mjx.core.checks import check_number
-from home_mjx.geometry.boxes import BoxSet, join
+from home_mjx.geometry.boxes import BoxSet, concat_boxes
 from home_mjx.geometry.meshes import bounds, compose, invert
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.objects.masses import object_contact
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies
-from home_mjx.schema.house import Object
+from home_mjx.schema.house import ObjectNode
 
 # Categories of objects that are not attached to the house.
 MOVABLE_COARSE = {
@@ -39,11 +39,11 @@ class MovableOptions:
 
     Attributes:
         max_bodies: Maximum number of bodies per house; the lightest objects are selected first.
-        reach: Maximum vertical gap between an object and the floor or object that supports it [m].
-        shrink: Maximum reduction of each side of the object's box to avoid overlaps [m].
-        seat: Minimum height of a box whose top is lowered to fit under something, such as a chair under a table [m].
-        largest: Maximum longest edge of a movable object [m].
-        smallest: Minimum shortest edge of a movable object [m]; sheets and plates stay fixed.
+        max_support_gap: Maximum vertical gap between an object and the floor or object that supports it [m].
+        max_shrink: Maximum reduction of each side of the object's box to avoid overlaps [m].
+        min_lowered_height: Minimum height of a box whose top is lowered to fit under something, such as a chair under a table [m].
+        max_edge: Maximum longest edge of a movable object [m].
+        min_edge: Minimum shortest edge of a movable object [m]; sheets and plates stay fixed.
 
     Raises:
         ConfigError: A value is not a number of its range.
@@ -54,19 +54,19 @@ class MovableOptions:
     """
 
     max_bodies: int = 32
-    reach: float = 0.05
-    shrink: float = 0.05
-    seat: float = 0.35
-    largest: float = 2.6
-    smallest: float = 0.01
+    max_support_gap: float = 0.05
+    max_shrink: float = 0.05
+    min_lowered_height: float = 0.35
+    max_edge: float = 2.6
+    min_edge: float = 0.01
 
     def __post_init__(self) -> None:
         for option in fields(self):
-            check_number(f"movables.{option.name}", getattr(self, option.name), 0, whole=option.name == "max_bodies")
+            check_number(f"movables.{option.name}", getattr(self, option.name), 0, integer=option.name == "max_bodies")
 
 
 @dataclass(frozen=True)
-class Candidate:
+class MovableCandidate:
     """An object that may become a body."""
 
     item: PlacedObject
@@ -75,22 +75,22 @@ class Candidate:
     floor: float | None  # [m], height of the supporting floor; None: another object supports it
 
 
-def may_move(item: PlacedObject, options: MovableOptions) -> bool:
+def is_movable(item: PlacedObject, options: MovableOptions) -> bool:
     """Return whether an object is movable by category and size, and is inside a room.
 
     Objects that hang on walls are excluded later, since nothing supports them.
     """
-    if not isinstance(item.node, Object) or item.room < 0 or item.info.fine in FIXED_FINE:
+    if not isinstance(item.node, ObjectNode) or item.room < 0 or item.info.fine in FIXED_FINE:
         return False
     if item.info.coarse not in MOVABLE_COARSE and item.info.fine not in MOVABLE_FINE:
         return False
     edges = np.ptp(bounds(item.triangles), axis=0)
-    return bool(edges.max() <= options.largest and edges.min() >= options.smallest)
+    return bool(edges.max() <= options.max_edge and edges.min() >= options.min_edge)
 
 
-def make_bodies(chosen: Sequence[Candidate]) -> Bodies:
+def make_bodies(chosen: Sequence[MovableCandidate]) -> Bodies:
     """Return bodies of the selected objects, in the same order."""
-    box = join(c.box for c in chosen)
+    box = concat_boxes(c.box for c in chosen)
     quat = yaw_quat(box.yaw)
     frames = [np.c_[yaw_matrix(y), c] for y, c in zip(box.yaw, box.center, strict=True)]
     inner = [compose(invert(f), c.item.pose) for f, c in zip(frames, chosen, strict=True)]

@@ -5,23 +5,25 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.geometry.boxes import BoxSet, box_set, join
-from home_mjx.scene_compile.collision.edges import RAIL, THICKNESS
-from home_mjx.scene_compile.collision.floors import SLAB
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
+from home_mjx.scene_compile.collision.edges import BARRIER_HEIGHT, BARRIER_THICKNESS
+from home_mjx.scene_compile.collision.floors import FLOOR_THICKNESS
 from home_mjx.scene_compile.objects.slopes import Slope
-from home_mjx.scene_compile.objects.stairs import Stairs
+from home_mjx.scene_compile.objects.stairs import Staircase
 from home_mjx.schema.compiled import Colliders, Ramps
 
-DEPTH = 0.2  # [m], thickness of a slope
-BACK = 0.05  # [m], thickness of the wall below the head of a slope
-BELOW_HEAD = 0.4  # [m], distance from the head down to the top of that wall; clear of agents on slopes up to 60 degrees
-SILL = 0.12  # [m], depth of the floor piece at the head of a slope
-HEADROOM = 2.1  # [m], minimum height of a slope above the foot of its stairs for agents to walk under it
-NEAR_EDGE = 0.3  # [m], maximum distance between a landing's edge and the end of an adjoining slope
-NARROW = 0.05  # [m], gaps up to this width get no guard
+RAMP_THICKNESS = 0.2  # [m], thickness of a slope
+BACK_WALL_THICKNESS = 0.05  # [m], thickness of the wall below the head of a slope
+BACK_WALL_CLEARANCE = (
+    0.4  # [m], distance from the head down to the top of that wall; clear of agents on slopes up to 60 degrees
+)
+HEAD_FLOOR_DEPTH = 0.12  # [m], depth of the floor piece at the head of a slope
+MIN_HEADROOM = 2.1  # [m], minimum height of a slope above the foot of its stairs for agents to walk under it
+MAX_EDGE_DISTANCE = 0.3  # [m], maximum distance between a landing's edge and the end of an adjoining slope
+MIN_GUARD_GAP = 0.05  # [m], gaps up to this width get no guard
 
 
-def make_ramps(stairs: Sequence[Stairs], first_row: int) -> Ramps:
+def make_ramps(stairs: Sequence[Staircase], first_row: int) -> Ramps:
     """Return the slopes of stairs as boxes whose upper sides join the floors at both ends.
 
     Args:
@@ -30,7 +32,7 @@ def make_ramps(stairs: Sequence[Stairs], first_row: int) -> Ramps:
     """
     slopes = [slope for one in stairs for slope in one.slopes]
     if not slopes:
-        return Ramps.none()
+        return Ramps.empty()
     angle, yaw = (np.array([getattr(s, name) for s in slopes]) for name in ("angle", "yaw"))
     up = np.array([s.up for s in slopes])
     length = np.array([np.hypot(s.run, s.high - s.low) for s in slopes])
@@ -40,52 +42,57 @@ def make_ramps(stairs: Sequence[Stairs], first_row: int) -> Ramps:
     cy, sy, cp, sp = np.cos(yaw / 2), np.sin(yaw / 2), np.cos(angle / 2), -np.sin(angle / 2)
     return Ramps(
         object_id=np.array([one.object_id for one in stairs for _ in one.slopes], np.int32),
-        pos=middle - normal * DEPTH / 2,
+        pos=middle - normal * RAMP_THICKNESS / 2,
         quat=np.stack([cy * cp, -sy * sp, cy * sp, sy * cp], axis=-1),  # rotation about z after a tilt about y
-        size=np.stack([length / 2, width / 2, np.full(len(slopes), DEPTH / 2)], axis=-1),
+        size=np.stack([length / 2, width / 2, np.full(len(slopes), RAMP_THICKNESS / 2)], axis=-1),
         slope=angle,
         up=up,
         collider=np.arange(first_row, first_row + len(slopes), dtype=np.int32),
     )
 
 
-def with_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
+def append_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
     """Append the boxes of ramps to the colliders."""
     return Colliders(
         *(np.concatenate([getattr(colliders, n), getattr(ramps, n)]) for n in ("pos", "quat", "size", "object_id"))
     )
 
 
-def guards(stairs: Sequence[Stairs]) -> BoxSet:
+def build_guards(stairs: Sequence[Staircase]) -> BoxSet:
     """Return boxes along open sides of stairs, up to a railing above the next floor, and walls below their heads."""
-    return join(box for one in stairs for box in (*_guards(one), *_wall_below_head(one)))
+    return concat_boxes(box for one in stairs for box in (*_guards(one), *_wall_below_head(one)))
 
 
-def sills(stairs: Sequence[Stairs]) -> BoxSet:
+def build_sills(stairs: Sequence[Staircase]) -> BoxSet:
     """Return floor pieces at the heads of stairs, which close the gaps left by slanted floor edges."""
     heads = [one.slopes[-1] for one in stairs]
-    return join(_between(s, (s.run, s.run + SILL), (-s.width / 2, s.width / 2), s.high - SLAB, s.high) for s in heads)
+    return concat_boxes(
+        _between(s, (s.run, s.run + HEAD_FLOOR_DEPTH), (-s.width / 2, s.width / 2), s.high - FLOOR_THICKNESS, s.high)
+        for s in heads
+    )
 
 
-def _guards(stairs: Stairs) -> Iterator[BoxSet]:
+def _guards(stairs: Staircase) -> Iterator[BoxSet]:
     """Yield guards beside slopes and landings, down to the floor unless agents can walk below."""
     for i, slope in enumerate(stairs.slopes):
-        high, half = slope.high + RAIL, slope.width / 2
-        low = stairs.low if slope.low < stairs.low + HEADROOM else slope.low - DEPTH
+        high, half = slope.high + BARRIER_HEIGHT, slope.width / 2
+        low = stairs.low if slope.low < stairs.low + MIN_HEADROOM else slope.low - RAMP_THICKNESS
         if slope.high > slope.low:
-            for side in ((-half - THICKNESS, -half), (half, half + THICKNESS)):
+            for side in ((-half - BARRIER_THICKNESS, -half), (half, half + BARRIER_THICKNESS)):
                 yield _between(slope, (0.0, slope.run), side, low, high)
         else:
             before, after = stairs.slopes[i - 1].outline, stairs.slopes[i + 1].outline
             yield from _around(slope, [before[[1, 2]], after[[3, 0]]], low, high)
 
 
-def _wall_below_head(stairs: Stairs) -> Iterator[BoxSet]:
+def _wall_below_head(stairs: Staircase) -> Iterator[BoxSet]:
     """Yield a wall that keeps agents from entering below the last slope from behind, unless other stairs exit there."""
     head = stairs.slopes[-1]
     half = head.width / 2
     if not stairs.stacked:
-        yield _between(head, (head.run - BACK, head.run), (-half, half), stairs.low, head.high - BELOW_HEAD)
+        yield _between(
+            head, (head.run - BACK_WALL_THICKNESS, head.run), (-half, half), stairs.low, head.high - BACK_WALL_CLEARANCE
+        )
 
 
 def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:
@@ -95,19 +102,19 @@ def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float
         along, out = (b - a) / length, np.array([(b - a)[1], -(b - a)[0]]) / length
         stops = [0.0, length]
         for way in ways:
-            if (abs((way - a) @ out) < NEAR_EDGE).all():
+            if (abs((way - a) @ out) < MAX_EDGE_DISTANCE).all():
                 stops += np.clip(np.sort((way - a) @ along), 0, length).tolist()
         for start, end in _outside(stops):
-            middle = a + (start + end) / 2 * along + THICKNESS / 2 * out
-            half = [(end - start) / 2, THICKNESS / 2, (high - low) / 2]
-            yield box_set([*middle, (low + high) / 2], half, float(np.arctan2(along[1], along[0])))
+            middle = a + (start + end) / 2 * along + BARRIER_THICKNESS / 2 * out
+            half = [(end - start) / 2, BARRIER_THICKNESS / 2, (high - low) / 2]
+            yield make_boxes([*middle, (low + high) / 2], half, float(np.arctan2(along[1], along[0])))
 
 
 def _outside(stops: Sequence[float]) -> list[tuple[float, float]]:
     """Return the parts of the range (first two stops) outside the ranges that follow."""
     taken = sorted(zip(stops[2::2], stops[3::2], strict=True))
     edges = [stops[0], *(value for pair in taken for value in pair), stops[1]]
-    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > NARROW]
+    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > MIN_GUARD_GAP]
 
 
 def _between(slope: Slope, along: tuple[float, float], across: tuple[float, float], low: float, high: float) -> BoxSet:
@@ -115,4 +122,4 @@ def _between(slope: Slope, along: tuple[float, float], across: tuple[float, floa
     left = np.array([-slope.up[1], slope.up[0]])
     middle = slope.foot + np.mean(along) * slope.up + np.mean(across) * left
     half = [np.ptp(along) / 2, np.ptp(across) / 2, (high - low) / 2]
-    return box_set([*middle, (low + high) / 2], half, slope.yaw)
+    return make_boxes([*middle, (low + high) / 2], half, slope.yaw)

@@ -6,7 +6,7 @@ import numpy as np
 
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.house import Box, Material, Mesh
+from home_mjx.schema.house import BoxNode, Material, Mesh
 from home_mjx.schema.lighting import Gloss
 
 SPECULAR_MAX = 0.2  # MTL files have up to 1 in addition to a full diffuse colour, which violates energy conservation
@@ -43,7 +43,7 @@ def gloss_table(
     for row, item in enumerate(surfaces):
         gloss.specular[row], gloss.shininess[row] = KIND_GLOSS.get(item.kind, (0.0, 1.0))
     for item, start in zip(objects, first, strict=True):
-        if not isinstance(item.node, Box):
+        if not isinstance(item.node, BoxNode):
             for slot, material in enumerate(models[item.node.model_key].materials):
                 _from_mtl(gloss, start + slot, material)
             gloss.mirror[start + np.array(_mirrors(item), int)] = True

@@ -9,19 +9,19 @@ from jaxtyping import Float
 from home_mjx.core.checks import check_number
 from home_mjx.core.color import decode_srgb
 from home_mjx.geometry.meshes import bounds, to_z_up, transform
-from home_mjx.geometry.polygons import inside_polygon, polygon_area, smallest_room
+from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_area
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.compiled import ARCHITECTURE, Rooms
-from home_mjx.schema.house import Box, Light, Metadata, base_model
-from home_mjx.schema.lighting import REFLECTANCE, LightTable
+from home_mjx.schema.compiled import ARCHITECTURE, RoomTable
+from home_mjx.schema.house import BoxNode, Light, Metadata, base_model
+from home_mjx.schema.lighting import MEAN_REFLECTANCE, LightTable
 
-OPENINGS = ("window", "door", "garage_door")  # coarse and fine categories whose glass transmits daylight
-NEAR = 0.6  # [m], lights of one lamp closer than this are merged
-ALIKE = 0.9  # minimum cosine of the angle between the directions of merged lights
-PROBE = 0.5  # [m], distance from a window of the points that are tested for a room
-DROP = 0.05  # [m], distance of an added room light below the ceiling
-PANEL = 0.5  # [m], edge length of an added room light
-POINT = -2.0  # cutoff of point lights: every direction exceeds this cosine
+DAYLIGHT_CATEGORIES = ("window", "door", "garage_door")  # coarse and fine categories whose glass transmits daylight
+MAX_MERGE_DISTANCE = 0.6  # [m], lights of one lamp closer than this are merged
+MIN_MERGE_COSINE = 0.9  # minimum cosine of the angle between the directions of merged lights
+ROOM_PROBE_DISTANCE = 0.5  # [m], distance from a window of the points that are tested for a room
+PANEL_DROP = 0.05  # [m], distance of an added room light below the ceiling
+PANEL_EDGE = 0.5  # [m], edge length of an added room light
+POINT_CUTOFF = -2.0  # cutoff of point lights: every direction exceeds this cosine
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class LightOptions:
 
 
 @dataclass(frozen=True)
-class Source:
+class LightSource:
     """One light source: a row of a `LightTable`, with its total flux."""
 
     pos: Float[np.ndarray, "3"]
@@ -54,7 +54,7 @@ class Source:
     axis_v: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     direction: Float[np.ndarray, "3"] = field(default_factory=lambda: np.array([0.0, 0.0, -1.0]))
     exponent: float = 0.0
-    cutoff: float = POINT
+    cutoff: float = POINT_CUTOFF
     area: float = 0.0
     daylight: bool = False
 
@@ -68,7 +68,7 @@ class Source:
 
 def build_lights(
     objects: Sequence[PlacedObject],
-    rooms: Rooms,
+    rooms: RoomTable,
     metadata: Metadata,
     options: LightOptions,
 ) -> LightTable:
@@ -80,12 +80,12 @@ def build_lights(
         metadata: Lights of the models.
         options: Options of added lights.
     """
-    found = [s for o in objects for s in (*lamp_sources(o, metadata), *_daylight(o, rooms))]
+    found = [s for o in objects for s in (*find_lamp_sources(o, metadata), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}
     found += [_room_source(rooms, r, options) for r in range(len(rooms.type)) if r not in lit and options.room_power]
-    ambient = ambient_light(found, rooms)
+    ambient = compute_ambient_irradiance(found, rooms)
     if not found:
-        return replace(LightTable.none(), ambient=ambient)
+        return replace(LightTable.empty(), ambient=ambient)
     columns = {name: np.stack([getattr(s, name) for s in found]) for name in _COLUMNS}
     return LightTable(
         **columns,
@@ -98,9 +98,9 @@ def build_lights(
 _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cutoff", "area", "daylight")
 
 
-def lamp_sources(item: PlacedObject, metadata: Metadata) -> Iterator[Source]:
+def find_lamp_sources(item: PlacedObject, metadata: Metadata) -> Iterator[LightSource]:
     """Yield the lights of a lamp in its model's frame; close ones are merged, so that a chandelier is one light."""
-    if isinstance(item.node, Box):
+    if isinstance(item.node, BoxNode):
         return
     known = metadata.lights
     listed = known.get(item.node.model_key) or known.get(base_model(item.node.model_id, known.__contains__), ())
@@ -122,8 +122,8 @@ def _groups(lights: Iterable[Light]) -> list[list[Light]]:
 def _alike(a: Light, b: Light) -> bool:
     if a.kind != b.kind or a.kind == "LineLight" or a.cutoff != b.cutoff:
         return False
-    near = np.linalg.norm(np.subtract(a.position, b.position)) < NEAR
-    return bool(near and (a.kind == "PointLight" or _aim(a) @ _aim(b) > ALIKE))
+    near = np.linalg.norm(np.subtract(a.position, b.position)) < MAX_MERGE_DISTANCE
+    return bool(near and (a.kind == "PointLight" or _aim(a) @ _aim(b) > MIN_MERGE_COSINE))
 
 
 def _aim(light: Light) -> Float[np.ndarray, "3"]:
@@ -132,7 +132,7 @@ def _aim(light: Light) -> Float[np.ndarray, "3"]:
     return to_z_up(direction / max(np.linalg.norm(direction), 1e-9))
 
 
-def _lamp_source(group: Sequence[Light], instance: int, room: int) -> Source:
+def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSource:
     power = np.array([light.power for light in group], float)
     share = power / max(power.sum(), 1e-9)
     ends = [(light.position, light.position if light.end is None else light.end) for light in group]
@@ -141,16 +141,16 @@ def _lamp_source(group: Sequence[Light], instance: int, room: int) -> Source:
     lead = group[0]
     aimed = lead.kind == "SpotLight" or (lead.kind == "LineLight" and lead.direction is not None)
     shape = {"direction": _aim(lead), "exponent": lead.dropoff, "cutoff": _cutoff(lead)} if aimed else {}
-    return Source((start + end) / 2, flux, instance, room, (end - start) / 2, **shape)
+    return LightSource((start + end) / 2, flux, instance, room, (end - start) / 2, **shape)
 
 
 def _cutoff(light: Light) -> float:
     return float(np.cos(np.clip(np.pi / 2 if light.cutoff is None else light.cutoff, 0.05, np.pi)))
 
 
-def _daylight(item: PlacedObject, rooms: Rooms) -> Iterator[Source]:
+def _daylight(item: PlacedObject, rooms: RoomTable) -> Iterator[LightSource]:
     """Yield the daylight source of a window's glass, if the window is between a room and the outdoors."""
-    if {item.info.fine, item.info.coarse}.isdisjoint(OPENINGS):
+    if {item.info.fine, item.info.coarse}.isdisjoint(DAYLIGHT_CATEGORIES):
         return
     surfaces = item.surfaces
     glass = np.array([s.opacity < 1 for s in surfaces], bool)[item.model.slot]
@@ -169,7 +169,7 @@ def _daylight(item: PlacedObject, rooms: Rooms) -> Iterator[Source]:
     area = float(np.prod(2 * half[[across, 2]] * stretch[[across, 2]]))
     pane = surfaces[int(item.model.slot[glass][0])]
     tint = 1 - pane.opacity * (1 - decode_srgb(np.array(pane.color)))
-    yield Source(
+    yield LightSource(
         pos=(low + high) / 2,
         flux=np.pi * area * tint,
         instance=item.instance,
@@ -185,37 +185,37 @@ def _daylight(item: PlacedObject, rooms: Rooms) -> Iterator[Source]:
 
 
 def _inward(
-    item: PlacedObject, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: Rooms
+    item: PlacedObject, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: RoomTable
 ) -> tuple[int, int] | None:
     """Return the side of a window with a room (1 or -1) and the room; None unless exactly one side has a room."""
     center = transform(item.pose, middle)
     out = item.pose[:, :3] @ normal
     out = out / np.linalg.norm(out)
     here = np.flatnonzero(rooms.level == item.level)
-    beside = [int(smallest_room(rooms, here, (center + side * PROBE * out)[:2])) for side in (1, -1)]
+    beside = [int(find_smallest_room(rooms, here, (center + side * ROOM_PROBE_DISTANCE * out)[:2])) for side in (1, -1)]
     inside = [room >= 0 for room in beside]
     if sum(inside) != 1:
         return None
     return (1, beside[0]) if inside[0] else (-1, beside[1])
 
 
-def _room_source(rooms: Rooms, room: int, options: LightOptions) -> Source:
+def _room_source(rooms: RoomTable, room: int, options: LightOptions) -> LightSource:
     """Return a panel light under the ceiling that shines down, for a room without a lamp."""
     polygon = rooms.polygon[room]
-    x, y = middle_of(polygon)
+    x, y = find_innermost_point(polygon)
     power = options.room_power * polygon_area(polygon)
-    pos = np.array([x, y, rooms.ceiling[room] - DROP])
-    half = np.diag([PANEL / 2, PANEL / 2, 0])
-    area = {"axis_u": half[0], "axis_v": half[1], "area": PANEL**2}
-    return Source(pos, np.full(3, power), ARCHITECTURE, room, exponent=1.0, cutoff=0.0, **area)
+    pos = np.array([x, y, rooms.ceiling[room] - PANEL_DROP])
+    half = np.diag([PANEL_EDGE / 2, PANEL_EDGE / 2, 0])
+    area = {"axis_u": half[0], "axis_v": half[1], "area": PANEL_EDGE**2}
+    return LightSource(pos, np.full(3, power), ARCHITECTURE, room, exponent=1.0, cutoff=0.0, **area)
 
 
-def middle_of(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.ndarray, "2"]:
+def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.ndarray, "2"]:
     """Return the grid point inside a polygon with the maximum distance from its edges."""
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    points = points[inside_polygon(polygon, points)]
+    points = points[is_inside_polygon(polygon, points)]
     if not len(points):
         return (low + high) / 2
     ends = zip(polygon, np.roll(polygon, -1, axis=0), strict=True)
@@ -233,7 +233,7 @@ def _edge_distance(
     return np.linalg.norm(points - a - share[:, None] * along, axis=1)
 
 
-def ambient_light(sources: Sequence[Source], rooms: Rooms) -> Float[np.ndarray, "r 2 3"]:
+def compute_ambient_irradiance(sources: Sequence[LightSource], rooms: RoomTable) -> Float[np.ndarray, "r 2 3"]:
     """Compute the uniform irradiance of each room by interreflection.
 
     With flux F, mean reflectance p and surface A it is F / A * (p + p^2 + ...) = F / A * p / (1 - p). This is the
@@ -247,12 +247,12 @@ def ambient_light(sources: Sequence[Source], rooms: Rooms) -> Float[np.ndarray, 
         if s.room >= 0:
             flux[s.room, int(s.daylight)] += s.flux
     surface = np.array([_surface(rooms, r) for r in range(len(rooms.type))]).reshape(-1, 1, 1)
-    inside = flux / surface * REFLECTANCE / (1 - REFLECTANCE)
+    inside = flux / surface * MEAN_REFLECTANCE / (1 - MEAN_REFLECTANCE)
     nowhere = np.stack([inside[:, 0].mean(axis=0) if len(inside) else np.zeros(3), np.full(3, np.pi / 2)])
     return np.concatenate([nowhere[None], inside])
 
 
-def _surface(rooms: Rooms, room: int) -> float:
+def _surface(rooms: RoomTable, room: int) -> float:
     """Return the area of floor, ceiling and walls [m^2]."""
     polygon = rooms.polygon[room]
     around = np.linalg.norm(polygon - np.roll(polygon, -1, axis=0), axis=1).sum()

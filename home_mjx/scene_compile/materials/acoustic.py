@@ -81,7 +81,7 @@ CATEGORY_ROWS = {
 # Categories whose cloth textures are upholstery, not a printed pattern.
 UPHOLSTERED = ("sofa", "armchair", "chaisse_lounge", "ottoman", "pillow", "bed", "baby_bed", "single_bed", "double_bed")
 # Texture families that barely change absorption; the row of the category is used.
-FACINGS = ("", "default", "wallp", "wallpaper", "paint")
+THIN_FACINGS = ("", "default", "wallp", "wallpaper", "paint")
 CLOTH = ("linen", "textile", "leather")
 # Rows of texture families on floors only.
 FLOOR_ROWS = {"wood": "stage_floor", "solo": "stage_floor", "textile": "carpet_thin", "linen": "carpet_thin"}
@@ -100,12 +100,12 @@ PARTITION_ROWS = {
     "garage_door": "metal_door",
 }
 
-SMOOTH, UNEVEN, DEEP = 0.01, 0.05, 0.3  # [m], structure depths for scattering
+SMOOTH_DEPTH, DEFAULT_DEPTH, DEEP_DEPTH = 0.01, 0.05, 0.3  # [m], structure depths for scattering
 STRUCTURE_DEPTH = {
-    **dict.fromkeys((*PARTITION_ROWS, "mirror", "picture_frame", "whiteboard", "rug"), SMOOTH),
-    **dict.fromkeys(("shelving", "bookshelf", "plant"), DEEP),
+    **dict.fromkeys((*PARTITION_ROWS, "mirror", "picture_frame", "whiteboard", "rug"), SMOOTH_DEPTH),
+    **dict.fromkeys(("shelving", "bookshelf", "plant"), DEEP_DEPTH),
 }
-DETOUR = 0.1  # [m], path difference of sound that bends around a piece of furniture
+DETOUR_LENGTH = 0.1  # [m], path difference of sound that bends around a piece of furniture
 SPEED_OF_SOUND = 343.2  # [m/s], at 20 degrees Celsius
 
 
@@ -129,7 +129,7 @@ def _read_table(name: str) -> Mapping[str, Float[np.ndarray, " bands"]]:
     )
 
 
-def scattering(depth: float) -> Float[np.ndarray, " bands"]:
+def scattering_coefficients(depth: float) -> Float[np.ndarray, " bands"]:
     """Return scattering coefficients per octave of a structure `depth` metres deep, by the rule of the BRAS benchmark.
 
     s(f) = 0.5 sqrt(depth / wavelength), within [0.05, 0.99].
@@ -148,7 +148,7 @@ def detour_transmission(detour: float) -> Float[np.ndarray, " bands"]:
 
 
 def absorption_name(texture_family: str, category: str, slot_name: str = "") -> str:
-    """Return the name of the absorption row that `acoustic_row` uses.
+    """Return the name of the absorption row that `acoustic_properties` uses.
 
     Example:
         >>> absorption_name("wallp", "wall"), absorption_name("textile", "sofa"), absorption_name("wood", "floor")
@@ -162,12 +162,12 @@ def absorption_name(texture_family: str, category: str, slot_name: str = "") -> 
         return "chairs_upholstered_leather" if texture_family == "leather" else "chairs_upholstered_cloth"
     if category == "floor" and texture_family in FLOOR_ROWS:
         return FLOOR_ROWS[texture_family]
-    printed = texture_family in FACINGS or (architecture and texture_family in CLOTH)
+    printed = texture_family in THIN_FACINGS or (architecture and texture_family in CLOTH)
     row = None if printed else FAMILY_ROWS.get(texture_family)
     return row or CATEGORY_ROWS.get(category, "wood_1.6cm")
 
 
-def acoustic_row(
+def acoustic_properties(
     texture_family: str, category: str, slot_name: str = ""
 ) -> tuple[Float[np.ndarray, " bands"], Float[np.ndarray, " bands"], Float[np.ndarray, " bands"]]:
     """Return the acoustic properties of a surface, per octave 125 .. 8000 Hz.
@@ -184,8 +184,8 @@ def acoustic_row(
         bends around them, see `detour_transmission`.
     """
     absorption = absorption_table()[absorption_name(texture_family, category, slot_name)]
-    depth = STRUCTURE_DEPTH.get(category, UNEVEN)
+    depth = STRUCTURE_DEPTH.get(category, DEFAULT_DEPTH)
     if category in PARTITION_ROWS:
         transmission = 10 ** (-transmission_loss_table()[PARTITION_ROWS[category]] / 10)
-        return np.maximum(absorption, transmission), scattering(depth), transmission
-    return absorption.copy(), scattering(depth), np.minimum(detour_transmission(DETOUR), absorption)
+        return np.maximum(absorption, transmission), scattering_coefficients(depth), transmission
+    return absorption.copy(), scattering_coefficients(depth), np.minimum(detour_transmission(DETOUR_LENGTH), absorption)

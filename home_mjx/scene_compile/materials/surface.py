@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from home_mjx.scene_compile.materials.acoustic import acoustic_row
+from home_mjx.scene_compile.materials.acoustic import acoustic_properties
 from home_mjx.schema.categories import texture_family
-from home_mjx.schema.compiled import NUM_BANDS, MaterialTable, Ray
+from home_mjx.schema.compiled import NUM_BANDS, MaterialTable, RayKind
 from home_mjx.schema.house import Material
 from home_mjx.schema.material_kinds import material_kind
 
 WHITE = (1.0, 1.0, 1.0)
-CLEAR = 0.05  # surfaces with a lower opacity are invisible
+MIN_VISIBLE_OPACITY = 0.05  # surfaces with a lower opacity are invisible
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class SurfaceMaterial:
     name: str = ""  # name of the slot
 
 
-def override(base: Material, change: Material | None) -> Material:
+def apply_override(base: Material, change: Material | None) -> Material:
     """Apply the overrides of house.json to a slot of an MTL file."""
     if change is None:
         return base
@@ -38,7 +38,7 @@ def override(base: Material, change: Material | None) -> Material:
         diffuse=base.diffuse if change.diffuse is None else change.diffuse,
         texture=change.texture or base.texture,
         opacity=base.opacity if change.opacity is None else change.opacity,
-        lacking="" if change.texture or base.texture else change.lacking or base.lacking,
+        missing_file="" if change.texture or base.texture else change.missing_file or base.missing_file,
     )
 
 
@@ -62,21 +62,21 @@ def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMater
     )
 
 
-def ray_mask(item: SurfaceMaterial) -> Ray:
+def ray_mask(item: SurfaceMaterial) -> RayKind:
     """Return the ray types that a surface intersects.
 
     Translucent surfaces such as glass intersect camera and sound rays but transmit light. Invisible ones intersect only
     sound rays, and plants all except sound rays.
     """
-    if item.opacity < CLEAR:
-        return Ray.SOUND
-    mask = Ray.CAMERA | Ray.SOUND if item.opacity < 1 else Ray.ALL
-    return mask & ~Ray.SOUND if item.kind == "plant" else mask
+    if item.opacity < MIN_VISIBLE_OPACITY:
+        return RayKind.SOUND
+    mask = RayKind.CAMERA | RayKind.SOUND if item.opacity < 1 else RayKind.ALL
+    return mask & ~RayKind.SOUND if item.kind == "plant" else mask
 
 
 def material_table(surfaces: Sequence[SurfaceMaterial]) -> MaterialTable:
     """Return a material table with one row per surface."""
-    sound = [acoustic_row(s.family, s.category, s.name) for s in surfaces]
+    sound = [acoustic_properties(s.family, s.category, s.name) for s in surfaces]
     absorption, scattering, transmission = np.array(sound).reshape(-1, 3, NUM_BANDS).transpose(1, 0, 2)
     return MaterialTable(
         albedo=np.array([(*s.color, s.opacity) for s in surfaces]).reshape(-1, 4),

@@ -4,10 +4,10 @@ import numpy as np
 
 from home_mjx.schema.compiled import CompiledHouse
 
-TOLERABLE = 0.2  # maximum share of the area
+MAX_UNKNOWN_SHARE = 0.2  # maximum share of the area
 
 
-def unknown_share(house: CompiledHouse) -> float:
+def unknown_material_share(house: CompiledHouse) -> float:
     """Return the share of the total surface area whose material is the category's or the global default.
 
     Args:

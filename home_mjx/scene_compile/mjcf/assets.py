@@ -13,7 +13,7 @@ from home_mjx.mjcf.boxes import numbers
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.schema.compiled import CompiledHouse, Model
 
-LEAST_AREA = 1e-12  # [m^2], smaller triangles are dropped; MuJoCo rejects meshes of only such triangles
+MIN_TRIANGLE_AREA = 1e-12  # [m^2], smaller triangles are dropped; MuJoCo rejects meshes of only such triangles
 
 
 class MjcfAssets:
@@ -65,7 +65,7 @@ class MjcfAssets:
         if np.linalg.det(stretch) < 0:
             triangle, uv = triangle[:, ::-1], uv[:, ::-1]
         edge = triangle[:, 1:] - triangle[:, :1]
-        solid = np.linalg.norm(np.cross(edge[:, 0], edge[:, 1]), axis=1) > 2 * LEAST_AREA
+        solid = np.linalg.norm(np.cross(edge[:, 0], edge[:, 1]), axis=1) > 2 * MIN_TRIANGLE_AREA
         if not solid.any():
             return None
         name = f"{safe_name(model.key)}_{slot}_{len(self._meshes)}"

@@ -13,15 +13,15 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.core.array_store.entry import BROKEN, read_entry, write_entry
+from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.geometry.meshes import bounds
 from home_mjx.schema.compiled import Model
 
 Piece = Float[np.ndarray, "f 3 3"]
-VERSION = 1  # increment whenever equal options would produce different pieces
-THINNEST = 1e-3  # [m], minimum thickness of a piece; MuJoCo rejects thinner hulls
+CONVEX_CACHE_VERSION = 1  # increment whenever equal options would produce different pieces
+MIN_PIECE_THICKNESS = 1e-3  # [m], minimum thickness of a piece; MuJoCo rejects thinner hulls
 
 log = logging.getLogger(__name__)
 
@@ -57,7 +57,7 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
         return tuple(arrays[str(i)] for i in range(notes["pieces"]))
     except FileNotFoundError:
         pass
-    except BROKEN as error:
+    except READ_ERRORS as error:
         log.warning("broken cache entry %s is computed again: %s", entry, error)
     pieces = tuple(hull for hull in map(_hull, _decompose(model, options)) if hull is not None)
     try:
@@ -68,7 +68,7 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
 
 
 def _entry(model: Model, options: ConvexOptions) -> Path:
-    name = hashlib.sha256(repr((VERSION, model.key, options)).encode()).hexdigest()
+    name = hashlib.sha256(repr((CONVEX_CACHE_VERSION, model.key, options)).encode()).hexdigest()
     return cache_folder() / "convex" / f"{name}.npz"
 
 
@@ -80,7 +80,7 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
         hint = f"{install_hint('exact')}, or use boxes."
         raise ConfigError("convex pieces need the package `coacd`", hint=hint) from error
     vertices, corner = np.unique(model.triangle.reshape(-1, 3).astype(np.float64), axis=0, return_inverse=True)
-    if np.ptp(vertices, axis=0).min() < THINNEST:
+    if np.ptp(vertices, axis=0).min() < MIN_PIECE_THICKNESS:
         return [vertices]
     coacd.set_log_level("off")
     try:
@@ -118,7 +118,7 @@ def _hull(corners: Float[np.ndarray, "v 3"]) -> Piece | None:
     triangles, normal = corners[hull.simplices], hull.equations[:, :3]
     # The minimum extent along the hull's face normals.
     across = (corners @ normal.T).max(axis=0) - (corners @ normal.T).min(axis=0)
-    if across.min() < THINNEST:
+    if across.min() < MIN_PIECE_THICKNESS:
         return None
     turned = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     inward = (turned * normal).sum(axis=1) < 0

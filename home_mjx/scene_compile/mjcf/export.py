@@ -13,31 +13,39 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.geometry.boxes import box_inertia
-from home_mjx.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, add_motors, solimp
-from home_mjx.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece, body_surface, numbers
-from home_mjx.scene_compile.architecture.rooms import ground_floor
-from home_mjx.scene_compile.collision.barriers import lot
+from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, SOLREF, add_agent, add_motors, solimp
+from home_mjx.mjcf.boxes import (
+    COLLIDER_GROUP,
+    COLLIDES_WITH_LEAVES,
+    add_box,
+    add_leaf,
+    add_piece,
+    body_contact_attributes,
+    numbers,
+)
+from home_mjx.scene_compile.architecture.rooms import ground_floor_height
+from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, safe_name
 from home_mjx.scene_compile.mjcf.lights import add_lamps
-from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
-from home_mjx.schema.agent import Body
+from home_mjx.scene_compile.mjcf.overlaps import resolve_overlaps
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
-from home_mjx.schema.contact_materials import USUAL, damping_ratio
+from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 from home_mjx.schema.semantic import Semantic
 
-USUAL_FRICTION = f"{USUAL.friction} 0.005 0.0001"  # default friction of geoms
-FILE, OVERLAPS = "house.xml", "overlaps.json"
-EYE_HEIGHT = Body().eye_height  # [m], height of the room cameras above the floor
-NYU40_CEILING, ROOF = 22, COARSE.index("roof")
-VISUAL, CEILING = "2", "4"  # geom groups; the viewer shows groups 0 to 2 by default
+DEFAULT_FRICTION = f"{DEFAULT_CONTACT.friction} 0.005 0.0001"  # default friction of geoms
+MJCF_FILE, OVERLAPS_FILE = "house.xml", "overlaps.json"
+EYE_HEIGHT = AgentBody().eye_height  # [m], height of the room cameras above the floor
+NYU40_CEILING_INDEX, ROOF_INDEX = 22, COARSE.index("roof")
+VISUAL_GROUP, CEILING_GROUP = "2", "4"  # geom groups; the viewer shows groups 0 to 2 by default
 
 
 def to_mjcf(
     house: CompiledHouse,
     *,
-    agent: Body | None = None,
+    agent: AgentBody | None = None,
     timestep: float = 0.005,
     friction: float | None = None,
     restitution: float | None = None,
@@ -78,7 +86,7 @@ def to_mjcf(
     center, extent = bounds.mean(axis=0), float(np.ptp(bounds, axis=0).max())
     ET.SubElement(root, "statistic", center=numbers(center), extent=f"{extent:.6g}")
     default = ET.SubElement(root, "default")
-    ET.SubElement(default, "geom", condim="3", friction=USUAL_FRICTION, solref=SOLREF, solimp=solimp())
+    ET.SubElement(default, "geom", condim="3", friction=DEFAULT_FRICTION, solref=SOLREF, solimp=solimp())
     world = ET.Element("worldbody")
     _add_surroundings(world, house)
     add_lamps(world, house)
@@ -86,7 +94,7 @@ def to_mjcf(
     exact = collision == "exact"
     bodies = zip(house.bodies.friction.tolist(), house.bodies.restitution.tolist(), strict=True)
     touches = [
-        body_surface(
+        body_contact_attributes(
             mu if friction is None else friction, damping_ratio(e if restitution is None else restitution), timestep
         )
         for mu, e in bodies
@@ -97,15 +105,15 @@ def to_mjcf(
     root.extend([assets.element, world])
     files = assets.files
     if exact:
-        overlaps = part_overlaps(root, files)
-        files = {**files, OVERLAPS: json.dumps(overlaps, indent=1).encode()}
+        overlaps = resolve_overlaps(root, files)
+        files = {**files, OVERLAPS_FILE: json.dumps(overlaps, indent=1).encode()}
     if agent is not None:
         _add_agent(root, world, house, agent)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode"), files
 
 
-def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, collision: str = "box") -> Path:
+def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentBody | None = None, collision: str = "box") -> Path:
     """Write a house to `<folder>/<house id>/house.xml`, with meshes and textures, atomically.
 
     Args:
@@ -122,13 +130,13 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, c
     """
     xml, files = to_mjcf(house, agent=agent, collision=collision)
     target = Path(folder) / safe_name(house.id)
-    if target.exists() and not (target / FILE).is_file():
+    if target.exists() and not (target / MJCF_FILE).is_file():
         raise ConfigError("folder exists and is not an exported house", file=target, hint="Choose another folder")
     try:
-        replace_folder(target, {**files, FILE: xml.encode()})
+        replace_folder(target, {**files, MJCF_FILE: xml.encode()})
     except OSError as error:
         raise ConfigError(f"cannot write: {error}", file=target, hint="Choose another folder") from error
-    return target / FILE
+    return target / MJCF_FILE
 
 
 def split_linear(linear: Float[np.ndarray, "3 3"]) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]]:
@@ -159,8 +167,8 @@ def _quat(rotation: Float[np.ndarray, "3 3"]) -> str:
 
 def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
     """Add the floor plane, a light and cameras."""
-    floor = ground_floor(house.rooms)
-    ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER)
+    floor = ground_floor_height(house.rooms)
+    ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER_GROUP)
     # Without shadows, since ceilings would block the light.
     ET.SubElement(world, "light", type="directional", dir="0.3 0.2 -1", castshadow="false", diffuse="0.4 0.4 0.4")
     bounds = _plot(house)
@@ -174,7 +182,7 @@ def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
 
 def _plot(house: CompiledHouse) -> Float[np.ndarray, "2 3"]:
     """Return the bounding box of the house without gardens and neighbours [m]."""
-    (x0, y0), (x1, y1) = lot(house.rooms)
+    (x0, y0), (x1, y1) = lot_bounds(house.rooms)
     return np.clip(house.box, [x0, y0, -np.inf], [x1, y1, np.inf])
 
 
@@ -218,7 +226,7 @@ def _add_instance(
         rotation, stretch = split_linear(inner[:, :3])
         place = {"pos": numbers(inner[:, 3]), "quat": _quat(rotation)}
         _add_visuals(element, house, instance, assets, stretch, **place)
-        touch = MEETS_LEAVES | touches[body]
+        touch = COLLIDES_WITH_LEAVES | touches[body]
         if not exact or not _add_pieces(element, house, instance, assets, stretch, **place, **touch):
             add_box(element, name, house.bodies.size[body], **touch)
 
@@ -276,7 +284,7 @@ def _add_visuals(
     for slot in np.unique(model.slot).tolist():
         mesh = assets.mesh(model, slot, stretch)
         if mesh is not None:
-            group = CEILING if _is_ceiling(house, instance, slot) else VISUAL
+            group = CEILING_GROUP if _is_ceiling(house, instance, slot) else VISUAL_GROUP
             look = {"group": group, "contype": "0", "conaffinity": "0", "mass": "0"}
             ET.SubElement(element, "geom", look | place, type="mesh", mesh=mesh, material=assets.material(first + slot))
 
@@ -285,12 +293,12 @@ def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
     model = house.models[house.instances.model[instance]]
     rows = house.instances.semantic[instance] + np.unique(model.part[model.slot == slot])
     table = house.semantics[rows]
-    return bool(((table[:, Semantic.NYU40] == NYU40_CEILING) | (table[:, Semantic.COARSE] == ROOF)).all())
+    return bool(((table[:, Semantic.NYU40] == NYU40_CEILING_INDEX) | (table[:, Semantic.COARSE] == ROOF_INDEX)).all())
 
 
-def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: Body) -> None:
+def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: AgentBody) -> None:
     """Add an agent without friction, and a keyframe with the agent at the first start point."""
-    body = add_agent(world, shape, "agent0", group=COLLIDER, **FRICTIONLESS, **MEETS_LEAVES)
+    body = add_agent(world, shape, "agent0", group=COLLIDER_GROUP, **FRICTIONLESS_CONTACT, **COLLIDES_WITH_LEAVES)
     eye = f"0 0 {shape.eye_height - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
     add_motors(ET.SubElement(root, "actuator"), "agent0")

@@ -9,8 +9,8 @@ from home_mjx.geometry.meshes import transform
 from home_mjx.mjcf.boxes import numbers
 from home_mjx.schema.compiled import CompiledHouse
 
-MOST = 64  # maximum number of lamps, strongest first; MuJoCo renders at most 100 lights
-BRIGHTEST = 0.7  # diffuse colour of the strongest lamp, since MuJoCo's lights have no unit
+MAX_LAMPS = 64  # maximum number of lamps, strongest first; MuJoCo renders at most 100 lights
+MAX_DIFFUSE = 0.7  # diffuse colour of the strongest lamp, since MuJoCo's lights have no unit
 ATTENUATION = "1 0 0.15"  # half intensity at 2.6 m
 
 
@@ -22,7 +22,7 @@ def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
         house: The house; daylight is omitted, and lights of movable lamps are static.
     """
     lights = house.lights
-    scale = BRIGHTEST / max(float(lights.intensity[~lights.daylight].max(initial=0)), 1e-9)
+    scale = MAX_DIFFUSE / max(float(lights.intensity[~lights.daylight].max(initial=0)), 1e-9)
     for i in _strongest(house):
         pose = house.instances.pose[lights.instance[i]]
         aim = pose[:, :3] @ lights.direction[i]
@@ -40,7 +40,7 @@ def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
 def _strongest(house: CompiledHouse) -> Int[np.ndarray, " n"]:
     lamps = np.flatnonzero(~house.lights.daylight)
     order = np.argsort(-house.lights.intensity[lamps].sum(axis=1), kind="stable")
-    return np.sort(lamps[order[:MOST]])
+    return np.sort(lamps[order[:MAX_LAMPS]])
 
 
 def _shape(aim: Float[np.ndarray, "3"], exponent: float, cutoff: float) -> dict[str, str]:

@@ -13,12 +13,12 @@ from jaxtyping import Float
 
 from home_mjx.mjcf.boxes import numbers
 
-FARTHEST = 0.05  # [m], maximum shift of an object
-DEPTH = 1e-3  # [m], contacts with a larger penetration are overlaps
-ROUNDS = 20  # maximum number of shifts per object
+MAX_SHIFT = 0.05  # [m], maximum shift of an object
+MIN_OVERLAP_DEPTH = 1e-3  # [m], contacts with a larger penetration are overlaps
+MAX_SHIFT_STEPS = 20  # maximum number of shifts per object
 
 
-def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str, Any]]:
+def resolve_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str, Any]]:
     """Move every free body of a model onto the floor and out of overlaps, by at most 5 cm.
 
     Args:
@@ -33,7 +33,7 @@ def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str
     bodies = [int(model.jnt_bodyid[j]) for j in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)]
     shift = {body: _onto_floor(model, data, body) for body in bodies}
     for body in bodies:
-        shift[body] = _apart(model, data, body, shift[body])
+        shift[body] = _separate(model, data, body, shift[body])
     pairs = _overlaps(model, data)
     found = []
     for body in bodies:
@@ -51,12 +51,12 @@ def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str
 def _onto_floor(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Float[np.ndarray, "3"]:
     """Move a body vertically so that the lowest point of its colliders is on the floor plane, and return the shift.
 
-    The shift is zero if it would exceed `FARTHEST`.
+    The shift is zero if it would exceed `MAX_SHIFT`.
     """
     mujoco.mj_kinematics(model, data)
     floor = model.geom("floor").pos[2]
     shift = np.array([0.0, 0.0, floor - _lowest(model, data, body)])
-    shift[2] = shift[2] if abs(shift[2]) <= FARTHEST else 0.0  # another object supports it
+    shift[2] = shift[2] if abs(shift[2]) <= MAX_SHIFT else 0.0  # another object supports it
     _put(model, data, body, shift)
     return shift
 
@@ -79,12 +79,12 @@ def _solid_geoms(model: mujoco.MjModel, body: int) -> list[int]:
     return geoms[model.geom_contype[geoms] > 0].tolist()
 
 
-def _apart(
+def _separate(
     model: mujoco.MjModel, data: mujoco.MjData, body: int, shift: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "3"]:
     """Return the shift that clears a body from all overlaps; the input shift if none is within reach."""
     way = shift.copy()
-    for _ in range(ROUNDS):
+    for _ in range(MAX_SHIFT_STEPS):
         mujoco.mj_forward(model, data)
         deepest = min(
             (c for c in data.contact if body in _bodies(model, c) and _is_overlap(model, c)),
@@ -94,8 +94,8 @@ def _apart(
         if deepest is None:
             return way
         normal = deepest.frame[:2] * (1 if _bodies(model, deepest)[1] == body else -1)
-        step = np.array([*normal, 0.0]) / max(float(np.hypot(*normal)), 1e-9) * (DEPTH - deepest.dist)
-        if np.hypot(*(way + step)[:2]) > FARTHEST or np.hypot(*normal) < 0.5:
+        step = np.array([*normal, 0.0]) / max(float(np.hypot(*normal)), 1e-9) * (MIN_OVERLAP_DEPTH - deepest.dist)
+        if np.hypot(*(way + step)[:2]) > MAX_SHIFT or np.hypot(*normal) < 0.5:
             break
         _put(model, data, body, step)
         way += step
@@ -115,7 +115,7 @@ def _bodies(model: mujoco.MjModel, contact: Any) -> tuple[int, int]:
 
 def _is_overlap(model: mujoco.MjModel, contact: Any) -> bool:
     """Return whether a contact is deep and not with the floor, onto which bodies were moved."""
-    return bool(contact.dist < -DEPTH and model.geom("floor").id not in contact.geom)
+    return bool(contact.dist < -MIN_OVERLAP_DEPTH and model.geom("floor").id not in contact.geom)
 
 
 def _overlaps(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[int, int]]:

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 
-def rest_drift(xml: str, files: Mapping[str, bytes], seconds: float = 10.0) -> dict[str, float]:
+def measure_rest_drift(xml: str, files: Mapping[str, bytes], seconds: float = 10.0) -> dict[str, float]:
     """Simulate a model in MuJoCo and measure the drift of its free bodies.
 
     Args:

@@ -7,30 +7,30 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 
 from home_mjx.geometry.boxes import BoxSet
-from home_mjx.geometry.extrapolation import continued_fields, nearest_numbers
-from home_mjx.geometry.geodesic import Link, distance_fields
-from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, clearance
+from home_mjx.geometry.extrapolation import extrapolate_fields, nearest_cell_numbers
+from home_mjx.geometry.geodesic import GridLink, distance_fields
+from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, compute_clearance
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import stair_links
 from home_mjx.scene_compile.objects.doorways import Doorway
-from home_mjx.scene_compile.objects.stairs import Stairs
-from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Fringe, Navigation, Rooms
+from home_mjx.scene_compile.objects.stairs import Staircase
+from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE, ExtrapolatedCells, HouseNavigation, RoomTable
 
 DEFAULT_OPTIONS = NavigationOptions()
-LEVEL_APART = 1000  # [cells], distance between adjacent levels when goals are spread
+LEVEL_DISTANCE = 1000  # [cells], distance between adjacent levels when goals are spread
 
 
 def build_navigation(
     house_id: str,
-    rooms: Rooms,
+    rooms: RoomTable,
     spaces: Sequence[FreeSpace],
     options: NavigationOptions = DEFAULT_OPTIONS,
     doorways: Sequence[Sequence[Doorway]] = (),
-    stairs: Sequence[Stairs] = (),
+    stairs: Sequence[Staircase] = (),
     leaves: Sequence[BoxSet] = (),
     open_leaves: Sequence[BoxSet] = (),
-) -> Navigation:
+) -> HouseNavigation:
     """Compute regions, portals, starts, goals and distance fields on the free space of a house.
 
     Args:
@@ -56,13 +56,13 @@ def build_navigation(
     climbed = [(s, max(s.width - 2 * reach, options.cell) if way else 0.0) for s, way in zip(stairs, ways, strict=True)]
     portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], climbed)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
-    drawn = home & ~on_ramp & ~_cut_off(home, links, spaces, rooms, open_leaves, options)
-    drawn = _beside_leaves(drawn, spaces, rooms, leaves, options)
+    drawn = home & ~on_ramp & ~_cut_off_cells(home, links, spaces, rooms, open_leaves, options)
+    drawn = _clear_of_leaves(drawn, spaces, rooms, leaves, options)
     goals = _spread_goals(drawn, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
     field = distance_fields(home, goals, options.cell, links, height)
-    return Navigation(
+    return HouseNavigation(
         origin=ground.origin,
         cell=options.cell,
         agent_radius=float(options.agent_radius),
@@ -75,68 +75,70 @@ def build_navigation(
         height=height[home],
         start=_place(ground, rooms, room, cells, jitter),
         goal=_place(ground, rooms, room, goals, np.zeros((len(goals), 2))),
-        field=_stored(field),
-        fringe=_fringe(spaces, home, field, options.cell),
+        field=_quantize_distances(field),
+        extrapolated=_fringe(spaces, home, field, options.cell),
         portals=portals,
         room_hops=room_hops(portals, len(rooms.type)),
     )
 
 
-def _beside_leaves(
+def _clear_of_leaves(
     home: Bool[np.ndarray, "l ny nx"],
     spaces: Sequence[FreeSpace],
-    rooms: Rooms,
+    rooms: RoomTable,
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
     """Return the cells of the home region without a possible leaf position, or all cells if every cell has one."""
     reach, found = options.agent_radius + options.margin, home.copy()
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
-        heights = (options.step, options.agent_height)
-        cells &= clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
+        heights = (options.max_step_height, options.agent_height)
+        cells &= compute_clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
     return found if found.any() else home
 
 
-def _cut_off(
+def _cut_off_cells(
     home: Bool[np.ndarray, "l ny nx"],
-    links: Sequence[Link],
+    links: Sequence[GridLink],
     spaces: Sequence[FreeSpace],
-    rooms: Rooms,
+    rooms: RoomTable,
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
     """Return the cells of the home region that leaves of open doors cut off from its main part."""
-    free, heights = home.copy(), (options.step, options.agent_height)
+    free, heights = home.copy(), (options.max_step_height, options.agent_height)
     for cells, space, boxes in zip(free, spaces, leaves, strict=False):
         floor, radius = rooms.floor[space.room], options.agent_radius
-        cells &= clearance(boxes, floor, space.x, space.y, heights, radius) >= radius
+        cells &= compute_clearance(boxes, floor, space.x, space.y, heights, radius) >= radius
     region, _ = label_regions(free, links, options.cell)
     return home & (region != 0) if free.any() else np.zeros_like(home)
 
 
 def _fringe(
     spaces: Sequence[FreeSpace], home: Bool[np.ndarray, "l ny nx"], field: Float[np.ndarray, "c g"], cell: float
-) -> Fringe:
+) -> ExtrapolatedCells:
     """Return the cells next to the home region and the nearest valid cell of each cell; `field` is in metres."""
     grids = ("narrow", "enterable", "standable", "room", "height")
     *around, standable, room, height = (np.stack([getattr(s, name) for s in spaces]) for name in grids)
-    parts = continued_fields(home, around, standable, room, height, field, cell)
+    parts = extrapolate_fields(home, around, standable, room, height, field, cell)
     place, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
     number = np.where(home, np.cumsum(home).reshape(home.shape) - 1, -1)
     number[tuple(place.T)] = len(field) + np.arange(len(place))
-    nearest = nearest_numbers(number, room).astype(np.int32)
-    return Fringe(len(parts[0][0]), place.astype(np.int16), height[tuple(place.T)], _stored(distance), nearest)
+    nearest = nearest_cell_numbers(number, room).astype(np.int32)
+    return ExtrapolatedCells(
+        len(parts[0][0]), place.astype(np.int16), height[tuple(place.T)], _quantize_distances(distance), nearest
+    )
 
 
-def _stored(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:
+def _quantize_distances(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:
     """Quantize distances [m] to their stored form; values above 163 m are clipped."""
-    steps = np.minimum(np.round(distance / FIELD_UNIT), FIELD_FAR - 1)
-    return np.where(np.isfinite(distance), steps, FIELD_FAR).astype(np.uint16)
+    steps = np.minimum(np.round(distance / FIELD_UNIT), FIELD_UNREACHABLE - 1)
+    return np.where(np.isfinite(distance), steps, FIELD_UNREACHABLE).astype(np.uint16)
 
 
 def _place(
     space: FreeSpace,
-    rooms: Rooms,
+    rooms: RoomTable,
     room: Int[np.ndarray, "l ny nx"],
     cells: Int[np.ndarray, "n 3"],
     shift: Float[np.ndarray, "n 2"],
@@ -156,6 +158,6 @@ def _spread_goals(
     for g in range(count):
         cells = np.argwhere(free & (room == order[g % len(order)]))
         candidates = cells[rng.integers(len(cells), size=32)]
-        gaps = np.linalg.norm((candidates[:, None] - goals[None, :g]) * [LEVEL_APART, 1, 1], axis=-1)
+        gaps = np.linalg.norm((candidates[:, None] - goals[None, :g]) * [LEVEL_DISTANCE, 1, 1], axis=-1)
         goals[g] = candidates[gaps.min(axis=1, initial=np.inf).argmax()]
     return goals

@@ -10,9 +10,9 @@ from scipy import ndimage
 
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.geometry.boxes import BoxSet, footprint_distance
-from home_mjx.geometry.polygons import inside_polygon, smallest_room
-from home_mjx.scene_compile.objects.stairs import Stairs
-from home_mjx.schema.compiled import Rooms
+from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon
+from home_mjx.scene_compile.objects.stairs import Staircase
+from home_mjx.schema.compiled import RoomTable
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,10 @@ class NavigationOptions:
         agent_radius: Radius of the agent [m].
         agent_height: Height of the agent [m].
         margin: Clearance beyond the radius [m]; starts are jittered by up to half of it from their cell's centre.
-        step: Obstacles that end lower above the floor are ignored [m].
+        max_step_height: Obstacles that end lower above the floor are ignored [m].
         num_starts: Number of sampled start points.
         num_goals: Number of goals, each with a distance field.
-        climb: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False, stairs
+        use_stairs: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False, stairs
             are obstacles, and starts and goals are on the ground floor.
     """
 
@@ -35,18 +35,18 @@ class NavigationOptions:
     agent_radius: float = 0.1
     agent_height: float = 1.6
     margin: float = 0.05
-    step: float = 0.03
+    max_step_height: float = 0.03
     num_starts: int = 256
     num_goals: int = 32
-    climb: bool = True
+    use_stairs: bool = True
 
     def __post_init__(self) -> None:
         check_number("cell", self.cell, 0.01, 10)
-        for name in ("agent_radius", "agent_height", "margin", "step"):
+        for name in ("agent_radius", "agent_height", "margin", "max_step_height"):
             check_number(name, getattr(self, name), 0)
         for name in ("num_starts", "num_goals"):
-            check_number(name, getattr(self, name), 1, whole=True)
-        check_flag("climb", self.climb)
+            check_number(name, getattr(self, name), 1, integer=True)
+        check_flag("use_stairs", self.use_stairs)
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,8 @@ class FreeSpace:
     y: Float[np.ndarray, " ny"]
     room: Int[np.ndarray, "ny nx"]
     standable: Bool[np.ndarray, "ny nx"]
-    narrow: Bool[np.ndarray, "ny nx"]  # cells that the agent's axis can enter without the margin
-    enterable: Bool[np.ndarray, "ny nx"]  # the same if movable objects are absent
+    standable_without_margin: Bool[np.ndarray, "ny nx"]  # cells that the agent's axis can enter without the margin
+    standable_without_movables: Bool[np.ndarray, "ny nx"]  # the same if movable objects are absent
     height: Float[np.ndarray, "ny nx"]  # [m], floor or ramp height in a room; undefined elsewhere
     on_ramp: Bool[np.ndarray, "ny nx"]
 
@@ -74,14 +74,14 @@ class FreeSpace:
         return self.standable & (labels == sizes.argmax())
 
 
-def free_space(
-    rooms: Rooms,
+def find_free_space(
+    rooms: RoomTable,
     obstacles: BoxSet,
     passages: Sequence[Float[np.ndarray, "4 2"]] = (),
     options: NavigationOptions = NavigationOptions(),
     level: int | None = None,
-    upstairs: Sequence[Stairs] = (),
-    downstairs: Sequence[Stairs] = (),
+    upstairs: Sequence[Staircase] = (),
+    downstairs: Sequence[Staircase] = (),
     fixed: BoxSet | None = None,
 ) -> FreeSpace:
     """Compute the rooms of a level and their standable cells.
@@ -99,32 +99,34 @@ def free_space(
     level = int(rooms.level.min()) if level is None else level
     here = np.flatnonzero(rooms.level == level)
     origin, x, y = _grid(rooms.polygon, options.cell)
-    treads = [top for stairs in downstairs for top in stairs.top]
+    treads = [top for stairs in downstairs for top in stairs.top_tread]
     room = _label_rooms(rooms, here, [*passages, *treads], x, y)
     height, on_ramp, owned = rooms.floor[room], np.zeros(room.shape, bool), np.zeros(room.shape, bool)
     points = np.stack(np.meshgrid(x, y), axis=-1)
-    for stairs, end, here in _shares(upstairs, downstairs, points, options.cell):
+    for stairs, end, here in _assign_stair_cells(upstairs, downstairs, points, options.cell):
         # If other stairs exit under the head of these stairs, the area below is floor or belongs to the other stairs.
         over = here if stairs.stacked and end == 0 else stairs.contains(points)
         mine = here | (over & ~owned)
         room, height = np.where(mine, stairs.room[end], room), np.where(mine, stairs.surface(points), height)
         on_ramp, owned = on_ramp | over, owned | here
     reach = options.agent_radius + options.margin
-    heights = options.step, options.agent_height
-    away = clearance(obstacles, height, x, y, heights, reach)
+    heights = options.max_step_height, options.agent_height
+    away = compute_clearance(obstacles, height, x, y, heights, reach)
     inside, sure = (room >= 0) & (owned | ~on_ramp), away >= reach
     # An agent's axis may be up to half a cell from the cell's centre.
     near = max(options.agent_radius - options.cell / 2, 0)
     narrow = inside & (sure | (away > near))
     enterable = (
-        narrow | (inside & (clearance(fixed, height, x, y, heights, reach) > near)) if fixed is not None else narrow
+        narrow | (inside & (compute_clearance(fixed, height, x, y, heights, reach) > near))
+        if fixed is not None
+        else narrow
     )
     return FreeSpace(level, origin, x, y, room.astype(np.int16), inside & sure, narrow, enterable, height, on_ramp)
 
 
-def _shares(
-    upstairs: Sequence[Stairs], downstairs: Sequence[Stairs], points: Float[np.ndarray, "ny nx 2"], cell: float
-) -> Iterator[tuple[Stairs, int, Bool[np.ndarray, "ny nx"]]]:
+def _assign_stair_cells(
+    upstairs: Sequence[Staircase], downstairs: Sequence[Staircase], points: Float[np.ndarray, "ny nx 2"], cell: float
+) -> Iterator[tuple[Staircase, int, Bool[np.ndarray, "ny nx"]]]:
     """Yield the stairs of a level, the end (0 foot, 1 head) on this level, and the cells that belong to the level.
 
     Both levels include the cells around the split between their grids. If stairs exit under others, each cell has only
@@ -133,12 +135,12 @@ def _shares(
     """
     under = any(stairs.stacked for stairs in upstairs)
     below = [
-        (stairs, 1, stairs.reaches(points, 1, (0.0 if under else 3.5 if stairs.stacked else 1.5) * cell))
+        (stairs, 1, stairs.belongs_to_level(points, 1, (0.0 if under else 3.5 if stairs.stacked else 1.5) * cell))
         for stairs in downstairs
     ]
     taken = np.any([here for _, _, here in below], axis=0) if below else np.zeros(points.shape[:2], bool)
     for stairs in upstairs:
-        here = stairs.reaches(points, 0, 1.5 * cell)
+        here = stairs.belongs_to_level(points, 0, 1.5 * cell)
         if stairs.stacked:
             here &= np.logical_not(ndimage.binary_dilation(taken, np.ones((3, 3))))
         yield stairs, 0, here
@@ -156,28 +158,28 @@ def _grid(
 
 
 def _label_rooms(
-    rooms: Rooms,
+    rooms: RoomTable,
     ground: Int[np.ndarray, " r"],
     passages: Sequence[Float[np.ndarray, "4 2"]],
     x: Float[np.ndarray, " nx"],
     y: Float[np.ndarray, " ny"],
 ) -> Int[np.ndarray, "ny nx"]:
     points = np.stack(np.meshgrid(x, y), axis=-1)
-    room = smallest_room(rooms, ground, points)
+    room = find_smallest_room(rooms, ground, points)
     gap = np.zeros(room.shape, bool)
     for passage in passages:
-        gap |= inside_polygon(passage, points)
+        gap |= is_inside_polygon(passage, points)
     nearest = np.asarray(ndimage.distance_transform_edt(room < 0, return_distances=False, return_indices=True))
     return np.where(gap, room[nearest[0], nearest[1]], room)
 
 
-def clearance(
+def compute_clearance(
     obstacles: BoxSet,
     floor: Float[np.ndarray, "ny nx"],
     x: Float[np.ndarray, " nx"],
     y: Float[np.ndarray, " ny"],
     heights: tuple[float, float],
-    reach: float,
+    max_distance: float,
 ) -> Float[np.ndarray, "ny nx"]:
     """Compute the distance from every cell centre to the nearest obstacle within a height range [m].
 
@@ -187,12 +189,12 @@ def clearance(
         x: x of the cell centres [m].
         y: y of the cell centres [m].
         heights: Height range above the floor in which obstacles count [m].
-        reach: Distances up to this are exact; greater ones are only at least this [m].
+        max_distance: Distances up to this are exact; greater ones are only at least this [m].
     """
     found = np.full((len(y), len(x)), np.inf)
     low, high = obstacles.bottom, obstacles.top
     for i in np.flatnonzero((high > floor.min() + heights[0]) & (low < floor.max() + heights[1])).tolist():
-        radius = np.hypot(*obstacles.half[i, :2]) + reach
+        radius = np.hypot(*obstacles.half[i, :2]) + max_distance
         columns = np.flatnonzero(abs(x - obstacles.center[i, 0]) <= radius)
         rows = np.flatnonzero(abs(y - obstacles.center[i, 1]) <= radius)
         if len(columns) and len(rows):

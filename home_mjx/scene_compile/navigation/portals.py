@@ -8,10 +8,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, shortest_path
 from scipy.spatial import KDTree
 
-from home_mjx.geometry.polygons import inside_polygon
+from home_mjx.geometry.polygons import is_inside_polygon
 from home_mjx.scene_compile.objects.doorways import Doorway
-from home_mjx.scene_compile.objects.stairs import Stairs
-from home_mjx.schema.compiled import PortalKind, Portals, Rooms
+from home_mjx.scene_compile.objects.stairs import Staircase
+from home_mjx.schema.compiled import PortalKind, Portals, RoomTable
 
 NO_LEAF = (-1, -1)
 
@@ -20,12 +20,12 @@ Row = tuple[tuple[int, int], tuple[float, float, float], float, PortalKind, tupl
 
 
 def find_portals(
-    rooms: Rooms,
+    rooms: RoomTable,
     room: Int[np.ndarray, "l ny nx"],
     standable: Bool[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
     doorways: Sequence[Sequence[Doorway]],
-    stairs: Sequence[tuple[Stairs, float]] = (),
+    stairs: Sequence[tuple[Staircase, float]] = (),
 ) -> Portals:
     """Find the portals of all levels.
 
@@ -40,8 +40,8 @@ def find_portals(
     rows: list[Row] = []
     for grid, doors in enumerate(doorways):
         found = _crossings(rooms, room[grid], standable[grid], centres)
-        rows += [_named(row, doors) for row in found]
-        rows += _closed(rooms, [door for door in doors if not any(_inside(door, row) for row in found)])
+        rows += [_match_door(row, doors) for row in found]
+        rows += _closed_doors(rooms, [door for door in doors if not any(_inside(door, row) for row in found)])
     rows += [_stairs(*one) for one in stairs]
     if not rows:
         pair = np.zeros((0, 2), np.int32)
@@ -52,7 +52,7 @@ def find_portals(
 
 
 def _crossings(
-    rooms: Rooms,
+    rooms: RoomTable,
     room: Int[np.ndarray, "ny nx"],
     standable: Bool[np.ndarray, "ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
@@ -85,16 +85,16 @@ def _clusters(points: Float[np.ndarray, "n 2"], reach: float) -> list[Float[np.n
 
 
 def _inside(door: Doorway, row: Row) -> bool:
-    return bool(inside_polygon(door.footprint, np.array(row[1][:2])))
+    return bool(is_inside_polygon(door.footprint, np.array(row[1][:2])))
 
 
-def _named(row: Row, doors: Sequence[Doorway]) -> Row:
+def _match_door(row: Row, doors: Sequence[Doorway]) -> Row:
     """Return the row as a door if it is inside a doorway."""
     door = next((door for door in doors if _inside(door, row)), None)
     return row if door is None else (*row[:3], PortalKind.DOOR, door.leaf)
 
 
-def _closed(rooms: Rooms, doors: Sequence[Doorway]) -> list[Row]:
+def _closed_doors(rooms: RoomTable, doors: Sequence[Doorway]) -> list[Row]:
     """Return rows of doors that agents cannot pass: blocked, or to the outside."""
     rows: list[Row] = []
     for door in doors:
@@ -105,7 +105,7 @@ def _closed(rooms: Rooms, doors: Sequence[Doorway]) -> list[Row]:
     return rows
 
 
-def _stairs(stairs: Stairs, width: float) -> Row:
+def _stairs(stairs: Staircase, width: float) -> Row:
     x, y = stairs.slopes[0].foot.tolist()
     return stairs.room, (x, y, stairs.low), width, PortalKind.STAIRS, NO_LEAF
 

@@ -8,13 +8,13 @@ from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from home_mjx.geometry.geodesic import Link
+from home_mjx.geometry.geodesic import GridLink
 
-IN_LEVEL = np.array([np.zeros((3, 3)), [[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.zeros((3, 3))])  # 4-connected
+LEVEL_CONNECTIVITY = np.array([np.zeros((3, 3)), [[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.zeros((3, 3))])  # 4-connected
 
 
 def label_regions(
-    standable: Bool[np.ndarray, "l ny nx"], links: Sequence[Link], cell: float
+    standable: Bool[np.ndarray, "l ny nx"], links: Sequence[GridLink], cell: float
 ) -> tuple[Int[np.ndarray, "l ny nx"], Float[np.ndarray, " n"]]:
     """Label connected regions: first the largest part of the lowest level, then by decreasing area.
 
@@ -27,7 +27,7 @@ def label_regions(
         Region of each cell, -1 if not standable; area of each region [m^2].
     """
     patch = np.zeros(standable.shape, np.int32)
-    count = int(ndimage.label(standable, IN_LEVEL, output=patch))  # pyright: ignore[reportArgumentType]
+    count = int(ndimage.label(standable, LEVEL_CONNECTIVITY, output=patch))  # pyright: ignore[reportArgumentType]
     ends = np.array([(patch[link.start], patch[link.end]) for link in links], int).reshape(-1, 2)
     ends = ends[(ends > 0).all(axis=1)] - 1
     joined = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count))

@@ -5,18 +5,18 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.geometry.geodesic import Link
-from home_mjx.scene_compile.objects.stairs import Stairs
+from home_mjx.geometry.geodesic import GridLink
+from home_mjx.scene_compile.objects.stairs import Staircase
 
-NOTHING = 1e-4  # [m], length of a link between copies of a cell; sparse graphs cannot store zero
+LINK_LENGTH = 1e-4  # [m], length of a link between copies of a cell; sparse graphs cannot store zero
 
 
 def stair_links(
-    stairs: Sequence[Stairs],
+    stairs: Sequence[Staircase],
     standable: Bool[np.ndarray, "l ny nx"],
     height: Float[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
-) -> list[list[Link]]:
+) -> list[list[GridLink]]:
     """Return for each of the stairs links at the cells that are free in the grids of both levels.
 
     Args:
@@ -31,5 +31,5 @@ def stair_links(
         both = one.contains(points) & standable[one.lower] & standable[one.upper]
         both &= np.isclose(height[one.lower], height[one.upper])
         cells = np.argwhere(both).tolist()
-        found.append([Link((one.lower, y, x), (one.upper, y, x), NOTHING) for y, x in cells])
+        found.append([GridLink((one.lower, y, x), (one.upper, y, x), LINK_LENGTH) for y, x in cells])
     return found

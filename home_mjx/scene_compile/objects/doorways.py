@@ -7,13 +7,13 @@ from itertools import count
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.geometry.polygons import smallest_room
+from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.compiled import Rooms
+from home_mjx.schema.compiled import RoomTable
 
-PORTALS = ("door", "garage_door", "arch")
-DEPTH = 0.15  # [m], depth of a doorway on either side of its wall's middle plane
-BESIDE = 0.35  # [m], distance from the middle of a doorway to the test points for rooms on either side
+PORTAL_CATEGORIES = ("door", "garage_door", "arch")
+DOORWAY_HALF_DEPTH = 0.15  # [m], depth of a doorway on either side of its wall's middle plane
+ROOM_PROBE_DISTANCE = 0.35  # [m], distance from the middle of a doorway to the test points for rooms on either side
 MAX_LEAVES = 2  # maximum number of leaves of one doorway
 
 
@@ -22,7 +22,7 @@ class Doorway:
     """A door or an arch as a way from room to room.
 
     Attributes:
-        footprint: As wide as the door, `DEPTH` to both sides of its wall; the first edge is along the wall [m].
+        footprint: As wide as the door, `DOORWAY_HALF_DEPTH` to both sides of its wall; the first edge is along the wall [m].
         level: Level index.
         room: Room on either side; -1 outdoors.
         leaf: Rows of the house's Doors, the largest leaves first; -1 if none.
@@ -39,7 +39,7 @@ class Doorway:
         return min(self.room) < 0
 
 
-def find_doorways(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Doorway]:
+def find_doorways(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Doorway]:
     """Find the doorways of all levels.
 
     Args:
@@ -49,23 +49,25 @@ def find_doorways(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Doorway
     rows, found = count(), []
     for item in objects:
         leaves = sorted([(-float(leaf.box.half[0].prod()), next(rows)) for leaf in item.leaves])
-        if item.info.coarse in PORTALS:
+        if item.info.coarse in PORTAL_CATEGORIES:
             leaf = [row for _, row in leaves[:MAX_LEAVES]] + [-1] * MAX_LEAVES
             found.append(replace(_doorway(item, rooms), leaf=(leaf[0], leaf[1])))
     return found
 
 
-def shut_outer_doors(objects: Sequence[PlacedObject], rooms: Rooms) -> list[PlacedObject]:
+def shut_outer_doors(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[PlacedObject]:
     """Return the objects with all hinged doors to the outdoors permanently shut, so that agents stay in the rooms."""
-    return [replace(o, is_shut=True) if o.hinged and _doorway(o, rooms).leads_outdoors else o for o in objects]
+    return [replace(o, is_shut=True) if o.leaf_parts and _doorway(o, rooms).leads_outdoors else o for o in objects]
 
 
-def _doorway(item: PlacedObject, rooms: Rooms) -> Doorway:
+def _doorway(item: PlacedObject, rooms: RoomTable) -> Doorway:
     along, across = np.array([[np.cos(item.yaw), np.sin(item.yaw)], [-np.sin(item.yaw), np.cos(item.yaw)]])
     points = item.triangles.reshape(-1, 3)[:, :2] @ along
     middle = item.pose[:2, 3] @ across
     ends = np.array([points.min(), points.max()])
-    corners = ends[[0, 1, 1, 0], None] * along + (middle + DEPTH * np.array([-1, -1, 1, 1]))[:, None] * across
-    beside = ends.mean() * along + (middle + BESIDE * np.array([[-1], [1]])) * across
-    first, second = smallest_room(rooms, np.flatnonzero(rooms.level == item.level), beside).tolist()
+    corners = (
+        ends[[0, 1, 1, 0], None] * along + (middle + DOORWAY_HALF_DEPTH * np.array([-1, -1, 1, 1]))[:, None] * across
+    )
+    beside = ends.mean() * along + (middle + ROOM_PROBE_DISTANCE * np.array([[-1], [1]])) * across
+    first, second = find_smallest_room(rooms, np.flatnonzero(rooms.level == item.level), beside).tolist()
     return Doorway(corners, item.level, (first, second))

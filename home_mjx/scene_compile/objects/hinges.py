@@ -11,20 +11,20 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 
-from home_mjx.geometry.box_fit import components, narrowest_box, sample_surface
+from home_mjx.geometry.box_fit import narrowest_box, sample_surface, triangle_components
 from home_mjx.geometry.rotations import plane_matrix
 
-SAME = 2e-3  # [m], corners closer than this are equal in both variants
-JOINED = 0.03  # [m], maximum distance between parts of one leaf, such as its panel and handles
-SPACING = 0.05  # [m], distance of sample points on the moving surface
-FINEST = SPACING / 4  # [m], distance of sample points on the target surface
-LEAST_TURN = np.deg2rad(5.0)  # minimum rotation of a turning leaf
-LEAST_SLIDE = 0.1  # [m], minimum translation of a sliding leaf
-ASKEW = 0.1  # maximum sine of the angle between a sliding leaf and its translation
-TIE = 0.02  # fits whose shares differ by at most this from the best are considered equal
+SAME_CORNER_DISTANCE = 2e-3  # [m], corners closer than this are equal in both variants
+MAX_PART_DISTANCE = 0.03  # [m], maximum distance between parts of one leaf, such as its panel and handles
+SAMPLE_SPACING = 0.05  # [m], distance of sample points on the moving surface
+TARGET_SPACING = SAMPLE_SPACING / 4  # [m], distance of sample points on the target surface
+MIN_TURN = np.deg2rad(5.0)  # minimum rotation of a turning leaf
+MIN_SLIDE = 0.1  # [m], minimum translation of a sliding leaf
+MAX_SLIDE_SKEW = 0.1  # maximum sine of the angle between a sliding leaf and its translation
+TIE_TOLERANCE = 0.02  # fits whose shares differ by at most this from the best are considered equal
 MAX_POINTS = 3_000_000  # maximum sample points of a variant; doors of real houses need some ten thousand
 MAX_PARTS = 300  # maximum number of moving components, since all pairs are compared
-LEAST_SHARE = 0.9  # minimum share of a moved leaf's points on the other variant's surface
+MIN_FIT_SHARE = 0.9  # minimum share of a moved leaf's points on the other variant's surface
 
 
 @dataclass(frozen=True)
@@ -34,13 +34,13 @@ class Hinge:
     Attributes:
         leaf: Mask of the model's triangles.
         pivot: Intersection of the axis with the plan, in the model's frame [m]; any point of a sliding leaf.
-        turn: Rotation about +z, or sliding distance, to the other variant's position [rad] or [m].
+        displacement: Rotation about +z, or sliding distance, to the other variant's position [rad] or [m].
         slide: Unit direction in the plan to that position; 0: the leaf turns.
     """
 
     leaf: Bool[np.ndarray, " t"]
     pivot: Float[np.ndarray, "2"]
-    turn: float
+    displacement: float
     slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
 
 
@@ -55,9 +55,9 @@ def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3
         >>> find_hinges(open_door, closed_door)[0].turn  # doctest: +SKIP
         -1.5707963267948966
     """
-    if not all(map(_is_of_a_door, (shown, other))):
+    if not all(map(_is_small_enough, (shown, other))):
         return ()
-    target, part = _moved(other, shown), components(shown)
+    target, part = _moved(other, shown), triangle_components(shown)
     moved = np.isin(part, _moved_parts(shown, part, other))
     if not moved.any() or not len(target) or len(np.unique(part[moved])) > MAX_PARTS:
         return ()
@@ -69,14 +69,14 @@ def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3
     return tuple(hinges)
 
 
-def _is_of_a_door(triangles: Float[np.ndarray, "t 3 3"]) -> bool:
+def _is_small_enough(triangles: Float[np.ndarray, "t 3 3"]) -> bool:
     """Return whether a variant is small enough to be sampled; a wrong unit would need billions of points."""
     edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
-    return bool(((edge / FINEST + 1) ** 2).sum() / 2 < MAX_POINTS)
+    return bool(((edge / TARGET_SPACING + 1) ** 2).sum() / 2 < MAX_POINTS)
 
 
 def _moved(triangles: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> Float[np.ndarray, "m 3 3"]:
-    part = components(triangles)
+    part = triangle_components(triangles)
     return triangles[np.isin(part, _moved_parts(triangles, part, other))]
 
 
@@ -85,7 +85,7 @@ def _moved_parts(
 ) -> list[int]:
     """Return the components with a corner that the other variant does not have."""
     away = KDTree(other.reshape(-1, 3)).query(triangles.reshape(-1, 3))[0].reshape(-1, 3).max(axis=1)
-    return [int(p) for p in np.unique(part) if away[part == p].max() > SAME]
+    return [int(p) for p in np.unique(part) if away[part == p].max() > SAME_CORNER_DISTANCE]
 
 
 def _leaves(
@@ -93,11 +93,11 @@ def _leaves(
 ) -> Iterator[Bool[np.ndarray, " t"]]:
     """Yield groups of moved components that touch: a leaf with its panels and handles."""
     names = np.unique(part[moved])
-    trees = [KDTree(_sample(triangles[part == name], JOINED / 2)) for name in names]
+    trees = [KDTree(_sample(triangles[part == name], MAX_PART_DISTANCE / 2)) for name in names]
     group = np.arange(len(names))
     for i in range(len(names)):
         for j in range(i):
-            if group[i] != group[j] and trees[i].count_neighbors(trees[j], JOINED):
+            if group[i] != group[j] and trees[i].count_neighbors(trees[j], MAX_PART_DISTANCE):
                 group[group == group[i]] = group[j]
     for g in np.unique(group):
         yield np.isin(part, names[group == g])
@@ -107,14 +107,16 @@ def _move_onto(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
     """Return the pivot, turn and slide (see `Hinge`) that move a leaf onto a surface; None if it does not fit."""
-    points, tree = _sample(leaf, SPACING), KDTree(_sample(target, FINEST))
+    points, tree = _sample(leaf, SAMPLE_SPACING), KDTree(_sample(target, TARGET_SPACING))
     guesses = list(_guesses(leaf, target))
     fits = [_refine(points, tree, *guess) for guess in guesses]
     best = max((share for share, _, _ in fits), default=0.0)
     good = [
-        (g, (a, s)) for g, (share, a, s) in zip(guesses, fits, strict=True) if share >= max(best - TIE, LEAST_SHARE)
+        (g, (a, s))
+        for g, (share, a, s) in zip(guesses, fits, strict=True)
+        if share >= max(best - TIE_TOLERANCE, MIN_FIT_SHARE)
     ]
-    straight = [guess[1] for guess, fit in good if max(abs(guess[0]), abs(fit[0])) < LEAST_TURN]
+    straight = [guess[1] for guess, fit in good if max(abs(guess[0]), abs(fit[0])) < MIN_TURN]
     if straight:  # a sliding leaf: use the shift between boxes, the smallest if several targets fit
         return _slide(points, min(straight, key=lambda shift: float(np.linalg.norm(shift))))
     # The fixed point p satisfies (1 - R) p = shift. A symmetric leaf fits several ways; the hinge is on its own edge.
@@ -133,7 +135,7 @@ def _slide(
     way = float(np.linalg.norm(shift))
     box = narrowest_box(points)
     across = plane_matrix(-float(box.yaw[0]))[int(box.half[0, 0] >= box.half[0, 1])] @ shift
-    if way < LEAST_SLIDE or abs(across) > ASKEW * way:
+    if way < MIN_SLIDE or abs(across) > MAX_SLIDE_SKEW * way:
         return None
     return points[:, :2].mean(axis=0), way, shift / way
 
@@ -144,10 +146,13 @@ def _guesses(
     """Yield rotations and shifts that align the leaf's largest component with each similar one, in 4 orientations."""
     big = _largest(leaf)
     source = narrowest_box(big.reshape(-1, 3))
-    part = components(target)
+    part = triangle_components(target)
     for piece in (target[part == p] for p in np.unique(part)):
         box = narrowest_box(piece.reshape(-1, 3))
-        if abs(box.half[0, 2] - source.half[0, 2]) < SPACING and abs(box.center[0, 2] - source.center[0, 2]) < SPACING:
+        if (
+            abs(box.half[0, 2] - source.half[0, 2]) < SAMPLE_SPACING
+            and abs(box.center[0, 2] - source.center[0, 2]) < SAMPLE_SPACING
+        ):
             for quarter in range(4):
                 angle = float(box.yaw[0] - source.yaw[0] + quarter * np.pi / 2)
                 angle = (angle + np.pi) % (2 * np.pi) - np.pi
@@ -155,9 +160,9 @@ def _guesses(
 
 
 def _largest(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "l 3 3"]:
-    part = components(triangles)
+    part = triangle_components(triangles)
     pieces: Sequence = [triangles[part == p] for p in np.unique(part)]
-    return max(pieces, key=lambda piece: np.prod(np.ptp(piece.reshape(-1, 3), axis=0) + SAME))
+    return max(pieces, key=lambda piece: np.prod(np.ptp(piece.reshape(-1, 3), axis=0) + SAME_CORNER_DISTANCE))
 
 
 def _refine(
@@ -176,7 +181,7 @@ def _refine(
         angle, shift = _fit(points[:, :2], tree.data[nearest][:, :2])
         before = nearest
     away, _ = tree.query(_put(points, angle, shift))
-    return float((away < SPACING / 2).mean()), angle, shift
+    return float((away < SAMPLE_SPACING / 2).mean()), angle, shift
 
 
 def _sample(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:

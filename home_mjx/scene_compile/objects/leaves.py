@@ -5,24 +5,24 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool
 
-from home_mjx.geometry.boxes import BoxSet, footprint, footprint_distance, join, overlap
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, footprint_distance, penetration_depth
 from home_mjx.geometry.rotations import yaw_quat
-from home_mjx.scene_compile.objects.doors import Leaf
+from home_mjx.scene_compile.objects.doors import PlacedLeaf
 from home_mjx.schema.compiled import Doors
 
-AREAL_DENSITY = 8.0  # [kg/m^2], mass per leaf area: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
-LEAF_MASS = (5.0, 60.0)  # [kg], minimum and maximum mass of a leaf
+LEAF_AREAL_DENSITY = 8.0  # [kg/m^2], mass per leaf area: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
+LEAF_MASS_RANGE = (5.0, 60.0)  # [kg], minimum and maximum mass of a leaf
 CLEARANCE = 0.01  # [m], minimum distance of a leaf from obstacles
-STEP = np.deg2rad(1.0)  # angle increment of the range search; the free edge moves by 1.4 cm
+TURN_STEP = np.deg2rad(1.0)  # angle increment of the range search; the free edge moves by 1.4 cm
 SLIDE_STEP = 0.01  # [m], distance increment of the range search
-EXACT = 1e-6  # [rad] or [m], tolerance of the maximum range
-MOST_OPEN = np.pi  # [rad], maximum opening angle
-AJAR = np.deg2rad(60.0)  # minimum opening angle of a leaf that leaves the way free
-SLIDE_AJAR = 0.5  # [m], the same for a sliding leaf
+RANGE_TOLERANCE = 1e-6  # [rad] or [m], tolerance of the maximum range
+MAX_OPEN_ANGLE = np.pi  # [rad], maximum opening angle
+MIN_OPEN_ANGLE = np.deg2rad(60.0)  # minimum opening angle of a leaf that leaves the way free
+MIN_SLIDE_OPENING = 0.5  # [m], the same for a sliding leaf
 
 
 def make_doors(
-    leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
+    leaves: Sequence[PlacedLeaf], static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
 ) -> Doors:
     """Build the table of a house's leaves.
 
@@ -30,30 +30,30 @@ def make_doors(
         leaves: Leaves that turn or slide.
         static: Obstacles of all leaves.
         walls: Additional obstacles of turning leaves; sliding leaves may enter walls. None: no walls.
-        movable: Boxes of movable objects in their initial pose; see `swing`. None: no movable objects.
+        movable: Boxes of movable objects in their initial pose; see `find_motion_range`. None: no movable objects.
     """
     if not leaves:
-        return Doors.none()
-    low, high = np.array([swing(leaf, static, walls, movable) for leaf in leaves]).T
-    box = join(leaf.box for leaf in leaves)
+        return Doors.empty()
+    low, high = np.array([find_motion_range(leaf, static, walls, movable) for leaf in leaves]).T
+    box = concat_boxes(leaf.box for leaf in leaves)
     area = 4 * np.sort(box.half, axis=1)[:, 1:].prod(axis=1)
     return Doors(
         instance=np.array([leaf.instance for leaf in leaves], np.int32),
         pivot=np.array([leaf.pivot for leaf in leaves]),
         closed=np.array([leaf.closed for leaf in leaves]),
-        wide=np.clip([leaf.wide for leaf in leaves], low, high),
+        fully_open=np.clip([leaf.wide_open for leaf in leaves], low, high),
         low=low,
         high=high,
         pos=box.center,
         quat=yaw_quat(box.yaw),
         size=box.half,
-        mass=np.clip(area * AREAL_DENSITY, *LEAF_MASS),
+        mass=np.clip(area * LEAF_AREAL_DENSITY, *LEAF_MASS_RANGE),
         slide=np.array([leaf.slide for leaf in leaves]),
     )
 
 
-def swing(
-    leaf: Leaf, static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
+def find_motion_range(
+    leaf: PlacedLeaf, static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
 ) -> tuple[float, float]:
     """Return the range of motion of a leaf, from closed to the first obstacle.
 
@@ -74,48 +74,54 @@ def swing(
     Returns:
         Minimum and maximum angle [rad] or distance [m]; one of them is the closed pose.
     """
-    around = static if leaf.slides or walls is None else join([static, walls])
+    around = static if leaf.slides or walls is None else concat_boxes([static, walls])
     near = around[_within_reach(leaf, around)]
-    closed = overlap(leaf.box_at(leaf.closed), near)
+    closed = penetration_depth(leaf.box_at(leaf.closed), near)
     further = np.inf if leaf.slides else 2 * float(leaf.box.half[0, :2].min())
     allowed = np.where(closed > -CLEARANCE, np.maximum(closed, 0) + further, -CLEARANCE)
 
     def is_free(way: float) -> bool:
-        return bool((overlap(leaf.box_at(way), near) <= allowed).all())
+        return bool((penetration_depth(leaf.box_at(way), near) <= allowed).all())
 
-    opens, most = np.sign(leaf.wide - leaf.closed), abs(leaf.wide - leaf.closed) if leaf.slides else MOST_OPEN
-    step = SLIDE_STEP if leaf.slides else STEP
+    opens, most = (
+        np.sign(leaf.wide_open - leaf.closed),
+        abs(leaf.wide_open - leaf.closed) if leaf.slides else MAX_OPEN_ANGLE,
+    )
+    step = SLIDE_STEP if leaf.slides else TURN_STEP
     end = 0.0 if is_free(0.0) else leaf.closed
-    while abs(end - leaf.closed) + step <= most + EXACT and is_free(end + float(opens) * step):
+    while abs(end - leaf.closed) + step <= most + RANGE_TOLERANCE and is_free(end + float(opens) * step):
         end += float(opens) * step
     if movable is not None and not leaf.slides:
-        end = _up_to(leaf, end, movable)
+        end = _clip_to_movables(leaf, end, movable)
     return min(leaf.closed, end), max(leaf.closed, end)
 
 
-def _up_to(leaf: Leaf, end: float, movable: BoxSet) -> float:
+def _clip_to_movables(leaf: PlacedLeaf, end: float, movable: BoxSet) -> float:
     """Return the end of the range clipped at the first movable object beyond the wide-open pose."""
-    beyond, opens = abs(end - leaf.closed) - abs(leaf.wide - leaf.closed), float(np.sign(leaf.wide - leaf.closed))
+    beyond, opens = (
+        abs(end - leaf.closed) - abs(leaf.wide_open - leaf.closed),
+        float(np.sign(leaf.wide_open - leaf.closed)),
+    )
     if beyond <= 0:
         return end
     near, way = movable[_within_reach(leaf, movable)], 0.0
-    for farther in [*np.arange(STEP, beyond, STEP).tolist(), beyond]:
-        if (overlap(leaf.box_at(leaf.wide + opens * farther), near) > -CLEARANCE).any():
-            return leaf.wide + opens * way
+    for farther in [*np.arange(TURN_STEP, beyond, TURN_STEP).tolist(), beyond]:
+        if (penetration_depth(leaf.box_at(leaf.wide_open + opens * farther), near) > -CLEARANCE).any():
+            return leaf.wide_open + opens * way
         way = farther
     return end
 
 
-def _within_reach(leaf: Leaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
+def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
     """Return a mask of the boxes that a leaf can approach in any pose."""
-    ends = [leaf.box_at(leaf.closed), leaf.box_at(leaf.wide)] if leaf.slides else [leaf.box]
+    ends = [leaf.box_at(leaf.closed), leaf.box_at(leaf.wide_open)] if leaf.slides else [leaf.box]
     corners = np.concatenate([footprint(box, 0) for box in ends])
     reach = np.linalg.norm(corners - leaf.pivot, axis=1).max() + CLEARANCE
     away = np.array([footprint_distance(static, i, leaf.pivot[None])[0] for i in range(len(static))])
     return (away <= reach) & (static.bottom < leaf.box.top[0]) & (static.top > leaf.box.bottom[0])
 
 
-def ajar_leaves(leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = None) -> BoxSet:
+def find_blocking_leaves(leaves: Sequence[PlacedLeaf], static: BoxSet, walls: BoxSet | None = None) -> BoxSet:
     """Return boxes of the leaves whose range is too small to leave the way free, at their maximum opening.
 
     Args:
@@ -125,7 +131,7 @@ def ajar_leaves(leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = N
     """
     found = []
     for leaf in leaves:
-        low, high = swing(leaf, static, walls)
-        if high - low < (SLIDE_AJAR if leaf.slides else AJAR):
-            found.append(leaf.box_at(high if leaf.wide > leaf.closed else low))
-    return join(found)
+        low, high = find_motion_range(leaf, static, walls)
+        if high - low < (MIN_SLIDE_OPENING if leaf.slides else MIN_OPEN_ANGLE):
+            found.append(leaf.box_at(high if leaf.wide_open > leaf.closed else low))
+    return concat_boxes(found)

@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.contact_materials import Contact, contact_of
+from home_mjx.schema.contact_materials import ContactProperties, contact_properties
 
 # Mass per visible surface area [kg/m^2]: density times thickness; boards have two sides, so half their thickness.
 # Densities are handbook values (particle board 700, steel 7850, glass 2500, stoneware 2400, granite 2700,
@@ -32,7 +32,7 @@ AREAL_DENSITY = {
     "tile": 2400 * 0.006,
     "wood": 700 * 0.009,
 }
-USUAL_DENSITY = 5.0  # [kg/m^2], default for other materials
+DEFAULT_AREAL_DENSITY = 5.0  # [kg/m^2], default for other materials
 
 # Minimum and maximum mass [kg] by category: our estimates from everyday furniture, since we had no dataset of masses.
 MASS_RANGES = {
@@ -64,17 +64,17 @@ MASS_RANGES = {
     "wardrobe_cabinet": (60.0, 250.0),
     "washer": (50.0, 80.0),
 }
-USUAL_RANGE = (0.5, 100.0)  # [kg], default for other categories
+DEFAULT_MASS_RANGE = (0.5, 100.0)  # [kg], default for other categories
 
 
 def mass_range(fine: str, coarse: str) -> tuple[float, float]:
     """Return the minimum and maximum mass of a category [kg]."""
-    return MASS_RANGES.get(fine) or MASS_RANGES.get(coarse) or USUAL_RANGE
+    return MASS_RANGES.get(fine) or MASS_RANGES.get(coarse) or DEFAULT_MASS_RANGE
 
 
 def object_mass(item: PlacedObject) -> float:
     """Return the mass of an object [kg]: areas times areal densities, clipped to the range of its category."""
-    areal = [AREAL_DENSITY.get(s.kind, USUAL_DENSITY) for s in item.surfaces]
+    areal = [AREAL_DENSITY.get(s.kind, DEFAULT_AREAL_DENSITY) for s in item.surfaces]
     low, high = mass_range(item.info.fine, item.info.coarse)
     return float(np.clip(slot_areas(item) @ areal, low, high))
 
@@ -84,9 +84,9 @@ def slot_areas(item: PlacedObject) -> Float[np.ndarray, " s"]:
     return np.bincount(item.model.slot, surface_areas(item.triangles), minlength=len(item.slots))
 
 
-def object_contact(item: PlacedObject, mass: float) -> Contact:
+def object_contact(item: PlacedObject, mass: float) -> ContactProperties:
     """Return the friction and restitution of an object of a mass [kg], by the material with the largest area."""
     kinds = [surface.kind for surface in item.surfaces]
     names, row = np.unique(kinds, return_inverse=True)
     area = np.bincount(row, slot_areas(item))
-    return contact_of(str(names[area.argmax()]), item.info.coarse, mass)
+    return contact_properties(str(names[area.argmax()]), item.info.coarse, mass)

@@ -7,19 +7,26 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.geometry.boxes import BoxSet, box_of, join
+from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes
 from home_mjx.geometry.meshes import Z_UP, box_triangles, make_model, to_z_up, transform
-from home_mjx.geometry.polygons import polygon_area, polygon_distance, smallest_room
-from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.materials.surface import SurfaceMaterial, override, surface_material
-from home_mjx.scene_compile.objects.doors import DoorModel, HingedPart, Leaf, keeps_hinges, place_leaf, take_apart
-from home_mjx.schema.compiled import ARCHITECTURE, Model, Rooms
-from home_mjx.schema.house import Box, Level, Material, Mesh, Metadata, ModelInfo, Object
+from home_mjx.geometry.polygons import find_smallest_room, polygon_area, polygon_distance
+from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial, apply_override, surface_material
+from home_mjx.scene_compile.objects.doors import (
+    DoorVariants,
+    LeafPart,
+    PlacedLeaf,
+    is_hinge_preserving,
+    place_leaf,
+    split_door,
+)
+from home_mjx.schema.compiled import ARCHITECTURE, Model, RoomTable
+from home_mjx.schema.house import BoxNode, Level, Material, Mesh, Metadata, ModelInfo, ObjectNode
 
-UPRIGHT = 1e-3  # maximum tilt of an object that counts as rotated about the vertical axis only
-STRAY = 1.0  # [m], maximum distance of an object from a room that lists it
-ROOFED = 1.0  # [m], minimum height of a room with a ceiling; the "ceiling" of a balcony is its floor
-PLAIN = Material("box", diffuse=(0.8, 0.8, 0.8), opacity=1.0)
+MAX_TILT = 1e-3  # maximum tilt of an object that counts as rotated about the vertical axis only
+MAX_ROOM_DISTANCE = 1.0  # [m], maximum distance of an object from a room that lists it
+MIN_ROOM_HEIGHT = 1.0  # [m], minimum height of a room with a ceiling; the "ceiling" of a balcony is its floor
+DEFAULT_BOX_MATERIAL = Material("box", diffuse=(0.8, 0.8, 0.8), opacity=1.0)
 # Material slot of each face of a Box (-x, +x, -y, +y, -z, +z in the world); GAPS orders +y, -y, -x, +x, +z, -z in the
 # file.
 BOX_SLOTS = (2, 3, 4, 5, 1, 0)
@@ -29,11 +36,11 @@ BOX_SLOTS = (2, 3, 4, 5, 1, 0)
 class PlacedObject:
     """One object in the world frame."""
 
-    node: Object | Box
+    node: ObjectNode | BoxNode
     info: ModelInfo
     model: Model
-    main: Model  # the whole object; for doors with known hinges, the frame
-    hinged: tuple[HingedPart, ...]  # door leaves in their model's frame
+    main_part: Model  # the whole object; for doors with known hinges, the frame
+    leaf_parts: tuple[LeafPart, ...]  # door leaves in their model's frame
     slots: tuple[Material, ...]  # material slots of the mesh, after overrides
     pose: Float[np.ndarray, "3 4"]  # world from model [m]
     object_id: int
@@ -52,31 +59,31 @@ class PlacedObject:
         """Direction of the model's x axis in the plan [rad]; 0 if the object is tilted."""
         across, up = self.pose[:, 0], self.pose[:, 2]
         lean = max(np.hypot(*up[:2]) / np.linalg.norm(up), abs(across[2]) / np.linalg.norm(across))
-        return 0.0 if lean > UPRIGHT else float(np.arctan2(across[1], across[0]))
+        return 0.0 if lean > MAX_TILT else float(np.arctan2(across[1], across[0]))
 
     @cached_property
     def box(self) -> BoxSet:
         """Upright box around the object, aligned with its yaw."""
-        return box_of(self.triangles.reshape(-1, 3), self.yaw)
+        return bounding_box(self.triangles.reshape(-1, 3), self.yaw)
 
     @cached_property
-    def leaves(self) -> tuple[Leaf, ...]:
+    def leaves(self) -> tuple[PlacedLeaf, ...]:
         """Leaves of a door that turn, in the order of its parts."""
         return () if self.is_shut else self._leaves
 
     @cached_property
     def shut_leaves(self) -> BoxSet:
         """Boxes of its leaves if they are shut."""
-        return join(leaf.box_at(leaf.closed) for leaf in self._leaves if self.is_shut)
+        return concat_boxes(leaf.box_at(leaf.closed) for leaf in self._leaves if self.is_shut)
 
     @cached_property
-    def _leaves(self) -> tuple[Leaf, ...]:
-        return tuple(place_leaf(leaf, self.pose, self.instance + i) for i, leaf in enumerate(self.hinged, 1))
+    def _leaves(self) -> tuple[PlacedLeaf, ...]:
+        return tuple(place_leaf(leaf, self.pose, self.instance + i) for i, leaf in enumerate(self.leaf_parts, 1))
 
     @property
     def parts(self) -> tuple[Model, ...]:
         """Rigid parts, one instance each: the main part and the leaves of a door."""
-        return (self.main, *(leaf.model for leaf in self.hinged))
+        return (self.main_part, *(leaf.model for leaf in self.leaf_parts))
 
     @property
     def poses(self) -> tuple[Float[np.ndarray, "3 4"], ...]:
@@ -90,7 +97,7 @@ class PlacedObject:
         return tuple(surface_material(slot, self.info.fine, self.info.coarse) for slot in self.slots)
 
 
-def place_objects(frame: Frame, metadata: Metadata) -> list[PlacedObject]:
+def place_objects(frame: HouseFrame, metadata: Metadata) -> list[PlacedObject]:
     """Place every object and box of a house, in file order.
 
     Args:
@@ -104,18 +111,18 @@ def place_objects(frame: Frame, metadata: Metadata) -> list[PlacedObject]:
     first, instance = 0, ARCHITECTURE + 1
     for level in house.levels:
         for node in sorted((*level.objects, *level.boxes), key=lambda n: n.index):
-            model = cube if isinstance(node, Box) else models[node.model_key]
-            info = ModelInfo("Box") if isinstance(node, Box) else metadata.info(node.model_id)
+            model = cube if isinstance(node, BoxNode) else models[node.model_key]
+            info = ModelInfo("Box") if isinstance(node, BoxNode) else metadata.info(node.model_id)
             pose = _pose(node, offset)
             room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
-            main, hinged = _parts(node, info, model, pose, house.others)
+            main, hinged = _parts(node, info, model, pose, house.other_state_models)
             placed.append(
                 PlacedObject(
                     node=node,
                     info=info,
                     model=model,
-                    main=main,
-                    hinged=hinged,
+                    main_part=main,
+                    leaf_parts=hinged,
                     slots=_slots(node, house.models),
                     pose=pose,
                     object_id=first + node.index,
@@ -130,12 +137,21 @@ def place_objects(frame: Frame, metadata: Metadata) -> list[PlacedObject]:
 
 
 def _parts(
-    node: Object | Box, info: ModelInfo, model: Model, pose: Float[np.ndarray, "3 4"], others: Mapping[str, Mesh]
-) -> tuple[Model, tuple[HingedPart, ...]]:
-    if isinstance(node, Box) or info.coarse != "door" or node.other_key not in others or not keeps_hinges(pose):
+    node: ObjectNode | BoxNode,
+    info: ModelInfo,
+    model: Model,
+    pose: Float[np.ndarray, "3 4"],
+    others: Mapping[str, Mesh],
+) -> tuple[Model, tuple[LeafPart, ...]]:
+    if (
+        isinstance(node, BoxNode)
+        or info.coarse != "door"
+        or node.other_state_key not in others
+        or not is_hinge_preserving(pose)
+    ):
         return model, ()
-    other = others[node.other_key]
-    return take_apart(DoorModel(model.key, other.path, bool(node.state), model, triangles_z_up(other)))
+    other = others[node.other_state_key]
+    return split_door(DoorVariants(model.key, other.path, bool(node.state), model, triangles_z_up(other)))
 
 
 def _num_nodes(level: Level) -> int:
@@ -168,23 +184,26 @@ def unit_cube() -> Model:
     return make_model("box", triangles, uv, np.repeat(BOX_SLOTS, 2))
 
 
-def _pose(node: Object | Box, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 4"]:
+def _pose(node: ObjectNode | BoxNode, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 4"]:
     linear, shift = node.transform[:3, :3].astype(np.float64), node.transform[:3, 3].astype(np.float64)
-    if isinstance(node, Box):
+    if isinstance(node, BoxNode):
         linear = linear * node.dimensions
     return np.concatenate([Z_UP @ linear @ Z_UP.T, (Z_UP @ shift + offset)[:, None]], axis=1)
 
 
-def _slots(node: Object | Box, models: Mapping[str, Mesh]) -> tuple[Material, ...]:
+def _slots(node: ObjectNode | BoxNode, models: Mapping[str, Mesh]) -> tuple[Material, ...]:
     changes = node.materials
-    if isinstance(node, Box):
+    if isinstance(node, BoxNode):
         last = len(changes) - 1
-        return tuple(override(PLAIN, changes[min(i, last)] if changes else None) for i in range(len(BOX_SLOTS)))
+        return tuple(
+            apply_override(DEFAULT_BOX_MATERIAL, changes[min(i, last)] if changes else None)
+            for i in range(len(BOX_SLOTS))
+        )
     base = models[node.model_key].materials
-    return tuple(override(slot, changes[i] if i < len(changes) else None) for i, slot in enumerate(base))
+    return tuple(apply_override(slot, changes[i] if i < len(changes) else None) for i, slot in enumerate(base))
 
 
-def _room(node: Object | Box, level: Level, rooms: Rooms, center: Float[np.ndarray, "3"]) -> int:
+def _room(node: ObjectNode | BoxNode, level: Level, rooms: RoomTable, center: Float[np.ndarray, "3"]) -> int:
     """Return the smallest nearby room that lists the node, else the smallest room that contains its centre; -1 if none.
 
     Lists have priority, since the centre of an open door or of an object on a wall may be in the room behind. Objects
@@ -192,8 +211,8 @@ def _room(node: Object | Box, level: Level, rooms: Rooms, center: Float[np.ndarr
     """
     here = np.flatnonzero(rooms.level == level.index)
     listed = [int(r) for r, room in zip(here, level.rooms, strict=True) if node.index in room.members]
-    near = [r for r in listed if polygon_distance(rooms.polygon[r], center[:2]) <= STRAY]
+    near = [r for r in listed if polygon_distance(rooms.polygon[r], center[:2]) <= MAX_ROOM_DISTANCE]
     if near:
         return min(near, key=lambda r: polygon_area(rooms.polygon[r]))
-    roofed = rooms.ceiling[here] > rooms.floor[here] + ROOFED
-    return int(smallest_room(rooms, here[~roofed | (center[2] < rooms.ceiling[here])], center[:2]))
+    roofed = rooms.ceiling[here] > rooms.floor[here] + MIN_ROOM_HEIGHT
+    return int(find_smallest_room(rooms, here[~roofed | (center[2] < rooms.ceiling[here])], center[:2]))

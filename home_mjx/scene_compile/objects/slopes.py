@@ -68,7 +68,7 @@ class Slope:
         """Return the height under points [m]; constant beyond its ends."""
         return self.low + (self.high - self.low) * np.clip(self.along(points) / self.run, 0, 1)
 
-    def turned(self, yaw: float) -> "Slope":
+    def rotated(self, yaw: float) -> "Slope":
         """Return the slope rotated about the vertical axis through the origin [rad]."""
         foot = yaw_matrix(yaw)[:2, :2] @ self.foot
         return Slope(foot, self.yaw + yaw, self.run, self.width, self.low, self.high)

@@ -7,23 +7,23 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.geometry.polygons import smallest_room
+from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.objects.box_flights import box_flights
+from home_mjx.scene_compile.objects.box_flights import find_box_stairs
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.objects.slopes import Slope
-from home_mjx.scene_compile.objects.treads import find_path, tread_triangles
-from home_mjx.schema.compiled import BELOW_FLOOR, Rooms
+from home_mjx.scene_compile.objects.treads import find_stair_path, tread_triangles
+from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR, RoomTable
 
-CATEGORY = "stairs"
-NEAR_FLOOR = 0.6  # [m], maximum vertical distance between an end of stairs and the floor that it leads to
-BESIDE = 0.2  # [m], distance beyond either end of stairs of the test points for rooms
+STAIRS_CATEGORY = "stairs"
+MAX_FLOOR_DISTANCE = 0.6  # [m], maximum vertical distance between an end of stairs and the floor that it leads to
+ROOM_PROBE_DISTANCE = 0.2  # [m], distance beyond either end of stairs of the test points for rooms
 
 Polygon = Float[np.ndarray, "_ 2"]
 
 
 @dataclass(frozen=True)
-class Stairs:
+class Staircase:
     """Stairs between two levels, as a sequence of slopes.
 
     Attributes:
@@ -32,7 +32,7 @@ class Stairs:
         upper: Index of the grid at the head.
         room: Rooms at foot and head.
         slopes: From the foot to the head; landings are flat.
-        top: Remaining polygons of the top tread beyond the last slope, at the height of the upper floor [m].
+        top_tread: Remaining polygons of the top tread beyond the last slope, at the height of the upper floor [m].
         well: Polygons of the opening in the upper level's floor [m].
         level_floor: Height of the lowest floor of the upper level [m].
         object_ids: Ids of all objects that form the stairs.
@@ -44,7 +44,7 @@ class Stairs:
     upper: int
     room: tuple[int, int]
     slopes: tuple[Slope, ...]
-    top: tuple[Polygon, ...]
+    top_tread: tuple[Polygon, ...]
     well: tuple[Polygon, ...]
     level_floor: float
     object_ids: tuple[int, ...]
@@ -79,7 +79,7 @@ class Stairs:
         heights = [np.where(slope.contains(points), slope.surface(points), -np.inf) for slope in self.slopes]
         return np.max(heights, axis=0)
 
-    def reaches(self, points: Float[np.ndarray, "*p 2"], end: int, margin: float) -> Bool[np.ndarray, "*p"]:
+    def belongs_to_level(self, points: Float[np.ndarray, "*p 2"], end: int, margin: float) -> Bool[np.ndarray, "*p"]:
         """Return whether points are over the stairs and belong to the lower (0) or the upper (1) level.
 
         Args:
@@ -87,7 +87,7 @@ class Stairs:
             end: 0 or 1.
             margin: Overlap of both levels beyond the split between them, along the way [m].
         """
-        surface, split = self.surface(points), self.level_floor - BELOW_FLOOR
+        surface, split = self.surface(points), self.level_floor - MAX_DEPTH_BELOW_FLOOR
         found = np.zeros(surface.shape, bool)
         for slope in self.slopes:
             near = margin * slope.grade
@@ -97,8 +97,8 @@ class Stairs:
 
 
 def find_stairs(
-    objects: Sequence[PlacedObject], rooms: Rooms, level: Sequence[int], floor: Float[np.ndarray, " l"]
-) -> list[Stairs]:
+    objects: Sequence[PlacedObject], rooms: RoomTable, level: Sequence[int], floor: Float[np.ndarray, " l"]
+) -> list[Staircase]:
     """Find the stairs between adjacent levels: models of that category, and flights of Box nodes.
 
     Args:
@@ -107,52 +107,58 @@ def find_stairs(
         level: Level index of each grid, lowest first.
         floor: Height of each grid's floor [m].
     """
-    models = [[item] for item in objects if item.info.coarse == CATEGORY and item.level in level[:-1]]
-    boxes = [flight for lower in range(len(level) - 1) for flight in box_flights(objects, level[lower], floor[lower:])]
+    models = [[item] for item in objects if item.info.coarse == STAIRS_CATEGORY and item.level in level[:-1]]
+    boxes = [
+        flight for lower in range(len(level) - 1) for flight in find_box_stairs(objects, level[lower], floor[lower:])
+    ]
     found = [_stairs(parts, rooms, list(level).index(parts[0].level), list(level), floor) for parts in models + boxes]
     known = [stairs for stairs in found if stairs is not None]
-    return [replace(one, stacked=any(_comes_out(other, one) for other in known)) for one in known]
+    return [replace(one, stacked=any(_exits_under(other, one) for other in known)) for one in known]
 
 
 def _stairs(
-    parts: Sequence[PlacedObject], rooms: Rooms, lower: int, level: Sequence[int], floor: Float[np.ndarray, " l"]
-) -> Stairs | None:
+    parts: Sequence[PlacedObject], rooms: RoomTable, lower: int, level: Sequence[int], floor: Float[np.ndarray, " l"]
+) -> Staircase | None:
     """Return stairs formed by one object, or by boxes; None if they join no two rooms."""
     triangles, yaw = np.concatenate([item.triangles for item in parts]), parts[0].yaw
     treads = tread_triangles(triangles)
     low, high = float(triangles[..., 2].min()), float(treads[..., 2].max(initial=-np.inf))
-    if abs(low - floor[lower]) > NEAR_FLOOR or abs(high - floor[lower + 1]) > NEAR_FLOOR:
+    if abs(low - floor[lower]) > MAX_FLOOR_DISTANCE or abs(high - floor[lower + 1]) > MAX_FLOOR_DISTANCE:
         return None
     turn = yaw_matrix(yaw)
-    path = find_path(triangles @ turn, treads @ turn)
+    path = find_stair_path(triangles @ turn, treads @ turn)
     if path is None:
         return None
-    ends = (turn[:2, :2] @ end for end in path.ends(BESIDE))
+    ends = (turn[:2, :2] @ end for end in path.ends(ROOM_PROBE_DISTANCE))
     at = [_room_at(rooms, level[lower + i], end) for i, end in enumerate(ends)]
     if min(at) < 0:
         return None
     low, high = rooms.floor[at].tolist()
     slopes, top, well = path.slopes(low, high)
-    return Stairs(
+    return Staircase(
         object_id=parts[0].object_id,
         lower=lower,
         upper=lower + 1,
         room=(at[0], at[1]),
-        slopes=tuple(slope.turned(yaw) for slope in slopes),
-        top=tuple(polygon @ turn[:2, :2].T for polygon in top),
+        slopes=tuple(slope.rotated(yaw) for slope in slopes),
+        top_tread=tuple(polygon @ turn[:2, :2].T for polygon in top),
         well=tuple(polygon @ turn[:2, :2].T for polygon in well),
         level_floor=float(floor[lower + 1]),
         object_ids=tuple(item.object_id for item in parts),
     )
 
 
-def _comes_out(below: Stairs, above: Stairs) -> bool:
+def _exits_under(below: Staircase, above: Staircase) -> bool:
     """Return whether stairs end on the level where others begin, under the last slope of the others."""
     last, head = below.slopes[-1], above.slopes[-1]
     way = last.foot + last.run * last.up - head.foot
     along, aside = float(way @ head.up), abs(float(way @ np.array([-head.up[1], head.up[0]])))
-    return below.upper == above.lower and 0 < along < head.run + BESIDE and aside < (last.width + head.width) / 2
+    return (
+        below.upper == above.lower
+        and 0 < along < head.run + ROOM_PROBE_DISTANCE
+        and aside < (last.width + head.width) / 2
+    )
 
 
-def _room_at(rooms: Rooms, level: int, point: Float[np.ndarray, "2"]) -> int:
-    return int(smallest_room(rooms, np.flatnonzero(rooms.level == level), point))
+def _room_at(rooms: RoomTable, level: int, point: Float[np.ndarray, "2"]) -> int:
+    return int(find_smallest_room(rooms, np.flatnonzero(rooms.level == level), point))

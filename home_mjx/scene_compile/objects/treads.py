@@ -14,31 +14,47 @@ from home_mjx.geometry.box_fit import sample_surface
 from home_mjx.geometry.rotations import plane_matrix
 from home_mjx.scene_compile.objects.slopes import Slope
 
-FLAT = 0.95  # minimum vertical component of a tread's unit normal
-STRAIGHT = 0.95  # minimum correlation between height and position of the treads of a straight flight
-ASIDE = 0.35  # maximum lateral spread of the tread centres of a straight flight, as a fraction of their width
-STEEPEST = 60.0  # [degrees], maximum inclination; steeper objects are ladders
-BEFORE, LANDING = 0.3, 0.4  # [m], maximum offset of a slope's start from the first tread; of its end from the last
-LEAST_TOP = 0.01  # [m], minimum length of a top tread beyond a slope
-SPACING, CELL = 0.04, 0.05  # [m], distance of sample points on treads, and cells in which only the highest are used
-SAME = 0.03  # [m], heights that differ by less belong to one tread
-SMALL, LARGE = 0.3, 1.8  # minimum area of a tread and of a landing, relative to the median
-HIGHEST = 0.4  # [m], maximum rise of a step
-ADJOIN = 0.25  # [m], maximum gap between a landing and the adjacent treads
-LEAST_TREADS = 4  # minimum number of treads of a curve
-LEAST_TURN = 0.05  # [rad], minimum angle from tread to tread of a curve
-ROUND = 0.15  # maximum relative deviation of a curve's treads from its radius
-FULL = np.deg2rad(330)  # maximum angle of a curve; beyond it, one end would be above the other
-INNER = 0.4  # minimum inner radius relative to the outer one; curves are too steep near the centre
-SECTOR = np.deg2rad(20.0)  # maximum angle of a curve per slope
-BUMP, AXIS = 0.03, 0.1  # [m], maximum step between two slopes of a curve, at this distance from its edges
+MIN_TREAD_NORMAL_Z = 0.95  # minimum vertical component of a tread's unit normal
+MIN_CORRELATION = 0.95  # minimum correlation between height and position of the treads of a straight flight
+MAX_LATERAL_SPREAD = (
+    0.35  # maximum lateral spread of the tread centres of a straight flight, as a fraction of their width
+)
+MAX_INCLINATION = 60.0  # [degrees], maximum inclination; steeper objects are ladders
+MAX_START_OFFSET, MAX_END_OFFSET = (
+    0.3,
+    0.4,
+)  # [m], maximum offset of a slope's start from the first tread; of its end from the last
+MIN_TOP_LENGTH = 0.01  # [m], minimum length of a top tread beyond a slope
+SAMPLE_SPACING, SAMPLE_CELL = (
+    0.04,
+    0.05,
+)  # [m], distance of sample points on treads, and cells in which only the highest are used
+TREAD_HEIGHT_TOLERANCE = 0.03  # [m], heights that differ by less belong to one tread
+MIN_TREAD_AREA_RATIO, MIN_LANDING_AREA_RATIO = (
+    0.3,
+    1.8,
+)  # minimum area of a tread and of a landing, relative to the median
+MAX_STEP_RISE = 0.4  # [m], maximum rise of a step
+MAX_LANDING_GAP = 0.25  # [m], maximum gap between a landing and the adjacent treads
+MIN_CURVE_TREADS = 4  # minimum number of treads of a curve
+MIN_TREAD_ANGLE = 0.05  # [rad], minimum angle from tread to tread of a curve
+MAX_RADIUS_DEVIATION = 0.15  # maximum relative deviation of a curve's treads from its radius
+MAX_CURVE_ANGLE = np.deg2rad(330)  # maximum angle of a curve; beyond it, one end would be above the other
+MIN_INNER_RADIUS_RATIO = 0.4  # minimum inner radius relative to the outer one; curves are too steep near the centre
+MAX_SECTOR_ANGLE = np.deg2rad(20.0)  # maximum angle of a curve per slope
+MAX_SLOPE_STEP, AGENT_AXIS_DISTANCE = (
+    0.03,
+    0.1,
+)  # [m], maximum step between two slopes of a curve, at this distance from its edges
 
 Polygon = Float[np.ndarray, "_ 2"]
-Slopes = tuple[list[Slope], list[Polygon], list[Polygon]]  # slopes, remaining top tread and well, see `stairs.Stairs`
+SlopesTopWell = tuple[
+    list[Slope], list[Polygon], list[Polygon]
+]  # slopes, remaining top tread and well, see `stairs.Stairs`
 
 
 @dataclass(frozen=True)
-class Run:
+class StraightRun:
     """Consecutive straight treads in a frame rotated by `yaw`: height = `offset` + `grade` * x."""
 
     yaw: float
@@ -50,7 +66,7 @@ class Run:
     left: float
 
     @classmethod
-    def of(cls, line: tuple[int, float, float], points: Float[np.ndarray, "n 2"]) -> "Run":
+    def fit(cls, line: tuple[int, float, float], points: Float[np.ndarray, "n 2"]) -> "StraightRun":
         """Create a run from the line through its treads and all of their points."""
         axis, rise, offset = line
         yaw = axis * np.pi / 2 + (np.pi if rise < 0 else 0.0)
@@ -58,35 +74,37 @@ class Run:
         (first, right), (last, left) = local.min(axis=0).tolist(), local.max(axis=0).tolist()
         return cls(float(yaw), abs(rise), offset, first, last, right, left)
 
-    def place(self, along: float) -> Float[np.ndarray, "2"]:
+    def point_at(self, along: float) -> Float[np.ndarray, "2"]:
         """Return the middle of the run at a distance along it [m]."""
         return plane_matrix(self.yaw) @ [along, (self.left + self.right) / 2]
 
     def start(self, low: float) -> float:
         """Return the position where its slope leaves the floor [m]."""
-        return float(np.clip((low - self.offset) / self.grade, self.first - BEFORE, self.first + BEFORE))
+        return float(
+            np.clip((low - self.offset) / self.grade, self.first - MAX_START_OFFSET, self.first + MAX_START_OFFSET)
+        )
 
     def end(self, high: float) -> float:
         """Return the position where its slope reaches the floor [m]."""
-        return float(np.clip((high - self.offset) / self.grade, self.last - LANDING, self.last))
+        return float(np.clip((high - self.offset) / self.grade, self.last - MAX_END_OFFSET, self.last))
 
     def slope(self, start: float, end: float, low: float, high: float) -> Slope:
         """Return the slope between two positions along it and two heights [m]."""
-        return Slope(self.place(start), self.yaw, end - start, self.left - self.right, low, high)
+        return Slope(self.point_at(start), self.yaw, end - start, self.left - self.right, low, high)
 
 
 @dataclass(frozen=True)
-class Flights:
+class StraightFlights:
     """Straight flights with a landing between each pair; a landing has a height and corners [m]."""
 
-    runs: Sequence[Run]
+    runs: Sequence[StraightRun]
     landings: Sequence[tuple[float, Float[np.ndarray, "4 2"]]]
 
     def ends(self, beside: float) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
         """Return the points at a distance before the first tread and beyond the last [m]."""
-        return self.runs[0].place(self.runs[0].first - beside), self.runs[-1].place(self.runs[-1].last + beside)
+        return self.runs[0].point_at(self.runs[0].first - beside), self.runs[-1].point_at(self.runs[-1].last + beside)
 
-    def slopes(self, low: float, high: float) -> Slopes:
+    def slopes(self, low: float, high: float) -> SlopesTopWell:
         """Return slopes from floor to floor [m]; between landings they extend from edge to edge."""
         heights, found = [low, *(height for height, _ in self.landings), high], []
         for i, run in enumerate(self.runs):
@@ -98,17 +116,17 @@ class Flights:
                 foot = plane_matrix(run.yaw) @ [first, (left + right) / 2]
                 found.append(Slope(foot, run.yaw, last - first, left - right, heights[i + 1], heights[i + 1]))
         rest = self.runs[-1].last - end
-        top = [found[-1].part(found[-1].run, found[-1].run + rest)] if rest > LEAST_TOP else []
+        top = [found[-1].part(found[-1].run, found[-1].run + rest)] if rest > MIN_TOP_LENGTH else []
         return found, top, [slope.outline for slope in found]
 
     @property
-    def joined(self) -> bool:
+    def is_joined(self) -> bool:
         """True if flights begin and end at their landings."""
         gaps = [run.last - _extent(box, run.yaw)[0][0] for run, (_, box) in zip(self.runs, self.landings, strict=False)]
         gaps += [
             run.first - _extent(b, run.yaw)[1][0] for run, (_, b) in zip(self.runs[1:], self.landings, strict=True)
         ]
-        return all(abs(gap) < ADJOIN for gap in gaps)
+        return all(abs(gap) < MAX_LANDING_GAP for gap in gaps)
 
 
 def _extent(corners: Float[np.ndarray, "4 2"], yaw: float) -> tuple[list[float], list[float]]:
@@ -118,7 +136,7 @@ def _extent(corners: Float[np.ndarray, "4 2"], yaw: float) -> tuple[list[float],
 
 
 @dataclass(frozen=True)
-class Curve:
+class CurvedFlight:
     """Treads around a vertical axis: height = `offset` + `rise` * angle; `sense` is the direction uphill."""
 
     center: Float[np.ndarray, "2"]  # [m]
@@ -151,19 +169,21 @@ class Curve:
             found.append(self.point(angle, self.radius) + way * up)
         return found[0], found[1]
 
-    def slopes(self, low: float, high: float) -> Slopes:
+    def slopes(self, low: float, high: float) -> SlopesTopWell:
         """Return slopes from floor to floor [m], enough for agents to step from one to the next."""
-        before, landing = BEFORE / self.radius, LANDING / self.radius
+        before, landing = MAX_START_OFFSET / self.radius, MAX_END_OFFSET / self.radius
         start = float(np.clip((low - self.offset) / self.rise, self.first - before, self.first + before))
         end = float(np.clip((high - self.offset) / self.rise, self.last - landing, self.last))
         width = self.outer - self.inner
-        bumps = (high - low) * max(width / 2 - AXIS, 0.0) / (self.radius * BUMP)
-        angles, step = np.linspace(start, end, int(np.ceil(max(bumps, (end - start) / SECTOR, 2))) + 1, retstep=True)
+        bumps = (high - low) * max(width / 2 - AGENT_AXIS_DISTANCE, 0.0) / (self.radius * MAX_SLOPE_STEP)
+        angles, step = np.linspace(
+            start, end, int(np.ceil(max(bumps, (end - start) / MAX_SECTOR_ANGLE, 2))) + 1, retstep=True
+        )
         grade = (high - low) / (end - start) / self.radius
         found = [self._slope(a + step / 2, step, low + (a - start) * self.radius * grade, grade) for a in angles[:-1]]
         found[0], found[-1] = self._cut(found[0], step, True), self._cut(found[-1], step, False)
         corners = [(end, self.inner), (end, self.outer), (self.last, self.outer), (self.last, self.inner)]
-        top = [np.array([self.point(*c) for c in corners])] if (self.last - end) * self.radius > LEAST_TOP else []
+        top = [np.array([self.point(*c) for c in corners])] if (self.last - end) * self.radius > MIN_TOP_LENGTH else []
         arc = [self.point(a, self.outer / np.cos(step / 2)) for a in angles]
         return found, top, [np.array([self.center, *arc])]
 
@@ -188,66 +208,71 @@ class Curve:
 def tread_triangles(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 3 3"]:
     """Return the triangles on which an agent can stand."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    return triangles[normal[:, 2] > FLAT * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)]
+    return triangles[normal[:, 2] > MIN_TREAD_NORMAL_Z * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)]
 
 
-def find_path(triangles: Float[np.ndarray, "t 3 3"], treads: Float[np.ndarray, "n 3 3"]) -> Flights | Curve | None:
+def find_stair_path(
+    triangles: Float[np.ndarray, "t 3 3"], upward: Float[np.ndarray, "n 3 3"]
+) -> StraightFlights | CurvedFlight | None:
     """Return the path up stairs; None if it is not supported, or too steep.
 
     Args:
         triangles: All triangles of the stairs; straight flights are along x or y [m].
-        treads: Triangles on which an agent can stand.
+        upward: Triangles on which an agent can stand.
     """
-    if not len(treads):
+    if not len(upward):
         return None
-    normal = np.cross(treads[:, 1] - treads[:, 0], treads[:, 2] - treads[:, 0])
-    line, steps = _line(treads.mean(axis=1), np.linalg.norm(normal, axis=1)), _steps(treads)
+    normal = np.cross(upward[:, 1] - upward[:, 0], upward[:, 2] - upward[:, 0])
+    line, steps = _line(upward.mean(axis=1), np.linalg.norm(normal, axis=1)), _steps(upward)
     area = _areas(steps)
-    steps = [step for step, size in zip(steps, area, strict=True) if size > SMALL * np.median(area)]
+    steps = [step for step, size in zip(steps, area, strict=True) if size > MIN_TREAD_AREA_RATIO * np.median(area)]
     middle = np.array([step.mean(axis=0) for step in steps])
-    if line is not None and np.ptp(middle, axis=0)[1 - line[0]] < ASIDE * np.ptp(treads, axis=(0, 1))[1 - line[0]]:
-        return Flights([Run.of(line, triangles.reshape(-1, 3)[:, :2])], [])
-    if len(steps) < LEAST_TREADS or np.diff(middle[:, 2]).max() > HIGHEST:
+    if (
+        line is not None
+        and np.ptp(middle, axis=0)[1 - line[0]] < MAX_LATERAL_SPREAD * np.ptp(upward, axis=(0, 1))[1 - line[0]]
+    ):
+        return StraightFlights([StraightRun.fit(line, triangles.reshape(-1, 3)[:, :2])], [])
+    if len(steps) < MIN_CURVE_TREADS or np.diff(middle[:, 2]).max() > MAX_STEP_RISE:
         return None
     return _flights(steps, middle) or _curve(steps, middle)
 
 
 def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]:
     """Return the sample points of each tread, sorted by height, without points below other ones."""
-    points = sample_surface(treads, SPACING)
-    _, cell = np.unique(np.floor(points[:, :2] / CELL), axis=0, return_inverse=True)
+    points = sample_surface(treads, SAMPLE_SPACING)
+    _, cell = np.unique(np.floor(points[:, :2] / SAMPLE_CELL), axis=0, return_inverse=True)
     highest = np.full(cell.max() + 1, -np.inf)
     np.maximum.at(highest, cell.ravel(), points[:, 2])
-    points = points[points[:, 2] > highest[cell.ravel()] - SAME]
+    points = points[points[:, 2] > highest[cell.ravel()] - TREAD_HEIGHT_TOLERANCE]
     points = points[np.argsort(points[:, 2], kind="stable")]
-    return np.split(points, np.flatnonzero(np.diff(points[:, 2]) > SAME) + 1)
+    return np.split(points, np.flatnonzero(np.diff(points[:, 2]) > TREAD_HEIGHT_TOLERANCE) + 1)
 
 
 def _areas(steps: Sequence[Float[np.ndarray, "_ 3"]]) -> Int[np.ndarray, " s"]:
     """Return the area of each tread, in cells."""
-    return np.array([len(np.unique(np.floor(step[:, :2] / CELL), axis=0)) for step in steps])
+    return np.array([len(np.unique(np.floor(step[:, :2] / SAMPLE_CELL), axis=0)) for step in steps])
 
 
-def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> Flights | None:
+def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> StraightFlights | None:
     """Return straight flights with landings; None if there are no flights, or they are not straight or not joined."""
     area = _areas(steps)
-    large = np.flatnonzero(area > LARGE * np.median(area))
+    large = np.flatnonzero(area > MIN_LANDING_AREA_RATIO * np.median(area))
     between = [k for k in large.tolist() if 0 < k < len(steps) - 1]
     runs = []
     for first, last in zip([0, *(k + 1 for k in between)], [*between, len(steps)], strict=True):
         line = _line(middle[first:last], np.ones(last - first)) if last - first > 1 else None
         if line is None:
             return None
-        runs.append(Run.of(line, np.concatenate(steps[first:last])[:, :2]))
+        runs.append(StraightRun.fit(line, np.concatenate(steps[first:last])[:, :2]))
     landings = []
     for k in between:
         (x0, y0), (x1, y1) = steps[k][:, :2].min(axis=0), steps[k][:, :2].max(axis=0)
         landings.append((float(middle[k, 2]), np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])))
-    found = Flights(runs, landings)
-    return found if found.joined else None
+    found = StraightFlights(runs, landings)
+    return found if found.is_joined else None
 
 
-def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> Curve | None:
+def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> CurvedFlight | None:
     """Return a curve of less than a full turn, its circle by least squares (Kåsa, 1976); None if it does not fit."""
     x, y = middle[:, :2].T
     (a, b, _), *_ = np.linalg.lstsq(np.c_[2 * x, 2 * y, np.ones(len(x))], x * x + y * y, rcond=None)
@@ -258,14 +283,14 @@ def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, 
     angle = sense * turn
     reach = np.linalg.norm(np.concatenate(steps)[:, :2] - center, axis=1)
     outer = float(np.quantile(reach, 0.98))
-    inner = max(float(np.quantile(reach, 0.02)), INNER * outer)
+    inner = max(float(np.quantile(reach, 0.02)), MIN_INNER_RADIUS_RATIO * outer)
     first, last = 1.5 * angle[0] - 0.5 * angle[1], 1.5 * angle[-1] - 0.5 * angle[-2]
     rise, offset = np.polyfit(angle, middle[:, 2], 1)
-    strays = abs(away - away.mean()).max() > ROUND * away.mean()
-    steep = 2 * rise / (inner + outer) > np.tan(np.deg2rad(STEEPEST))
-    if strays or steep or np.diff(angle).min() < LEAST_TURN or last - first > FULL:
+    strays = abs(away - away.mean()).max() > MAX_RADIUS_DEVIATION * away.mean()
+    steep = 2 * rise / (inner + outer) > np.tan(np.deg2rad(MAX_INCLINATION))
+    if strays or steep or np.diff(angle).min() < MIN_TREAD_ANGLE or last - first > MAX_CURVE_ANGLE:
         return None
-    return Curve(center, inner, outer, sense, float(first), float(last), float(rise), float(offset))
+    return CurvedFlight(center, inner, outer, sense, float(first), float(last), float(rise), float(offset))
 
 
 def _line(middle: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]) -> tuple[int, float, float] | None:
@@ -279,10 +304,10 @@ def _line(middle: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]) -> 
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = spread[:2, 2] / np.sqrt(np.diag(spread)[:2] * spread[2, 2])
     axis = int(np.nan_to_num(abs(correlation)).argmax())
-    if not abs(correlation[axis]) >= STRAIGHT:
+    if not abs(correlation[axis]) >= MIN_CORRELATION:
         return None
     rise = float(spread[axis, 2] / spread[axis, axis])
-    if abs(rise) > np.tan(np.deg2rad(STEEPEST)):
+    if abs(rise) > np.tan(np.deg2rad(MAX_INCLINATION)):
         return None
     mean = np.average(middle, axis=0, weights=weight)
     return axis, rise, float(mean[2] - rise * mean[axis])

@@ -5,16 +5,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.geometry.instance_tree import instance_box, top_tree
-from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.architecture.rooms import ground_floor
-from home_mjx.scene_compile.architecture.shell import Shell
-from home_mjx.scene_compile.collision.barriers import lot
+from home_mjx.geometry.instance_tree import build_instance_tree, instance_box
+from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.architecture.rooms import ground_floor_height
+from home_mjx.scene_compile.architecture.shell import BuildingShell
+from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.scene_compile.pipeline.levels import Levels
-from home_mjx.scene_compile.pipeline.surfaces import Surfaces
-from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, Model, Navigation
+from home_mjx.scene_compile.pipeline.levels import LevelGeometry
+from home_mjx.scene_compile.pipeline.surfaces import HouseSurfaces
+from home_mjx.schema.compiled import Bodies, CompiledHouse, HouseNavigation, Instances, Model
 from home_mjx.schema.lighting import LightTable
 
 AGENT_SURFACES = (  # body and visor of the agent's model, in the order of its material slots
@@ -24,12 +24,12 @@ AGENT_SURFACES = (  # body and visor of the agent's model, in the order of its m
 
 
 def assemble(
-    frame: Frame,
-    shell: Shell,
+    frame: HouseFrame,
+    shell: BuildingShell,
     objects: Sequence[PlacedObject],
-    levels: Levels,
-    navigation: Navigation,
-    surfaces: Surfaces,
+    levels: LevelGeometry,
+    navigation: HouseNavigation,
+    surfaces: HouseSurfaces,
     lights: LightTable,
     semantics: Int[np.ndarray, "q columns"],
 ) -> CompiledHouse:
@@ -52,7 +52,7 @@ def assemble(
         offset=frame.offset,
         box=_bounds(instances, models),
         instances=instances,
-        top=top_tree(instances, models, levels.doors.instance),
+        top_bvh=build_instance_tree(instances, models, levels.doors.instance),
         materials=surfaces.materials,
         semantics=semantics,
         colliders=levels.colliders,
@@ -61,19 +61,21 @@ def assemble(
         rooms=frame.rooms,
         navigation=navigation,
         models=models,
-        ground_floor=ground_floor(frame.rooms),
-        lot=lot(frame.rooms),
+        ground_floor=ground_floor_height(frame.rooms),
+        lot=lot_bounds(frame.rooms),
         agent_materials=material_table(AGENT_SURFACES),
         report=_report(frame, shell, objects, levels),
         doors=levels.doors,
         ramps=levels.ramps,
         lights=lights,
         gloss=surfaces.gloss,
-        stuck=levels.stuck,
+        blocked_objects=levels.stuck_objects,
     )
 
 
-def _instances(shell: Shell, objects: Sequence[PlacedObject], first_row: Sequence[int], bodies: Bodies) -> Instances:
+def _instances(
+    shell: BuildingShell, objects: Sequence[PlacedObject], first_row: Sequence[int], bodies: Bodies
+) -> Instances:
     """Return one instance per part of an object; its parts share material and semantic rows."""
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     parts = [(i, o, part) for i, o in enumerate(objects) for part in o.parts]
@@ -93,7 +95,9 @@ def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarr
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
-def _report(frame: Frame, shell: Shell, objects: Sequence[PlacedObject], levels: Levels) -> dict[str, int]:
+def _report(
+    frame: HouseFrame, shell: BuildingShell, objects: Sequence[PlacedObject], levels: LevelGeometry
+) -> dict[str, int]:
     """Return counts of the input and of the compiled house."""
     house = frame.house
     return {
@@ -111,6 +115,6 @@ def _report(frame: Frame, shell: Shell, objects: Sequence[PlacedObject], levels:
         "hinged_leaves": sum(len(o.leaves) for o in objects),
         "shut_leaves": sum(len(o.shut_leaves) for o in objects),
         "problems": len(house.problems),
-        "stand_ins": len(house.stand_ins),
+        "stand_ins": len(house.fallbacks),
         **levels.report,
     }

@@ -16,11 +16,11 @@ from home_mjx.scene_compile.objects.doorways import shut_outer_doors
 from home_mjx.scene_compile.objects.place import place_objects
 from home_mjx.scene_compile.pipeline.assemble import assemble
 from home_mjx.scene_compile.pipeline.levels import build_levels
-from home_mjx.scene_compile.pipeline.limits import blaming, check_counts
+from home_mjx.scene_compile.pipeline.limits import add_house_file, check_counts
 from home_mjx.scene_compile.pipeline.surfaces import build_surfaces
 from home_mjx.scene_compile.semantics.engine import describe_house
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
-from home_mjx.scene_compile.semantics.table import semantic_rows
+from home_mjx.scene_compile.semantics.table import build_semantic_rows
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import House, Metadata
 
@@ -62,7 +62,7 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         5
     """
     check_counts(house)
-    with blaming(house):
+    with add_house_file(house):
         return _compiled(house, metadata, options)
 
 
@@ -85,5 +85,5 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
     surfaces = build_surfaces(frame, shell, objects)
     lights = build_lights(objects, frame.rooms, metadata, options.lights)
     meaning = describe_house(frame, shell, objects, metadata, options.semantics)
-    semantics = semantic_rows(shell, objects, levels.bodies, meaning)
+    semantics = build_semantic_rows(shell, objects, levels.bodies, meaning)
     return assemble(frame, shell, objects, levels, navigation, surfaces, lights, semantics)

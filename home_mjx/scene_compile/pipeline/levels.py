@@ -6,42 +6,42 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.geometry.boxes import BoxSet, distinct, join
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, unique_boxes
 from home_mjx.geometry.meshes import bounds
-from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.architecture.shell import Shell
-from home_mjx.scene_compile.collision.barriers import fence, find_barriers, within_reach
-from home_mjx.scene_compile.collision.choose import choose_movables
+from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.architecture.shell import BuildingShell
+from home_mjx.scene_compile.collision.barriers import build_fence, find_barriers, is_within_lot
+from home_mjx.scene_compile.collision.choose import select_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, wall_colliders
-from home_mjx.scene_compile.collision.edges import edge_barriers
+from home_mjx.scene_compile.collision.edges import build_drop_barriers
 from home_mjx.scene_compile.collision.floors import FloorPlan, plan_floors
 from home_mjx.scene_compile.collision.level import (
     LevelBoxes,
     Obstacles,
-    by_object,
     find_obstacles,
     level_boxes,
+    merge_by_object,
     static_colliders,
 )
-from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, make_bodies
-from home_mjx.scene_compile.collision.ramps import guards, make_ramps, sills, with_ramps
-from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, free_space
-from home_mjx.scene_compile.navigation.nowhere import nowhere_to_stand
+from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions, make_bodies
+from home_mjx.scene_compile.collision.ramps import append_ramps, build_guards, build_sills, make_ramps
+from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, find_free_space
+from home_mjx.scene_compile.navigation.nowhere import no_free_space_error
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways
-from home_mjx.scene_compile.objects.leaves import ajar_leaves, make_doors
+from home_mjx.scene_compile.objects.leaves import find_blocking_leaves, make_doors
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.scene_compile.objects.stairs import CATEGORY, Stairs, find_stairs
+from home_mjx.scene_compile.objects.stairs import STAIRS_CATEGORY, Staircase, find_stairs
 from home_mjx.scene_compile.pipeline.limits import check_levels
-from home_mjx.schema.compiled import Bodies, Colliders, Doors, Ramps, Rooms
+from home_mjx.schema.compiled import Bodies, Colliders, Doors, Ramps, RoomTable
 
 
 @dataclass(frozen=True)
-class Site:
+class LevelSite:
     """Inputs of a level that has rooms, before its obstacles are computed.
 
     Attributes:
         grid: Index among the levels that have rooms, lowest first.
-        number: Level index.
+        level: Level index.
         plan: Floor plan.
         objects: Objects that may extend into the level, without stairs that agents climb.
         doorways: Doorways of its doors.
@@ -50,27 +50,27 @@ class Site:
     """
 
     grid: int
-    number: int
+    level: int
     plan: FloorPlan
     objects: Sequence[PlacedObject]
     doorways: Sequence[Doorway]
-    upstairs: Sequence[Stairs]
-    downstairs: Sequence[Stairs]
+    upstairs: Sequence[Staircase]
+    downstairs: Sequence[Staircase]
 
     def floors(self, step: float) -> BoxSet:
         """Return boxes of its floors [m].
 
-        On the lowest level, a plane replaces those up to `step` above the lowest floor.
+        On the lowest level, a plane replaces those up to `min_top_height` above the lowest floor.
         """
         return self.plan.boxes(self.plan.lowest + step if self.grid == 0 else -np.inf)
 
-    def raised(self, step: float) -> BoxSet:
-        """Return boxes of the floors more than `step` above the level's lowest floor [m]."""
+    def raised_floors(self, step: float) -> BoxSet:
+        """Return boxes of the floors more than `min_top_height` above the level's lowest floor [m]."""
         return self.plan.boxes(self.plan.lowest + step)
 
 
 @dataclass(frozen=True)
-class Levels:
+class LevelGeometry:
     """Colliders, bodies, doors and free space of a house.
 
     Attributes:
@@ -83,7 +83,7 @@ class Levels:
         ramps: Slopes of the stairs.
         bodies: Movable objects.
         doors: Leaves that turn, of all levels.
-        stuck: Ids of objects of movable categories that are not free to move.
+        stuck_objects: Ids of objects of movable categories that are not free to move.
         report: Counts.
     """
 
@@ -91,23 +91,23 @@ class Levels:
     doorways: Sequence[Sequence[Doorway]]
     leaves: Sequence[BoxSet]
     open_leaves: Sequence[BoxSet]
-    stairs: Sequence[Stairs]
+    stairs: Sequence[Staircase]
     colliders: Colliders
     ramps: Ramps
     bodies: Bodies
     doors: Doors
-    stuck: Int[np.ndarray, " n"]
+    stuck_objects: Int[np.ndarray, " n"]
     report: Mapping[str, int]
 
 
 def build_levels(
-    frame: Frame,
-    shell: Shell,
+    frame: HouseFrame,
+    shell: BuildingShell,
     objects: Sequence[PlacedObject],
     colliders: ColliderOptions,
     movables: MovableOptions,
     navigation: NavigationOptions,
-) -> Levels:
+) -> LevelGeometry:
     """Compute the colliders, bodies, doors and free space of all levels of a house.
 
     Args:
@@ -123,47 +123,54 @@ def build_levels(
     """
     check_levels(frame, shell, navigation.cell)
     rooms, walls = frame.rooms, wall_colliders(shell, colliders)
-    sites = find_sites(rooms, objects, navigation.climb)
+    sites = find_level_sites(rooms, objects, navigation.use_stairs)
     stairs = [one for site in sites for one in site.upstairs]
-    floors = join([*(site.floors(colliders.step) for site in sites), sills(stairs)])
-    sides = guards(stairs)
+    floors = concat_boxes([*(site.floors(colliders.min_top_height) for site in sites), build_sills(stairs)])
+    sides = build_guards(stairs)
     boxes = [level_boxes(walls, site.objects, site.plan.lowest, colliders) for site in sites]
-    fixed = join([*(b.fixed for b in boxes), floors, sides])
-    moving, stuck, too_many = choose_movables(objects, by_object([b.objects for b in boxes]), fixed, rooms, movables)
+    fixed = concat_boxes([*(b.fixed for b in boxes), floors, sides])
+    moving, stuck, too_many = select_movables(
+        objects, merge_by_object([b.objects for b in boxes]), fixed, rooms, movables
+    )
     found = [_obstacles(site, b, moving, rooms, colliders, navigation) for site, b in zip(sites, boxes, strict=True)]
-    static = join(level.static for level in found)
-    rails = edge_barriers([s.plan for s in sites], floors, stairs, join([static, sides]), sites[0].plan.lowest)
-    unseen = join([sides, rails, fence(rooms)])
+    static = concat_boxes(level.static for level in found)
+    rails = build_drop_barriers(
+        [s.plan for s in sites], floors, stairs, concat_boxes([static, sides]), sites[0].plan.lowest
+    )
+    unseen = concat_boxes([sides, rails, build_fence(rooms)])
     fixtures = static_colliders(found, floors, unseen)
     ramps = make_ramps(stairs, len(fixtures.pos))
     leaves = [leaf for o in objects for leaf in o.leaves]
-    around = join(level.things for level in found), join(level.boxes.walls for level in found)
-    doors = make_doors(leaves, *around, movable=join(candidate.box for candidate in moving))
-    blocked = join([sides, rails, ajar_leaves(leaves, *around)])
-    return Levels(
+    around = (
+        concat_boxes(level.static_without_walls for level in found),
+        concat_boxes(level.boxes.walls for level in found),
+    )
+    doors = make_doors(leaves, *around, movable=concat_boxes(candidate.box for candidate in moving))
+    blocked = concat_boxes([sides, rails, find_blocking_leaves(leaves, *around)])
+    return LevelGeometry(
         spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],
-        leaves=[_leaf_boxes(objects, doors, site.number) for site in sites],
-        open_leaves=[_leaf_boxes(objects, doors, site.number, all_angles=False) for site in sites],
+        leaves=[_leaf_boxes(objects, doors, site.level) for site in sites],
+        open_leaves=[_leaf_boxes(objects, doors, site.level, all_angles=False) for site in sites],
         stairs=stairs,
-        colliders=with_ramps(fixtures, ramps),
+        colliders=append_ramps(fixtures, ramps),
         ramps=ramps,
         bodies=make_bodies(moving),
         doors=doors,
-        stuck=np.array(stuck, np.int32),
+        stuck_objects=np.array(stuck, np.int32),
         report={
             "movable_but_stuck": len(stuck),
             "movable_but_too_many": too_many,
-            "leaves_not_solid": sum(len(level.boxes.loose) - len(level.felt) for level in found),
+            "leaves_not_solid": sum(len(level.boxes.unhinged) - len(level.solid_leaves) for level in found),
             "barriers": sum(len(level.barriers) for level in found) + len(rails),
             "floor_boxes": len(floors),
-            "stairs": sum(o.info.coarse == CATEGORY for o in objects),
+            "stairs": sum(o.info.coarse == STAIRS_CATEGORY for o in objects),
             "ramps": len(ramps.slope),
         },
     )
 
 
-def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> list[Site]:
+def find_level_sites(rooms: RoomTable, objects: Sequence[PlacedObject], climb: bool) -> list[LevelSite]:
     """Return the levels that have rooms, lowest first; the ground floor includes objects of other levels.
 
     Objects out of reach of agents are omitted.
@@ -177,14 +184,14 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
     stairs = find_stairs(objects, rooms, numbers, lowest) if climb else []
     climbed = {object_id for one in stairs for object_id in one.object_ids}
-    near = [o for o in objects if o.room >= 0 or within_reach(bounds(o.triangles), rooms)]
+    near = [o for o in objects if o.room >= 0 or is_within_lot(bounds(o.triangles), rooms)]
     doorways, sites = find_doorways(objects, rooms), []
     for grid, number in enumerate(numbers):
         here = [doorway for doorway in doorways if doorway.level == number]
         sites.append(
-            Site(
+            LevelSite(
                 grid=grid,
-                number=number,
+                level=number,
                 plan=plan_floors(rooms, number, [d.footprint for d in here if not d.leads_outdoors], stairs, grid),
                 objects=[o for o in near if o.object_id not in climbed and (grid == 0 or o.level == number)],
                 doorways=here,
@@ -196,58 +203,61 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
 
 
 def _obstacles(
-    site: Site,
+    site: LevelSite,
     boxes: LevelBoxes,
-    moving: Sequence[Candidate],
-    rooms: Rooms,
+    moving: Sequence[MovableCandidate],
+    rooms: RoomTable,
     colliders: ColliderOptions,
     navigation: NavigationOptions,
 ) -> Obstacles:
     """Return the obstacles of a level, with barriers where it has gaps to the outdoors."""
-    sides = join([guards([*site.upstairs, *site.downstairs]), site.raised(colliders.step)])
+    sides = concat_boxes(
+        [build_guards([*site.upstairs, *site.downstairs]), site.raised_floors(colliders.min_top_height)]
+    )
 
     def free_area(around: BoxSet) -> float:
-        return _space(site, join([around, sides]), rooms, navigation).free.sum() * navigation.cell**2
+        return _space(site, concat_boxes([around, sides]), rooms, navigation).free.sum() * navigation.cell**2
 
     obstacles = find_obstacles(boxes, moving, free_area)
     indoors = [doorway.footprint for doorway in site.doorways if not doorway.leads_outdoors]
     indoors += [outline for one in (*site.upstairs, *site.downstairs) for outline in one.outlines]
-    barriers = find_barriers(rooms, site.number, obstacles.static, indoors, colliders.wall_length)
+    barriers = find_barriers(rooms, site.level, obstacles.static, indoors, colliders.max_wall_length)
     return replace(obstacles, barriers=barriers)
 
 
 def _space(
-    site: Site, around: BoxSet, rooms: Rooms, options: NavigationOptions, fixed: BoxSet | None = None
+    site: LevelSite, around: BoxSet, rooms: RoomTable, options: NavigationOptions, fixed: BoxSet | None = None
 ) -> FreeSpace:
     """Compute the free space of a level between boxes, of which `fixed` cannot be moved (None: all are fixed)."""
     gaps = [doorway.footprint for doorway in site.doorways]
-    return free_space(rooms, around, gaps, options, site.number, site.upstairs, site.downstairs, fixed)
+    return find_free_space(rooms, around, gaps, options, site.level, site.upstairs, site.downstairs, fixed)
 
 
 def _spaces(
-    sites: Sequence[Site],
+    sites: Sequence[LevelSite],
     obstacles: Sequence[Obstacles],
     rails: BoxSet,
-    rooms: Rooms,
+    rooms: RoomTable,
     colliders: ColliderOptions,
     options: NavigationOptions,
 ) -> list[FreeSpace]:
     """Compute the free space of each level; obstacles of all levels count, since stairs lead past the next level."""
     around, fixed = (
-        distinct(join([*boxes, rails])) for boxes in zip(*((o.all, o.static) for o in obstacles), strict=True)
+        unique_boxes(concat_boxes([*boxes, rails]))
+        for boxes in zip(*((o.all, o.static) for o in obstacles), strict=True)
     )
     spaces = []
     for site in sites:
-        raised = site.raised(colliders.step)
-        spaces.append(_space(site, join([around, raised]), rooms, options, join([fixed, raised])))
+        raised = site.raised_floors(colliders.min_top_height)
+        spaces.append(_space(site, concat_boxes([around, raised]), rooms, options, concat_boxes([fixed, raised])))
     if not spaces[0].standable.any():
-        raise nowhere_to_stand(_space(sites[0], obstacles[0].boxes.walls, rooms, options), options)
+        raise no_free_space_error(_space(sites[0], obstacles[0].boxes.walls, rooms, options), options)
     return spaces
 
 
 def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int, all_angles: bool = True) -> BoxSet:
     """Return boxes of a level's leaves that turn: initial, closed and wide open, or only wide open."""
     leaves = [(o.level, leaf) for o in objects for leaf in o.leaves]
-    angles = zip(leaves, np.clip(0, doors.low, doors.high), doors.closed, doors.wide, strict=True)
+    angles = zip(leaves, np.clip(0, doors.low, doors.high), doors.closed, doors.fully_open, strict=True)
     used = slice(0 if all_angles else 2, None)
-    return join(leaf.box_at(float(a)) for (at, leaf), *three in angles if at == level for a in three[used])
+    return concat_boxes(leaf.box_at(float(a)) for (at, leaf), *three in angles if at == level for a in three[used])

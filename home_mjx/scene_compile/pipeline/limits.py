@@ -10,18 +10,18 @@ from contextlib import contextmanager
 import numpy as np
 
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.architecture.frame import Frame
+from home_mjx.scene_compile.architecture.frame import HouseFrame
 from home_mjx.scene_compile.architecture.rooms import house_rooms
-from home_mjx.scene_compile.architecture.shell import Shell, Wall
-from home_mjx.schema.compiled import Rooms
-from home_mjx.schema.house import Box, House, Object
+from home_mjx.scene_compile.architecture.shell import BuildingShell, WallPart
+from home_mjx.schema.compiled import RoomTable
+from home_mjx.schema.house import BoxNode, House, ObjectNode
 
 MAX_ROOMS = 300  # houses of SUNCG have at most 155
 MAX_OBJECTS = 5_000  # houses of SUNCG have at most about two thousand
 MAX_TRIANGLES = 10_000_000  # sum over all placed objects; the real sample house has 100,000
-MAX_WALL = 20_000.0  # [m], total length of the walls of all rooms; 155 rooms with a perimeter of 40 m have 6 km
+MAX_WALL_LENGTH = 20_000.0  # [m], total length of the walls of all rooms; 155 rooms with a perimeter of 40 m have 6 km
 MAX_CELLS = 1 << 20  # total cells of the navigation grids: 100 m x 100 m with cells of 0.1 m
-HINT = "Leave this house out, or set `valid` to 0 for nodes that it does not need."
+LIMIT_HINT = "Leave this house out, or set `valid` to 0 for nodes that it does not need."
 
 
 def check_counts(house: House) -> None:
@@ -32,9 +32,9 @@ def check_counts(house: House) -> None:
     """
     rooms = [room for _, room in house_rooms(house)]
     _refuse_beyond(house, MAX_ROOMS, "rooms", [(room.path, 1) for room in rooms])
-    objects: list[Object | Box] = [node for level in house.levels for node in (*level.objects, *level.boxes)]
+    objects: list[ObjectNode | BoxNode] = [node for level in house.levels for node in (*level.objects, *level.boxes)]
     _refuse_beyond(house, MAX_OBJECTS, "objects", [(node.path, 1) for node in objects])
-    sizes = [(node.path, len(house.models[node.model_key].faces)) for node in objects if isinstance(node, Object)]
+    sizes = [(node.path, len(house.models[node.model_key].faces)) for node in objects if isinstance(node, ObjectNode)]
     _refuse_beyond(house, MAX_TRIANGLES, "triangles", sizes)
 
 
@@ -43,10 +43,10 @@ def _refuse_beyond(house: House, most: int, what: str, counts: list[tuple[str, i
     for path, count in counts:
         total += count
         if total > most:
-            raise DatasetError(f"at most {most} {what} can be compiled", file=house.path, element=path, hint=HINT)
+            raise DatasetError(f"at most {most} {what} can be compiled", file=house.path, element=path, hint=LIMIT_HINT)
 
 
-def check_levels(frame: Frame, shell: Shell, cell: float) -> None:
+def check_levels(frame: HouseFrame, shell: BuildingShell, cell: float) -> None:
     """Reject a house whose rooms extend beyond the maximum navigation grid, or whose walls are too long.
 
     Args:
@@ -61,7 +61,7 @@ def check_levels(frame: Frame, shell: Shell, cell: float) -> None:
     _check_walls(frame.house, shell)
 
 
-def _check_extent(house: House, rooms: Rooms, cell: float) -> None:
+def _check_extent(house: House, rooms: RoomTable, cell: float) -> None:
     points = np.concatenate(rooms.polygon)
     width, depth = np.ptp(points, axis=0).tolist() if len(points) else (0.0, 0.0)
     levels = len(np.unique(rooms.level))
@@ -76,23 +76,23 @@ def _check_extent(house: House, rooms: Rooms, cell: float) -> None:
     )
 
 
-def _check_walls(house: House, shell: Shell) -> None:
+def _check_walls(house: House, shell: BuildingShell) -> None:
     """Reject walls that are too long, since they are cut into pieces that are compared pairwise."""
-    lengths = [(part.slab.length, part.room) for part in shell.parts if isinstance(part, Wall)]
+    lengths = [(part.slab.length, part.room) for part in shell.parts if isinstance(part, WallPart)]
     total = sum(length for length, _ in lengths)
-    if total <= MAX_WALL:
+    if total <= MAX_WALL_LENGTH:
         return
     longest, room = max(lengths)
     raise DatasetError(
-        f"walls are {total:.0f} m long, the longest {longest:.0f} m: at most {MAX_WALL:.0f} m can be compiled",
+        f"walls are {total:.0f} m long, the longest {longest:.0f} m: at most {MAX_WALL_LENGTH:.0f} m can be compiled",
         file=house.path,
         element=house_rooms(house)[room][1].path if room >= 0 else "levels",
-        hint=HINT,
+        hint=LIMIT_HINT,
     )
 
 
 @contextmanager
-def blaming(house: House) -> Iterator[None]:
+def add_house_file(house: House) -> Iterator[None]:
     """Add the house's file to errors without one."""
     try:
         yield

@@ -2,23 +2,23 @@
 
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
-from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
-from home_mjx.scene_compile.semantics.relations import Relation, Viewpoint
+from home_mjx.scene_compile.semantics.looks.options import HOME2017, SemanticOptions
+from home_mjx.scene_compile.semantics.relations import ObserverPose, Relation
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics, RoomSemantics
-from home_mjx.scene_compile.semantics.vocabulary import names_of, number_of, vocabularies
+from home_mjx.scene_compile.semantics.vocabulary import decode_row, encode_name, vocabularies
 
 __all__ = [
-    "HOME",
+    "HOME2017",
     "HouseSemantics",
     "ObjectSemantics",
+    "ObserverPose",
     "PartSemantics",
     "Relation",
     "RoomSemantics",
     "SemanticOptions",
-    "Viewpoint",
+    "decode_row",
     "describe_object",
+    "encode_name",
     "house_semantics",
-    "names_of",
-    "number_of",
     "vocabularies",
 ]

@@ -6,9 +6,14 @@ from home_mjx.errors import UnknownNameError
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
 
-NAMELESS = ("empty", "unknown")  # fine categories that are replaced by "object"
-MOST_NEIGHBOURS = 3  # maximum number of neighbours in a description
-HOLDS = {"floor": "stands on the floor", "wall": "is on the wall", "ceiling": "hangs from the ceiling", "": "is"}
+UNNAMED_CATEGORIES = ("empty", "unknown")  # fine categories that are replaced by "object"
+MAX_NEIGHBOURS = 3  # maximum number of neighbours in a description
+SUPPORT_PHRASES = {
+    "floor": "stands on the floor",
+    "wall": "is on the wall",
+    "ceiling": "hangs from the ceiling",
+    "": "is",
+}
 
 
 def short_text(size: str, look: Appearance, category: str) -> str:
@@ -26,7 +31,7 @@ def short_text(size: str, look: Appearance, category: str) -> str:
     """
     colors = look.colors["css"]
     words = [size] * (size not in ("", "normal")) + [_listed(colors)] * bool(colors)
-    made = f" made of {_listed(look.materials)}" if look.textured and look.materials else ""
+    made = f" made of {_listed(look.materials)}" if look.is_textured and look.materials else ""
     return " ".join([*words, _noun(category)]) + made
 
 
@@ -35,7 +40,7 @@ def describe_object(house: HouseSemantics, object_id: int) -> str:
 
     Args:
         house: Semantics of the house.
-        object_id: One of `house.by_id`.
+        object_id: One of `house.objects_by_id`.
 
     Raises:
         UnknownNameError: The house does not have this object.
@@ -44,9 +49,9 @@ def describe_object(house: HouseSemantics, object_id: int) -> str:
         >>> describe_object(meaning, 46)  # doctest: +SKIP
         'A gray sofa made of leather, 1.31 m wide, 1.01 m deep and 0.80 m high. It stands on the floor in the bedroom …'
     """
-    if object_id not in house.by_id:
-        raise UnknownNameError(f"house has no object {object_id}", hint="`by_id` lists all objects.")
-    item = house.by_id[object_id]
+    if object_id not in house.objects_by_id:
+        raise UnknownNameError(f"house has no object {object_id}", hint="`objects_by_id` lists all objects.")
+    item = house.objects_by_id[object_id]
     width, depth, height = (2 * item.box.half[0]).tolist()
     x, y, z = item.position
     short = item.description
@@ -63,8 +68,12 @@ def describe_object(house: HouseSemantics, object_id: int) -> str:
 def _holds(house: HouseSemantics, item: ObjectSemantics) -> str:
     held = item.support
     if held.container >= 0:
-        return f"is in the {_noun(house.by_id[held.container].fine)}"
-    return f"is on the {_noun(house.by_id[held.supporter].fine)}" if held.supporter >= 0 else HOLDS[held.kind]
+        return f"is in the {_noun(house.objects_by_id[held.container].fine)}"
+    return (
+        f"is on the {_noun(house.objects_by_id[held.supporter].fine)}"
+        if held.supporter >= 0
+        else SUPPORT_PHRASES[held.kind]
+    )
 
 
 def _where(item: ObjectSemantics) -> str:
@@ -78,15 +87,17 @@ def _where(item: ObjectSemantics) -> str:
 
 def _near(house: HouseSemantics, item: ObjectSemantics) -> list[str]:
     beside = [
-        house.by_id[r.object] for r in house.relations if r.subject == item.object_id and r.predicate == "next to"
+        house.objects_by_id[r.object]
+        for r in house.relations
+        if r.subject == item.object_id and r.predicate == "next to"
     ]
     beside.sort(key=lambda other: sum((a - b) ** 2 for a, b in zip(item.position, other.position, strict=True)))
-    names = [f"the {other.description}" for other in beside[:MOST_NEIGHBOURS]]
+    names = [f"the {other.description}" for other in beside[:MAX_NEIGHBOURS]]
     return [f"Next to it: {', '.join(names)}."] if names else []
 
 
 def _noun(category: str) -> str:
-    return "object" if category in NAMELESS else category.replace("_", " ")
+    return "object" if category in UNNAMED_CATEGORIES else category.replace("_", " ")
 
 
 def _listed(words: Sequence[str]) -> str:

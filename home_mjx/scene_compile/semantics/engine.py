@@ -8,14 +8,14 @@ from jaxtyping import Bool, Float
 
 from home_mjx.geometry.meshes import surface_areas
 from home_mjx.geometry.polygons import polygon_area
-from home_mjx.scene_compile.architecture.frame import Frame, find_frame
+from home_mjx.scene_compile.architecture.frame import HouseFrame, find_frame
 from home_mjx.scene_compile.architecture.rooms import house_rooms
-from home_mjx.scene_compile.architecture.shell import Shell, build_shell, inner_normal
+from home_mjx.scene_compile.architecture.shell import BuildingShell, build_shell, inner_normal
 from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.describe import short_text
-from home_mjx.scene_compile.semantics.looks.appearance import Appearance, Skin, appearance
-from home_mjx.scene_compile.semantics.looks.home import home_appearance
+from home_mjx.scene_compile.semantics.looks.appearance import Appearance, TexturedTriangles, compute_appearance
+from home_mjx.scene_compile.semantics.looks.home import compute_home_appearance
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.scene_compile.semantics.sizes import SizeTable, size_table
 from home_mjx.scene_compile.semantics.supports import Support, find_supports
@@ -27,8 +27,8 @@ from home_mjx.scene_compile.semantics.types import (
     RoomSemantics,
 )
 from home_mjx.schema.categories import ROOM_TYPES
-from home_mjx.schema.compiled import Rooms
-from home_mjx.schema.house import House, Metadata, Object
+from home_mjx.schema.compiled import RoomTable
+from home_mjx.schema.house import House, Metadata, ObjectNode
 
 DEFAULT_OPTIONS = SemanticOptions()
 
@@ -55,8 +55,8 @@ def house_semantics(house: House, metadata: Metadata, options: SemanticOptions =
 
 
 def describe_house(
-    frame: Frame,
-    shell: Shell,
+    frame: HouseFrame,
+    shell: BuildingShell,
     objects: Sequence[PlacedObject],
     metadata: Metadata,
     options: SemanticOptions = DEFAULT_OPTIONS,
@@ -71,7 +71,7 @@ def describe_house(
         options: Rules for colours, materials and sizes.
     """
     house, rooms = frame.house, frame.rooms
-    sizes, supports, looks = size_table(metadata), find_supports(objects, rooms), _Looks(options)
+    sizes, supports, looks = size_table(metadata), find_supports(objects, rooms), _AppearanceCache(options)
     return HouseSemantics(
         id=house.id,
         rooms=tuple(
@@ -86,26 +86,26 @@ def describe_house(
 
 
 @dataclass(frozen=True)
-class _Looks:
+class _AppearanceCache:
     """Cache of the appearances in a house, since chairs and the walls of a room often share theirs."""
 
     options: SemanticOptions
     found: dict[Hashable, Appearance] = field(default_factory=dict)
 
-    def of(self, key: Hashable, skin: Skin) -> Appearance:
+    def get(self, key: Hashable, skin: TexturedTriangles) -> Appearance:
         """Return the appearance of a skin; equal keys must have equal skins."""
         if key not in self.found:
             self.found[key] = _look(skin, self.options)
         return self.found[key]
 
 
-def _part(shell: Shell, index: int, rooms: Rooms, looks: _Looks) -> PartSemantics:
+def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _AppearanceCache) -> PartSemantics:
     part, model = shell.parts[index], shell.model
-    seen = np.flatnonzero((model.part == index) & (model.slot == shell.facing[index]))
+    seen = np.flatnonzero((model.part == index) & (model.slot == shell.inner_slot[index]))
     triangles = model.triangle[seen].astype(np.float64)
     area = surface_areas(triangles) * _faces(triangles, inner_normal(part, rooms))
-    skin = Skin(area, model.uv[seen], model.slot[seen], shell.surfaces)
-    look = looks.of(shell.surfaces[shell.facing[index]], skin)
+    skin = TexturedTriangles(area, model.uv[seen], model.slot[seen], shell.surfaces)
+    look = looks.get(shell.surfaces[shell.inner_slot[index]], skin)
     category = "floor" if part.kind == "ground" else part.kind
     return PartSemantics(
         index=index,
@@ -114,7 +114,7 @@ def _part(shell: Shell, index: int, rooms: Rooms, looks: _Looks) -> PartSemantic
         room_type=room_type(rooms, part.room),
         level=part.level,
         partition=int(shell.partition[index]),
-        look=look,
+        appearance=look,
         area=float(area.sum()),
         description=short_text("", look, category),
     )
@@ -126,16 +126,18 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 
 
 def _object(
-    item: PlacedObject, support: Support, house: House, rooms: Rooms, sizes: SizeTable, looks: _Looks
+    item: PlacedObject, support: Support, house: House, rooms: RoomTable, sizes: SizeTable, looks: _AppearanceCache
 ) -> ObjectSemantics:
     skin = _skin(item, house, looks.options)
     stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # determines the areas, independent of rotation
-    look = looks.of((item.model.key, skin.surfaces, stretch.tobytes()), skin)
-    size = sizes.as_home(item.info) if looks.options.size == "home" else sizes.by_log_volume(_volume(item), item.info)
+    look = looks.get((item.model.key, skin.surfaces, stretch.tobytes()), skin)
+    size = (
+        sizes.home_size(item.info) if looks.options.size == "home" else sizes.log_volume_size(_volume(item), item.info)
+    )
     return ObjectSemantics(
         object_id=item.object_id,
         node=item.node.id,
-        model=item.node.model_id if isinstance(item.node, Object) else "",
+        model=item.node.model_id if isinstance(item.node, ObjectNode) else "",
         fine=item.info.fine,
         coarse=item.info.coarse,
         nyu40=item.info.nyu40,
@@ -143,26 +145,26 @@ def _object(
         room_type=room_type(rooms, item.room),
         level=item.level,
         box=item.box,
-        look=look,
+        appearance=look,
         size=size,
         support=support,
         description=short_text(size, look, item.info.fine),
     )
 
 
-def _skin(item: PlacedObject, house: House, options: SemanticOptions) -> Skin:
+def _skin(item: PlacedObject, house: House, options: SemanticOptions) -> TexturedTriangles:
     surfaces = item.surfaces
-    if options.color == "home" and isinstance(item.node, Object):
+    if options.color == "home" and isinstance(item.node, ObjectNode):
         own = house.models[item.node.model_key].materials
         surfaces = tuple(surface_material(slot, item.info.fine, item.info.coarse) for slot in own)
-    return Skin(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
+    return TexturedTriangles(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
 
 
-def _look(skin: Skin, options: SemanticOptions) -> Appearance:
+def _look(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
     if skin.area.sum() <= 0:
         # A mesh of lines and points has zero area, so all triangles get equal weights.
         skin = replace(skin, area=np.ones_like(skin.area))
-    return home_appearance(skin, options) if options.color == "home" else appearance(skin, options)
+    return compute_home_appearance(skin, options) if options.color == "home" else compute_appearance(skin, options)
 
 
 def _volume(item: PlacedObject) -> float:
@@ -171,7 +173,7 @@ def _volume(item: PlacedObject) -> float:
     return float(np.maximum(edges, 1e-3).prod())
 
 
-def room_type(rooms: Rooms, room: int) -> str:
+def room_type(rooms: RoomTable, room: int) -> str:
     """Return the label of a room; `unknown` for no room or no label.
 
     Args:

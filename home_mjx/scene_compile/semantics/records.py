@@ -21,14 +21,14 @@ def house_record(house: HouseSemantics) -> Record:
         "parts": [_part(part) for part in house.parts],
         "objects": [_object(item) | {"text": describe_object(house, item.object_id)} for item in house.objects],
         "relations": [[r.subject, r.predicate, r.object] for r in house.relations],
-        "objects_outside": [item.object_id for item in house.outside],
+        "objects_outside": [item.object_id for item in house.objects_outside],
     }
 
 
 def _part(part: PartSemantics) -> Record:
     place = {"part": part.index, "category": part.category, "room": part.room, "room_type": part.room_type}
     size = {"level": part.level, "partition": part.partition, "area": part.area, "description": part.description}
-    return place | size | _look(part.look)
+    return place | size | _look(part.appearance)
 
 
 def _object(item: ObjectSemantics) -> Record:
@@ -50,10 +50,10 @@ def _object(item: ObjectSemantics) -> Record:
         "supporter": item.support.supporter,
         "container": item.support.container,
         "description": item.description,
-        **_look(item.look),
+        **_look(item.appearance),
     }
 
 
 def _look(look: Appearance) -> Record:
     colors = {level: list(names) for level, names in look.colors.items()}
-    return {"colors": colors, "materials": list(look.materials), "textured": look.textured}
+    return {"colors": colors, "materials": list(look.materials), "textured": look.is_textured}

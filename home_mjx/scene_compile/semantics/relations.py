@@ -9,9 +9,9 @@ from jaxtyping import Int
 from home_mjx.geometry.boxes import BoxSet, footprint, footprint_distance
 from home_mjx.scene_compile.semantics.supports import Support
 
-NEXT_TO = 0.5  # [m], maximum distance between the footprints of neighbours
-APART = 0.1  # [m], minimum distance across or along the line of sight for a relation
-WIDEST = np.deg2rad(135)  # maximum angle between two objects; no field of view is larger
+MAX_NEIGHBOUR_GAP = 0.5  # [m], maximum distance between the footprints of neighbours
+MIN_SEPARATION = 0.1  # [m], minimum distance across or along the line of sight for a relation
+MAX_VIEW_ANGLE = np.deg2rad(135)  # maximum angle between two objects; no field of view is larger
 OPPOSITE = {"left of": "right of", "in front of": "behind"}
 
 
@@ -25,7 +25,7 @@ class Relation:
 
 
 @dataclass(frozen=True)
-class Viewpoint:
+class ObserverPose:
     """Position and heading of an observer.
 
     Attributes:
@@ -52,13 +52,13 @@ class Viewpoint:
         return ("ahead", "left", "behind", "right")[int(np.round(bearing / (np.pi / 2))) % 4]
 
 
-def relations_at_rest(
+def static_relations(
     ids: Sequence[int], boxes: BoxSet, places: Int[np.ndarray, "o 2"], supports: Sequence[Support]
 ) -> tuple[Relation, ...]:
     """Return the relations that are independent of the observer.
 
     `on` and `in` follow from the supports. `next to` is symmetric. It relates objects of one room with footprints at
-    most `NEXT_TO` apart and overlapping heights, unless one is on or in the other.
+    most `MAX_NEIGHBOUR_GAP` apart and overlapping heights, unless one is on or in the other.
 
     Args:
         ids: Object ids.
@@ -85,20 +85,22 @@ def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> li
     """Return later objects of the same room that are next to an object."""
     reach = np.hypot(boxes.half[:, 0], boxes.half[:, 1])
     apart = np.hypot(*(boxes.center[:, :2] - boxes.center[index, :2]).T)
-    near = (places == places[index]).all(axis=1) & (places[:, 1] >= 0) & (apart < reach + reach[index] + NEXT_TO)
+    near = (
+        (places == places[index]).all(axis=1) & (places[:, 1] >= 0) & (apart < reach + reach[index] + MAX_NEIGHBOUR_GAP)
+    )
     near &= np.minimum(boxes.top, boxes.top[index]) > np.maximum(boxes.bottom, boxes.bottom[index])
     later = np.flatnonzero(near)
-    return [b for b in later[later > index].tolist() if gap(boxes, index, b) <= NEXT_TO]
+    return [b for b in later[later > index].tolist() if footprint_gap(boxes, index, b) <= MAX_NEIGHBOUR_GAP]
 
 
-def gap(boxes: BoxSet, a: int, b: int) -> float:
+def footprint_gap(boxes: BoxSet, a: int, b: int) -> float:
     """Return the distance between the footprints of two boxes [m]; 0 if a corner or centre of one is in the other."""
     ends = [np.concatenate([footprint(boxes, i), boxes.center[i : i + 1, :2]]) for i in (a, b)]
     return float(min(footprint_distance(boxes, b, ends[0]).min(), footprint_distance(boxes, a, ends[1]).min()))
 
 
-def relations_seen(
-    ids: Sequence[int], boxes: BoxSet, places: Int[np.ndarray, "o 2"], viewpoint: Viewpoint
+def observer_relations(
+    ids: Sequence[int], boxes: BoxSet, places: Int[np.ndarray, "o 2"], observer: ObserverPose
 ) -> tuple[Relation, ...]:
     """Return both relations of each pair of objects of a room, relative to an observer.
 
@@ -110,19 +112,19 @@ def relations_seen(
         ids: Object ids.
         boxes: Their upright boxes.
         places: Level and room of each object.
-        viewpoint: The observer.
+        observer: The observer.
 
     Example:
         >>> boxes = box_set([[2.0, 1.0, 0.0], [2.0, -1.0, 0.0]], [0.2, 0.2, 0.2])  # doctest: +SKIP
         >>> relations_seen([7, 8], boxes, np.zeros((2, 2), int), Viewpoint(0.0, 0.0))[0]  # doctest: +SKIP
         Relation(subject=7, predicate='left of', object=8)
     """
-    way = boxes.center[:, :2] - (viewpoint.x, viewpoint.y)
+    way = boxes.center[:, :2] - (observer.x, observer.y)
     reach, bearing = np.hypot(way[:, 0], way[:, 1]), np.arctan2(way[:, 1], way[:, 0])
     found = []
     for a, b in _pairs(places):
         turn = (bearing[a] - bearing[b] + np.pi) % (2 * np.pi) - np.pi
-        if abs(turn) > WIDEST or min(reach[a], reach[b]) < APART:
+        if abs(turn) > MAX_VIEW_ANGLE or min(reach[a], reach[b]) < MIN_SEPARATION:
             continue
         found += _order(ids[a], ids[b], float(turn * (reach[a] + reach[b]) / 2), float(reach[b] - reach[a]))
     return tuple(found)
@@ -138,7 +140,7 @@ def _order(a: int, b: int, leftward: float, nearer: float) -> list[Relation]:
     """Return both relations of a pair; empty if their centres coincide."""
     across = abs(leftward) >= abs(nearer)
     way, predicate = (leftward, "left of") if across else (nearer, "in front of")
-    if abs(way) < APART:
+    if abs(way) < MIN_SEPARATION:
         return []
     first, second = (a, b) if way > 0 else (b, a)
     return [Relation(first, predicate, second), Relation(second, OPPOSITE[predicate], first)]

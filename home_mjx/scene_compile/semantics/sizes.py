@@ -11,7 +11,7 @@ from jaxtyping import Float
 from home_mjx.schema.house import Metadata, ModelInfo
 
 SIZES = ("tiny", "small", "normal", "large", "huge")
-LIMITS = (-2.0, -1.0, 1.0, 2.0)  # [standard deviations], limits between size classes, as in HoME
+SIZE_LIMITS = (-2.0, -1.0, 1.0, 2.0)  # [standard deviations], limits between size classes, as in HoME
 NORMAL = SIZES.index("normal")
 MIN_PEERS = 5  # minimum number of models of a category for a comparison
 MIN_SPREAD = 0.1  # minimum standard deviation of log volume; differences below 10 % are ignored
@@ -26,7 +26,7 @@ class SizeTable:
     coarse: dict[str, Float[np.ndarray, " _"]]
     home: dict[str, Float[np.ndarray, " _"]]  # by coarse category, only models that face +z
 
-    def by_log_volume(self, volume: float, info: ModelInfo) -> str:
+    def log_volume_size(self, volume: float, info: ModelInfo) -> str:
         """Return one of `SIZES` by the logarithm of volume, since volumes differ by factors; "" with too few peers.
 
         Args:
@@ -39,7 +39,7 @@ class SizeTable:
                 return _size((np.log(volume) - logs.mean()) / max(float(logs.std()), MIN_SPREAD))
         return ""
 
-    def as_home(self, info: ModelInfo) -> str:
+    def home_size(self, info: ModelInfo) -> str:
         """Return the size class by HoME's rule, which is never `tiny`; "" for models that it could not compare.
 
         Args:
@@ -50,9 +50,9 @@ class SizeTable:
             return ""
         above = math.prod(info.dims) - float(peers.mean())
         spread = float(peers.std())
-        if above < LIMITS[1] * spread:
+        if above < SIZE_LIMITS[1] * spread:
             return "small"
-        return SIZES[NORMAL + (above > LIMITS[2] * spread) + (above > LIMITS[3] * spread)]
+        return SIZES[NORMAL + (above > SIZE_LIMITS[2] * spread) + (above > SIZE_LIMITS[3] * spread)]
 
 
 def size_table(metadata: Metadata) -> SizeTable:
@@ -78,4 +78,4 @@ def _grouped(items: Sequence[tuple[str, float]]) -> dict[str, Float[np.ndarray, 
 
 
 def _size(deviation: float) -> str:
-    return SIZES[int(np.searchsorted(LIMITS, deviation))]
+    return SIZES[int(np.searchsorted(SIZE_LIMITS, deviation))]

@@ -6,28 +6,30 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.geometry.boxes import BoxSet, footprint_distance, join
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint_distance
 from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.compiled import Rooms
+from home_mjx.schema.compiled import RoomTable
 
 SUPPORTS = ("floor", "wall", "ceiling", "object")
-TOUCH = 0.05  # [m], maximum gap or penetration of a contact; SUNCG's furniture hovers or sinks by this much
-SOLE = 0.02  # [m], points up to this above the lowest one touch the support
-RESTING = 0.5  # minimum share of these points that the supporting object carries
-MAX_POINTS = 64  # maximum number of these points
-MAX_BEARERS = 32  # maximum number of tested supporters, by decreasing overlap in the plan
-WALL_REACH = 0.12  # [m], maximum distance from an object at a wall to the room's outline, which is inside the wall
-HUNG_REACH = 0.15  # [m], the same without another support: pictures and lamps hang up to 5.5 cm off the wall
-CEILING_REACH = 0.1  # [m], maximum distance from an object's top to the ceiling that it hangs from
+MAX_CONTACT_GAP = 0.05  # [m], maximum gap or penetration of a contact; SUNCG's furniture hovers or sinks by this much
+SOLE_HEIGHT = 0.02  # [m], points up to this above the lowest one touch the support
+MIN_SUPPORT_SHARE = 0.5  # minimum share of these points that the supporting object carries
+MAX_SOLE_POINTS = 64  # maximum number of these points
+MAX_SUPPORTERS = 32  # maximum number of tested supporters, by decreasing overlap in the plan
+MAX_WALL_DISTANCE = (
+    0.12  # [m], maximum distance from an object at a wall to the room's outline, which is inside the wall
+)
+MAX_HUNG_DISTANCE = 0.15  # [m], the same without another support: pictures and lamps hang up to 5.5 cm off the wall
+MAX_CEILING_DISTANCE = 0.1  # [m], maximum distance from an object's top to the ceiling that it hangs from
 OUTLINE_STEP = 0.1  # [m], distance between sample points of a room's outline
 MAX_STEPS = 1_000  # maximum number of these points per edge
-INSIDE = 0.9  # minimum share of an object's box inside the box of its container
+MIN_INSIDE_SHARE = 0.9  # minimum share of an object's box inside the box of its container
 
 # OPENINGS are in or in front of the wall, even if they reach the floor. WALL_HUNG objects are on the wall, even if
 # something is below.
-OPENINGS = {"arch", "curtain", "door", "garage_door", "window"}
+WALL_OPENINGS = {"arch", "curtain", "door", "garage_door", "window"}
 WALL_HUNG = {"air_conditioner", "hanging_kitchen_cabinet", "mirror", "picture_frame", "whiteboard"}
 CEILING_HUNG = {"ceiling_fan", "chandelier"}
 CONTAINERS = {
@@ -46,14 +48,14 @@ class Support:
     container: int = -1  # object id of the container that it is in
 
 
-def find_supports(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Support]:
+def find_supports(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Support]:
     """Return the support of each object.
 
     Args:
         objects: All objects of a house.
         rooms: Rooms of the house.
     """
-    boxes = join(o.box for o in objects)
+    boxes = concat_boxes(o.box for o in objects)
     limits = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
     outlines = {level: _outline_points(rooms, level) for level in {o.level for o in objects}}
     return [_support(i, objects, boxes, limits, rooms, outlines[o.level]) for i, o in enumerate(objects)]
@@ -64,31 +66,31 @@ def _support(
     objects: Sequence[PlacedObject],
     boxes: BoxSet,
     limits: Float[np.ndarray, "o 2 3"],
-    rooms: Rooms,
+    rooms: RoomTable,
     outline: Float[np.ndarray, "p 2"],
 ) -> Support:
     item = objects[index]
-    if item.info.coarse in OPENINGS:
+    if item.info.coarse in WALL_OPENINGS:
         return Support("wall")
     low, high = limits[index, :, 2]
     floor, ceiling = _heights(item, rooms)
-    on_floor = bool(low < floor + TOUCH)
+    on_floor = bool(low < floor + MAX_CONTACT_GAP)
     off_wall = float(footprint_distance(boxes, index, outline).min(initial=np.inf))
-    at_wall = off_wall < WALL_REACH
-    if item.info.coarse in WALL_HUNG and off_wall < HUNG_REACH and not on_floor:
+    at_wall = off_wall < MAX_WALL_DISTANCE
+    if item.info.coarse in WALL_HUNG and off_wall < MAX_HUNG_DISTANCE and not on_floor:
         return Support("wall")
-    bearer, container = _bearer(index, objects, limits), _container(index, objects, boxes, limits)
+    bearer, container = _supporter(index, objects, limits), _container(index, objects, boxes, limits)
     if bearer >= 0 or container >= 0:
         held = objects[bearer if bearer >= 0 else container].object_id
         return Support("object", held, objects[container].object_id if container >= 0 else -1)
     if on_floor:
         return Support("floor")
-    if high > ceiling - CEILING_REACH and (item.info.fine in CEILING_HUNG or not at_wall):
+    if high > ceiling - MAX_CEILING_DISTANCE and (item.info.fine in CEILING_HUNG or not at_wall):
         return Support("ceiling")
-    return Support("wall" if off_wall < HUNG_REACH else "")
+    return Support("wall" if off_wall < MAX_HUNG_DISTANCE else "")
 
 
-def _heights(item: PlacedObject, rooms: Rooms) -> tuple[float, float]:
+def _heights(item: PlacedObject, rooms: RoomTable) -> tuple[float, float]:
     """Return the floor and ceiling of an object's room [m]; outdoors, the lowest floor of its level and infinity."""
     if item.room >= 0:
         return float(rooms.floor[item.room]), float(rooms.ceiling[item.room])
@@ -96,7 +98,7 @@ def _heights(item: PlacedObject, rooms: Rooms) -> tuple[float, float]:
     return float(floors.min(initial=np.inf)) if len(floors) else 0.0, np.inf
 
 
-def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
+def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
     """Return points along the walls of a level."""
     points = [np.zeros((0, 2))]
     for start in (p for p, at in zip(rooms.polygon, rooms.level, strict=True) if at == level):
@@ -106,42 +108,44 @@ def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
     return np.concatenate(points)
 
 
-def _bearer(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the object whose upper sides carry the largest share of another's lowest points; -1 if below `RESTING`."""
+def _supporter(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
+    """Return the object whose upper sides carry the largest share of another's lowest points; -1 if below `MIN_SUPPORT_SHARE`."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
-    near &= (limits[:, 0, 2] < low[2] + TOUCH) & (limits[:, 1, 2] > low[2] - TOUCH)
+    near &= (limits[:, 0, 2] < low[2] + MAX_CONTACT_GAP) & (limits[:, 1, 2] > low[2] - MAX_CONTACT_GAP)
     near[index] = False
     if not near.any():
         return -1
     points = _soles(objects[index])
     common = np.minimum(limits[:, 1, :2], high[:2]) - np.maximum(limits[:, 0, :2], low[:2])
     order = np.argsort(-common.prod(axis=1), kind="stable")
-    below = order[near[order]][:MAX_BEARERS].tolist()
-    borne = {i: _borne(points, objects[i], float(high[2])).mean() for i in sorted(below)}
+    below = order[near[order]][:MAX_SUPPORTERS].tolist()
+    borne = {i: _is_carried(points, objects[i], float(high[2])).mean() for i in sorted(below)}
     best = max(borne, key=lambda i: borne[i])
-    return best if borne[best] >= RESTING else -1
+    return best if borne[best] >= MIN_SUPPORT_SHARE else -1
 
 
 def _soles(item: PlacedObject) -> Float[np.ndarray, "p 3"]:
     """Return a sample of the lowest points of an object."""
     points = item.triangles.reshape(-1, 3)
-    points = np.unique(points[points[:, 2] < points[:, 2].min() + SOLE].round(4), axis=0)
-    return points[np.linspace(0, len(points) - 1, min(len(points), MAX_POINTS)).astype(int)]
+    points = np.unique(points[points[:, 2] < points[:, 2].min() + SOLE_HEIGHT].round(4), axis=0)
+    return points[np.linspace(0, len(points) - 1, min(len(points), MAX_SOLE_POINTS)).astype(int)]
 
 
-def _borne(points: Float[np.ndarray, "p 3"], below: PlacedObject, top: float) -> Bool[np.ndarray, " p"]:
-    """Return whether an upper side of an object is within `TOUCH` of each point, vertically, and below `top`."""
+def _is_carried(points: Float[np.ndarray, "p 3"], below: PlacedObject, top: float) -> Bool[np.ndarray, " p"]:
+    """Return whether an upper side of an object is within `MAX_CONTACT_GAP` of each point, vertically, and below `top`."""
     triangles = below.triangles
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal *= np.sign(np.linalg.det(below.pose[:, :3]))  # a mirrored model is inside out
     level = points[:, 2].min()
-    near = (triangles[:, :, 2].min(axis=1) < level + SOLE + TOUCH) & (triangles[:, :, 2].max(axis=1) > level - TOUCH)
+    near = (triangles[:, :, 2].min(axis=1) < level + SOLE_HEIGHT + MAX_CONTACT_GAP) & (
+        triangles[:, :, 2].max(axis=1) > level - MAX_CONTACT_GAP
+    )
     upper = near & (normal[:, 2] > 0.5 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
     a, b, c = triangles[upper].transpose(1, 0, 2)
     weight = _barycentric(points[:, None, :2], a[:, :2], b[:, :2], c[:, :2])
     height = np.sum(weight * np.stack([a[:, 2], b[:, 2], c[:, 2]], axis=-1), axis=-1)
-    found = (weight >= -1e-6).all(axis=-1) & (abs(height - points[:, None, 2]) <= TOUCH) & (height < top)
+    found = (weight >= -1e-6).all(axis=-1) & (abs(height - points[:, None, 2]) <= MAX_CONTACT_GAP) & (height < top)
     return found.any(axis=1)
 
 
@@ -166,12 +170,12 @@ def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limit
     holding = [
         i
         for i in np.flatnonzero(around).tolist()
-        if objects[i].info.coarse in CONTAINERS and _held(boxes, index, i) >= INSIDE
+        if objects[i].info.coarse in CONTAINERS and _inside_share(boxes, index, i) >= MIN_INSIDE_SHARE
     ]
     return min(holding, key=lambda i: volume[i], default=-1)
 
 
-def _held(boxes: BoxSet, inner: int, outer: int) -> float:
+def _inside_share(boxes: BoxSet, inner: int, outer: int) -> float:
     """Return the share of a box that is inside another, by extents along the sides of the other."""
     turn = yaw_matrix(boxes.yaw[outer] - boxes.yaw[inner])
     half = abs(turn) @ boxes.half[inner]

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.scene_compile.architecture.shell import Shell
+from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
-from home_mjx.scene_compile.semantics.vocabulary import FIRST_COLOR, MAX_COLORS, number_of
+from home_mjx.scene_compile.semantics.vocabulary import COLORS_PER_LEVEL, FIRST_COLOR, encode_name
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.semantic import Semantic, semantic_row
 
 
-def semantic_rows(
-    shell: Shell, objects: Sequence[PlacedObject], bodies: Bodies, meaning: HouseSemantics
+def build_semantic_rows(
+    shell: BuildingShell, objects: Sequence[PlacedObject], bodies: Bodies, semantics: HouseSemantics
 ) -> Int[np.ndarray, "q columns"]:
     """Return the semantic rows of a house: one per part of its shell, then one per object. Columns: `Semantic`.
 
@@ -22,11 +22,11 @@ def semantic_rows(
         shell: Walls, floors and ceilings.
         objects: Objects in the world frame.
         bodies: Movable bodies.
-        meaning: Output of the semantic engine, in the same order.
+        semantics: Output of the semantic engine, in the same order.
     """
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     rows = [shell.semantics, *(_object_row(o, body.get(o.instance, -1))[None] for o in objects)]
-    return with_meaning(np.concatenate(rows), meaning)
+    return fill_semantics(np.concatenate(rows), semantics)
 
 
 def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
@@ -43,7 +43,7 @@ def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
     )
 
 
-def with_meaning(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.ndarray, "q c"]:
+def fill_semantics(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.ndarray, "q c"]:
     """Return the rows of a house with the columns of the semantic engine filled in.
 
     Args:
@@ -54,8 +54,8 @@ def with_meaning(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.
     for row, item in zip(rows, (*house.parts, *house.objects), strict=True):
         _fill_look(row, item)
     for row, item in zip(rows[len(house.parts) :], house.objects, strict=True):
-        row[Semantic.SIZE] = number_of(Semantic.SIZE, item.size)
-        row[Semantic.SUPPORT] = number_of(Semantic.SUPPORT, item.support.kind)
+        row[Semantic.SIZE] = encode_name(Semantic.SIZE, item.size)
+        row[Semantic.SUPPORT] = encode_name(Semantic.SUPPORT, item.support.kind)
         row[Semantic.SUPPORTER] = item.support.supporter
         row[Semantic.CONTAINER] = item.support.container
     return rows
@@ -63,8 +63,8 @@ def with_meaning(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.
 
 def _fill_look(row: Int[np.ndarray, " c"], item: ObjectSemantics | PartSemantics) -> None:
     """Write room type, first material and first colours of each level into a row."""
-    row[Semantic.ROOM_TYPE] = number_of(Semantic.ROOM_TYPE, item.room_type)
-    row[Semantic.MATERIAL] = number_of(Semantic.MATERIAL, next(iter(item.look.materials), ""))
+    row[Semantic.ROOM_TYPE] = encode_name(Semantic.ROOM_TYPE, item.room_type)
+    row[Semantic.MATERIAL] = encode_name(Semantic.MATERIAL, next(iter(item.appearance.materials), ""))
     for level, first in FIRST_COLOR.items():
-        found = [number_of(first, name) for name in item.look.colors[level][:MAX_COLORS]]
+        found = [encode_name(first, name) for name in item.appearance.colors[level][:COLORS_PER_LEVEL]]
         row[first : first + len(found)] = found

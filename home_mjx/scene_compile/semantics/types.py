@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from home_mjx.geometry.boxes import BoxSet, join
+from home_mjx.geometry.boxes import BoxSet, concat_boxes
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance
-from home_mjx.scene_compile.semantics.relations import Relation, Viewpoint, relations_at_rest, relations_seen
+from home_mjx.scene_compile.semantics.relations import ObserverPose, Relation, observer_relations, static_relations
 from home_mjx.scene_compile.semantics.supports import Support
 
 UNKNOWN = "unknown"
@@ -42,7 +42,7 @@ class PartSemantics:
         room_type: First label of the room, or `unknown`.
         level: Level index.
         partition: Physical wall or slab.
-        look: Colours and materials of the side that faces its room.
+        appearance: Colours and materials of the side that faces its room.
         area: Area of that side [m^2].
         description: Short text, such as `white wall made of wallpaper`.
     """
@@ -53,7 +53,7 @@ class PartSemantics:
     room_type: str
     level: int
     partition: int
-    look: Appearance
+    appearance: Appearance
     area: float
     description: str
 
@@ -73,10 +73,10 @@ class ObjectSemantics:
         room_type: First label of the room, or `unknown`.
         level: Level index.
         box: Upright box around it, in the world [m, rad].
-        look: Colours and materials.
+        appearance: Colours and materials.
         size: One of `SIZES` within its category; "" without models to compare with.
         support: Support of the object.
-        description: Short text, such as `small linen coffee table made of wood`.
+        description: Short text, such as `pack_field linen coffee table made of wood`.
     """
 
     object_id: int
@@ -89,7 +89,7 @@ class ObjectSemantics:
     room_type: str
     level: int
     box: BoxSet
-    look: Appearance
+    appearance: Appearance
     size: str
     support: Support
     description: str
@@ -118,27 +118,27 @@ class HouseSemantics:
     objects: tuple[ObjectSemantics, ...]
 
     @cached_property
-    def by_id(self) -> Mapping[int, ObjectSemantics]:
+    def objects_by_id(self) -> Mapping[int, ObjectSemantics]:
         """Objects by id."""
         return {item.object_id: item for item in self.objects}
 
     @property
-    def outside(self) -> tuple[ObjectSemantics, ...]:
+    def objects_outside(self) -> tuple[ObjectSemantics, ...]:
         """Objects outside all rooms."""
         return tuple(item for item in self.objects if item.room < 0)
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
         """Relations on, in and next to, which are independent of the observer."""
-        return relations_at_rest(self._ids, self._boxes, self._places, [item.support for item in self.objects])
+        return static_relations(self._ids, self._boxes, self._places, [item.support for item in self.objects])
 
-    def relations_seen_from(self, viewpoint: Viewpoint) -> tuple[Relation, ...]:
+    def relations_from(self, viewpoint: ObserverPose) -> tuple[Relation, ...]:
         """Return the relations left of, right of, in front of and behind, relative to an observer.
 
         Args:
             viewpoint: Position of the observer; its heading is not used.
         """
-        return relations_seen(self._ids, self._boxes, self._places, viewpoint)
+        return observer_relations(self._ids, self._boxes, self._places, viewpoint)
 
     @property
     def _ids(self) -> list[int]:
@@ -146,7 +146,7 @@ class HouseSemantics:
 
     @cached_property
     def _boxes(self) -> BoxSet:
-        return join(item.box for item in self.objects)
+        return concat_boxes(item.box for item in self.objects)
 
     @property
     def _places(self) -> np.ndarray:

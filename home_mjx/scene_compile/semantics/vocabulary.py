@@ -14,7 +14,7 @@ from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 from home_mjx.schema.semantic import Semantic
 
-MAX_COLORS = 3  # number of columns per level of colour names
+COLORS_PER_LEVEL = 3  # number of columns per level of colour names
 FIRST_COLOR = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
 
 
@@ -36,7 +36,7 @@ def vocabularies() -> Mapping[Semantic, tuple[str, ...]]:
         Semantic.SUPPORT: SUPPORTS,
     }
     for level, first in FIRST_COLOR.items():
-        named |= {Semantic(first + i): palettes()[level].names for i in range(MAX_COLORS)}
+        named |= {Semantic(first + i): palettes()[level].names for i in range(COLORS_PER_LEVEL)}
     return named
 
 
@@ -45,7 +45,7 @@ def _numbers(column: Semantic) -> Mapping[str, int]:
     return {name: number for number, name in enumerate(vocabularies()[column])}
 
 
-def number_of(column: Semantic, name: str) -> int:
+def encode_name(column: Semantic, name: str) -> int:
     """Return the number of a name in a column; -1 for "" and "unknown".
 
     Args:
@@ -64,7 +64,7 @@ def number_of(column: Semantic, name: str) -> int:
     return _numbers(column).get(name, -1)
 
 
-def names_of(row: Int[np.ndarray, " c"]) -> dict[str, str | int]:
+def decode_row(row: Int[np.ndarray, " c"]) -> dict[str, str | int]:
     """Convert a row of the semantic table to a dictionary by column name, with names for numbers; omit entries of -1.
 
     Args:

@@ -1,5 +1,5 @@
 """Arrangements: small objects at new poses in their rooms, settled by the physics, which resets sample from."""
 
-from home_mjx.tasks.arrangements.build import Settled, settled_poses
+from home_mjx.tasks.arrangements.build import ArrangementCounts, with_arrangements
 
-__all__ = ["Settled", "settled_poses"]
+__all__ = ["ArrangementCounts", "with_arrangements"]

@@ -14,46 +14,48 @@ from jaxtyping import Array, Bool, Float, Int
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.array_store.entry import BROKEN, read_entry, write_entry
+from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
 from home_mjx.core.checks import check_number
 from home_mjx.core.paths import cache_folder
 from home_mjx.geometry.rotations import yaw_quat
-from home_mjx.tasks.arrangements.candidates import draw_places
-from home_mjx.tasks.arrangements.choose import choose_places
-from home_mjx.tasks.arrangements.furnished import Furnished
-from home_mjx.tasks.arrangements.rest import has_moved, settle
-from home_mjx.tasks.arrangements.seen import look_below
+from home_mjx.tasks.arrangements.candidates import sample_candidates
+from home_mjx.tasks.arrangements.choose import choose_candidates
+from home_mjx.tasks.arrangements.furnished import HouseLayout
+from home_mjx.tasks.arrangements.rest import has_moved, settle_bodies
+from home_mjx.tasks.arrangements.seen import find_level_candidates
 
 VERSION = 1  # of the cache entries; increment it whenever the same bank and key yield other arrangements
-ROUNDS = 3  # maximum number of rounds that restore objects which did not rest where they were placed, and settle again
+MAX_SETTLING_ROUNDS = (
+    3  # maximum number of rounds that restore objects which did not rest where they were placed, and settle again
+)
 
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Settled:
+class ArrangementCounts:
     """Counts of bodies by outcome, per house h and arrangement p.
 
     Attributes:
         moved: Objects at a new pose.
-        kept: Selected objects at their initial pose: no candidate was free, or they did not come to rest there.
-        shifted: Other bodies that settling moved by more than `rest.MOST_MOVED`, or turned by more than
-            `rest.MOST_TURNED`.
-        restless: Bodies of any size that are still moving after the last round.
+        unmoved: Selected objects at their initial pose: no candidate was free, or they did not come to rest there.
+        shifted: Other bodies that settling moved by more than `rest.MAX_SHIFT`, or turned by more than
+            `rest.MAX_TURN`.
+        unsettled: Bodies of any size that are still moving after the last round.
     """
 
     moved: Int[np.ndarray, "h p"]
-    kept: Int[np.ndarray, "h p"]
+    unmoved: Int[np.ndarray, "h p"]
     shifted: Int[np.ndarray, "h p"]
-    restless: Int[np.ndarray, "h p"]
+    unsettled: Int[np.ndarray, "h p"]
 
 
-def settled_poses(
+def with_arrangements(
     bank: HouseBank, num_arrangements: int, key: Array, progress: bool = False
-) -> tuple[HouseBank, Settled]:
+) -> tuple[HouseBank, ArrangementCounts]:
     """Add arrangements of the bodies of its houses to a bank, all at rest; on the host, once per bank.
 
-    Small objects (`furnished.MOST_MASS`, `MOST_EDGE`) that support no others move within their rooms: objects on
+    Small objects (`furnished.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
     furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and
     never disconnect the home region. The physics then settles all bodies for `rest.SECONDS`. Results are cached on
     disk.
@@ -65,7 +67,7 @@ def settled_poses(
         progress: Whether to show a progress bar.
 
     Returns:
-        The bank, whose resets sample an arrangement with `EnvConfig(arrangement="random")`; and counts of bodies by
+        The bank, whose resets sample an arrangement with `EnvConfig(arrangement_pose="random")`; and counts of bodies by
         outcome.
 
     Raises:
@@ -75,26 +77,29 @@ def settled_poses(
         >>> bank, settled = settled_poses(bank, 8, jax.random.key(0))  # doctest: +SKIP
         >>> env = home_mjx.make("PointNav-v0", bank, arrangement="random")  # doctest: +SKIP
     """
-    check_number("num_arrangements", num_arrangements, 1, whole=True)
+    check_number("num_arrangements", num_arrangements, 1, integer=True)
     words = np.asarray(jax.random.key_data(key) if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else key)
     entry = _entry(bank, num_arrangements, words)
     try:
         arrays, _ = read_entry(entry)
-        poses, settled = jnp.asarray(_checked(arrays.pop("poses"), bank, num_arrangements)), Settled(**arrays)
-        return _with(bank, poses), settled
+        poses, settled = (
+            jnp.asarray(_check_poses(arrays.pop("poses"), bank, num_arrangements)),
+            ArrangementCounts(**arrays),
+        )
+        return _replace_arrangements(bank, poses), settled
     except FileNotFoundError:
         pass
-    except BROKEN as error:
+    except READ_ERRORS as error:
         log.warning("rebuilding the broken cache entry %s: %s", entry, error)
-    poses, settled = _make(bank, num_arrangements, words, progress)
+    poses, settled = _generate(bank, num_arrangements, words, progress)
     try:
         write_entry(entry, {"poses": np.asarray(poses), **vars(settled)}, {})
     except OSError as error:
         log.warning("arrangements are not cached: %s", error)
-    return _with(bank, poses), settled
+    return _replace_arrangements(bank, poses), settled
 
 
-def _checked(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
+def _check_poses(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
     """Validate cached poses against the bank.
 
     Raises:
@@ -106,8 +111,8 @@ def _checked(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
     return poses
 
 
-def _with(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> HouseBank:
-    return bank.replace(physics=bank.physics.replace(arrangement=poses))
+def _replace_arrangements(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> HouseBank:
+    return bank.replace(physics=bank.physics.replace(arrangement_pose=poses))
 
 
 def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
@@ -119,28 +124,28 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
     return cache_folder() / "arrangements" / f"{name.hexdigest()}.zip"
 
 
-def _make(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple[Array, Settled]:
+def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple[Array, ArrangementCounts]:
     """Place objects, settle all bodies, and repeat with objects restored that did not stay where they were placed."""
     placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
     placed = jnp.repeat(placed[:, None], num, axis=1)
-    put, moved, kept = _put(bank, num, words, progress)
-    poses, still = settle(_with(bank, put), progress)
-    for _ in range(ROUNDS):
+    put, moved, kept = _place(bank, num, words, progress)
+    poses, still = settle_bodies(_replace_arrangements(bank, put), progress)
+    for _ in range(MAX_SETTLING_ROUNDS):
         wrong = moved & (has_moved(put, poses) | ~still)
         if not wrong.any():
             break
         put, moved, kept = jnp.where(wrong[..., None], placed, put), moved & ~wrong, kept | wrong
-        poses, still = settle(_with(bank, put), progress)
+        poses, still = settle_bodies(_replace_arrangements(bank, put), progress)
     used = bank.physics.body_valid[:, None]
     restless, shifted = ~still & used, has_moved(placed, poses) & ~moved & used
-    counts = {"moved": moved, "kept": kept, "shifted": shifted, "restless": restless}
-    settled = Settled(**{name: np.asarray(x.sum(axis=-1), np.int32) for name, x in counts.items()})
-    if settled.restless.any():
+    counts = {"moved": moved, "unmoved": kept, "shifted": shifted, "unsettled": restless}
+    settled = ArrangementCounts(**{name: np.asarray(x.sum(axis=-1), np.int32) for name, x in counts.items()})
+    if settled.unsettled.any():
         log.warning("%d bodies do not come to rest in %d arrangements", restless.sum(), num * bank.num_houses)
     return jnp.where(used[..., None], poses, placed), settled
 
 
-def _put(
+def _place(
     bank: HouseBank, num: int, words: np.ndarray, progress: bool
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
     """Return unsettled poses without overlaps, the bodies at new poses, and the selected bodies that did not move."""
@@ -150,21 +155,21 @@ def _put(
     moved = np.zeros(poses.shape[:3], bool)
     kept = np.zeros(poses.shape[:3], bool)
     for house, house_id in enumerate(tqdm(bank.house_ids, desc="arrange", unit="house", disable=not progress)):
-        furnished, used = Furnished.of(host, house), host.physics.body_valid[house]
+        furnished, used = HouseLayout.from_bank(host, house), host.physics.body_valid[house]
         seeds = [np.random.default_rng([*words.tolist(), zlib.crc32(house_id.encode()), p]) for p in range(num)]
-        for p, found in enumerate(_arranged(bank, house, furnished, seeds)):
+        for p, found in enumerate(_arrange_house(bank, house, furnished, seeds)):
             boxes, elsewhere = found
             pose = np.concatenate([boxes.center, yaw_quat(boxes.yaw)], axis=-1)
             poses[house, p, used] = np.where(elsewhere[:, None], pose, poses[house, p, used])
-            moved[house, p, used], kept[house, p, used] = elsewhere, furnished.drawn & ~elsewhere
+            moved[house, p, used], kept[house, p, used] = elsewhere, furnished.is_selected & ~elsewhere
     return jnp.asarray(poses), jnp.asarray(moved), jnp.asarray(kept)
 
 
-def _arranged(bank: HouseBank, house: int, furnished: Furnished, seeds: list[np.random.Generator]) -> list[Any]:
-    many = [draw_places(furnished, rng) for rng in seeds]
-    usable = look_below(bank, house, furnished, many)
-    drawn = np.flatnonzero(furnished.drawn)
+def _arrange_house(bank: HouseBank, house: int, furnished: HouseLayout, seeds: list[np.random.Generator]) -> list[Any]:
+    many = [sample_candidates(furnished, rng) for rng in seeds]
+    usable = find_level_candidates(bank, house, furnished, many)
+    drawn = np.flatnonzero(furnished.is_selected)
     return [
-        choose_places(furnished, places._replace(usable=u), rng.permutation(drawn))
+        choose_candidates(furnished, places._replace(usable=u), rng.permutation(drawn))
         for places, u, rng in zip(many, usable, seeds, strict=True)
     ]

@@ -5,16 +5,16 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.geometry.boxes import BoxSet, join
+from home_mjx.geometry.boxes import BoxSet, concat_boxes
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.tasks.arrangements.furnished import Furnished
+from home_mjx.tasks.arrangements.furnished import HouseLayout
 
-NUM_PLACES = 48  # candidates per object and arrangement
-EDGE = 0.015  # [m], minimum distance from an object to the edge of its supporting surface
-LOWEST, HIGHEST = 0.15, 1.4  # [m], range of heights of supporting surfaces above the floor
+NUM_CANDIDATES = 48  # candidates per object and arrangement
+MIN_EDGE_MARGIN = 0.015  # [m], minimum distance from an object to the edge of its supporting surface
+MIN_SURFACE_HEIGHT, MAX_SURFACE_HEIGHT = 0.15, 1.4  # [m], range of heights of supporting surfaces above the floor
 
 
-class Places(NamedTuple):
+class PlacementCandidates(NamedTuple):
     """Candidate poses of k bodies, n each."""
 
     center: Float[np.ndarray, "k n 3"]  # [m]
@@ -22,50 +22,52 @@ class Places(NamedTuple):
     usable: Bool[np.ndarray, "k n"]
 
 
-def draw_places(house: Furnished, rng: np.random.Generator) -> Places:
+def sample_candidates(house: HouseLayout, rng: np.random.Generator) -> PlacementCandidates:
     """Sample candidate poses in each object's room: on furniture for objects on furniture, otherwise on the floor.
 
     Supporting surfaces are tops of boxes, sampled in proportion to their area.
     """
     num = len(house.bodies)
-    center = np.repeat(house.bodies.center[:, None], NUM_PLACES, axis=1)
-    yaw = rng.uniform(-np.pi, np.pi, (num, NUM_PLACES))
-    usable = np.zeros((num, NUM_PLACES), bool)
-    stay = join([house.static, house.bodies[~house.drawn]])
-    for body in np.flatnonzero(house.drawn).tolist():
-        if house.lies[body]:
+    center = np.repeat(house.bodies.center[:, None], NUM_CANDIDATES, axis=1)
+    yaw = rng.uniform(-np.pi, np.pi, (num, NUM_CANDIDATES))
+    usable = np.zeros((num, NUM_CANDIDATES), bool)
+    stay = concat_boxes([house.static, house.bodies[~house.is_selected]])
+    for body in np.flatnonzero(house.is_selected).tolist():
+        if house.on_furniture[body]:
             center[body], usable[body] = _on_furniture(house, stay, body, yaw[body], rng)
         else:
             center[body], usable[body] = _on_floor(house, body, rng), True
-    return Places(center, yaw, usable)
+    return PlacementCandidates(center, yaw, usable)
 
 
-def _on_floor(house: Furnished, body: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
+def _on_floor(house: HouseLayout, body: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
     """Sample positions on the floor of the object's room, at its present height [m]."""
     room = int(house.room[body])
-    cells = np.argwhere(house.grid[house.level_of(room)] == room)
-    row, column = cells[rng.integers(len(cells), size=NUM_PLACES)].T
-    plan = np.stack([column, row], axis=-1) + rng.uniform(size=(NUM_PLACES, 2))
-    return np.c_[house.origin + plan * house.cell, np.full(NUM_PLACES, house.bodies.center[body, 2])]
+    cells = np.argwhere(house.room_grid[house.level_of(room)] == room)
+    row, column = cells[rng.integers(len(cells), size=NUM_CANDIDATES)].T
+    plan = np.stack([column, row], axis=-1) + rng.uniform(size=(NUM_CANDIDATES, 2))
+    return np.c_[house.origin + plan * house.cell, np.full(NUM_CANDIDATES, house.bodies.center[body, 2])]
 
 
 def _on_furniture(
-    house: Furnished, stay: BoxSet, body: int, yaw: Float[np.ndarray, " n"], rng: np.random.Generator
+    house: HouseLayout, stay: BoxSet, body: int, yaw: Float[np.ndarray, " n"], rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n 3"], Bool[np.ndarray, " n"]]:
     """Sample positions on tops of boxes in the object's room [m], and whether the top is large enough for each."""
     room, half = int(house.room[body]), house.bodies.half[body]
     level = house.level_of(room)
     high = stay.top - house.floor[level]
-    tops = stay[(high > LOWEST) & (high < HIGHEST) & (stay.half[:, :2].min(axis=1) > half[:2].min())]
+    tops = stay[
+        (high > MIN_SURFACE_HEIGHT) & (high < MAX_SURFACE_HEIGHT) & (stay.half[:, :2].min(axis=1) > half[:2].min())
+    ]
     tops = tops[house.room_at(tops.center[:, :2], level) == room]
     if not len(tops):
-        return np.repeat(house.bodies.center[body : body + 1], NUM_PLACES, axis=0), np.zeros(NUM_PLACES, bool)
+        return np.repeat(house.bodies.center[body : body + 1], NUM_CANDIDATES, axis=0), np.zeros(NUM_CANDIDATES, bool)
     area = tops.half[:, 0] * tops.half[:, 1]
-    on = tops[rng.choice(len(tops), NUM_PLACES, p=area / area.sum())]
+    on = tops[rng.choice(len(tops), NUM_CANDIDATES, p=area / area.sum())]
     cosine, sine = abs(np.cos(yaw - on.yaw)), abs(np.sin(yaw - on.yaw))
     extent = np.stack([cosine * half[0] + sine * half[1], sine * half[0] + cosine * half[1]], axis=-1)
-    slack = on.half[:, :2] - extent - EDGE
-    local = rng.uniform(-1, 1, (NUM_PLACES, 2)) * slack
+    slack = on.half[:, :2] - extent - MIN_EDGE_MARGIN
+    local = rng.uniform(-1, 1, (NUM_CANDIDATES, 2)) * slack
     turn = np.array([yaw_matrix(y)[:2, :2] for y in on.yaw])
     plan = on.center[:, :2] + np.einsum("nij,nj->ni", turn, local)
     return np.c_[plan, on.top + half[2]], np.asarray((slack > 0).all(axis=1))

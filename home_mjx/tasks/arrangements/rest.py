@@ -12,34 +12,36 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.doors import door_angles
 from home_mjx.physics import PhysicsConfig, PhysicsState, Template
 
-SECONDS = 10  # [s], simulated time for bodies to come to rest
-FAR = -10.0  # [m], position of the unused agent in x and y re a corner of the house
-MOST_MOVED, MOST_TURNED = 0.01, 0.03  # [m], [rad], maximum displacement of bodies that rest where they were placed
+SETTLE_SECONDS = 10  # [s], simulated time for bodies to come to rest
+AGENT_OFFSET = -10.0  # [m], position of the unused agent in x and y re a corner of the house
+MAX_SHIFT, MAX_TURN = 0.01, 0.03  # [m], [rad], maximum displacement of bodies that rest where they were placed
 
 
-def settle(bank: HouseBank, progress: bool = False) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
-    """Simulate every house and arrangement for `SECONDS` with open doors; return poses and which bodies are at rest.
+def settle_bodies(bank: HouseBank, progress: bool = False) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
+    """Simulate every house and arrangement for `SETTLE_SECONDS` with open doors; return poses and which bodies are at rest.
 
     Args:
         bank: Houses, whose arrangements are the initial poses.
         progress: Whether to show a progress bar.
     """
     template = Template(PhysicsConfig(), bank.spec)
-    houses, arrangements = bank.physics.arrangement.shape[:2]
+    houses, arrangements = bank.physics.arrangement_pose.shape[:2]
     each, number = jnp.meshgrid(jnp.arange(houses), jnp.arange(arrangements), indexing="ij")
     house = each.reshape(-1).astype(jnp.int32)
-    state = _begin(template, bank, house, number.reshape(-1).astype(jnp.int32))
-    for _ in tqdm(range(SECONDS), desc="settle", unit="s", disable=not progress):
-        state = jax.block_until_ready(_idle(template, bank, house, state))
+    state = _reset_states(template, bank, house, number.reshape(-1).astype(jnp.int32))
+    for _ in tqdm(range(SETTLE_SECONDS), desc="settle", unit="s", disable=not progress):
+        state = jax.block_until_ready(_step_second(template, bank, house, state))
     pose = state.qpos[:, template.layout.body_qpos].reshape(houses, arrangements, -1, 7)
     speed = state.qvel[:, template.layout.body_qvel].reshape(houses, arrangements, -1, 6)
     return pose, jnp.all(speed == 0, axis=-1)  # bodies at rest are asleep, with velocity 0
 
 
 @functools.partial(jax.jit, static_argnums=0)
-def _begin(template: Template, bank: HouseBank, house: Int[Array, " e"], number: Int[Array, " e"]) -> PhysicsState:
+def _reset_states(
+    template: Template, bank: HouseBank, house: Int[Array, " e"], number: Int[Array, " e"]
+) -> PhysicsState:
     def one(house: Array, number: Array) -> PhysicsState:
-        corner = bank.navigation.origin[house] + jnp.float32(FAR)
+        corner = bank.navigation.origin[house] + jnp.float32(AGENT_OFFSET)
         agent = jnp.append(corner, bank.physics.floor[house])[None]
         angle = door_angles(bank, house, "open", jax.random.key(0))
         return physics.reset(template, bank, house, agent, jnp.zeros(1, jnp.float32), angle, number)
@@ -48,7 +50,7 @@ def _begin(template: Template, bank: HouseBank, house: Int[Array, " e"], number:
 
 
 @functools.partial(jax.jit, static_argnums=0)
-def _idle(template: Template, bank: HouseBank, house: Int[Array, " e"], state: PhysicsState) -> PhysicsState:
+def _step_second(template: Template, bank: HouseBank, house: Int[Array, " e"], state: PhysicsState) -> PhysicsState:
     """Simulate one second without actions."""
 
     def step(state: PhysicsState, _: None) -> tuple[PhysicsState, None]:
@@ -59,7 +61,7 @@ def _idle(template: Template, bank: HouseBank, house: Int[Array, " e"], state: P
 
 
 def has_moved(before: Float[Array, "*n 7"], after: Float[Array, "*n 7"]) -> Bool[Array, "*n"]:
-    """Return whether bodies have moved by more than `MOST_MOVED` or turned by more than `MOST_TURNED`."""
+    """Return whether bodies have moved by more than `MAX_SHIFT` or turned by more than `MAX_TURN`."""
     shift = jnp.linalg.norm(after[..., :3] - before[..., :3], axis=-1)
     cosine = jnp.abs(jnp.sum(after[..., 3:] * before[..., 3:], axis=-1))  # cosine of half the angle between them
-    return (shift > jnp.float32(MOST_MOVED)) | (cosine < jnp.cos(jnp.float32(MOST_TURNED / 2)))
+    return (shift > jnp.float32(MAX_SHIFT)) | (cosine < jnp.cos(jnp.float32(MAX_TURN / 2)))

@@ -8,14 +8,14 @@ from typing import Any
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.contact_sounds.options import NoiseConfig
-from home_mjx.core.checks import as_names, check_flag, check_known, check_names, check_number, check_type
+from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
+from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type, names_hint
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.raycast_render.backends.choose import find_executor
+from home_mjx.raycast_render.backends.choose import find_backend
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
-from home_mjx.raycast_render.shaders.preset import Preset, resolve
-from home_mjx.schema.agent import Body
+from home_mjx.raycast_render.shaders.preset import ShaderSpec, resolve_shader
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
 from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, MOVE_NAMES, DiscreteActions
 
@@ -28,8 +28,8 @@ DOOR_STATES = ("open", "closed", "placed", "random")
 ARRANGEMENTS = ("placed", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 ACTION_KINDS = ("continuous", "discrete")
-MOST_SOURCES = 256  # maximum number of sound sources; each is traced for every agent
-MOVE_TIME = 0.3  # [s], length of a step of discrete actions; a multiple of the default `sim_dt`
+MAX_SOURCES = 256  # maximum number of sound sources; each is traced for every agent
+DISCRETE_CTRL_DT = 0.3  # [s], length of a step of discrete actions; a multiple of the default `sim_dt`
 DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # the task's own are added
 
 
@@ -45,7 +45,7 @@ class AgentCamera:
         offset: Position relative to the eyes [m]: forward, left and up in the body frame.
         yaw: Rotation to the left of straight ahead [degrees].
         pitch: Upward rotation [degrees].
-        looks: If True, the camera pitches with the agent's head.
+        follow_pitch: If True, the camera pitches with the agent's head.
 
     Example:
         >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), looks=False).lens.shape
@@ -59,12 +59,12 @@ class AgentCamera:
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     yaw: float = 0.0
     pitch: float = 0.0
-    looks: bool = True
+    follow_pitch: bool = True
 
     def __post_init__(self) -> None:
         check_names("kind of view", self.kinds, VIEW_KINDS)
         check_type("lens", self.lens, Lens)
-        check_flag("looks", self.looks)
+        check_flag("follow_pitch", self.follow_pitch)
         if not isinstance(self.offset, tuple | list) or len(self.offset) != 3:
             raise ConfigError(f"`offset` must be three numbers, got {self.offset}")
         if not isinstance(self.name, str) or not self.name:
@@ -90,16 +90,16 @@ class EnvConfig:
         height: Image height of the head camera [px].
         fovy: Vertical field of view of the head camera [degrees].
         samples: Rays per pixel of the colour image.
-        rgb_preset: Shading of colour images: "fast", "lit", or a `Lit` with options.
+        shader: Shading of colour images: "fast", "lit", or a `LitShader` with options.
         cameras: Further cameras, in addition to the `head` camera of the sensors.
-        depth_max: Maximum observed depth; larger values are clipped [m].
-        look_rate: Maximum rate of change of pitch [rad/s].
-        pitch_max: Maximum pitch, up or down [rad].
+        max_depth: Maximum observed depth; larger values are clipped [m].
+        max_pitch_rate: Maximum rate of change of pitch [rad/s].
+        max_pitch: Maximum pitch, up or down [rad].
         episode_length: Steps until truncation.
         actions: "continuous": numbers in [-1, 1], as fractions of the maximum rates. "discrete", or a `DiscreteActions`
             with options: the index of a move. If a move does not fit into the default `ctrl_dt`, that becomes 0.3 s.
         hands: If True, there are actions to pick up, put down, drop and throw objects and to turn doors.
-        aim_angle: Maximum horizontal and vertical angle between the view centre and a hand's target [degrees]. The
+        max_aim_angle: Maximum horizontal and vertical angle between the view centre and a hand's target [degrees]. The
             target nearest to the centre that can be reached and lifted, or placed on, is used. 0 uses the centre ray.
         speech: Further discrete actions that speak a word, in addition to the task's own. Each is `say:` or `answer:`
             and a word of the tasks' language, such as "say:yes". See `Snapshot.said`.
@@ -113,8 +113,8 @@ class EnvConfig:
         num_sources: Maximum number of simultaneous sound sources, at most 256; each is traced separately. Raised to the
             number that the task needs.
         clips: Further sounds that may be played; those of the task are added.
-        noises: Contact sounds: footsteps, impacts, scrapes, doors; see `NoiseConfig`. None: bodies are silent.
-        executor: Ray-casting backend; None: the fastest on this platform.
+        contact_sounds: Contact sounds: footsteps, impacts, scrapes, doors; see `ContactSoundConfig`. None: bodies are silent.
+        backend: Ray-casting backend; None: the fastest on this platform.
         body: Size, mass and eye height of every agent, shared with physics, cameras and ears.
         timing: Time steps, shared with physics and sound.
         physics: Agents, bodies and solver.
@@ -129,15 +129,15 @@ class EnvConfig:
     height: int = 64
     fovy: float = 90.0
     samples: int = 1
-    rgb_preset: Preset = "fast"
+    shader: ShaderSpec = "fast"
     cameras: tuple[AgentCamera, ...] = ()
-    depth_max: float = 10.0
-    look_rate: float = 1.5
-    pitch_max: float = 1.0
+    max_depth: float = 10.0
+    max_pitch_rate: float = 1.5
+    max_pitch: float = 1.0
     episode_length: int = 500
     actions: str | DiscreteActions = "continuous"
     hands: bool = False
-    aim_angle: float = 0.0
+    max_aim_angle: float = 0.0
     speech: tuple[str, ...] = ()
     doors: str = "open"
     arrangement: str = "placed"
@@ -145,46 +145,46 @@ class EnvConfig:
     clip: str = "radio"
     num_sources: int = 1
     clips: tuple[str, ...] = ()
-    noises: NoiseConfig | None = None
-    executor: str | None = None
-    body: Body = field(default_factory=Body)
+    contact_sounds: ContactSoundConfig | None = None
+    backend: str | None = None
+    body: AgentBody = field(default_factory=AgentBody)
     timing: Timing = field(default_factory=Timing)
     physics: PhysicsConfig = field(default_factory=PhysicsConfig)
     audio: AudioConfig = field(default_factory=AudioConfig)
 
     def __post_init__(self) -> None:
         if self.sensors is not None:
-            self._set(sensors=_names_in("sensors", self.sensors))
-        self._set(cameras=_tuple("cameras", self.cameras), speech=_names_in("speech", self.speech))
-        self._set(clips=_names_in("clips", self.clips))
+            self._set_fields(sensors=_check_name_tuple("sensors", self.sensors))
+        self._set_fields(cameras=_as_tuple("cameras", self.cameras), speech=_check_name_tuple("speech", self.speech))
+        self._set_fields(clips=_check_name_tuple("clips", self.clips))
         check_known("clip", [self.clip, *self.clips], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
         check_known("arrangement", [self.arrangement], ARRANGEMENTS)
         check_flag("hands", self.hands)
-        find_executor(self.executor)
-        resolve(self.rgb_preset)
-        if self.noises is not None:
-            check_type("noises", self.noises, NoiseConfig)
+        find_backend(self.backend)
+        resolve_shader(self.shader)
+        if self.contact_sounds is not None:
+            check_type("contact_sounds", self.contact_sounds, ContactSoundConfig)
         self._check_numbers()
         self._check_cameras()
         self._check_actions()
-        self._share()
+        self._share_clock()
 
-    def _set(self, **values: Any) -> None:
+    def _set_fields(self, **values: Any) -> None:
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def _check_numbers(self) -> None:
         for name in ("width", "height", "samples", "episode_length"):
-            check_number(name, getattr(self, name), 1, 2**31 - 1, whole=True)  # counters on the device have 32 bits
-        check_number("num_sources", self.num_sources, 1, MOST_SOURCES, whole=True)
+            check_number(name, getattr(self, name), 1, 2**31 - 1, integer=True)  # counters on the device have 32 bits
+        check_number("num_sources", self.num_sources, 1, MAX_SOURCES, integer=True)
         limits = {
             "fovy": (4, 179.9),  # [degrees]; smaller values are probably radians
             "source_height": (0, 10),
-            "depth_max": (0.01, math.inf),
-            "look_rate": (0, math.inf),
-            "pitch_max": (0, math.pi / 2),
-            "aim_angle": (0, 45),
+            "max_depth": (0.01, math.inf),
+            "max_pitch_rate": (0, math.inf),
+            "max_pitch": (0, math.pi / 2),
+            "max_aim_angle": (0, 45),
         }
         for name, (least, most) in limits.items():
             check_number(name, getattr(self, name), least, most)
@@ -204,22 +204,22 @@ class EnvConfig:
         else:
             check_type("actions", self.actions, DiscreteActions)
         if self.discrete is not None:
-            for name, kind in (("physics", PhysicsConfig), ("body", Body), ("timing", Timing)):
+            for name, kind in (("physics", PhysicsConfig), ("body", AgentBody), ("timing", Timing)):
                 check_type(name, getattr(self, name), kind)
             self._fit_moves(self.discrete)
 
     def _fit_moves(self, moves: DiscreteActions) -> None:
         """Extend the default `ctrl_dt` if a move does not fit into it; raise if it still does not."""
-        least = max(moves.least_time(body) for body in self.physics.bodies or (self.body,))
+        least = max(moves.min_duration(body) for body in self.physics.bodies or (self.body,))
         if least > self.timing.ctrl_dt == Timing().ctrl_dt:
-            self._set(timing=dataclasses.replace(self.timing, ctrl_dt=MOVE_TIME))
+            self._set_fields(timing=dataclasses.replace(self.timing, ctrl_dt=DISCRETE_CTRL_DT))
         if least > self.timing.ctrl_dt * (1 + 1e-9):
             raise ConfigError(
                 f"a move takes {least:.3g} s at full speed, but a step is {self.timing.ctrl_dt:g} s long",
                 hint="Make `ctrl_dt` longer, the moves of `actions` smaller, or the body's speeds higher.",
             )
 
-    def _share(self) -> None:
+    def _share_clock(self) -> None:
         """Copy body and timing into the engines' options; raise if those have conflicting ones."""
         parts: dict[str, Any] = {"physics": (PhysicsConfig, ("body", "timing")), "audio": (AudioConfig, ("timing",))}
         for part, (cls, records) in parts.items():
@@ -233,7 +233,7 @@ class EnvConfig:
                         f"`{part}.{name}` is {theirs}, but the environment's `{name}` is {ours}",
                         hint=f"Set `{name}` of the environment only: physics and sound take it from there.",
                     )
-            self._set(**{part: dataclasses.replace(given, **{name: getattr(self, name) for name in records})})
+            self._set_fields(**{part: dataclasses.replace(given, **{name: getattr(self, name) for name in records})})
 
     @property
     def num_agents(self) -> int:
@@ -241,11 +241,11 @@ class EnvConfig:
         return self.physics.num_agents
 
     @property
-    def num_heard(self) -> int:
+    def num_traced_sources(self) -> int:
         """Number of traced sources: clips first, then contact sounds."""
-        return self.num_sources + (0 if self.noises is None else self.noises.num_noises)
+        return self.num_sources + (0 if self.contact_sounds is None else self.contact_sounds.num_sounds)
 
-    def of_first(self, num_agents: int) -> "EnvConfig":
+    def select_agents(self, num_agents: int) -> "EnvConfig":
         """Return the options restricted to the first `num_agents` agents.
 
         Example:
@@ -273,13 +273,13 @@ class EnvConfig:
     def replace(self, **changes: Any) -> "EnvConfig":
         """Return a copy with some fields changed; physics and sound follow a new body or timing."""
         bare: dict[str, Any] = {
-            "physics": dataclasses.replace(self.physics, body=Body(), timing=Timing()),
+            "physics": dataclasses.replace(self.physics, body=AgentBody(), timing=Timing()),
             "audio": dataclasses.replace(self.audio, timing=Timing()),
         }
         return dataclasses.replace(self, **(bare | changes))
 
     @property
-    def views(self) -> tuple[AgentCamera, ...]:
+    def all_cameras(self) -> tuple[AgentCamera, ...]:
         """All cameras of an agent: the head camera if any sensor needs it, then `cameras`."""
         names = DEFAULT_SENSORS if self.sensors is None else self.sensors
         kinds = tuple(name for name in names if name in VIEW_KINDS)
@@ -287,14 +287,14 @@ class EnvConfig:
         return (*((head,) if kinds else ()), *self.cameras)
 
 
-def _tuple(name: str, values: Any) -> tuple:
+def _as_tuple(name: str, values: Any) -> tuple:
     if isinstance(values, str) or not isinstance(values, Iterable):
-        raise ConfigError(f"`{name}` must be a tuple, got {values!r}", hint=as_names(values))
+        raise ConfigError(f"`{name}` must be a tuple, got {values!r}", hint=names_hint(values))
     return tuple(values)
 
 
-def _names_in(name: str, values: Any) -> tuple[str, ...]:
-    names = _tuple(name, values)
+def _check_name_tuple(name: str, values: Any) -> tuple[str, ...]:
+    names = _as_tuple(name, values)
     if not all(isinstance(value, str) for value in names):
         raise ConfigError(f"`{name}` must be names, got {names!r}")
     return names

@@ -6,10 +6,10 @@ from jaxtyping import Array, UInt32
 
 from home_mjx.errors import ConfigError
 
-SOUND, RENEW, DOORS, ARRANGEMENT, VARIATION = 1, 2, 3, 4, 5  # tags of `fold`, one per use
+SOUND_TAG, RENEW_TAG, DOORS_TAG, ARRANGEMENT_TAG, VARIATION_TAG = 1, 2, 3, 4, 5  # tags of `fold_key`, one per use
 
 
-def to_raw(key: Array) -> UInt32[Array, "2"]:
+def to_raw_key(key: Array) -> UInt32[Array, "2"]:
     """Return the two words of a threefry key, from any kind of key.
 
     Brax's wrappers need raw keys in the state, see its `EpisodeWrapper`.
@@ -31,11 +31,11 @@ def to_raw(key: Array) -> UInt32[Array, "2"]:
     return data if data.shape[-1] == 2 else jax.random.bits(key, (2,), jnp.uint32)
 
 
-def split(raw: UInt32[Array, "2"], num: int) -> tuple[Array, ...]:
+def split_key(raw: UInt32[Array, "2"], num: int) -> tuple[Array, ...]:
     """Return `num` typed threefry keys, independent of JAX's default generator."""
     return tuple(jax.random.split(jax.random.wrap_key_data(raw, impl="threefry2x32"), num))
 
 
-def fold(raw: UInt32[Array, "2"], tag: int) -> Array:
-    """Return a typed key for `tag`, independent of other tags and of every `split` of the same key."""
+def fold_key(raw: UInt32[Array, "2"], tag: int) -> Array:
+    """Return a typed key for `tag`, independent of other tags and of every `split_key` of the same key."""
     return jax.random.fold_in(jax.random.wrap_key_data(raw, impl="threefry2x32"), tag)

@@ -10,20 +10,20 @@ from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.tasks.base.config import DiscreteActions, EnvConfig
 
 # Option names of 0.1.0 and their replacements.
-RENAMED = {
+RENAMED_OPTIONS = {
     "agent_radius": "body.radius",
     "agent_height": "body.height",
     "agent_mass": "body.mass",
     "limit": "num_houses",
 }
-MOVES = (
+DISCRETE_ACTION_HINT = (
     "It is an option of discrete actions: actions=home_mjx.tasks.DiscreteActions(forward_step_size=0.25, ...); on the "
     """command line, --env 'actions={"forward_step_size": 0.25}'."""
 )
-WITHIN = "PointNav has `success_radius`, tasks whose goals are things or sounds have `success_distance`."
-HOUSES = "Give `houses`, such as the folder of a dataset, `num_houses` and `split`."
+SUCCESS_OPTION_HINT = "PointNav has `success_radius`, tasks whose goals are things or sounds have `success_distance`."
+HOUSES_HINT = "Give `houses`, such as the folder of a dataset, `num_houses` and `split`."
 # Option names of other simulators and their counterparts here.
-FIELD_WORDS = {
+FOREIGN_OPTION_HINTS = {
     "num_envs": "Batch with `jax.vmap` over keys, with `AutoReset`, or with `gymnasium.make_vec(..., num_envs=...)`.",
     "seed": "Randomness comes from the key of `reset(key)`.",
     "image_size": "Give `width` and `height`.",
@@ -35,33 +35,33 @@ FIELD_WORDS = {
     "hfov": "Give `fovy`, the vertical field of view.",
     "fov": "Give `fovy`, the vertical field of view.",
     "render_mode": "It is an option of the Gymnasium adapter: gymnasium.make('home_mjx/...', render_mode='rgb_array').",
-    "forward_step_size": MOVES,
-    "turn_angle": MOVES,
-    "tilt_angle": MOVES,
-    "success_radius": WITHIN,
-    "success_distance": WITHIN,
+    "forward_step_size": DISCRETE_ACTION_HINT,
+    "turn_angle": DISCRETE_ACTION_HINT,
+    "tilt_angle": DISCRETE_ACTION_HINT,
+    "success_radius": SUCCESS_OPTION_HINT,
+    "success_distance": SUCCESS_OPTION_HINT,
     "allow_sliding": "Agents slide along what they touch, always; `contact_cost` is what that costs.",
-    "scenes": HOUSES,
-    "scene": HOUSES,
-    "dataset": HOUSES,
-    "data_path": HOUSES,
+    "scenes": HOUSES_HINT,
+    "scene": HOUSES_HINT,
+    "dataset": HOUSES_HINT,
+    "data_path": HOUSES_HINT,
     "frame_skip": "Give `ctrl_dt` and `sim_dt`.",
     "dt": "Give `ctrl_dt` (environment step) or `sim_dt` (physics step).",
 }
 # Compiler options that follow from the environment's body, so they cannot be set by name.
-DERIVED = {"compile.navigation.agent_radius", "compile.navigation.agent_height"}
+DERIVED_OPTIONS = {"compile.navigation.agent_radius", "compile.navigation.agent_height"}
 
 Records = Mapping[str, Any]  # frozen dataclasses by prefix; "" is the environment's
 
 
-def override(records: Records, given: Mapping[str, Any], others: Iterable[str] = ()) -> dict[str, Any]:
+def override_options(records: Records, given: Mapping[str, Any], accepted: Iterable[str] = ()) -> dict[str, Any]:
     """Return the records with some of their fields replaced.
 
     Args:
         records: By prefix; "" is the environment's, whose own fields need no prefix.
-        given: Values by name: `width`, `physics.friction`, or a whole record as in `physics=PhysicsConfig()`. A flat
+        given: Values by name: `width`, `physics.friction_corner`, or a whole record as in `physics=PhysicsConfig()`. A flat
             name matches a field at any depth if only one field has that name.
-        others: Further names that the caller accepts, as suggestions for unknown names.
+        accepted: Further names that the caller accepts, as suggestions for unknown names.
 
     Raises:
         ConfigError: A name is unknown (with the closest known one) or matches several fields, or no move fits into the
@@ -71,12 +71,12 @@ def override(records: Records, given: Mapping[str, Any], others: Iterable[str] =
         >>> override({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[""].physics.friction
         0.5
     """
-    known = {path: prefix for prefix, record in records.items() for path in _fields(record, prefix)}
+    known = {path: prefix for prefix, record in records.items() for path in _field_paths(record, prefix)}
     changes: dict[str, dict[str, Any]] = {prefix: {} for prefix in records}
     for name, value in given.items():
-        path = _path(name, known, others)
+        path = _resolve_path(name, known, accepted)
         changes[known[path]][path.removeprefix(known[path]).removeprefix(".")] = value
-    made = {prefix: _replaced(record, changes[prefix], prefix) for prefix, record in records.items()}
+    made = {prefix: _replace_fields(record, changes[prefix], prefix) for prefix, record in records.items()}
     _check_clock(changes.get("", {}), made.get(""))
     return made
 
@@ -92,7 +92,7 @@ def _check_clock(asked: Mapping[str, Any], config: Any) -> None:
 
 
 def make_config(**options: Any) -> EnvConfig:
-    """Return an `EnvConfig` from options by name, see `override`.
+    """Return an `EnvConfig` from options by name, see `override_options`.
 
     Raises:
         ConfigError: An option is unknown (with the closest known one) or invalid.
@@ -101,66 +101,68 @@ def make_config(**options: Any) -> EnvConfig:
         >>> make_config(width=32, num_agents=2).physics.num_agents
         2
     """
-    return override({"": EnvConfig()}, options)[""]
+    return override_options({"": EnvConfig()}, options)[""]
 
 
-def _fields(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
+def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
     """Yield dotted paths of a record and its fields at all depths; body and timing only of their owner."""
     if prefix:
         yield prefix
     own = {field.name for field in dataclasses.fields(record)}
     for field in dataclasses.fields(record):
         path = f"{prefix}.{field.name}" if prefix else field.name
-        if field.name in shared or path in DERIVED:
+        if field.name in shared or path in DERIVED_OPTIONS:
             continue
         value = getattr(record, field.name)
         if dataclasses.is_dataclass(value):
-            yield from _fields(value, path, shared | (own & {"body", "timing"}))
+            yield from _field_paths(value, path, shared | (own & {"body", "timing"}))
         else:
             yield path
 
 
-def _path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
+def _resolve_path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
     """Return the full path that an option name refers to."""
     found = [path for path in known if path.rpartition(".")[2] == name]
     if name in known and not any(known[path] == "task" for path in found if path != name):
         return name
     if not found:
-        _refuse(name, known, others)
+        _raise_unknown(name, known, others)
     if len(found) > 1:  # a task's option that shares a name must not be ignored silently
         raise ConfigError(f"the option `{name}` could be any of {', '.join(found)}", hint="Write one of them in full.")
     return found[0]
 
 
-def _refuse(name: str, known: Iterable[str], others: Iterable[str]) -> NoReturn:
-    if name in RENAMED:
-        raise ConfigError(f"the option `{name}` is now `{RENAMED[name]}`")
+def _raise_unknown(name: str, known: Iterable[str], others: Iterable[str]) -> NoReturn:
+    if name in RENAMED_OPTIONS:
+        raise ConfigError(f"the option `{name}` is now `{RENAMED_OPTIONS[name]}`")
     short = [path.rpartition(".")[2] for path in known]
     everything = {*known, *others, *(word for word in short if short.count(word) == 1)}
-    raise UnknownNameError(f"unknown option `{name}`", hint=FIELD_WORDS.get(name) or did_you_mean(name, everything))
+    raise UnknownNameError(
+        f"unknown option `{name}`", hint=FOREIGN_OPTION_HINTS.get(name) or did_you_mean(name, everything)
+    )
 
 
-def _replaced(record: Any, changes: Mapping[str, Any], full: str) -> Any:
+def _replace_fields(record: Any, changes: Mapping[str, Any], full: str) -> Any:
     """Return a record with changes by relative path ("": the record), made together: one alone may be invalid."""
     if "" in changes:
-        record = _typed(full, changes[""], record)
+        record = _check_record_type(full, changes[""], record)
     below: dict[str, dict[str, Any]] = {}
     for path, value in changes.items():
         name, _, rest = path.partition(".")
         if name:
             below.setdefault(name, {})[rest] = value
-    values = {name: _field(record, name, parts, f"{full}.{name}".lstrip(".")) for name, parts in below.items()}
+    values = {name: _replace_field(record, name, parts, f"{full}.{name}".lstrip(".")) for name, parts in below.items()}
     replace = getattr(record, "replace", None) or functools.partial(dataclasses.replace, record)
     return replace(**values) if values else record
 
 
-def _field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any:
+def _replace_field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any:
     old = getattr(record, name)
     if dataclasses.is_dataclass(old):
-        return _replaced(old, changes, full)
+        return _replace_fields(old, changes, full)
     value = changes[""]
     if full == "actions" and isinstance(value, Mapping):  # from JSON
-        return override({"": DiscreteActions()}, value)[""]
+        return override_options({"": DiscreteActions()}, value)[""]
     if full.startswith("task."):  # other records validate themselves, with better messages
         _check_like(full, value, old)
     return tuple(value) if isinstance(value, list) else value  # options must be hashable
@@ -176,7 +178,7 @@ def _check_like(name: str, value: Any, default: Any) -> None:
         raise ConfigError(f"`{name}` must be a {wanted.__name__}, got {value!r}")
 
 
-def _typed(name: str, value: Any, old: Any) -> Any:
+def _check_record_type(name: str, value: Any, old: Any) -> Any:
     if not isinstance(value, type(old)):
         raise ConfigError(f"`{name}` must be a {type(old).__name__}, got {value!r}")
     return value

@@ -17,7 +17,7 @@ class AgentPose(Pytree):
     pitch: Float[Array, " a"]
 
 
-def over_agents(function: Callable[..., Any], *args: Any) -> Any:
+def map_agents(function: Callable[..., Any], *args: Any) -> Any:
     """Map over the agent axis with `vmap`; a single agent loses the axis: XLA then gathers twice as fast."""
     if jax.tree.leaves(args)[0].shape[0] > 1:
         return jax.vmap(function)(*args)

@@ -18,10 +18,10 @@ class Sensor:
     `Task.num_acting`: `config` and `snapshot` are restricted to them.
 
     Attributes:
-        name: Name in `sensors=`.
-        costly: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
-        keeper: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is updated once
-            for all its readers. The keeper's own observation is computed only if it is in `sensors=` as well.
+        name: Name in `sensor_states=`.
+        casts_rays: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
+        state_owner: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is updated once
+            for all its readers. The keeper's own observation is computed only if it is in `sensor_states=` as well.
 
     Example:
         >>> class Compass(Sensor):
@@ -37,8 +37,8 @@ class Sensor:
     """
 
     name: str = ""
-    costly: bool = False
-    keeper: "Sensor | None" = None
+    casts_rays: bool = False
+    state_owner: "Sensor | None" = None
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the specs of the observations by name, for one agent."""
@@ -69,7 +69,7 @@ _REGISTRY: dict[str, Sensor] = {}
 
 
 def register_sensor(sensor: Sensor) -> None:
-    """Register a sensor by its name, for `sensors=` of every environment made from now on.
+    """Register a sensor by its name, for `sensor_states=` of every environment made from now on.
 
     Raises:
         ConfigError: Not a `Sensor`, no name, or the name is taken.

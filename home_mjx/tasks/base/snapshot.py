@@ -6,27 +6,31 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
-from home_mjx.audio_jax.base.endpoints import Head, Sounds
-from home_mjx.audio_jax.contact_sounds.slots import Noises
+from home_mjx.audio_jax.base.endpoints import MeasuredHead, SoundSources
+from home_mjx.audio_jax.contact_sounds.slots import ContactSounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.navigation import room_of
-from home_mjx.physics import PhysicsState, Scale
+from home_mjx.physics import BodyScale, PhysicsState
 from home_mjx.physics.base.touch import FLOOR, STATIC
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.variation.draw import Drawn, Mount
+from home_mjx.tasks.variation.draw import CameraOffsets, VariationSample
 
-UNDERFOOT = 0.15  # [m], maximum height of a static box's top above a body's bottom for the box to count as floor
+MAX_FLOOR_BOX_HEIGHT = (
+    0.15  # [m], maximum height of a static box's top above a body's bottom for the box to count as floor
+)
 
 
-class Touch(Pytree):
+class BodyContacts(Pytree):
     """Contacts of each dynamic body in the last step: agents, then movable bodies, then doors; see `PhysicsState`."""
 
-    impulse: Float[Array, " m"]  # [N s], sum over all contacts
-    place: Float[Array, "m 3"]  # [m], position of the strongest contact
-    other: Int[Array, " m"]  # the other body of the strongest contact; -1 none, -2 the floor, -3 - c static box c
+    contact_impulse: Float[Array, " m"]  # [N s], sum over all contacts
+    contact_pos: Float[Array, "m 3"]  # [m], position of the strongest contact
+    contact_partner: Int[
+        Array, " m"
+    ]  # the other body of the strongest contact; -1 none, -2 the floor, -3 - c static box c
 
 
 class Snapshot(Pytree):
@@ -36,21 +40,21 @@ class Snapshot(Pytree):
     key: UInt32[Array, "2"]  # of the episode
     pose: AgentPose
     velocity: Float[Array, "a 3"]  # forward and left [m/s], yaw rate [rad/s]
-    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, see `Task.stops_for_good`
-    said: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
-    contact: Bool[Array, " a"]  # touched anything but the floor during the last step
+    stopped: Bool[Array, " a"]  # has chosen the discrete action `stopped`, see `Task.stops_for_good`
+    spoken_token: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
+    in_contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     held: Int[Array, " a"]  # movable body in each hand; -1 none
     door_angle: Float[Array, " h"]  # [rad] about +z from the angle in the file; of sliding leaves the shift [m]
-    touch: Touch
-    sounds: Sounds
+    body_contacts: BodyContacts
+    sounds: SoundSources
     action: Float[Array, "a n"]  # the last action: numbers, or one-hot for discrete moves; 0 at the start
     reward: Float[Array, " a"]  # the last reward; 0 at the start; while the task computes the next, the one before
     scene: Scene  # the same instant for ray casting
     tasks: Any  # `EnvParams.tasks`
     config: EnvConfig = static()
-    drawn: Drawn | None = None  # sample of the domain randomisation; None: nothing varies
-    noises: Noises | None = None  # contact sounds, with `EnvConfig.noises`
-    head: Head | None = None  # `EnvParams.head`
+    variation: VariationSample | None = None  # sample of the domain randomisation; None: nothing varies
+    contact_sounds: ContactSounds | None = None  # contact sounds, with `EnvConfig.contact_sounds`
+    head: MeasuredHead | None = None  # `EnvParams.head`
 
     @property
     def bank(self) -> HouseBank:
@@ -63,21 +67,21 @@ class Snapshot(Pytree):
         return self.scene.house
 
     @property
-    def bodies(self) -> Scale | None:
+    def body_scale(self) -> BodyScale | None:
         """Factors of friction and mass of movable bodies in this episode; None: 1."""
-        return None if self.drawn is None else self.drawn.bodies
+        return None if self.variation is None else self.variation.body_scale
 
     @property
-    def mount(self) -> Mount | None:
+    def camera_offsets(self) -> CameraOffsets | None:
         """Camera offsets of this episode; None: as in the options."""
-        return None if self.drawn is None else self.drawn.mount
+        return None if self.variation is None else self.variation.camera_offsets
 
     @property
     def source(self) -> Float[Array, "3"]:
         """Position of the first sound source [m]."""
         return self.sounds.pos[0]
 
-    def of_first(self, num_agents: int) -> "Snapshot":
+    def select_agents(self, num_agents: int) -> "Snapshot":
         """Return the snapshot restricted to the first agents; others remain in `scene`, `touch` and `sounds`.
 
         Example:
@@ -85,25 +89,34 @@ class Snapshot(Pytree):
         """
         if num_agents == self.config.num_agents:
             return self
-        per_agent = self.pose, self.velocity, self.stopped, self.said, self.contact, self.held, self.action, self.reward
+        per_agent = (
+            self.pose,
+            self.velocity,
+            self.stopped,
+            self.spoken_token,
+            self.in_contact,
+            self.held,
+            self.action,
+            self.reward,
+        )
         pose, velocity, stopped, said, contact, held, action, reward = jax.tree.map(lambda x: x[:num_agents], per_agent)
         return self.replace(
-            pose=pose, velocity=velocity, stopped=stopped, said=said, contact=contact, held=held, action=action,
-            reward=reward, config=self.config.of_first(num_agents),
+            pose=pose, velocity=velocity, stopped=stopped, spoken_token=said, in_contact=contact, held=held, action=action,
+            reward=reward, config=self.config.select_agents(num_agents),
         )  # fmt: skip
 
 
-class TouchMeaning(Pytree):
+class ContactSemantics(Pytree):
     """Semantics of both sides of each dynamic body's strongest contact; -1 unknown.
 
     Rows are those of `bank.semantics`, columns `Semantic`.
     """
 
-    own: Int[Array, "m columns"]  # of the body itself
+    body: Int[Array, "m columns"]  # of the body itself
     other: Int[Array, "m columns"]  # of the other side; -1 if there is none, or outdoors
 
 
-def touch_meaning(scene: Scene, touch: Touch | PhysicsState) -> TouchMeaning:
+def contact_semantics(scene: Scene, contacts: BodyContacts | PhysicsState) -> ContactSemantics:
     """Return category, material and other semantics of both sides of each dynamic body's strongest contact.
 
     Objects have semantics of their own. The floor and walls are those of the body's room, of its walls the first one.
@@ -111,7 +124,7 @@ def touch_meaning(scene: Scene, touch: Touch | PhysicsState) -> TouchMeaning:
 
     Args:
         scene: House and poses.
-        touch: Contacts of each dynamic body.
+        contacts: Contacts of each dynamic body.
 
     Example:
         >>> meaning = touch_meaning(snapshot.scene, snapshot.touch)  # doctest: +SKIP
@@ -122,19 +135,19 @@ def touch_meaning(scene: Scene, touch: Touch | PhysicsState) -> TouchMeaning:
     there, own, box = (jnp.roll(x, agents, axis=0) for x in (moving.instance >= 0, moving.semantic, moving.box))
     own = jnp.where(there, own, -1)
     box = jnp.where(there[:, None, None], box, 0.0)
-    fixed = _fixed_rows(bank, house, touch.other, box)
-    other = jnp.where(touch.other >= 0, own[touch.other], fixed)
-    return TouchMeaning(*(jnp.where(row[:, None] < 0, -1, bank.semantics[row]) for row in (own, other)))
+    fixed = _static_semantic_rows(bank, house, contacts.contact_partner, box)
+    other = jnp.where(contacts.contact_partner >= 0, own[contacts.contact_partner], fixed)
+    return ContactSemantics(*(jnp.where(row[:, None] < 0, -1, bank.semantics[row]) for row in (own, other)))
 
 
-def _fixed_rows(
+def _static_semantic_rows(
     bank: HouseBank, house: Int[Array, ""], other: Int[Array, " m"], box: Float[Array, "m 2 3"]
 ) -> Int[Array, " m"]:
     """Return semantic rows of static contacts of bodies with these bounds; -1 without a static contact."""
     physics, number = bank.physics, jnp.maximum(STATIC - other, 0)
     static, item = other <= STATIC, physics.collider_object[house, number]
     top = physics.collider_pos[house, number, 2] + physics.collider_size[house, number, 2]
-    on_floor = (other == FLOOR) | (top < box[:, 0, 2] + jnp.float32(UNDERFOOT))
+    on_floor = (other == FLOOR) | (top < box[:, 0, 2] + jnp.float32(MAX_FLOOR_BOX_HEIGHT))
     room = jax.vmap(lambda at: room_of(bank, house, at))(box.mean(axis=1))
     floor, wall = jnp.where(room[:, None] < 0, -1, bank.navigation.room_surface[house, room]).T
     row = jnp.where(item >= 0, bank.geometry.object_semantic[house, item], jnp.where(on_floor, floor, wall))

@@ -7,10 +7,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from home_mjx.core.checks import check_number
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 
 ACTION_NAMES = ("forward", "left", "turn_left", "look_up")
-HAND_NAMES = ("pick", "throw", "turn_door")  # see `handling.hand_commands`
+HAND_NAMES = ("pick", "throw", "turn_door")  # see `handling.decode_hand_commands`
 MOVE_NAMES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")  # Habitat's, in its order
 HAND_MOVE_NAMES = ("pick", "drop", "throw", "open", "close")
 
@@ -24,7 +24,7 @@ class DiscreteActions:
     Attributes:
         forward_step_size: Distance of `move_forward` [m].
         turn_angle: Angle of `turn_left` and `turn_right` [degrees].
-        tilt_angle: Angle of `look_up` and `look_down` [degrees].
+        tilt_angle: Angle of `look_up` and `place_overhead_camera` [degrees].
 
     Raises:
         ConfigError: A value is invalid.
@@ -42,7 +42,7 @@ class DiscreteActions:
         for option in fields(self):
             check_number(f"actions.{option.name}", getattr(self, option.name), 0)
 
-    def least_time(self, body: Body) -> float:
+    def min_duration(self, body: AgentBody) -> float:
         """Return the time that a body needs for its longest move or turn at full speed [s]."""
         return max(self.forward_step_size / body.forward_speed, math.radians(self.turn_angle) / body.turn_rate)
 
@@ -74,7 +74,7 @@ class ArraySpec:
         shape = self.shape if num_agents == 1 else (num_agents, *self.shape)
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
-    def of_one(self, num_agents: int) -> "ArraySpec":
+    def for_one_agent(self, num_agents: int) -> "ArraySpec":
         """Return the spec of one agent; inverse of `for_agents`.
 
         Example:

@@ -6,15 +6,15 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
-from home_mjx.audio_jax.base.endpoints import Head, Sounds
-from home_mjx.audio_jax.contact_sounds.slots import Noises
+from home_mjx.audio_jax.base.endpoints import MeasuredHead, SoundSources
+from home_mjx.audio_jax.contact_sounds.slots import ContactSounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError, OutOfRangeError
-from home_mjx.tasks.variation.draw import Drawn
+from home_mjx.tasks.variation.draw import VariationSample
 from home_mjx.tasks.variation.ranges import Variation
 
-ON_FLOOR = 0.3  # [m], maximum height difference between an episode's start and the floor
+MAX_FLOOR_OFFSET = 0.3  # [m], maximum height difference between an episode's start and the floor
 
 
 class Episodes(Pytree):
@@ -46,14 +46,14 @@ class Episodes(Pytree):
         return self.house.shape[0]
 
 
-def check_rows(index: Any, count: int, what: str = "episodes") -> None:
+def check_rows(index: Any, count: int, kind: str = "episodes") -> None:
     """Raise `ConfigError` unless `index` is an integer, or an integer array, with values from 0 to `count` - 1."""
     array = np.asarray(index)
     if array.dtype.kind not in "biu":
         hint = "Write tasks.pick(jnp.array([0, 2])), or tasks.where(mask) for those for which a comparison holds."
         raise ConfigError(f"expected numbers of rows, got {index!r:.60}", hint=hint)
     if array.size and not 0 <= array.min() <= array.max() < count:
-        there = f"{what} 0 to {count - 1}" if count else f"no {what}"
+        there = f"{kind} 0 to {count - 1}" if count else f"no {kind}"
         message = f"there are {there}, asked for {array.min()} to {array.max()}"
         raise OutOfRangeError(message, hint="Their number is the `len` of what they are picked from.")
 
@@ -75,7 +75,7 @@ class EnvParams(Pytree):
     bank: HouseBank
     tasks: Any = None
     variation: Variation | None = None
-    head: Head | None = None
+    head: MeasuredHead | None = None
 
 
 class World(Pytree):
@@ -86,22 +86,22 @@ class World(Pytree):
     episode: Int[Array, ""]  # row of `EnvParams.tasks`, increased by automatic resets; -1: sampled
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive
-    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
-    said: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
-    sounds: Sounds
+    stopped: Bool[Array, " a"]  # has chosen the discrete action `stopped`
+    spoken_token: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
+    sounds: SoundSources
     action: Float[Array, "a n"]  # the last action: numbers, or one-hot for discrete moves; 0 at the start
     reward: Float[Array, " a"]  # the last reward; 0 at the start
-    sensors: dict[str, Any]  # sensor states by sensor name
-    faults: Int[Array, ""]  # number of episodes of this environment that ended because a pose was not finite
-    drawn: Drawn | None = None  # sample of `EnvParams.variation`
-    noises: Noises | None = None  # contact sounds, with `EnvConfig.noises`
+    sensor_states: dict[str, Any]  # sensor states by sensor name
+    num_faults: Int[Array, ""]  # number of episodes of this environment that ended because a pose was not finite
+    variation: VariationSample | None = None  # sample of `EnvParams.variation`
+    contact_sounds: ContactSounds | None = None  # contact sounds, with `EnvConfig.contact_sounds`
 
     @property
     def source(self) -> Float[Array, "*n 3"]:
         """Position of the first sound source [m]."""
         return self.sounds.pos[..., 0, :]
 
-    def with_source(self, pos: Float[Array, "*n 3"]) -> "World":
+    def move_source(self, pos: Float[Array, "*n 3"]) -> "World":
         """Return a copy with the first sound source at `pos` [m]."""
         return self.replace(sounds=self.sounds.replace(pos=self.sounds.pos.at[..., 0, :].set(pos)))
 

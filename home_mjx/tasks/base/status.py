@@ -30,7 +30,7 @@ class Status(IntFlag):
 
     WEIGHTS = 128  # no task had a finite weight above 0: the reset sampled all with the same probability
 
-    NOISES = 256  # more contact sounds than slots: one was dropped or cut off, see `NoiseConfig`
+    NOISES = 256  # more contact sounds than slots: one was dropped or cut off, see `ContactSoundConfig`
 
     UNHEARD = 512  # a clip reaches no agent: its source is outside, sealed off, in a wall, or too far away
 
@@ -49,7 +49,7 @@ class StatusError(HomeMjxError, RuntimeError):
     """A jitted step of at least one environment has lost data."""
 
 
-def flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
+def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
     """Return the flags whose condition holds anywhere.
 
     Example:

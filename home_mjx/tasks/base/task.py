@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.audio_jax.base.endpoints import SoundSources
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import random_position
@@ -41,17 +41,17 @@ class Task:
         return {}
 
     @property
-    def needs_stop(self) -> bool:
-        """True if agents must choose `stop`, so that actions must be discrete."""
+    def requires_stop(self) -> bool:
+        """True if agents must choose `stopped`, so that actions must be discrete."""
         return False
 
     @property
-    def needs_hands(self) -> bool:
+    def requires_hands(self) -> bool:
         """True if agents need hands."""
         return False
 
     @property
-    def needs_ears(self) -> bool:
+    def requires_hearing(self) -> bool:
         """True if the task's information is audible only."""
         return False
 
@@ -64,12 +64,12 @@ class Task:
         return ()
 
     @property
-    def least_agents(self) -> int:
+    def min_agents(self) -> int:
         """Minimum number of agents."""
         return 1
 
     @property
-    def most_agents(self) -> int | None:
+    def max_agents(self) -> int | None:
         """Maximum number of agents; None: no limit."""
         return None
 
@@ -78,13 +78,13 @@ class Task:
         """Number of agents that act for the caller, the first ones; None: all.
 
         The environment's actions, observations and rewards are for these only. The task controls the others, see
-        `lead`, or leaves them idle. In the task's own methods A counts all agents.
+        `control_agents`, or leaves them idle. In the task's own methods A counts all agents.
         """
         return None
 
     @property
-    def stops_for_good(self) -> bool:
-        """True if agents are idle after the discrete action `stop`; False if `stop` only skips one move."""
+    def stop_is_final(self) -> bool:
+        """True if agents are idle after the discrete action `stopped`; False if `stopped` only skips one move."""
         return True
 
     @property
@@ -116,7 +116,7 @@ class Task:
         """
         return ()
 
-    def lead(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
+    def control_agents(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
         """Return actions of the agents that the task controls in the next step; they override the caller's.
 
         Agents that the caller never controls are excluded by `num_acting`.
@@ -127,7 +127,7 @@ class Task:
         """
         return None
 
-    def sounds(self, snapshot: Snapshot, state: Any) -> Sounds:
+    def sounds(self, snapshot: Snapshot, state: Any) -> SoundSources:
         """Return the sounds at the start of an episode and after each step, before `update`; unchanged by default."""
         return snapshot.sounds
 
@@ -151,9 +151,9 @@ class Task:
 
     def terminated(self, snapshot: Snapshot, state: Any) -> Bool[Array, ""]:
         """Return whether the task ends the episode: by default when all acting agents have stopped."""
-        return self.have_stopped(snapshot)
+        return self.all_stopped(snapshot)
 
-    def have_stopped(self, snapshot: Snapshot) -> Bool[Array, ""]:
+    def all_stopped(self, snapshot: Snapshot) -> Bool[Array, ""]:
         """Return whether all acting agents have stopped (see `Snapshot.stopped`)."""
         return jnp.all(snapshot.stopped[: self.num_acting])
 
@@ -186,7 +186,7 @@ class Task:
         """
         return {}
 
-    def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
+    def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
         """Return whether one episode of a file can be solved in this bank; inside `jit`."""
         return jnp.ones((), bool)
 
@@ -205,26 +205,33 @@ def check_task_class(task: type[Task]) -> None:
 
 
 def path_scores(
-    success: Float[Array, "*n"], length: Float[Array, "*n"], walked: Float[Array, "*n"], left: Float[Array, "*n"]
+    success: Float[Array, "*n"],
+    shortest_length: Float[Array, "*n"],
+    path_length: Float[Array, "*n"],
+    remaining: Float[Array, "*n"],
 ) -> dict[str, Float[Array, "*n"]]:
     """Return `spl` and `soft_spl`; both are 0 if no path leads to the goal.
 
-    SPL is `success * length / max(length, walked)`; soft SPL replaces success by the progress `1 - left / length`.
+    SPL is `success * shortest_length / max(shortest_length, path_length)`; soft SPL replaces success by the progress `1 - remaining / shortest_length`.
 
     Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
     et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231).
 
     Args:
         success: 1 or 0.
-        length: Length of the shortest path [m].
-        walked: Length of the agent's path [m].
-        left: Current distance of the agent to the goal [m].
+        shortest_length: Length of the shortest path [m].
+        path_length: Length of the agent's path [m].
+        remaining: Current distance of the agent to the goal [m].
 
     Example:
         >>> found = path_scores(*(jnp.float32(x) for x in (1.0, 4.0, 5.0, 1.0)))
         >>> {name: round(float(x), 2) for name, x in found.items()}
         {'spl': 0.8, 'soft_spl': 0.6}
     """
-    short = jnp.where(jnp.isfinite(length), length / jnp.maximum(jnp.maximum(length, walked), 1e-6), 0.0)
-    near = jnp.clip(1 - left / jnp.maximum(length, 1e-6), 0, 1)
+    short = jnp.where(
+        jnp.isfinite(shortest_length),
+        shortest_length / jnp.maximum(jnp.maximum(shortest_length, path_length), 1e-6),
+        0.0,
+    )
+    near = jnp.clip(1 - remaining / jnp.maximum(shortest_length, 1e-6), 0, 1)
     return {"spl": success * short, "soft_spl": jnp.where(short > 0, near * short, 0.0)}

@@ -10,11 +10,11 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 
 NUM_REPLIES = 6  # maximum number of questions that the oracle of a row answers
-NONE = -1  # token of no word
-EVERYBODY = -1
+NO_WORD = -1  # token of no word
+ALL_AGENTS = -1
 
 
-class Talk(Pytree):
+class SpeechColumns(Pytree):
     """Speech columns of a row, or of t rows; words are tokens, -1 if none."""
 
     answer: Int[Array, "*t"]  # to the row's question; word that instructed agents say to the others
@@ -23,39 +23,44 @@ class Talk(Pytree):
     oracle: Int[Array, "*t q 2"]  # questions and replies of the oracle
 
 
-def written_talk(
-    answer: int = NONE, told: Sequence[int] | None = None, oracle: Sequence[tuple[int, int]] = (), ask: int = 0
+def pack_speech(
+    answer: int = NO_WORD,
+    instructed_agents: Sequence[int] | None = None,
+    oracle: Sequence[tuple[int, int]] = (),
+    num_identifying_questions: int = 0,
 ) -> dict[str, np.ndarray]:
-    """Pack speech options into the arrays of a `Talk`.
+    """Pack speech options into the arrays of a `SpeechColumns`.
 
     Args:
         answer: Token of the correct answer.
-        told: Indices of the agents that receive the instruction; None: all.
+        instructed_agents: Indices of the agents that receive the instruction; None: all.
         oracle: Pairs of tokens: question and reply.
-        ask: Number of oracle questions, from the first, that suffice to identify the target.
+        num_identifying_questions: Number of oracle questions, from the first, that suffice to identify the target.
 
     Raises:
-        ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `ask`.
+        ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `num_identifying_questions`.
 
     Example:
         >>> written_talk(told=(1,))["told"].tolist()
         2
     """
-    if not ask <= len(oracle) <= NUM_REPLIES:
-        raise ConfigError(f"an oracle must have {ask} to {NUM_REPLIES} replies, got {len(oracle)}")
-    table = np.full((NUM_REPLIES, 2), NONE, np.int16)
+    if not num_identifying_questions <= len(oracle) <= NUM_REPLIES:
+        raise ConfigError(
+            f"an oracle must have {num_identifying_questions} to {NUM_REPLIES} replies, got {len(oracle)}"
+        )
+    table = np.full((NUM_REPLIES, 2), NO_WORD, np.int16)
     table[: len(oracle)] = np.array(oracle, np.int16).reshape(-1, 2)
-    bits = EVERYBODY if told is None else sum(1 << agent for agent in set(told))
-    numbers = {"answer": np.int16(answer), "told": np.int16(bits), "ask": np.int8(ask)}
+    bits = ALL_AGENTS if instructed_agents is None else sum(1 << agent for agent in set(instructed_agents))
+    numbers = {"answer": np.int16(answer), "told": np.int16(bits), "ask": np.int8(num_identifying_questions)}
     return {name: np.asarray(value) for name, value in numbers.items()} | {"oracle": table}
 
 
-def talk_of(columns: Mapping[str, Array]) -> Talk:
+def extract_speech(columns: Mapping[str, Array]) -> SpeechColumns:
     """Extract the speech columns of one or many rows."""
-    return Talk(**{name: columns[name].astype(jnp.int32) for name in Talk.__dataclass_fields__})
+    return SpeechColumns(**{name: columns[name].astype(jnp.int32) for name in SpeechColumns.__dataclass_fields__})
 
 
-def replies(talk: Talk, said: Int[Array, " a"]) -> Int[Array, " a"]:
+def oracle_replies(talk: SpeechColumns, said: Int[Array, " a"]) -> Int[Array, " a"]:
     """Return the oracle's reply to each agent; -1 if the agent did not say one of the oracle's questions.
 
     Example:
@@ -65,15 +70,15 @@ def replies(talk: Talk, said: Int[Array, " a"]) -> Int[Array, " a"]:
     """
     match = (said[:, None] == talk.oracle[None, :, 0]) & (said[:, None] >= 0)
     found = jnp.take(talk.oracle[:, 1], jnp.argmax(match, axis=1))
-    return jnp.where(jnp.any(match, axis=1), found, NONE)
+    return jnp.where(jnp.any(match, axis=1), found, NO_WORD)
 
 
-def is_told(talk: Talk, num_agents: int) -> Bool[Array, " a"]:
+def is_instructed(talk: SpeechColumns, num_agents: int) -> Bool[Array, " a"]:
     """Return which agents receive the instruction."""
     return (jnp.right_shift(talk.told, jnp.arange(num_agents)) & 1) == 1
 
 
-def of_others(said: Int[Array, " a"]) -> Int[Array, " a"]:
+def words_of_others(said: Int[Array, " a"]) -> Int[Array, " a"]:
     """Return for each agent the word of the first other agent that spoke; -1 if none did.
 
     Example:
@@ -82,9 +87,9 @@ def of_others(said: Int[Array, " a"]) -> Int[Array, " a"]:
     """
     num = said.shape[0]
     speaks = (said[None] >= 0) & ~jnp.eye(num, dtype=bool)
-    return jnp.where(jnp.any(speaks, axis=1), said[jnp.argmax(speaks, axis=1)], NONE)
+    return jnp.where(jnp.any(speaks, axis=1), said[jnp.argmax(speaks, axis=1)], NO_WORD)
 
 
-def as_observed(words: Int[Array, " a"]) -> Int[Array, "a 1"]:
+def observe_words(words: Int[Array, " a"]) -> Int[Array, "a 1"]:
     """Convert one word of each agent to its observation, with the padding token 0 for silence."""
     return jnp.maximum(words, 0)[:, None]

@@ -3,33 +3,33 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.audio_jax.contact_sounds.slots import Strikes
-from home_mjx.audio_jax.contact_sounds.synthesis import RUBS, STRIKES
+from home_mjx.audio_jax.contact_sounds.slots import TransientSounds
+from home_mjx.audio_jax.contact_sounds.synthesis import SUSTAINED, TRANSIENTS
 from home_mjx.physics.base.touch import FLOOR
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.snapshot import Snapshot, touch_meaning
-from home_mjx.tasks.contact_sounds.steps import stuff_class
+from home_mjx.tasks.base.snapshot import Snapshot, contact_semantics
+from home_mjx.tasks.contact_sounds.steps import stuff_classes
 
 GRAVITY = 9.81  # [m/s²]
-LEAST_BLOW = 0.05  # [N s] minimum impulse of an impact sound
-LEAST_CHANGE = 0.15  # [m/s] minimum change of speed in a step for an impact sound
-LOUDEST = 30.0  # maximum gain of an impact: 30 dB above speech for wood
-FLESH = 0.05  # gain factor of impacts by agents, whose bodies are soft
-WITHIN = 0.1  # [m] maximum distance of the source from the contact, inside the body
-SLOWEST = 0.03  # [m/s] minimum speed of a sliding sound, so that jitter is silent
-SLIDING = 0.4  # friction coefficient of furniture on its feet
-FASTEST = 3.0  # [m/s] maximum speed that counts for the gain of a sliding sound
-LEAST_TURN = 0.05  # [rad/s], or [m/s] if it slides: minimum speed of a leaf that sounds
-AT_STOP = 0.02  # [rad], or [m] if it slides: maximum distance from an end stop
+MIN_IMPULSE = 0.05  # [N s] minimum impulse of an impact sound
+MIN_SPEED_CHANGE = 0.15  # [m/s] minimum change of speed in a step for an impact sound
+MAX_IMPACT_GAIN = 30.0  # maximum gain of an impact: 30 dB above speech for wood
+AGENT_IMPACT_GAIN = 0.05  # gain factor of impacts by agents, whose bodies are soft
+MAX_SOURCE_OFFSET = 0.1  # [m] maximum distance of the source from the contact, inside the body
+MIN_SLIDING_SPEED = 0.03  # [m/s] minimum speed of a sliding sound, so that jitter is silent
+SLIDING_FRICTION = 0.4  # friction coefficient of furniture on its feet
+MAX_SLIDING_SPEED = 3.0  # [m/s] maximum speed that counts for the gain of a sliding sound
+MIN_LEAF_SPEED = 0.05  # [rad/s], or [m/s] if it slides: minimum speed of a leaf that sounds
+MAX_STOP_DISTANCE = 0.02  # [rad], or [m] if it slides: maximum distance from an end stop
 
 
-def blows(
+def impact_sounds(
     config: EnvConfig,
     impulse: Float[Array, " m"],
     change: Float[Array, " m"],
     snapshot: Snapshot,
-) -> Strikes:
+) -> TransientSounds:
     """Return one impact per dynamic body, by its contact impulse above that of the previous step and of its weight.
 
     An impact between two bodies sounds once. Contacts have no time within a step, so impacts begin in the middle of the
@@ -41,28 +41,30 @@ def blows(
         change: Change of each body's speed in this step [m/s].
         snapshot: The environment after the step.
     """
-    touch, agents, frame = snapshot.touch, config.num_agents, config.audio.frame
-    number = jnp.arange(touch.impulse.shape[0], dtype=jnp.int32)
-    resting = mass_of(config, snapshot) * jnp.float32(GRAVITY * config.timing.ctrl_dt)
-    blow = touch.impulse - jnp.maximum(impulse, resting)
-    meaning, (middle, body) = touch_meaning(snapshot.scene, touch), middles(config, snapshot)
-    inwards = middle - touch.place
-    far = jnp.maximum(jnp.linalg.norm(inwards, axis=1), WITHIN)[:, None]
-    is_agent, by_agent = number < agents, (touch.other >= 0) & (touch.other < agents)
-    told = jnp.where(is_agent, touch.other <= FLOOR, (touch.other < agents) | (touch.other > number))
-    kind = jnp.where(is_agent, meaning.other[:, Semantic.MATERIAL], meaning.own[:, Semantic.MATERIAL])
-    softly = jnp.where(is_agent | by_agent, FLESH, 1.0)
-    there = told & (blow > LEAST_BLOW) & (change > LEAST_CHANGE)
-    return Strikes(
-        pos=touch.place + inwards * (WITHIN / far),  # inside the body, which does not occlude it
+    touch, agents, frame = snapshot.body_contacts, config.num_agents, config.audio.frame
+    number = jnp.arange(touch.contact_impulse.shape[0], dtype=jnp.int32)
+    resting = carried_masses(config, snapshot) * jnp.float32(GRAVITY * config.timing.ctrl_dt)
+    blow = touch.contact_impulse - jnp.maximum(impulse, resting)
+    meaning, (middle, body) = contact_semantics(snapshot.scene, touch), body_centers(config, snapshot)
+    inwards = middle - touch.contact_pos
+    far = jnp.maximum(jnp.linalg.norm(inwards, axis=1), MAX_SOURCE_OFFSET)[:, None]
+    is_agent, by_agent = number < agents, (touch.contact_partner >= 0) & (touch.contact_partner < agents)
+    told = jnp.where(
+        is_agent, touch.contact_partner <= FLOOR, (touch.contact_partner < agents) | (touch.contact_partner > number)
+    )
+    kind = jnp.where(is_agent, meaning.other[:, Semantic.MATERIAL], meaning.body[:, Semantic.MATERIAL])
+    softly = jnp.where(is_agent | by_agent, AGENT_IMPACT_GAIN, 1.0)
+    there = told & (blow > MIN_IMPULSE) & (change > MIN_SPEED_CHANGE)
+    return TransientSounds(
+        pos=touch.contact_pos + inwards * (MAX_SOURCE_OFFSET / far),  # inside the body, which does not occlude it
         body=body,
-        row=STRIKES.index("hit_wood") + jnp.asarray(stuff_class())[kind],
-        gain=jnp.where(there, jnp.minimum(softly * blow, LOUDEST), 0.0),
+        row=TRANSIENTS.index("hit_wood") + jnp.asarray(stuff_classes())[kind],
+        gain=jnp.where(there, jnp.minimum(softly * blow, MAX_IMPACT_GAIN), 0.0),
         start=jnp.full(number.shape, snapshot.step * frame + frame // 2, jnp.int32),
     )
 
 
-def middles(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m 3"], Int[Array, " m"]]:
+def body_centers(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m 3"], Int[Array, " m"]]:
     """Return the centres of all dynamic bodies, agents first [m], 0 for padding, and their object ids."""
     moving, agents = snapshot.scene.moving, config.num_agents
     box, there = moving.box, (moving.instance >= 0)[:, None]
@@ -70,23 +72,23 @@ def middles(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m 3"],
     return jnp.roll(pos, agents, axis=0), jnp.roll(moving.object_id, agents)
 
 
-def leaves(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "h 3"], Int[Array, " h"]]:
+def leaf_centers(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "h 3"], Int[Array, " h"]]:
     """Return the centres of door leaves [m], and their object ids."""
-    pos, body = middles(config, snapshot)
+    pos, body = body_centers(config, snapshot)
     first = pos.shape[0] - snapshot.door_angle.shape[0]
     return pos[first:], body[first:]
 
 
-def mass_of(config: EnvConfig, snapshot: Snapshot) -> Float[Array, " m"]:
+def carried_masses(config: EnvConfig, snapshot: Snapshot) -> Float[Array, " m"]:
     """Return the masses of dynamic bodies that their contacts carry [kg]; 0 for doors, as they hang."""
     bodies = snapshot.bank.physics.body_mass[snapshot.house]
-    if snapshot.bodies is not None and snapshot.bodies.mass is not None:
-        bodies = bodies * snapshot.bodies.mass
+    if snapshot.body_scale is not None and snapshot.body_scale.mass is not None:
+        bodies = bodies * snapshot.body_scale.mass
     agents = jnp.array([body.mass for body in config.physics.agents], jnp.float32)
     return jnp.concatenate([agents, bodies, jnp.zeros(snapshot.door_angle.shape, jnp.float32)])
 
 
-def sliding(
+def sliding_sounds(
     config: EnvConfig,
     before: Float[Array, "k 3"],
     pos: Float[Array, "k 3"],
@@ -105,16 +107,16 @@ def sliding(
     agents, count = config.num_agents, pos.shape[0]
     part = slice(agents, agents + count)
     held = jnp.any(snapshot.held[:, None] == jnp.arange(count, dtype=jnp.int32)[None], axis=0)
-    on = (impulse[part] > 0) & (snapshot.touch.impulse[part] > 0) & ~held
+    on = (impulse[part] > 0) & (snapshot.body_contacts.contact_impulse[part] > 0) & ~held
     speed = jnp.linalg.norm((pos - before)[:, :2], axis=1) / jnp.float32(config.timing.ctrl_dt)
-    power = SLIDING * GRAVITY * mass_of(config, snapshot)[part] * jnp.minimum(speed, FASTEST)
-    kind = touch_meaning(snapshot.scene, snapshot.touch).own[part, Semantic.MATERIAL]
-    return jnp.asarray(stuff_class())[kind], jnp.where(on & (speed > SLOWEST), jnp.sqrt(power), 0.0)
+    power = SLIDING_FRICTION * GRAVITY * carried_masses(config, snapshot)[part] * jnp.minimum(speed, MAX_SLIDING_SPEED)
+    kind = contact_semantics(snapshot.scene, snapshot.body_contacts).body[part, Semantic.MATERIAL]
+    return jnp.asarray(stuff_classes())[kind], jnp.where(on & (speed > MIN_SLIDING_SPEED), jnp.sqrt(power), 0.0)
 
 
-def door_noises(
+def door_sounds(
     config: EnvConfig, before: Float[Array, " h"], snapshot: Snapshot
-) -> tuple[Strikes, Int[Array, " h"], Float[Array, " h"]]:
+) -> tuple[TransientSounds, Int[Array, " h"], Float[Array, " h"]]:
     """Return impacts of leaves that reach an end stop, and the sounds of moving leaves with their gains.
 
     Args:
@@ -123,17 +125,19 @@ def door_noises(
         snapshot: The environment after the step.
     """
     physics, house, angle = snapshot.bank.physics, snapshot.house, snapshot.door_angle
-    pos, body = leaves(config, snapshot)
+    pos, body = leaf_centers(config, snapshot)
     there = physics.door_valid[house]
     rate = jnp.where(there, jnp.abs(angle - before) / jnp.float32(config.timing.ctrl_dt), 0.0)
-    moves, stops = rate > LEAST_TURN, (physics.door_closed[house], physics.door_wide[house])
-    came = [(jnp.abs(angle - stop) < AT_STOP) & (jnp.abs(before - stop) >= AT_STOP) for stop in stops]
+    moves, stops = rate > MIN_LEAF_SPEED, (physics.door_closed[house], physics.door_fully_open[house])
+    came = [
+        (jnp.abs(angle - stop) < MAX_STOP_DISTANCE) & (jnp.abs(before - stop) >= MAX_STOP_DISTANCE) for stop in stops
+    ]
     frame = config.audio.frame
-    thuds = Strikes(
+    thuds = TransientSounds(
         pos=pos,
         body=body,
-        row=jnp.full(rate.shape, STRIKES.index("thud"), jnp.int32),
+        row=jnp.full(rate.shape, TRANSIENTS.index("thud"), jnp.int32),
         gain=jnp.where(moves & (came[0] | came[1]), rate, 0.0),
         start=jnp.full(rate.shape, (snapshot.step + 1) * frame - 1, jnp.int32),
     )
-    return thuds, jnp.full(rate.shape, RUBS.index("creak"), jnp.int32), jnp.where(moves, rate, 0.0)
+    return thuds, jnp.full(rate.shape, SUSTAINED.index("creak"), jnp.int32), jnp.where(moves, rate, 0.0)

@@ -11,14 +11,14 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
-from home_mjx.tasks.base.keys import RENEW, fold
+from home_mjx.tasks.base.keys import RENEW_TAG, fold_key
 from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.env.begin import in_order
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.begin import is_sequential
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
-FINAL_OBS = ("cheap", "all", "none")
-FEW = 32  # maximum number of ended environments whose last images are rendered separately
+FINAL_OBS_CHOICES = ("cheap", "all", "none")
+MAX_SEPARATE_RENDERS = 32  # maximum number of ended environments whose last images are rendered separately
 
 
 class AutoReset:
@@ -36,7 +36,7 @@ class AutoReset:
     Args:
         core: The environment.
         final_obs: Content of `info["final_obs"]`. "cheap": observations that cast no rays (pose, goal). "all": rendered
-            ones as well, for learners that bootstrap from pixels at truncation. Up to `FEW` ended environments are
+            ones as well, for learners that bootstrap from pixels at truncation. Up to `MAX_SEPARATE_RENDERS` ended environments are
             rendered separately, more as part of the whole batch. "none": nothing.
 
     Example:
@@ -46,17 +46,17 @@ class AutoReset:
     """
 
     def __init__(self, core: HouseholdEnv, final_obs: str = "cheap") -> None:
-        if isinstance(core, BoundEnv):
+        if isinstance(core, Env):
             raise ConfigError("AutoReset takes a core", hint="Write AutoReset(env.core).bind(env.params).")
-        check_known("choice of `final_obs`", [final_obs], FINAL_OBS)
+        check_known("choice of `final_obs`", [final_obs], FINAL_OBS_CHOICES)
         self.core, self.final_obs = core, final_obs
         self.config, self.task, self.num_agents = core.config, core.task, core.num_agents
         self.action_spec, self.observation_spec = core.action_spec, core.observation_spec
         self.bakes = core.bakes
 
-    def bind(self, params: EnvParams | HouseBank) -> "BoundEnv[AutoReset]":
-        """Return the batch with its parameters: `reset(keys)`, `step(states, actions)`."""
-        return BoundEnv(self, params if isinstance(params, EnvParams) else EnvParams(params))
+    def bind(self, params: EnvParams | HouseBank) -> "Env[AutoReset]":
+        """Return the batch with its parameters: `reset(keys)`, `step(some, actions)`."""
+        return Env(self, params if isinstance(params, EnvParams) else EnvParams(params))
 
     def template(self, bank: HouseBank) -> Template:
         """Return the physics template."""
@@ -74,22 +74,22 @@ class AutoReset:
         Raises:
             ConfigError: `key` is not a batch of keys.
         """
-        num = _count(key)
-        if episode is None and in_order(params.tasks):
+        num = _num_keys(key)
+        if episode is None and is_sequential(params.tasks):
             episode = jnp.arange(num, dtype=jnp.int32)
         begin = jax.vmap(self.core.begin, (None, 0, None if house is None else 0, None if episode is None else 0))
         state = self._perceive(params, begin(params, key, house, episode))
-        return self._with_final(state, self._kept(state.obs))
+        return self._store_final(state, self._select_final(state.obs))
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """Step all environments once."""
         stepped = jax.vmap(self.core.advance, (None, 0, 0))(params, state, action)
         done = stepped.done
         # One branch for the whole batch: steps in which no episode ends skip the reset.
-        begun = jax.lax.cond(jnp.any(done), lambda s: self._begin_anew(params, s, done), lambda s: s, stepped)
+        begun = jax.lax.cond(jnp.any(done), lambda s: self._reset_done(params, s, done), lambda s: s, stepped)
         seen = self._perceive(params, begun)
         new = seen.replace(status=jnp.where(done, begun.status, seen.status))
-        return self._with_final(new, self._final(params, stepped, new.obs, done))
+        return self._store_final(new, self._final_obs(params, stepped, new.obs, done))
 
     def observe(self, params: EnvParams, state: State) -> State:
         """Return the states with recomputed observations."""
@@ -98,21 +98,21 @@ class AutoReset:
     def _perceive(self, params: EnvParams, state: State) -> State:
         return jax.vmap(self.core.perceive, (None, 0))(params, state)
 
-    def _begin_anew(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
+    def _reset_done(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
         """Return the first state of the next episode where the last one is over."""
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:
-            episode = state.world.episode + num if in_order(params.tasks) else None
-            new = self.core.begin(params, fold(state.world.key, RENEW), None, episode)
-            world = new.world.replace(faults=state.world.faults)
+            episode = state.world.episode + num if is_sequential(params.tasks) else None
+            new = self.core.begin(params, fold_key(state.world.key, RENEW_TAG), None, episode)
+            world = new.world.replace(num_faults=state.world.num_faults)
             status = state.status | new.status
             new = state.replace(physics=new.physics, world=world, task=new.task, status=status)
             return jax.tree.map(lambda a, b: jnp.where(done, a, b), new, state)
 
         return jax.vmap(one)(state, done)
 
-    def _kept(self, obs: dict[str, Array]) -> dict[str, Array]:
+    def _select_final(self, obs: dict[str, Array]) -> dict[str, Array]:
         """Return the observations that `final_obs` includes."""
         if self.final_obs == "none":
             return {}
@@ -120,28 +120,28 @@ class AutoReset:
         return {name: value for name, value in obs.items() if name not in costly}
 
     def _costly_names(self) -> set[str]:
-        return {name for sensor in self.core.sensors if sensor.costly for name in sensor.spec(self.config)}
+        return {name for sensor in self.core.sensors if sensor.casts_rays for name in sensor.spec(self.config)}
 
-    def _final(
+    def _final_obs(
         self, params: EnvParams, stepped: State, obs: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
         """Return the observations before the reset."""
-        kept = self._kept(obs)
+        kept = self._select_final(obs)
         if not kept:
             return kept
 
         def cheap(state: State) -> dict[str, Array]:
-            return self.core.sense(self.core.snapshot(params, state), state, costly=False)
+            return self.core.sense(self.core.snapshot(params, state), state, casts_rays=False)
 
         last = jax.vmap(cheap)(stepped)
-        kept |= {name: where_envs(done, value, obs[name]) for name, value in last.items() if name in kept}
+        kept |= {name: select_envs(done, value, obs[name]) for name, value in last.items() if name in kept}
         return kept if self.final_obs == "cheap" else self._render_final(params, stepped, kept, done)
 
     def _render_final(
         self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
         """Render the last observations of ended environments: of a few separately, else of the whole batch."""
-        few = min(FEW, done.shape[0])
+        few = min(MAX_SEPARATE_RENDERS, done.shape[0])
         count = jnp.sum(done.astype(jnp.int32))
 
         def nobody(_: State) -> dict[str, Array]:
@@ -155,16 +155,16 @@ class AutoReset:
 
         def many(stepped: State) -> dict[str, Array]:
             seen = self._perceive(params, stepped).obs
-            return {name: where_envs(done, seen[name], value) for name, value in kept.items()}
+            return {name: select_envs(done, seen[name], value) for name, value in kept.items()}
 
         case = (count > 0).astype(jnp.int32) + (count > few).astype(jnp.int32)
         return jax.lax.switch(case, [nobody, some, many], stepped)
 
-    def _with_final(self, state: State, final: dict[str, Array]) -> State:
+    def _store_final(self, state: State, final: dict[str, Array]) -> State:
         return state.replace(info={**state.info, **({"final_obs": final} if self.final_obs != "none" else {})})
 
 
-def _count(key: Any) -> int:
+def _num_keys(key: Any) -> int:
     typed = hasattr(key, "dtype") and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
     if not hasattr(key, "dtype") or key.ndim != (1 if typed else 2):
         hint = "Write jax.random.split(jax.random.key(0), num_envs)."
@@ -172,6 +172,6 @@ def _count(key: Any) -> int:
     return key.shape[0]
 
 
-def where_envs(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
+def select_envs(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
     """Return the rows of `new` where the mask holds, else those of `old`; both are batches of the same tree."""
     return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)

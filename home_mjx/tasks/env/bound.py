@@ -18,11 +18,11 @@ from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.env.moves import action_names
 from home_mjx.tasks.env.usable import check_bank, check_sounds, check_variation
 from home_mjx.tasks.validation.fit import check_tasks
-from home_mjx.tasks.variation.ranges import as_variation
+from home_mjx.tasks.variation.ranges import to_variation
 
 
 @runtime_checkable
-class Core(Protocol):
+class EnvCore(Protocol):
     """Interface of an unbound environment: `HouseholdEnv`, or a wrapper around it such as `AutoReset`."""
 
     @property
@@ -72,11 +72,11 @@ class Core(Protocol):
         ...
 
 
-LARGE = 2**30  # [bytes], size above which a constant compiles slowly and takes its memory twice
-C = TypeVar("C", bound=Core)
+MIN_LARGE_BANK_BYTES = 2**30  # [bytes], size above which a constant compiles slowly and takes its memory twice
+C = TypeVar("C", bound=EnvCore)
 
 
-class BoundEnv(Generic[C]):
+class Env(Generic[C]):
     """A core and its `EnvParams`: `reset(key)` and `step(state, action)`, as in Brax and short scripts.
 
     A jitted caller embeds the bank in its program as a constant, which is wasteful above about 1 GB. Pass large banks
@@ -102,23 +102,23 @@ class BoundEnv(Generic[C]):
         check_variation(core.config, params.variation)
         # Built here, not in the first trace: arrays made inside `pmap` or `shard_map` stay tied to that mesh.
         core.template(params.bank)
-        self._is_large = bank_bytes(params.bank) > LARGE
+        self._is_large = bank_bytes(params.bank) > MIN_LARGE_BANK_BYTES
 
     def reset(self, key: Array, house: Any = None, episode: Any = None) -> State:
         """Start a new episode, see `HouseholdEnv.reset`."""
-        self._warn_of_baking(key)
+        self._warn_constant_bank(key)
         return self.core.reset(self.params, key, house, episode)
 
     def step(self, state: State, action: ArrayLike) -> State:
         """Run one control step, see `HouseholdEnv.step`."""
-        self._warn_of_baking(action)
+        self._warn_constant_bank(action)
         return self.core.step(self.params, state, action)
 
     def observe(self, state: State) -> State:
         """Return the state with recomputed observations."""
         return self.core.observe(self.params, state)
 
-    def with_tasks(self, episodes: Any) -> "BoundEnv[C]":
+    def with_tasks(self, episodes: Any) -> "Env[C]":
         """Return the same environment with episodes for its resets; None: resets sample new ones.
 
         Args:
@@ -127,9 +127,9 @@ class BoundEnv(Generic[C]):
         Raises:
             ConfigError: An episode cannot be started or solved here, see `check_tasks`; names the row and the column.
         """
-        return BoundEnv(self.core, self.params.replace(tasks=episodes), self.spec)
+        return Env(self.core, self.params.replace(tasks=episodes), self.spec)
 
-    def with_variation(self, variation: Any) -> "BoundEnv[C]":
+    def with_variation(self, variation: Any) -> "Env[C]":
         """Return the same environment with other ranges of domain randomisation; None: nothing varies.
 
         Args:
@@ -141,9 +141,9 @@ class BoundEnv(Generic[C]):
         Example:
             >>> env = env.with_variation({"exposure": (0.5, 1.5)})  # doctest: +SKIP
         """
-        return BoundEnv(self.core, self.params.replace(variation=as_variation(variation)), self.spec)
+        return Env(self.core, self.params.replace(variation=to_variation(variation)), self.spec)
 
-    def _warn_of_baking(self, argument: Any) -> None:
+    def _warn_constant_bank(self, argument: Any) -> None:
         """Warn once if a large bank becomes a constant: a traced argument means that a program is compiled."""
         if self._is_large and isinstance(argument, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
             self._is_large = False  # warn once

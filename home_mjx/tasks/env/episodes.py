@@ -16,13 +16,13 @@ from home_mjx.tasks.base.state import Episodes, check_rows
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.suite.goals import OTHER_BANK
+from home_mjx.tasks.suite.goals import OTHER_BANK_HINT
 from home_mjx.tasks.suite.point_nav import PointNav
 from home_mjx.tasks.suite.task_lines import load_tasks
 
-MAX_BYTES = 1 << 28  # [bytes], maximum size of an episode file; about a million episodes
-LARGEST = 1 << 30  # [bytes], maximum size of a file of episodes or tasks
-NO_LINES = "Write one JSON object a line, see `save_episodes`."
+MAX_EPISODE_FILE_BYTES = 1 << 28  # [bytes], maximum size of an episode file; about a million episodes
+MAX_FILE_BYTES = 1 << 30  # [bytes], maximum size of a file of episodes or tasks
+EMPTY_FILE_HINT = "Write one JSON object a line, see `save_episodes`."
 POINT_NAV = PointNav()
 
 
@@ -52,7 +52,7 @@ def sample_episodes(
         >>> episodes = sample_episodes(env.bank, 1000, min_length=2.0)  # doctest: +SKIP
         >>> states = jax.vmap(env.with_tasks(episodes).reset)(keys)  # doctest: +SKIP
     """
-    check_number("num", num, 1, whole=True)
+    check_number("num", num, 1, integer=True)
     keys = jax.random.split(jax.random.key(seed), num)
     house = jnp.arange(num, dtype=jnp.int32) % bank.num_houses
     limits = {"min_length": jnp.float32(min_length), "max_length": jnp.float32(max_length)}
@@ -108,18 +108,20 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
     file = as_path(path, "episodes")
     check_type("bank", bank, HouseBank)
     index = {name: i for i, name in enumerate(bank.house_ids)}
-    rows = list(read_json_lines(file, "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
+    rows = list(
+        read_json_lines(file, "episode", lambda line: _parse_episode(line, bank, index, task), MAX_EPISODE_FILE_BYTES)
+    )
     if not rows:
-        raise DatasetError("file holds no episode", file=path, hint=NO_LINES)
+        raise DatasetError("file holds no episode", file=path, hint=EMPTY_FILE_HINT)
     episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
-    lost = np.flatnonzero(~np.asarray(_are_possible(task, bank, episodes)))
+    lost = np.flatnonzero(~np.asarray(_are_solvable(task, bank, episodes)))
     if len(lost):
         message = "from its start no agent can walk to its goal"
-        raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK)
+        raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK_HINT)
     return episodes
 
 
-def load_rows(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskBank:
+def load_episodes_or_tasks(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskBank:
     """Load the kind of file that fits a task: that of `save_tasks` for a `RowTask`, else that of `save_episodes`.
 
     Args:
@@ -131,7 +133,7 @@ def load_rows(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskB
         DatasetError: As for `load_tasks` and `load_episodes`, or the file is of the other kind.
     """
     is_bank = isinstance(task, RowTask)
-    lines = read_json_lines(as_path(path, "episodes"), "episode", lambda line: "stages" in line, LARGEST)
+    lines = read_json_lines(as_path(path, "episodes"), "episode", lambda line: "stages" in line, MAX_FILE_BYTES)
     if next(iter(lines), is_bank) != is_bank:
         kinds = [f"holds what `{name}` writes" for name in ("save_episodes", "save_tasks")]
         hint = f"{type(task).__name__} takes what `{'save_tasks' if is_bank else 'save_episodes'}` writes."
@@ -139,36 +141,36 @@ def load_rows(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskB
     return load_tasks(path, bank) if is_bank else load_episodes(path, bank, task)
 
 
-def houses_named(path: str | Path) -> tuple[str, ...]:
+def read_house_ids(path: str | Path) -> tuple[str, ...]:
     """Return the ids of the houses in a file of episodes or tasks, each once, in order.
 
     Raises:
         DatasetError: A line is malformed, or the file has no lines.
     """
-    found = read_json_lines(as_path(path, "episodes"), "episode", lambda line: str(line["house"]), LARGEST)
+    found = read_json_lines(as_path(path, "episodes"), "episode", lambda line: str(line["house"]), MAX_FILE_BYTES)
     ids = tuple(dict.fromkeys(found))
     if not ids:
-        raise DatasetError("file holds no episode", file=path, hint=NO_LINES)
+        raise DatasetError("file holds no episode", file=path, hint=EMPTY_FILE_HINT)
     return ids
 
 
-def _are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
-    return jax.jit(lambda bank, rows: jax.vmap(lambda row: task.possible(bank, row))(rows))(bank, episodes)
+def _are_solvable(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
+    return jax.jit(lambda bank, rows: jax.vmap(lambda row: task.is_solvable(bank, row))(rows))(bank, episodes)
 
 
-def _row(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
+def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
     name = type(task).__name__
     if line.get("task", name) not in [kind.__name__ for kind in type(task).__mro__]:
         message = f"the episode is one of {line['task']!s:.100}, not of {name}"
         raise DatasetError(message, element="task", hint="Give the task that it was drawn for.")
     if line["house"] not in index:
-        raise UnknownIdError(f"the bank has no house {line['house']}", hint=OTHER_BANK)
+        raise UnknownIdError(f"the bank has no house {line['house']}", hint=OTHER_BANK_HINT)
     house, start, yaw = index[line["house"]], np.array(line["start"], float), float(line["yaw"])
     if start.shape != (3,) or not np.isfinite([*start, yaw]).all():
         raise ValueError("`start` must be three finite numbers and `yaw` one")
-    columns = {name: _number(value) for name, value in task.from_json(bank, house, line).items()}
+    columns = {name: _as_scalar(value) for name, value in task.from_json(bank, house, line).items()}
     return {"house": np.int32(house), "start": start.astype(np.float32), "yaw": np.float32(yaw), "columns": columns}
 
 
-def _number(value: Any) -> Any:
+def _as_scalar(value: Any) -> Any:
     return np.int32(value) if isinstance(value, int) else np.float32(value)

@@ -7,23 +7,23 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.physics.hands import Commands
+from home_mjx.physics.hands import HandCommands
 from home_mjx.raycast_render.casting.cast import cast
-from home_mjx.raycast_render.scene.surface import normals, object_ids
+from home_mjx.raycast_render.scene.surface import face_normals, object_ids
 from home_mjx.raycast_render.scene.types import Hit
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
-from home_mjx.tasks.sensors.reaching import footprints, plan_radius, room_at
+from home_mjx.tasks.sensors.reaching import check_placement, obstacle_footprints, plan_radius
 
-PRESSED = 0.5  # absolute value above which an action element counts as a command
-GAP = 0.01  # [m], minimum gap between an object that is put down and its neighbours
-RAYS = 9  # number per direction, with an `aim_angle`
-LEVEL = 0.7  # minimum z component of the normal of a surface on which objects can be placed
+MIN_COMMAND = 0.5  # absolute value above which an action element counts as a command
+MIN_PLACE_GAP = 0.01  # [m], minimum gap between an object that is put down and its neighbours
+NUM_AIM_ANGLES = 9  # number per direction, with an `max_aim_angle`
+MIN_SURFACE_NORMAL_Z = 0.7  # minimum z component of the normal of a surface on which objects can be placed
 
 
-def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a 3"]) -> Commands:
+def decode_hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a 3"]) -> HandCommands:
     """Return hand commands of all agents.
 
     Args:
@@ -31,35 +31,35 @@ def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a
         snapshot: The environment.
         action: `pick` above 0.5 grasps the body at the view centre, or places the held object on the surface there;
             below -0.5 it drops it. `throw` above 0.5 throws along the view direction. `turn` above 0.5 opens the door
-            at the view centre, below -0.5 closes it. With an `aim_angle` the nearest usable target counts: a body that
+            at the view centre, below -0.5 closes it. With an `max_aim_angle` the nearest usable target counts: a body that
             can be lifted, a spot with room for the held object, or a door.
     """
     bank, house = snapshot.bank, snapshot.house
     eyes, (pick, throw, turn) = eye_position(config, snapshot.pose), action.T
-    view = view_rays(config, snapshot.pose)
-    hit = look_past_hand(config, snapshot, eyes, view)
+    view = aim_directions(config, snapshot.pose)
+    hit = cast_past_hand(config, snapshot, eyes, view)
     fixed = (hit.instance >= 0) & (hit.instance < bank.spec.num_instances)  # not an agent
     body = jnp.where(fixed, bank.geometry.instance_body[house, jnp.where(fixed, hit.instance, 0)], -1)
     point = eyes[:, None] + view * hit.t[..., None]
-    near, holds = in_reach(config, snapshot, point), snapshot.held >= 0
-    level = fixed & (normals(snapshot.scene, view, hit)[..., 2] > LEVEL)
-    puts = (pick > PRESSED) & holds & jnp.any(level, axis=-1)
-    door = door_numbers(snapshot, hit)
-    taken = _nearest(body, body >= 0, near & _light(config, snapshot, body))
-    return Commands(
-        pick=jnp.where((pick > PRESSED) & ~holds, taken, -1),
-        place=jnp.where(puts[:, None], _nearest(point, level, near & _has_room(snapshot, point)), jnp.inf),
-        drop=pick < -PRESSED,
-        throw=jnp.where((throw > PRESSED)[:, None], view[:, 0], 0.0),
-        door=jnp.where(jnp.abs(turn) > PRESSED, _nearest(door, door >= 0, near), -1),
+    near, holds = is_in_reach(config, snapshot, point), snapshot.held >= 0
+    level = fixed & (face_normals(snapshot.scene, view, hit)[..., 2] > MIN_SURFACE_NORMAL_Z)
+    puts = (pick > MIN_COMMAND) & holds & jnp.any(level, axis=-1)
+    door = door_indices(snapshot, hit)
+    taken = _pick_target(body, body >= 0, near & _is_liftable(config, snapshot, body))
+    return HandCommands(
+        pick=jnp.where((pick > MIN_COMMAND) & ~holds, taken, -1),
+        place=jnp.where(puts[:, None], _pick_target(point, level, near & _has_room(snapshot, point)), jnp.inf),
+        drop=pick < -MIN_COMMAND,
+        throw=jnp.where((throw > MIN_COMMAND)[:, None], view[:, 0], 0.0),
+        door=jnp.where(jnp.abs(turn) > MIN_COMMAND, _pick_target(door, door >= 0, near), -1),
         open=turn > 0,
     )
 
 
-def view_rays(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
+def aim_directions(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
     """Return unit directions in which hands aim: the view centre first, then others by increasing angle."""
-    angle = math.radians(config.aim_angle)
-    offsets = np.linspace(-angle, angle, RAYS) if angle else np.zeros(1)
+    angle = math.radians(config.max_aim_angle)
+    offsets = np.linspace(-angle, angle, NUM_AIM_ANGLES) if angle else np.zeros(1)
     turn, tilt = (x.reshape(-1) for x in np.meshgrid(offsets, offsets))
     order = np.argsort(np.hypot(turn, tilt), kind="stable")
     yaw = pose.yaw[:, None] + jnp.asarray(turn[order], jnp.float32)
@@ -68,7 +68,7 @@ def view_rays(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
     return jnp.stack([jnp.cos(yaw) * level, jnp.sin(yaw) * level, jnp.sin(pitch)], axis=-1)
 
 
-def in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
+def is_in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
     """Return which points each agent's hand can reach, measured from the vertical axis of its body."""
     half, reach = jnp.array([(body.height / 2, body.reach) for body in config.physics.agents], jnp.float32).T
     offset = point - snapshot.pose.pos[:, None]
@@ -76,12 +76,12 @@ def in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]
     return jnp.linalg.norm(offset.at[..., 2].set(beyond), axis=-1) <= reach[:, None]
 
 
-def _light(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bool[Array, "a n"]:
+def _is_liftable(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bool[Array, "a n"]:
     """Return which bodies are light enough for each agent's hand."""
     if not snapshot.bank.spec.num_bodies:
         return body >= 0
-    lift = jnp.array([body.lift for body in config.physics.agents], jnp.float32)
-    mass, bodies = snapshot.bank.physics.body_mass[snapshot.house, jnp.maximum(body, 0)], snapshot.bodies
+    lift = jnp.array([body.max_lift_mass for body in config.physics.agents], jnp.float32)
+    mass, bodies = snapshot.bank.physics.body_mass[snapshot.house, jnp.maximum(body, 0)], snapshot.body_scale
     mass = mass if bodies is None or bodies.mass is None else mass * bodies.mass
     return mass <= lift[:, None]
 
@@ -95,13 +95,15 @@ def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "
     radius = jax.vmap(plan_radius)(physics.body_size[house, held], physics.body_quat[house, held])
 
     def one(point: Array, radius: Array, carried: Array) -> Array:
-        bears, apart = room_at(footprints(snapshot.scene, carried), point[:, :2], point[:, 2], radius + GAP)
+        bears, apart = check_placement(
+            obstacle_footprints(snapshot.scene, carried), point[:, :2], point[:, 2], radius + MIN_PLACE_GAP
+        )
         return bears & apart
 
-    return jax.vmap(one)(jnp.where(jnp.isfinite(point), point, jnp.float32(1e6)), radius, carried_ids(snapshot))
+    return jax.vmap(one)(jnp.where(jnp.isfinite(point), point, jnp.float32(1e6)), radius, held_object_ids(snapshot))
 
 
-def door_numbers(snapshot: Snapshot, hit: Hit) -> Int[Array, "a n"]:
+def door_indices(snapshot: Snapshot, hit: Hit) -> Int[Array, "a n"]:
     """Return the index of the door leaf that each ray of each agent hits; -1 none."""
     physics, house = snapshot.bank.physics, snapshot.house
     leaf = physics.door_valid[house] & (physics.door_instance[house] == hit.instance[..., None])
@@ -109,18 +111,18 @@ def door_numbers(snapshot: Snapshot, hit: Hit) -> Int[Array, "a n"]:
     return jnp.max(number, axis=-1, initial=-1)  # for houses without doors
 
 
-def _nearest(values: Array, fits: Bool[Array, "a n"], good: Bool[Array, "a n"]) -> Array:
+def _pick_target(values: Array, fits: Bool[Array, "a n"], good: Bool[Array, "a n"]) -> Array:
     """Return per agent the first value that fits and is good, else the first that fits, else the first."""
     count = fits.shape[1]
     cost = jnp.where(fits & good, 0, jnp.where(fits, count, 2 * count)) + jnp.arange(count)
     return values[jnp.arange(fits.shape[0]), jnp.argmin(cost, axis=-1)]
 
 
-def look_past_hand(
+def cast_past_hand(
     config: EnvConfig, snapshot: Snapshot, eyes: Float[Array, "a 3"], view: Float[Array, "a n 3"]
 ) -> Hit:
     """Cast rays from each agent's eyes that ignore its own body and the object that it carries."""
-    own, carried = agent_ids(snapshot.bank, config.num_agents)[:, None], carried_ids(snapshot)[:, None]
+    own, carried = agent_ids(snapshot.bank, config.num_agents)[:, None], held_object_ids(snapshot)[:, None]
     own, carried = (jnp.broadcast_to(x, view.shape[:2]) for x in (own, carried))
     origin = jnp.broadcast_to(eyes[:, None], view.shape)
     hit = cast(snapshot.scene, origin, view, exclude=own)
@@ -129,7 +131,7 @@ def look_past_hand(
     return jax.tree.map(lambda a, b: jnp.where(covers, a, b), past, hit)
 
 
-def carried_ids(snapshot: Snapshot) -> Int[Array, " a"]:
+def held_object_ids(snapshot: Snapshot) -> Int[Array, " a"]:
     """Return the object id of the body that each agent holds; -1 none."""
     bank, house, body = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
     if not bank.spec.num_bodies:

@@ -12,29 +12,29 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.houses.bakes import Bake
 from home_mjx.physics import PhysicsState
-from home_mjx.physics.hands import obey, settle
+from home_mjx.physics.hands import apply_hand_commands, update_hands
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import EnvParams, State, World
-from home_mjx.tasks.base.status import flags
+from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.contact_sounds.happen import after_step
-from home_mjx.tasks.env.begin import first_instant, lost_weights, snapshot_of, template_of
-from home_mjx.tasks.env.bound import BoundEnv
-from home_mjx.tasks.env.handling import hand_commands
+from home_mjx.tasks.contact_sounds.happen import update_contact_sounds
+from home_mjx.tasks.env.begin import build_snapshot, init_physics_and_world, physics_template, weights_flag
+from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.handling import decode_hand_commands
 from home_mjx.tasks.env.moves import (
-    Moves,
+    DecodedActions,
     action_names,
     action_spec,
-    moves_of,
+    apply_move_noise,
+    decode_actions,
+    override_moves,
     spoken_tokens,
-    tilted,
-    with_led,
-    with_noise,
+    update_pitch,
 )
-from home_mjx.tasks.env.usable import check_fit, check_observations, check_task, checked_metrics
-from home_mjx.tasks.sensors.choose import choose_sensors, keepers, sensor_names
+from home_mjx.tasks.env.usable import check_metrics, check_observations, check_task, check_task_options
+from home_mjx.tasks.sensors.choose import resolve_sensor_names, select_sensors, state_owners
 from home_mjx.tasks.suite.point_nav import PointNav
 
 
@@ -42,7 +42,7 @@ class HouseholdEnv:
     """Agents in houses: the core, whose functions take `EnvParams` first. Each is for one environment: use `jax.vmap`.
 
     `reset(params, key)`, `step(params, state, action)` and `observe(params, state)` return the same tree. The bank is
-    an argument, never a constant of the compiled program. `bind(bank)` returns a `BoundEnv` with `reset(key)` and
+    an argument, never a constant of the compiled program. `bind(bank)` returns a `Env` with `reset(key)` and
     `step(state, action)`.
 
     Args:
@@ -52,7 +52,7 @@ class HouseholdEnv:
     Attributes:
         config: The options, with resolved sensor names.
         task: The task.
-        own_config: The options restricted to the acting agents, as passed to sensors.
+        acting_config: The options restricted to the acting agents, as passed to sensors.
         sensors: The sensors, without those of the task.
         action_spec: Forward, left, turn left, look up: each in [-1, 1], as a fraction of its maximum rate. Discrete:
             the index of one of `action_names`.
@@ -73,17 +73,17 @@ class HouseholdEnv:
             raise ConfigError("HouseholdEnv takes options, not a bank", hint="Write HouseholdEnv(config).bind(bank).")
         self.task = task or PointNav()
         config = config or EnvConfig()
-        check_fit(config, self.task)
+        check_task_options(config, self.task)
         self.config = config.replace(
-            sensors=sensor_names(config, self.task),
+            sensors=resolve_sensor_names(config, self.task),
             num_sources=max(config.num_sources, self.task.num_sources),
             clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
             speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
         )
-        self.own_config = self.config.of_first(self.num_agents)
-        self.sensors = choose_sensors(self.own_config, self.task)
+        self.acting_config = self.config.select_agents(self.num_agents)
+        self.sensors = select_sensors(self.acting_config, self.task)
         spoken_tokens(self.config)  # raises for words that the language lacks
-        self.action_spec = action_spec(self.own_config)
+        self.action_spec = action_spec(self.acting_config)
         self.observation_spec = self._observation_spec()
 
     @property
@@ -102,7 +102,7 @@ class HouseholdEnv:
     @property
     def bakes(self) -> tuple[Bake, ...]:
         """Bakes of houses that the sensors need, each once; `make` adds them to the bank."""
-        needed = [bake for sensor in self.sensors for bake in (sensor.keeper or sensor).bakes(self.own_config)]
+        needed = [bake for sensor in self.sensors for bake in (sensor.state_owner or sensor).bakes(self.acting_config)]
         return tuple({bake.name: bake for bake in needed}.values())
 
     @property
@@ -115,13 +115,13 @@ class HouseholdEnv:
         """Number of elements of an action per agent, see `action_spec`; for discrete actions their number."""
         return len(self.action_names)
 
-    def bind(self, bank: HouseBank | EnvParams) -> "BoundEnv[HouseholdEnv]":
+    def bind(self, bank: HouseBank | EnvParams) -> "Env[HouseholdEnv]":
         """Return the environment with its parameters: `reset(key)`, `step(state, action)`.
 
         Raises:
             ConfigError: The houses were compiled for another body, see `check_bank`.
         """
-        return BoundEnv(self, bank if isinstance(bank, EnvParams) else EnvParams(bank, self.task.task_bank(bank)))
+        return Env(self, bank if isinstance(bank, EnvParams) else EnvParams(bank, self.task.task_bank(bank)))
 
     def reset(
         self,
@@ -162,39 +162,39 @@ class HouseholdEnv:
     def observe(self, params: EnvParams, state: State) -> State:
         """Return the state with observations recomputed from its other fields, which stay as they are."""
         snapshot = self.snapshot(params, state)
-        obs = self.sense(snapshot, state, costly=True)
-        return state.replace(obs=obs | self.sense(snapshot, state, costly=False))
+        obs = self.sense(snapshot, state, casts_rays=True)
+        return state.replace(obs=obs | self.sense(snapshot, state, casts_rays=False))
 
     def perceive(self, params: EnvParams, state: State) -> State:
         """Update the sensor states, then observe. Call it once after each `begin` or `advance`."""
         snapshot = self.snapshot(params, state)
-        snapshot, config = snapshot.of_first(self.num_agents), self.own_config
-        kept, lost = dict(state.world.sensors), state.status
-        for sensor in keepers(self.sensors):
+        snapshot, config = snapshot.select_agents(self.num_agents), self.acting_config
+        kept, lost = dict(state.world.sensor_states), state.status
+        for sensor in state_owners(self.sensors):
             kept[sensor.name] = sensor.update(config, snapshot, kept[sensor.name])
             lost = lost | jnp.asarray(sensor.status(config, snapshot, kept[sensor.name]), jnp.int32)
-        return self.observe(params, state.replace(world=state.world.replace(sensors=kept), status=lost))
+        return self.observe(params, state.replace(world=state.world.replace(sensor_states=kept), status=lost))
 
-    def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
+    def sense(self, snapshot: Snapshot, state: State, casts_rays: bool) -> dict[str, Array]:
         """Return observations of the sensors that cast rays, or of the others and the task.
 
         Args:
             snapshot: Of all agents, see `snapshot`.
             state: The state.
-            costly: True for the sensors that cast rays.
+            casts_rays: True for the sensors that cast rays.
         """
         obs: dict[str, Array] = {}
-        own, config = snapshot.of_first(self.num_agents), self.own_config
+        own, config = snapshot.select_agents(self.num_agents), self.acting_config
         for sensor in self.sensors:
-            if sensor.costly == costly:
-                seen = sensor.observe(config, own, state.world.sensors[(sensor.keeper or sensor).name])
+            if sensor.casts_rays == casts_rays:
+                seen = sensor.observe(config, own, state.world.sensor_states[(sensor.state_owner or sensor).name])
                 check_observations(sensor, sensor.spec(config), seen, self.num_agents)
                 obs |= seen
-        if not costly:
+        if not casts_rays:
             seen = self.task.observe(snapshot, state.task)
             check_observations(self.task, self.task.observation_spec, seen, self.config.num_agents)
             obs |= {name: value for name, value in seen.items() if name in self.observation_spec}
-        return self._squeeze(obs)
+        return self._select_acting(obs)
 
     def begin(
         self,
@@ -204,8 +204,8 @@ class HouseholdEnv:
         episode: Int[Array, ""] | int | None = None,
     ) -> State:
         """Run `reset` without sensors: observations are 0 until `perceive`. For wrappers."""
-        memory = {sensor.name: sensor.init(self.own_config) for sensor in keepers(self.sensors)}
-        data, world, row, goal_key = first_instant(self.config, memory, params, key, house, episode)
+        memory = {sensor.name: sensor.init(self.acting_config) for sensor in state_owners(self.sensors)}
+        data, world, row, goal_key = init_physics_and_world(self.config, memory, params, key, house, episode)
         snapshot = self._snapshot(params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
         no = jnp.zeros((), bool)
@@ -214,11 +214,11 @@ class HouseholdEnv:
             world=world.replace(sounds=self.task.sounds(snapshot, task)),
             task=task,
             obs={name: jnp.zeros(spec.shape, spec.dtype) for name, spec in self.observation_spec.items()},
-            reward=self._squeeze(jnp.zeros(self.num_agents, jnp.float32)),
+            reward=self._select_acting(jnp.zeros(self.num_agents, jnp.float32)),
             terminated=no,
             truncated=no,
-            metrics=checked_metrics(self.task, self.task.metrics(snapshot, task)),
-            status=lost_weights(params.tasks, episode),
+            metrics=check_metrics(self.task, self.task.metrics(snapshot, task)),
+            status=weights_flag(params.tasks, episode),
             info={},
         )
 
@@ -226,49 +226,49 @@ class HouseholdEnv:
         """Run `step` without sensors: physics, task, reward. For wrappers.
 
         A step that leads to a pose that is not finite is undone and ends the episode. The state stays finite; `status`
-        and `World.faults` record the fault.
+        and `World.num_faults` record the fault.
         """
         bank, template = params.bank, self.template(params.bank)
-        moves = moves_of(self.config, action, self._stopped(state), self.num_agents)
-        moves = with_noise(self.config, self._led(params, state, moves), state.world)
-        before = self._use_hands(params, self._set_off(params, state, moves), moves)
+        moves = decode_actions(self.config, action, self._idle_agents(state), self.num_agents)
+        moves = apply_move_noise(self.config, self._apply_task_control(params, state, moves), state.world)
+        before = self._apply_hand_commands(params, self._set_agent_speed(params, state, moves), moves)
         data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
         if self.config.hands:
-            data = settle(template, bank, state.world.house, data)
-        broken = physics.is_broken(data)
+            data = update_hands(template, bank, state.world.house, data)
+        broken = physics.is_unstable(data)
         data = physics.undo_where(broken, data, state.physics)
         world = state.world.replace(
-            pitch=tilted(self.config, state.world.pitch, moves.look),
-            stopped=moves.stop,
-            said=moves.said,
+            pitch=update_pitch(self.config, state.world.pitch, moves.look),
+            stopped=moves.stopped,
+            spoken_token=moves.spoken_token,
             step=state.world.step + 1,
             action=moves.action,
-            faults=state.world.faults + broken.astype(jnp.int32),
+            num_faults=state.world.num_faults + broken.astype(jnp.int32),
         )
         snapshot = self._snapshot(params, data, world)
         snapshot = snapshot.replace(sounds=self.task.sounds(snapshot, state.task))
-        noises, unheard = self._noises(template, state.physics, data, snapshot)
+        noises, unheard = self._contact_sounds(template, state.physics, data, snapshot)
         task = self.task.update(snapshot, state.task)
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
-        metrics = checked_metrics(self.task, self.task.metrics(snapshot, task))
+        metrics = check_metrics(self.task, self.task.metrics(snapshot, task))
         check_task(self.task, state.task, task, reward, terminated, self.config.num_agents)
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
-            world=world.replace(reward=reward, sounds=snapshot.sounds, noises=noises),
+            world=world.replace(reward=reward, sounds=snapshot.sounds, contact_sounds=noises),
             task=task,
-            reward=self._squeeze(reward),
+            reward=self._select_acting(reward),
             terminated=terminated,
             truncated=(world.step >= self.config.episode_length) & ~terminated,
             metrics={**state.metrics, **metrics},  # keep entries of wrappers
-            status=flags(
+            status=status_flags(
                 NOT_A_NUMBER=broken,
                 STATIC_BOXES=lost.static_boxes,
                 CONTACT_PAIRS=lost.contact_pairs,
                 CONTACT_POINTS=lost.contact_points,
-                ACTION=moves.unusable,
+                ACTION=moves.is_invalid,
                 NOISES=unheard,
-                OUTSIDE=physics.is_outside(template, bank, state.world.house, data),
+                OUTSIDE=physics.is_out_of_bounds(template, bank, state.world.house, data),
             ),
         )
 
@@ -277,51 +277,53 @@ class HouseholdEnv:
         return self._snapshot(params, state.physics, state.world)
 
     def _observation_spec(self) -> Specs:
-        own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.own_config).items()}
+        own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.acting_config).items()}
         offered = self.task.observation_spec
         own |= {name: offered[name] for name in self.config.sensors or () if name in offered}
         return {name: spec.for_agents(self.num_agents) for name, spec in own.items()}
 
     def _snapshot(self, params: EnvParams, data: Any, world: World) -> Snapshot:
-        return snapshot_of(self.config, params, data, world)
+        return build_snapshot(self.config, params, data, world)
 
-    def _led(self, params: EnvParams, state: State, moves: Moves) -> Moves:
+    def _apply_task_control(self, params: EnvParams, state: State, moves: DecodedActions) -> DecodedActions:
         """Replace the moves of agents that the task controls."""
-        if type(self.task).lead is Task.lead:
+        if type(self.task).control_agents is Task.control_agents:
             return moves
-        led = self.task.lead(self.snapshot(params, state), state.task)
-        return moves if led is None else with_led(self.config, moves, self._stopped(state), *led)
+        led = self.task.control_agents(self.snapshot(params, state), state.task)
+        return moves if led is None else override_moves(self.config, moves, self._idle_agents(state), *led)
 
-    def _stopped(self, state: State) -> Any:
+    def _idle_agents(self, state: State) -> Any:
         """Return the agents that stay idle."""
         stopped = state.world.stopped
-        return stopped if self.task.stops_for_good else jnp.zeros_like(stopped)
+        return stopped if self.task.stop_is_final else jnp.zeros_like(stopped)
 
-    def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
+    def _set_agent_speed(self, params: EnvParams, state: State, moves: DecodedActions) -> State:
         """Set agents to the speed of their discrete move, so that it covers exactly its distance."""
         if self.config.discrete is None:
             return state
         return state.replace(physics=physics.with_agent_speed(self.template(params.bank), state.physics, moves.drive))
 
-    def _noises(self, template: physics.Template, before: Any, after: Any, snapshot: Snapshot) -> tuple[Any, Any]:
+    def _contact_sounds(
+        self, template: physics.Template, before: Any, after: Any, snapshot: Snapshot
+    ) -> tuple[Any, Any]:
         """Return the contact sounds after a step, and whether one found no free slot."""
-        if self.config.noises is None:
+        if self.config.contact_sounds is None:
             return None, jnp.zeros((), bool)
-        return after_step(self.config, template, before, after, snapshot)
+        return update_contact_sounds(self.config, template, before, after, snapshot)
 
-    def _use_hands(self, params: EnvParams, state: State, moves: Moves) -> PhysicsState:
+    def _apply_hand_commands(self, params: EnvParams, state: State, moves: DecodedActions) -> PhysicsState:
         """Return the physics state with the hands' commands applied."""
         if not self.config.hands:
             return state.physics
         snapshot, template = self.snapshot(params, state), self.template(params.bank)
-        commands = hand_commands(self.config, snapshot, moves.hands)
-        return obey(template, params.bank, state.world.house, state.physics, commands)
+        commands = decode_hand_commands(self.config, snapshot, moves.hands)
+        return apply_hand_commands(template, params.bank, state.world.house, state.physics, commands)
 
     def template(self, bank: HouseBank) -> physics.Template:
         """Return the physics template for banks of this capacity."""
-        return template_of(self.config, bank.spec)
+        return physics_template(self.config, bank.spec)
 
-    def _squeeze(self, tree: Any) -> Any:
+    def _select_acting(self, tree: Any) -> Any:
         """Drop agents that the task controls, and the agent axis if a single agent acts."""
         if self.num_agents == 1:
             return jax.tree.map(lambda x: x[0], tree)

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from home_mjx.bank.usage import bank_bytes
 from home_mjx.core.checks import check_number
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 
 
 @dataclass(frozen=True)
@@ -19,13 +19,13 @@ class MemoryEstimate:
         states: The states of all environments, observations included. A step holds two of them, the one before and the
             one after, unless the caller donates the first.
         observations: Part of `states` for observations.
-        state: The state of one environment.
+        state_per_env: The state of one environment.
     """
 
     bank: int
     states: int
     observations: int
-    state: int
+    state_per_env: int
 
     @property
     def total(self) -> int:
@@ -33,11 +33,11 @@ class MemoryEstimate:
         return self.bank + 2 * self.states
 
     def __str__(self) -> str:
-        parts = f"bank {_text(self.bank)}, states 2 x {_text(self.states)} ({_text(self.state)} each)"
+        parts = f"bank {_text(self.bank)}, states 2 x {_text(self.states)} ({_text(self.state_per_env)} each)"
         return f"{_text(self.total)}: {parts}"
 
 
-def estimate_memory(env: BoundEnv, num_envs: int) -> MemoryEstimate:
+def estimate_memory(env: Env, num_envs: int) -> MemoryEstimate:
     """Estimate the memory of a batch of environments; nothing is allocated.
 
     Args:
@@ -48,7 +48,7 @@ def estimate_memory(env: BoundEnv, num_envs: int) -> MemoryEstimate:
         >>> print(estimate_memory(env, 4096))  # doctest: +SKIP
         1.7 GiB: bank 49.3 MiB, states 2 x 850.1 MiB (212.5 KiB each)
     """
-    check_number("num_envs", num_envs, 1, whole=True)
+    check_number("num_envs", num_envs, 1, integer=True)
     state = jax.eval_shape(env.core.reset, env.params, jax.ShapeDtypeStruct((2,), jnp.uint32))
     each, seen = (sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(tree)) for tree in (state, state.obs))
     return MemoryEstimate(bank_bytes(env.bank), num_envs * each, num_envs * seen, each)

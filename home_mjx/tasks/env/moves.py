@@ -18,13 +18,13 @@ from home_mjx.tasks.base.specs import (
     DiscreteActions,
 )
 from home_mjx.tasks.base.state import World
-from home_mjx.tasks.env.usable import usable_action, usable_choice
+from home_mjx.tasks.env.usable import clip_action, validate_choice
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.variation.draw import MOVES
-from home_mjx.tasks.variation.noise import noisy_moves
+from home_mjx.tasks.variation.draw import MOVE_NOISE
+from home_mjx.tasks.variation.noise import add_move_noise
 
-# Element of a continuous action that each discrete action sets, and its sign; `stop` sets none.
-SETS = {
+# Element of a continuous action that each discrete action sets, and its sign; `stopped` sets none.
+CONTINUOUS_ELEMENTS = {
     "move_forward": ("forward", 1),
     "turn_left": ("turn_left", 1),
     "turn_right": ("turn_left", -1),
@@ -36,20 +36,20 @@ SETS = {
     "open": ("turn_door", 1),
     "close": ("turn_door", -1),
 }
-SPEAKING = ("say", "answer")  # prefixes of actions that speak, before the colon
-SILENT = -1  # token of an agent that says nothing
-ROUNDING = 1e-4  # [rad], maximum overshoot of `pitch_max` by a discrete look
+SPEECH_PREFIXES = ("say", "answer")  # prefixes of actions that speak, before the colon
+NO_TOKEN = -1  # token of an agent that says nothing
+PITCH_TOLERANCE = 1e-4  # [rad], maximum overshoot of `max_pitch` by a discrete look
 
 
-class Moves(Pytree):
+class DecodedActions(Pytree):
     """Decoded actions of A agents for one step."""
 
     drive: Float[Array, "a 3"]  # forward, left, turn left: fractions of the maximum rates
     look: Float[Array, " a"]  # [rad], up
-    hands: Float[Array, "a n"]  # see `handling.hand_commands`; n is 0 without hands
-    stop: Bool[Array, " a"]
-    said: Int[Array, " a"]  # token; -1 none
-    unusable: Bool[Array, ""]  # an action element was clipped or NaN, or is not a discrete action
+    hands: Float[Array, "a n"]  # see `handling.decode_hand_commands`; n is 0 without hands
+    stopped: Bool[Array, " a"]
+    spoken_token: Int[Array, " a"]  # token; -1 none
+    is_invalid: Bool[Array, ""]  # an action element was clipped or NaN, or is not a discrete action
     action: Float[Array, "a names"]  # the action as decoded: numbers, or one-hot for discrete moves
 
 
@@ -72,53 +72,55 @@ def action_spec(config: EnvConfig) -> ArraySpec:
     return ArraySpec((), "int32", 0, len(names) - 1, text).for_agents(config.num_agents)
 
 
-def moves_of(config: EnvConfig, action: Any, stopped: Any, num_told: int | None = None) -> Moves:
+def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: int | None = None) -> DecodedActions:
     """Return the moves of all agents for an action.
 
     Args:
         config: Options.
         action: As `action_spec` describes.
         stopped: (a,) bool, agents that have stopped before and stay idle. Read after the action has been validated.
-        num_told: Number of agents in `action`, the first ones; the others are idle. None: all.
+        num_commanded: Number of agents in `action`, the first ones; the others are idle. None: all.
 
     Raises:
         ConfigError: The action has another shape or type.
     """
-    names, told = action_names(config), num_told or config.num_agents
+    names, told = action_names(config), num_commanded or config.num_agents
     if config.discrete is None:
-        numbers, unusable = usable_action(action, told, len(names))
-        numbers = _of_all(config, numbers, 0)
-        stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, SILENT, jnp.int32)
-        look, understood = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt), numbers
+        numbers, unusable = clip_action(action, told, len(names))
+        numbers = _pad_agents(config, numbers, 0)
+        stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, NO_TOKEN, jnp.int32)
+        look, understood = numbers[:, 3] * jnp.float32(config.max_pitch_rate * config.timing.ctrl_dt), numbers
     else:
-        chosen, unusable = usable_choice(action, told, len(names))
-        chosen = _of_all(config, chosen, len(names))
+        chosen, unusable = validate_choice(action, told, len(names))
+        chosen = _pad_agents(config, chosen, len(names))
         stop = stopped | (chosen == names.index("stop"))
         table = jnp.asarray(_move_table(config, config.discrete))
         chosen = jnp.where(stop, names.index("stop"), chosen)
         numbers, understood = jax.vmap(lambda rows, i: rows[i])(table, chosen), jax.nn.one_hot(chosen, len(names))
         said = jnp.asarray(spoken_tokens(config))[chosen]
         look = numbers[:, 3]
-    return Moves(
+    return DecodedActions(
         drive=numbers[:, :3],
         look=look,
         hands=numbers[:, len(ACTION_NAMES) :],
-        stop=stop,
-        said=said,
-        unusable=unusable,
+        stopped=stop,
+        spoken_token=said,
+        is_invalid=unusable,
         action=understood,
     )
 
 
-def _of_all(config: EnvConfig, told: Array, nothing: int) -> Array:
+def _pad_agents(config: EnvConfig, told: Array, nothing: int) -> Array:
     """Append idle actions for the agents that `told` does not cover."""
     others = config.num_agents - told.shape[0]
     return jnp.concatenate([told, jnp.full((others, *told.shape[1:]), nothing, told.dtype)]) if others else told
 
 
-def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
+def override_moves(
+    config: EnvConfig, moves: DecodedActions, stopped: Any, mask: Bool[Array, " a"], action: Array
+) -> DecodedActions:
     """Replace the moves of the masked agents by those of `action`, which covers all agents."""
-    own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
+    own = decode_actions(config, action, stopped).replace(is_invalid=moves.is_invalid)
 
     def pick(led: Array, told: Array) -> Array:
         return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
@@ -126,19 +128,19 @@ def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " 
     return jax.tree.map(pick, own, moves)
 
 
-def with_noise(config: EnvConfig, moves: Moves, world: World) -> Moves:
+def apply_move_noise(config: EnvConfig, moves: DecodedActions, world: World) -> DecodedActions:
     """Add actuation noise to the moves, as strong as sampled for the episode."""
-    drawn = world.drawn
+    drawn = world.variation
     if drawn is None or drawn.move_noise is None:
         return moves
     rates = [(body.forward_speed, body.strafe_speed, body.turn_rate) for body in config.physics.agents]
     full = jnp.array(rates, jnp.float32) * config.timing.ctrl_dt
-    key = drawn.noise_key(world.step, MOVES)
-    return moves.replace(drive=noisy_moves(drawn.move_noise, key, moves.drive, full))
+    key = drawn.noise_key(world.step, MOVE_NOISE)
+    return moves.replace(drive=add_move_noise(drawn.move_noise, key, moves.drive, full))
 
 
 def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
-    """Return the token that each discrete action speaks, `SILENT` for moves; the last entry is for invalid actions.
+    """Return the token that each discrete action speaks, `NO_TOKEN` for moves; the last entry is for invalid actions.
 
     Raises:
         ConfigError: The language lacks the word, or an action of `speech` has another form.
@@ -147,13 +149,13 @@ def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
         >>> spoken_tokens(EnvConfig(actions="discrete", speech=("say:the", "answer:a"))).tolist()[6:]
         [1, 2, -1]
     """
-    tokens = [SILENT] * (len(action_names(config)) - len(config.speech))
+    tokens = [NO_TOKEN] * (len(action_names(config)) - len(config.speech))
     for name in config.speech:
         way, _, word = name.partition(":")
-        if way not in SPEAKING or not word or len(word.split()) != 1:
+        if way not in SPEECH_PREFIXES or not word or len(word.split()) != 1:
             raise ConfigError(f"`speech` has {name!r}", hint="Write `say:` or `answer:` and a word, such as say:yes.")
         tokens += tokenize(word)
-    return np.array([*tokens, SILENT], np.int32)
+    return np.array([*tokens, NO_TOKEN], np.int32)
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:
@@ -167,15 +169,15 @@ def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, 
             "look_up": math.radians(moves.tilt_angle),
         }
         for row, name in enumerate(names):
-            if name in SETS:
-                column, sign = SETS[name]
+            if name in CONTINUOUS_ELEMENTS:
+                column, sign = CONTINUOUS_ELEMENTS[name]
                 table[agent, row, columns.index(column)] = sign * sizes.get(column, 1)
     return table
 
 
-def tilted(config: EnvConfig, pitch: Float[Array, " a"], look: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Return the pitch after a look [rad]; a discrete look beyond `pitch_max` is skipped, a continuous one clipped."""
-    most, wanted = jnp.float32(config.pitch_max), pitch + look
+def update_pitch(config: EnvConfig, pitch: Float[Array, " a"], look: Float[Array, " a"]) -> Float[Array, " a"]:
+    """Return the pitch after a look [rad]; a discrete look beyond `max_pitch` is skipped, a continuous one clipped."""
+    most, wanted = jnp.float32(config.max_pitch), pitch + look
     if config.discrete is None:
         return jnp.clip(wanted, -most, most)
-    return jnp.where(jnp.abs(wanted) > most + ROUNDING, pitch, wanted)
+    return jnp.where(jnp.abs(wanted) > most + PITCH_TOLERANCE, pitch, wanted)

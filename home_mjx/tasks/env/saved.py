@@ -12,9 +12,9 @@ from home_mjx.core.files import as_path, read_arrays, write_durably
 from home_mjx.errors import DatasetError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 
-ACTION = "action"  # array name of the actions in a dump; names of state leaves begin with a dot
+ACTION_ARRAY = "action"  # array name of the actions in a dump; names of state leaves begin with a dot
 
 
 def save_states(path: str | Path, states: State) -> int:
@@ -34,8 +34,8 @@ def save_states(path: str | Path, states: State) -> int:
         >>> save_states("states.npz", states)  # doctest: +SKIP
         64
     """
-    host = _batch(states)
-    _write(path, _by_place(host))
+    host = _to_host_batch(states)
+    _write(path, _leaves_by_path(host))
     return len(host.status)
 
 
@@ -66,12 +66,12 @@ def dump_flagged(
     """
     rows = np.flatnonzero(np.asarray(after.status) & int(flags))
     if len(rows):
-        arrays = _by_place(_batch(before)) | {ACTION: np.asarray(action)}
+        arrays = _leaves_by_path(_to_host_batch(before)) | {ACTION_ARRAY: np.asarray(action)}
         _write(path, {name: values[rows] for name, values in arrays.items()})
     return len(rows)
 
 
-def load_flagged(path: str | Path, env: BoundEnv) -> tuple[State, np.ndarray]:
+def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
     """Load the states and actions that `dump_flagged` has written.
 
     Args:
@@ -86,10 +86,10 @@ def load_flagged(path: str | Path, env: BoundEnv) -> tuple[State, np.ndarray]:
         >>> states, actions = load_flagged("broken.npz", env)  # doctest: +SKIP
         >>> jax.vmap(env.step)(states, actions).status  # doctest: +SKIP
     """
-    return load_states(path, env), _read(path, [ACTION])[0]
+    return load_states(path, env), _read(path, [ACTION_ARRAY])[0]
 
 
-def load_states(path: str | Path, env: BoundEnv) -> State:
+def load_states(path: str | Path, env: Env) -> State:
     """Load states that `save_states` has written.
 
     Args:
@@ -112,13 +112,13 @@ def load_states(path: str | Path, env: BoundEnv) -> State:
     return jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
 
 
-def _batch(states: State) -> State:
+def _to_host_batch(states: State) -> State:
     """Return the states on the host, with a leading axis of environments and without `info`."""
     host = jax.tree.map(np.asarray, states.replace(info={}))
     return host if host.status.ndim == 1 else jax.tree.map(lambda x: x[None], host)
 
 
-def _by_place(states: State) -> dict[str, np.ndarray]:
+def _leaves_by_path(states: State) -> dict[str, np.ndarray]:
     return {jax.tree_util.keystr(place): leaf for place, leaf in jax.tree_util.tree_leaves_with_path(states)}
 
 

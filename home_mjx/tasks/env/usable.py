@@ -13,21 +13,21 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.houses.bakes import Bake
-from home_mjx.raycast_render.shaders.preset import resolve
+from home_mjx.raycast_render.shaders.preset import resolve_shader
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.sounds.row import VOICE, clip_name, emission_of
+from home_mjx.tasks.sounds.row import VOICE_CLIP, clip_name, extract_sounds
 from home_mjx.tasks.variation.ranges import Variation
 
-FLAT = 179.0  # [degrees], maximum field of view
-LIGHTS = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
+MAX_FOVY = 179.0  # [degrees], maximum field of view
+LIGHT_RANGES = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
 
 log = logging.getLogger(__name__)
 
 
-def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
+def clip_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
     """Return continuous actions of all agents clipped to [-1, 1], NaN as 0; and whether any was changed.
 
     Raises:
@@ -36,12 +36,12 @@ def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array,
     action = _as_array(action)
     if not jnp.issubdtype(action.dtype, jnp.floating) and not jnp.issubdtype(action.dtype, jnp.integer):
         raise ConfigError(f"expected real numbers as action, got {action.dtype}")
-    action = _of_all(action, num_agents, (size,)).astype(jnp.float32)
+    action = _add_agent_axis(action, num_agents, (size,)).astype(jnp.float32)
     usable = jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
     return usable, jnp.any(usable != action)
 
 
-def usable_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, " a"], Bool[Array, ""]]:
+def validate_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, " a"], Bool[Array, ""]]:
     """Return discrete actions of all agents, with `count` for invalid ones; and whether there are any.
 
     Valid actions are 0 to `count` - 1.
@@ -53,7 +53,7 @@ def usable_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, 
     if not jnp.issubdtype(action.dtype, jnp.integer):
         hint = "Discrete actions are numbered; `action_spec.text` has their names."
         raise ConfigError(f"expected an integer as action, got {action.dtype}", hint=hint)
-    action = _of_all(action, num_agents, ())
+    action = _add_agent_axis(action, num_agents, ())
     known = (action >= 0) & (action < count)
     return jnp.where(known, action, count).astype(jnp.int32), jnp.any(~known)
 
@@ -64,7 +64,7 @@ def _as_array(action: Any) -> Array:
     return jnp.asarray(action)
 
 
-def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
+def _add_agent_axis(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
     """Return the action with the agent axis, which is optional for a single agent."""
     everybody = num_agents, *shape
     if action.shape not in ((everybody, shape) if num_agents == 1 else (everybody,)):
@@ -74,30 +74,30 @@ def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
     return action.reshape(everybody)
 
 
-def check_fit(config: EnvConfig, task: Task) -> None:
+def check_task_options(config: EnvConfig, task: Task) -> None:
     """Raise if a task needs actions or agents that the environment does not have.
 
     Raises:
-        ConfigError: The task needs `stop` or words but actions are continuous, or hands that are disabled. Or the
+        ConfigError: The task needs `stopped` or words but actions are continuous, or hands that are disabled. Or the
             number of agents does not fit.
     """
     name, discrete = type(task).__name__, config.discrete is not None
-    if task.needs_hands and not config.hands:
+    if task.requires_hands and not config.hands:
         raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
-    if task.needs_stop and not discrete:
-        message = f"{name} needs `stop`, which continuous actions do not have"
+    if task.requires_stop and not discrete:
+        message = f"{name} needs `stopped`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')
     if (task.speech or config.speech) and not discrete:
         message = f"agents of {name} speak, which continuous actions do not let them"
         raise ConfigError(message, hint='Give actions="discrete".')
-    if config.num_agents < task.least_agents:
-        message = f"{name} is for {task.least_agents} agents or more, got {config.num_agents}"
-        raise ConfigError(message, hint=f"Give num_agents={task.least_agents}.")
-    if task.most_agents is not None and config.num_agents > task.most_agents:
-        message = f"{name} is for {task.most_agents} agents, got {config.num_agents}"
-        raise ConfigError(message, hint=f"Give num_agents={task.most_agents}.")
+    if config.num_agents < task.min_agents:
+        message = f"{name} is for {task.min_agents} agents or more, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.min_agents}.")
+    if task.max_agents is not None and config.num_agents > task.max_agents:
+        message = f"{name} is for {task.max_agents} agents, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.max_agents}.")
     if task.num_acting is not None:
-        check_number(f"num_acting of {name}", task.num_acting, 1, config.num_agents, whole=True)
+        check_number(f"num_acting of {name}", task.num_acting, 1, config.num_agents, integer=True)
 
 
 def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -> None:
@@ -135,7 +135,7 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
     """
     if not isinstance(tasks, TaskBank) or isinstance(tasks.field, jax.core.Tracer):  # pyright: ignore
         return
-    emission = emission_of(tasks.rows.columns)
+    emission = extract_sounds(tasks.rows.columns)
     used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
     count = used.sum(axis=1)
     most = int(count.max(initial=0))
@@ -146,7 +146,7 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
             hint=f"Give num_sources={most}.",
         )
     lost = {i: clip_name(i) for i in np.unique(clips[used]).tolist()}
-    lost = {i: name for i, name in lost.items() if name not in (config.clip, *config.clips, VOICE)}
+    lost = {i: name for i, name in lost.items() if name not in (config.clip, *config.clips, VOICE_CLIP)}
     if lost:
         names, first = ", ".join(sorted(lost.values())), np.argmax((np.isin(clips, list(lost)) & used).any(axis=1))
         message, hint = f"tasks play {names}, which the environment lacks", f"Add to clips=(...): {names}."
@@ -161,11 +161,11 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
     """
     if variation is None or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(variation)):  # pyright: ignore
         return
-    lit, impl = resolve(config.rgb_preset) is not None, config.physics.impl
+    lit, impl = resolve_shader(config.shader) is not None, config.physics.impl
     useless = {
-        **dict.fromkeys(LIGHTS, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
+        **dict.fromkeys(LIGHT_RANGES, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
         "move_noise": None if config.discrete else 'It applies to discrete moves: give actions="discrete".',
-        **dict.fromkeys(("noise_volume", "step_length"), _why_no_noises(config)),
+        **dict.fromkeys(("noise_volume", "step_length"), _contact_sounds_hint(config)),
         "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
         "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
     }
@@ -176,19 +176,19 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
     _check_clips(config, variation)
 
 
-def _why_no_noises(config: EnvConfig) -> str | None:
-    return None if config.noises else "Bodies make no noises: give noises=NoiseConfig()."
+def _contact_sounds_hint(config: EnvConfig) -> str | None:
+    return None if config.contact_sounds else "Bodies make no noises: give noises=NoiseConfig()."
 
 
 def _check_fovy(config: EnvConfig, variation: Variation) -> None:
     if variation.camera_fovy is None:
         return
     low, high = np.asarray(variation.camera_fovy).tolist()
-    for view in config.views:
-        if view.lens.model == "pinhole" and not 0 < view.fovy + low <= view.fovy + high < FLAT:
+    for view in config.all_cameras:
+        if view.lens.model == "pinhole" and not 0 < view.fovy + low <= view.fovy + high < MAX_FOVY:
             text = f"{view.fovy + low:g} to {view.fovy + high:g} degrees"
             message = f"the field of view of camera `{view.name}` would be {text}"
-            hint = f"It must stay between 0 and {FLAT:g}."
+            hint = f"It must stay between 0 and {MAX_FOVY:g}."
             raise ConfigError(message, element="Variation.camera_fovy", hint=hint)
 
 
@@ -204,7 +204,7 @@ def _check_clips(config: EnvConfig, variation: Variation) -> None:
 
 def check_arrangements(bank: HouseBank) -> None:
     """Raise `ConfigError` if a bank has no arrangements to sample from."""
-    if not bank.physics.arrangement.shape[1]:
+    if not bank.physics.arrangement_pose.shape[1]:
         raise ConfigError(
             "random arrangements are requested, but the bank has none",
             element="EnvConfig.arrangement",
@@ -246,7 +246,7 @@ def check_task(task: object, before: Any, after: Any, reward: Any, terminated: A
         raise ConfigError(f"{name}.update changes the structure of the task's state", hint="Keep that of `init`.")
 
 
-def checked_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
+def check_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
     """Return a task's metrics if they are scalars.
 
     Raises:

@@ -10,56 +10,58 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.env.handling import carried_ids, in_reach, look_past_hand
-from home_mjx.tasks.env.moves import ROUNDING, action_names
-from home_mjx.tasks.rules.machine import advance, conditions
+from home_mjx.tasks.env.handling import cast_past_hand, held_object_ids, is_in_reach
+from home_mjx.tasks.env.moves import PITCH_TOLERANCE, action_names
+from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.words import FAILURE, Feature
 from home_mjx.tasks.sensors.cameras import eye_position
-from home_mjx.tasks.sensors.reaching import SEEN, SLACK, free_spots, plan_radius, take_points
+from home_mjx.tasks.sensors.reaching import MIN_VISIBLE_POINTS, RAY_TOLERANCE, free_spots, pick_points, plan_radius
 
-EXACT = 0.04  # [rad], maximum angle from the view centre at which hands reach their target
-PATIENCE = 24  # [steps] with one choice of aim point
-ROUND = 96  # [steps], period; in its last `PATIENCE` steps an agent moves away, because its attempts have failed
-VARIED = 0.3  # [rad], amplitude of the variation of aim points between attempts
-GOLDEN = 2.4  # [rad], angle between successive directions of moving away
+MAX_AIM_ERROR = 0.04  # [rad], maximum angle from the view centre at which hands reach their target
+STEPS_PER_AIM = 24  # [steps] with one choice of aim point
+RETREAT_PERIOD = (
+    96  # [steps], period; in its last `STEPS_PER_AIM` steps an agent moves away, because its attempts have failed
+)
+AIM_VARIATION = 0.3  # [rad], amplitude of the variation of aim points between attempts
+GOLDEN_ANGLE = 2.4  # [rad], angle between successive directions of moving away
 
 
-class Grip(Pytree):
+class GraspPlan(Pytree):
     """Command and aim of each agent's hand."""
 
-    take: Bool[Array, " a"]  # pick up the object that the guide selects
-    put: Bool[Array, " a"]  # put the held object on the one that the guide selects
+    pick: Bool[Array, " a"]  # pick up the object that the guide selects
+    place: Bool[Array, " a"]  # put the held object on the one that the guide selects
     drop: Bool[Array, " a"]  # drop an object that the guide does not select
-    ready: Bool[Array, " a"]  # the target can be aimed at from here
+    can_aim: Bool[Array, " a"]  # the target can be aimed at from here
     turn: Float[Array, " a"]  # [rad], to the left, until the target is at the view centre
     tilt: Float[Array, " a"]  # [rad], up
 
 
-def find_grip(
+def plan_grasp(
     snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Float[Array, "a 2 3"]
-) -> Grip:
+) -> GraspPlan:
     """Return hand commands for the current stage, and the aim for them.
 
     Args:
         snapshot: The environment.
         state: State of its row task.
-        values: See `features.Looked`.
+        values: See `features.FeatureValues`.
         box: Bounds of the nearest object that the guide selects [m].
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
-    take, put = _waits(state, values, guide)
+    take, put = _pending_commands(state, values, guide)
     holds = snapshot.held >= 0
-    helped = EXACT + 0.5 * math.radians(snapshot.config.aim_angle)
-    tried = (snapshot.step - state.since) // PATIENCE
-    turn, tilt, ready = _aimed(snapshot, *_to_take(snapshot, state, guide, box), tried, helped)
-    for_put = _aimed(snapshot, *_to_put(snapshot, state, guide, box), tried, helped)
+    helped = MAX_AIM_ERROR + 0.5 * math.radians(snapshot.config.max_aim_angle)
+    tried = (snapshot.step - state.stage_start) // STEPS_PER_AIM
+    turn, tilt, ready = _best_aim(snapshot, *_pick_candidates(snapshot, state, guide, box), tried, helped)
+    for_put = _best_aim(snapshot, *_place_candidates(snapshot, state, guide, box), tried, helped)
     puts = put & holds
     turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
-    return Grip(take=take & ~holds, put=puts, drop=take & holds, ready=ready, turn=turn, tilt=tilt)
+    return GraspPlan(pick=take & ~holds, place=puts, drop=take & holds, can_aim=ready, turn=turn, tilt=tilt)
 
 
-def elsewhere(
+def plan_retreat(
     snapshot: Snapshot, state: RowState, dropped: Bool[Array, " a"]
 ) -> tuple[Bool[Array, " a"], Int[Array, " a"], Float[Array, " a"]]:
     """Return whether agents should move away, because the current stage has made no progress for long.
@@ -74,12 +76,16 @@ def elsewhere(
     Returns:
         Whether to move away; number of times before; direction to move in [rad].
     """
-    time = jnp.where(dropped, snapshot.step, snapshot.step - state.since)
-    before = time // ROUND
-    return time % ROUND >= ROUND - PATIENCE, before, (before + 1).astype(jnp.float32) * jnp.float32(GOLDEN)
+    time = jnp.where(dropped, snapshot.step, snapshot.step - state.stage_start)
+    before = time // RETREAT_PERIOD
+    return (
+        time % RETREAT_PERIOD >= RETREAT_PERIOD - STEPS_PER_AIM,
+        before,
+        (before + 1).astype(jnp.float32) * jnp.float32(GOLDEN_ANGLE),
+    )
 
 
-def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, " a"]) -> Array:
+def add_hand_commands(config: EnvConfig, actions: Array, grip: GraspPlan, aims: Bool[Array, " a"]) -> Array:
     """Add hand commands to actions.
 
     Args:
@@ -88,7 +94,7 @@ def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, "
         grip: Hand commands.
         aims: True for agents in place for the command, with its target at the view centre.
     """
-    names, picks = action_names(config), (grip.take | grip.put) & aims
+    names, picks = action_names(config), (grip.pick | grip.place) & aims
     if config.discrete is not None:
         actions = jnp.where(picks, names.index("pick"), actions)
         return jnp.where(grip.drop, names.index("drop"), actions).astype(jnp.int32)
@@ -96,7 +102,7 @@ def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, "
     return actions.at[:, names.index("pick")].set(pick)
 
 
-def open_doors(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> Array:
+def add_door_commands(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> Array:
     """Add commands to open the door in view to the actions of some agents."""
     names = action_names(config)
     if config.discrete is not None:
@@ -104,22 +110,22 @@ def open_doors(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> A
     return actions.at[:, names.index("turn_door")].set(jnp.where(opens, 1.0, 0.0))
 
 
-def is_aimed(config: EnvConfig, grip: Grip) -> Bool[Array, " a"]:
+def is_aimed(config: EnvConfig, grip: GraspPlan) -> Bool[Array, " a"]:
     """Return whether no turn and no look would move the view centre closer to the hand's target."""
     if config.discrete is None:
-        return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(EXACT / 2)
+        return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(MAX_AIM_ERROR / 2)
     half, step = (math.radians(x) / 2 + 2e-3 for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
     return (jnp.abs(grip.turn) < half) & (jnp.abs(grip.tilt) < step)
 
 
-def _waits(
+def _pending_commands(
     state: RowState, values: Float[Array, "feature a d d"], guide: Int[Array, ""]
 ) -> tuple[Bool[Array, " a"], Bool[Array, " a"]]:
     """Return whether the current stage needs the guide's object picked up, or the held object put down."""
     program, stage = state.program, state.stage
 
     def leads_on(values: Array) -> Bool[Array, ""]:
-        after, _, taken = advance(program, stage, conditions(program, values))
+        after, _, taken = take_transition(program, stage, evaluate_conditions(program, values))
         return taken & (after != FAILURE)
 
     held = values[Feature.HELD, :, guide, 0] > 0
@@ -132,43 +138,43 @@ def _waits(
     return jnp.broadcast_to(take, agents), jnp.broadcast_to(put & ~take, agents)
 
 
-def _to_take(
+def _pick_candidates(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
     """Return points of the nearest object [m], and which of them are visible and within reach."""
     config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
-    points = jax.vmap(take_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
+    points = jax.vmap(pick_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
     way = points - eyes[:, None]
     way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
-    hit = look_past_hand(config, snapshot, eyes, way)
-    meant = state.means.instance[guide]
+    hit = cast_past_hand(config, snapshot, eyes, way)
+    meant = state.targets.instance[guide]
     own = (hit.instance >= 0) & (hit.instance < meant.shape[0])
     own = own & meant[jnp.clip(hit.instance, 0, meant.shape[0] - 1)]
     seen = jnp.where(own[..., None], eyes[:, None] + way * jnp.where(own, hit.t, 0.0)[..., None], points)
-    fits = own & in_reach(config, snapshot, seen)
-    return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= SEEN)
+    fits = own & is_in_reach(config, snapshot, seen)
+    return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= MIN_VISIBLE_POINTS)
 
 
-def _to_put(
+def _place_candidates(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
     """Return spots on the nearest object [m], and which of them are free, visible and within reach."""
     config, bank, house = snapshot.config, snapshot.bank, snapshot.house
-    eyes, carried = eye_position(config, snapshot.pose), carried_ids(snapshot)
+    eyes, carried = eye_position(config, snapshot.pose), held_object_ids(snapshot)
     body, physics = jnp.maximum(snapshot.held, 0), bank.physics
     radius = jax.vmap(plan_radius)(physics.body_size[house, body], physics.body_quat[house, body])
 
     def one(box: Array, radius: Array, carried: Array) -> tuple[Array, Array]:
-        return free_spots(snapshot.scene, box, state.means.instance[guide], radius, carried)
+        return free_spots(snapshot.scene, box, state.targets.instance[guide], radius, carried)
 
     points, free = jax.vmap(one)(jnp.where(jnp.isfinite(box), box, 0.0), radius, carried)
     way = points - eyes[:, None]
     length = jnp.linalg.norm(way, axis=-1)
-    hit = look_past_hand(config, snapshot, eyes, way / length[..., None])
-    return points, free & (hit.t >= length - SLACK) & in_reach(config, snapshot, points)
+    hit = cast_past_hand(config, snapshot, eyes, way / length[..., None])
+    return points, free & (hit.t >= length - RAY_TOLERANCE) & is_in_reach(config, snapshot, points)
 
 
-def _aimed(
+def _best_aim(
     snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], tried: Int[Array, ""], most: float
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
     """Return turn and tilt to the best aim point [rad], and whether their error is at most `most`.
@@ -181,11 +187,11 @@ def _aimed(
     turn = jnp.arctan2(offset[..., 1], offset[..., 0]) - pose.yaw[:, None]
     turn = wrap_angle(turn)
     tilt = jnp.arctan2(offset[..., 2], jnp.maximum(away, 1e-3)) - pose.pitch[:, None]
-    done = _in_steps(config, turn, tilt, pose.pitch)
+    done = _round_to_steps(config, turn, tilt, pose.pitch)
     miss = jnp.hypot(turn - done[0], tilt - done[1])
     number = jnp.arange(points.shape[1], dtype=jnp.float32)
     varied = jnp.sin(number * tried.astype(jnp.float32))
-    cost = miss + jnp.float32(VARIED) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
+    cost = miss + jnp.float32(AIM_VARIATION) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
     near_enough = miss <= jnp.float32(most)
     rank = jnp.where(fits & near_enough, 0.0, jnp.where(fits, 10.0, 20.0))
     best = jnp.argmin(cost + rank, axis=-1)
@@ -193,11 +199,11 @@ def _aimed(
     return done[0][agents, best], done[1][agents, best], jnp.any(fits & near_enough, axis=-1)
 
 
-def _in_steps(
+def _round_to_steps(
     config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"], pitch: Float[Array, " a"]
 ) -> tuple[Float[Array, "a p"], Float[Array, "a p"]]:
     """Round turns and tilts to the nearest ones that actions can produce [rad]."""
-    most, pitch = jnp.float32(config.pitch_max + ROUNDING), pitch[:, None]
+    most, pitch = jnp.float32(config.max_pitch + PITCH_TOLERANCE), pitch[:, None]
     if config.discrete is None:
         return turn, jnp.clip(pitch + tilt, -most, most) - pitch
     step, rise = (jnp.float32(math.radians(x)) for x in (config.discrete.turn_angle, config.discrete.tilt_angle))

@@ -4,22 +4,22 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.communication.talk import NONE, is_told
+from home_mjx.tasks.communication.talk import NO_WORD, is_instructed
 from home_mjx.tasks.env.moves import spoken_tokens
-from home_mjx.tasks.rules.machine import advance, conditions
+from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.words import FAILURE, Feature
 
-REPEAT = 4  # [steps] between words of an informed agent, which walks out of the others' way in between
+REPEAT_PERIOD = 4  # [steps] between words of an informed agent, which walks out of the others' way in between
 
 
-def or_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
+def insert_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
     """Replace actions by words where it is time to speak.
 
     Args:
         snapshot: The environment.
         state: State of its row task.
-        values: See `features.Looked`.
+        values: See `features.FeatureValues`.
         actions: Actions of all agents.
     """
     config = snapshot.config
@@ -36,21 +36,21 @@ def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "featur
     The answer comes when the agent has seen all that it needs, clarifying questions come before anything else. Informed
     agents repeat the answer for those without the instruction.
     """
-    talk, agents = state.talk, values.shape[1]
-    told = is_told(talk, agents)
-    tells = told & ~jnp.all(told) & (snapshot.step % REPEAT == 0)
-    says = (tells | knows(state, values)) & (talk.answer >= 0)
-    question = jnp.take(talk.oracle[:, 0], jnp.minimum(state.asked, talk.oracle.shape[0] - 1))
-    asks = (state.asked < talk.ask) & (jnp.arange(agents) == 0)
-    return jnp.where(says, talk.answer, jnp.where(asks, question, NONE))
+    talk, agents = state.speech, values.shape[1]
+    told = is_instructed(talk, agents)
+    tells = told & ~jnp.all(told) & (snapshot.step % REPEAT_PERIOD == 0)
+    says = (tells | has_answer(state, values)) & (talk.answer >= 0)
+    question = jnp.take(talk.oracle[:, 0], jnp.minimum(state.num_questions, talk.oracle.shape[0] - 1))
+    asks = (state.num_questions < talk.ask) & (jnp.arange(agents) == 0)
+    return jnp.where(says, talk.answer, jnp.where(asks, question, NO_WORD))
 
 
-def knows(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+def has_answer(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
     """Return whether the current stage is the last one and needs only the answer."""
     program = state.program
-    said = values.at[Feature.SAID].set(state.talk.answer.astype(jnp.float32))
-    after, _, taken = advance(program, state.stage, conditions(program, said))
-    quiet = advance(program, state.stage, conditions(program, values))[2]
+    said = values.at[Feature.SAID].set(state.speech.answer.astype(jnp.float32))
+    after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
+    quiet = take_transition(program, state.stage, evaluate_conditions(program, values))[2]
     at = jnp.maximum(state.stage, 0)
     more = jnp.any((program.needs[at] >= 0) & (program.next[at] >= 0))
     return jnp.broadcast_to(taken & ~quiet & (after != FAILURE) & ~more, values.shape[1:2])

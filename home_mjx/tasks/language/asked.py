@@ -3,12 +3,12 @@
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.tasks.language.phrases import COLUMN, name, phrase
+from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN, attribute_text, noun_phrase
 from home_mjx.tasks.language.vocabulary import detokenize
-from home_mjx.tasks.rules.words import ANY, Kind, Word
+from home_mjx.tasks.rules.words import ANY, Attribute, TargetKind
 
 
-def asked(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:
+def describe_goal(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:
     """Return the instruction of a row; without one, a phrase for its descriptors.
 
     Args:
@@ -22,16 +22,20 @@ def asked(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray,
         >>> asked("RoomNav", np.zeros(32, int), row)
         'RoomNav: the kitchen'
     """
-    parts = [_phrase(row) for row in descriptors if row[Word.KIND] != Kind.NOTHING]
+    parts = [_describe_target(row) for row in descriptors if row[Attribute.KIND] != TargetKind.NOTHING]
     return detokenize(tokens) or (f"{task}: {', '.join(parts)}" if parts else task)
 
 
-def _phrase(row: np.ndarray) -> str:
-    if row[Word.KIND] == Kind.PLACE:
+def _describe_target(row: np.ndarray) -> str:
+    if row[Attribute.KIND] == TargetKind.PLACE:
         return "a place"
-    if row[Word.KIND] == Kind.AGENT:
-        return f"agent {row[Word.AGENT]}"
-    words = {word: int(row[word]) for word in COLUMN if row[word] != ANY}
-    if row[Word.KIND] == Kind.ROOM:
-        return f"the {name(Word.ROOM_TYPE, words[Word.ROOM_TYPE])}" if Word.ROOM_TYPE in words else "a room"
-    return phrase(words, "any" if row[Word.OBJECT_ID] == ANY else "the")
+    if row[Attribute.KIND] == TargetKind.AGENT:
+        return f"agent {row[Attribute.AGENT]}"
+    words = {word: int(row[word]) for word in SEMANTIC_COLUMN if row[word] != ANY}
+    if row[Attribute.KIND] == TargetKind.ROOM:
+        return (
+            f"the {attribute_text(Attribute.ROOM_TYPE, words[Attribute.ROOM_TYPE])}"
+            if Attribute.ROOM_TYPE in words
+            else "a room"
+        )
+    return noun_phrase(words, "any" if row[Attribute.OBJECT_ID] == ANY else "the")

@@ -14,13 +14,20 @@ from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.rules.words import ANY, Word
+from home_mjx.tasks.rules.words import ANY, Attribute
 
-SEEDS = (-(2**63), 2**63 - 1)
-SAID = (Word.FINE, Word.COARSE, Word.COLOR, Word.MATERIAL, Word.SIZE, Word.ROOM_TYPE)
+SEED_RANGE = (-(2**63), 2**63 - 1)
+COMBINED_ATTRIBUTES = (
+    Attribute.FINE,
+    Attribute.COARSE,
+    Attribute.COLOR,
+    Attribute.MATERIAL,
+    Attribute.SIZE,
+    Attribute.ROOM_TYPE,
+)
 
 
-def mentions(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
+def mask_words(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
     """Return a mask of the rows whose instruction has any of these words.
 
     Raises:
@@ -36,37 +43,37 @@ def mentions(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
     return np.asarray(np.isin(np.asarray(tasks.rows.columns["tokens"]), tokens).any(axis=-1))
 
 
-def new_combinations(tasks: TaskBank, part: float = 0.2, seed: int = 0) -> Bool[np.ndarray, " t"]:
+def mask_new_combinations(tasks: TaskBank, fraction: float = 0.2, seed: int = 0) -> Bool[np.ndarray, " t"]:
     """Return a mask of the rows with a held-out combination of two or more words for one target.
 
     Only its words and the seed decide whether a combination is held out, so it is the same in all houses and tasks.
 
     Args:
         tasks: Task bank.
-        part: Fraction of all combinations to hold out, from 0 to 1.
+        fraction: Fraction of all combinations to hold out, from 0 to 1.
         seed: Seed of the choice of combinations.
 
     Example:
         >>> held_out = new_combinations(tasks)  # doctest: +SKIP
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
     """
-    return has_new_combination(np.asarray(tasks.rows.columns["descriptor"]), part, seed)
+    return mask_new_descriptors(np.asarray(tasks.rows.columns["descriptor"]), fraction, seed)
 
 
-def has_new_combination(
-    descriptors: Int[np.ndarray, "t d words"], part: float = 0.2, seed: int = 0
+def mask_new_descriptors(
+    descriptors: Int[np.ndarray, "t d words"], fraction: float = 0.2, seed: int = 0
 ) -> Bool[np.ndarray, " t"]:
-    """Return the mask of `new_combinations` for descriptors with the columns of `Word`."""
-    check_number("part", part, 0, 1)
-    check_number("seed", seed, *SEEDS, whole=True)
-    said = descriptors[..., list(SAID)]
+    """Return the mask of `mask_new_combinations` for descriptors with the columns of `Attribute`."""
+    check_number("part", fraction, 0, 1)
+    check_number("seed", seed, *SEED_RANGE, integer=True)
+    said = descriptors[..., list(COMBINED_ATTRIBUTES)]
     combined = (said != ANY).sum(axis=-1) >= 2
-    distinct, which = np.unique(said.reshape(-1, len(SAID)), axis=0, return_inverse=True)
-    held_out = np.array([_uniform(words, seed) < part for words in distinct], bool)
+    distinct, which = np.unique(said.reshape(-1, len(COMBINED_ATTRIBUTES)), axis=0, return_inverse=True)
+    held_out = np.array([_hash_to_unit(words, seed) < fraction for words in distinct], bool)
     return np.any(combined & held_out[which.reshape(combined.shape)], axis=-1)
 
 
-def _uniform(words: np.ndarray, seed: int) -> float:
+def _hash_to_unit(words: np.ndarray, seed: int) -> float:
     """Hash words and seed to a number from 0 to 1, the same on any machine."""
     data = words.astype("<i4").tobytes() + seed.to_bytes(8, "little", signed=True)
     return int.from_bytes(hashlib.blake2b(data, digest_size=8).digest(), "little") / 2**64

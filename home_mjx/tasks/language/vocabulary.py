@@ -22,10 +22,10 @@ FUNCTION_WORDS = (
 NUMBERS = tuple(str(number) for number in range(11))
 # After all others, so that existing tokens do not change.
 LATER_WORDS = ("does", "have", "one", "ask", "tell", "number")
-NAMED = (Semantic.COARSE, Semantic.FINE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
+NAME_COLUMNS = (Semantic.COARSE, Semantic.FINE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
 
 
-def spoken(name: str) -> str:
+def to_word(name: str) -> str:
     """Return the word for a name of a semantic vocabulary.
 
     Example:
@@ -36,20 +36,20 @@ def spoken(name: str) -> str:
 
 
 @cache
-def words() -> tuple[str, ...]:
+def all_words() -> tuple[str, ...]:
     """Return all words in the order of their tokens; the first one is padding.
 
     Example:
         >>> words()[:3]
         ('', 'the', 'a')
     """
-    named = (spoken(name) for column in NAMED for name in vocabularies()[column])
+    named = (to_word(name) for column in NAME_COLUMNS for name in vocabularies()[column])
     return tuple(dict.fromkeys(("", *FUNCTION_WORDS, *NUMBERS, *named, *LATER_WORDS)))
 
 
 @cache
 def _tokens() -> dict[str, int]:
-    return {word: token for token, word in enumerate(words())}
+    return {word: token for token, word in enumerate(all_words())}
 
 
 def tokenize(text: str) -> tuple[int, ...]:
@@ -64,7 +64,7 @@ def tokenize(text: str) -> tuple[int, ...]:
     """
     unknown = [word for word in text.split() if word not in _tokens()]
     if unknown:
-        raise ConfigError(f"unknown word `{unknown[0]:.100}`", hint=did_you_mean(unknown[0], words()))
+        raise ConfigError(f"unknown word `{unknown[0]:.100}`", hint=did_you_mean(unknown[0], all_words()))
     return tuple(_tokens()[word] for word in text.split())
 
 
@@ -75,7 +75,7 @@ def detokenize(tokens: Iterable[int] | Int[np.ndarray, " n"] | Int[Array, " n"])
         ConfigError: A token is out of range.
     """
     numbers: Sequence[int] = np.asarray(tokens).tolist()
-    wrong = [number for number in numbers if not 0 <= number < len(words())]
+    wrong = [number for number in numbers if not 0 <= number < len(all_words())]
     if wrong:
-        raise ConfigError(f"a token must be from 0 to {len(words()) - 1}, got {wrong[0]}")
-    return " ".join(words()[number] for number in numbers if number != PAD)
+        raise ConfigError(f"a token must be from 0 to {len(all_words()) - 1}, got {wrong[0]}")
+    return " ".join(all_words()[number] for number in numbers if number != PAD)

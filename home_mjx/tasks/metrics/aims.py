@@ -8,9 +8,9 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.navigation.grid import cell_of
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.rules.features import boxes_now
+from home_mjx.tasks.rules.features import current_boxes
 from home_mjx.tasks.rules.row_task import RowState
-from home_mjx.tasks.rules.words import Kind, Word
+from home_mjx.tasks.rules.words import Attribute, TargetKind
 from home_mjx.tasks.suite.point_nav import PointNavState
 
 
@@ -24,20 +24,20 @@ def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Arr
     """
     bank, house = snapshot.bank, snapshot.house
     if isinstance(task, PointNavState):
-        return _of_point(snapshot, bank.navigation.goal[house, task.goal], level)
+        return _point_cell(snapshot, bank.navigation.goal[house, task.goal], level)
     if not isinstance(task, RowState):
         return jnp.zeros(bank.navigation.room.shape[2:], bool)
     guide = task.program.guide[jnp.maximum(task.stage, 0)]
     meant, words = jnp.maximum(guide, 0), task.program.descriptor[guide]
     room = bank.navigation.room[house, level]
-    in_room = task.means.room[meant][jnp.maximum(room, 0)] & (room >= 0)
-    someone = snapshot.pose.pos[jnp.clip(words[Word.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)]
-    point = jnp.where(words[Word.KIND] == Kind.AGENT, someone, task.program.place[meant])
-    found = in_room | _of_point(snapshot, point, level) | _under(snapshot, task.means.instance[meant], level)
+    in_room = task.targets.room[meant][jnp.maximum(room, 0)] & (room >= 0)
+    someone = snapshot.pose.pos[jnp.clip(words[Attribute.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)]
+    point = jnp.where(words[Attribute.KIND] == TargetKind.AGENT, someone, task.program.place[meant])
+    found = in_room | _point_cell(snapshot, point, level) | _object_cells(snapshot, task.targets.instance[meant], level)
     return found & (guide >= 0)
 
 
-def _of_point(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
+def _point_cell(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
     """Return the cell of a point [m]; no cell if it is inf."""
     bank = snapshot.bank
     known = jnp.all(jnp.isfinite(point))
@@ -46,9 +46,9 @@ def _of_point(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""
     return none.at[at[1], at[2]].set(known & (at[0] == level))
 
 
-def _under(snapshot: Snapshot, meant: Bool[Array, " i"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
+def _object_cells(snapshot: Snapshot, meant: Bool[Array, " i"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
     """Rasterize the present bounds of objects in plan: differences at their corners, summed along both axes."""
-    bank, house, boxes = snapshot.bank, snapshot.house, boxes_now(snapshot)
+    bank, house, boxes = snapshot.bank, snapshot.house, current_boxes(snapshot)
     rows, columns = bank.navigation.room.shape[2:]
     boxes = jnp.where(meant[:, None, None], boxes, 0.0)
     own = jax.vmap(lambda box: cell_of(bank, house, box.mean(axis=0))[0])(boxes)

@@ -15,17 +15,17 @@ from jaxtyping import Array, Bool, Float, Int, UInt8
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import cell_of, is_home
+from home_mjx.navigation.grid import cell_of, is_home_cell
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.metrics.aims import goal_cells
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 
 NUM_RAYS = 64  # number of rays across the horizontal field of view
-ELSEWHERE = -1  # row and column of positions on another storey
+OTHER_STOREY = -1  # row and column of positions on another storey
 
 
-class Ground(IntEnum):
+class CellOccupancy(IntEnum):
     """Class of a map cell."""
 
     OUTSIDE = 0  # outside of all rooms, or within a wall
@@ -48,7 +48,7 @@ class TopDownMap(Pytree):
     Cells have the edge `bank.spec.cell`; rows go along +y, columns along +x.
     """
 
-    ground: UInt8[Array, "rows columns"]  # `Ground`
+    occupancy: UInt8[Array, "rows columns"]  # `CellOccupancy`
     goal: Bool[Array, "rows columns"]  # of the present stage: cells of its rooms, under its objects, of its point
     visited: Bool[Array, "rows columns"]  # by this agent
     seen: Bool[Array, "rows columns"]  # by this agent; all other cells are in the fog of war
@@ -58,7 +58,7 @@ class TopDownMap(Pytree):
     level: Int[Array, ""]
 
 
-def remember_map(snapshot: Snapshot, memory: MapMemory | None = None) -> MapMemory:
+def update_map_memory(snapshot: Snapshot, memory: MapMemory | None = None) -> MapMemory:
     """Update the map memory; to be called after each reset and step, for one environment, inside `jit`.
 
     Args:
@@ -79,8 +79,8 @@ def remember_map(snapshot: Snapshot, memory: MapMemory | None = None) -> MapMemo
     return MapMemory(
         start=jnp.where(first, pos, memory.start),
         last=pos,
-        visited=(memory.visited & ~first) | _walked(snapshot, last),
-        seen=(memory.seen & ~first) | _in_view(snapshot),
+        visited=(memory.visited & ~first) | _passed_cells(snapshot, last),
+        seen=(memory.seen & ~first) | _visible_cells(snapshot),
     )
 
 
@@ -90,7 +90,7 @@ def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 
     Args:
         snapshot: The environment.
         task: State of the task, `State.task`. PointNav and tasks of a task bank's rows have goals.
-        memory: Map memory, see `remember_map`.
+        memory: Map memory, see `update_map_memory`.
         agent: Index of the agent.
 
     Raises:
@@ -106,24 +106,28 @@ def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 
     places, start = (jax.vmap(lambda at: cell_of(bank, house, at))(x) for x in (snapshot.pose.pos, memory.start))
     level = places[agent, 0]
     room, number = bank.navigation.room[house, level], bank.navigation.cell[house, level]
-    ground = jnp.where(is_home(bank, house, number), Ground.FREE, jnp.where(room >= 0, Ground.BLOCKED, Ground.OUTSIDE))
+    ground = jnp.where(
+        is_home_cell(bank, house, number),
+        CellOccupancy.FREE,
+        jnp.where(room >= 0, CellOccupancy.BLOCKED, CellOccupancy.OUTSIDE),
+    )
     return TopDownMap(
-        ground=ground.astype(jnp.uint8),
+        occupancy=ground.astype(jnp.uint8),
         goal=goal_cells(snapshot, task, level),
         visited=memory.visited[agent, level],
         seen=memory.seen[agent, level],
-        start=_on(level, start[agent]),
-        agents=_on(level, places),
+        start=_on_level(level, start[agent]),
+        agents=_on_level(level, places),
         yaw=wrap_angle(snapshot.pose.yaw),
         level=level,
     )
 
 
-def _on(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*a 2"]:
-    return jnp.where(place[..., :1] == level, place[..., 1:], ELSEWHERE)
+def _on_level(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*a 2"]:
+    return jnp.where(place[..., :1] == level, place[..., 1:], OTHER_STOREY)
 
 
-def _walked(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
+def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
     """Return the cells on the straight line from each agent's previous position to the present one."""
     bank, house, config = snapshot.bank, snapshot.house, snapshot.config
     way = max(body.forward_speed for body in config.physics.agents) * config.timing.ctrl_dt
@@ -137,8 +141,8 @@ def _walked(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a lev
     return jax.vmap(one)(last, snapshot.pose.pos)
 
 
-def _in_view(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
-    """Return the cells seen at eye height: unoccluded, within the horizontal field of view and `depth_max`."""
+def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
+    """Return the cells seen at eye height: unoccluded, within the horizontal field of view and `max_depth`."""
     bank, house, config, pose = snapshot.bank, snapshot.house, snapshot.config, snapshot.pose
     levels, rows, columns = bank.navigation.room.shape[1:]
     half = math.atan(math.tan(math.radians(config.fovy) / 2) * config.width / config.height)
@@ -146,7 +150,7 @@ def _in_view(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
     ways = jnp.stack([jnp.cos(turns), jnp.sin(turns), jnp.zeros_like(turns)], axis=-1)
     eyes = jnp.broadcast_to(eye_position(config, pose)[:, None], ways.shape)
     own = jnp.broadcast_to(agent_ids(bank, pose.yaw.shape[0])[:, None], turns.shape)
-    free = jnp.minimum(cast(snapshot.scene, eyes, ways, exclude=own).t, jnp.float32(config.depth_max))
+    free = jnp.minimum(cast(snapshot.scene, eyes, ways, exclude=own).t, jnp.float32(config.max_depth))
     x, y = (
         origin + (jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
         for origin, n in zip(bank.navigation.origin[house], (columns, rows), strict=True)

@@ -11,18 +11,18 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.build import Drawn
+from home_mjx.tasks.rules.build import FeasibleRow
 from home_mjx.tasks.rules.task_bank import TaskBank
 
-Block = list[Drawn]  # rows of one question, one for each of its answers
+Block = list[FeasibleRow]  # rows of one question, one for each of its answers
 
 
-def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list[Drawn]:
+def balance_rows(drawn: list[FeasibleRow], max_rows: int, random: np.random.Generator) -> list[FeasibleRow]:
     """Select rows such that each question occurs equally often with each of its answers.
 
     Args:
         drawn: Rows whose `group` is the kind and the text of their question.
-        most: Maximum number of rows per house.
+        max_rows: Maximum number of rows per house.
         random: Random generator for the choice among the rows of a group, and of their wording.
 
     Returns:
@@ -32,40 +32,40 @@ def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list
         ConfigError: No question has two answers, or none fits in the maximum number of rows.
     """
     turns: dict[str, list[Block]] = {}
-    for (kind, _), rows in sorted(_grouped(drawn).items()):
-        turns.setdefault(kind, []).extend(_blocks(rows, random))
+    for (kind, _), rows in sorted(_group_rows(drawn).items()):
+        turns.setdefault(kind, []).extend(_split_blocks(rows, random))
     waiting = {kind: [blocks[i] for i in random.permutation(len(blocks))] for kind, blocks in turns.items() if blocks}
     if not waiting:
         houses = len({row.house for row in drawn})
         hint = "Give more houses, see num_houses: a question must have different answers in them."
         raise ConfigError(f"no question has two answers in {houses} houses", hint=hint)
-    kept: list[Drawn] = []
+    kept: list[FeasibleRow] = []
     taken: Counter[int] = Counter()
     while waiting:
         for kind in list(waiting):
             block = waiting[kind].pop()
             need = Counter(row.house for row in block)
-            if all(taken[house] + count <= most for house, count in need.items()):
+            if all(taken[house] + count <= max_rows for house, count in need.items()):
                 taken += need
-                kept += _worded(block, random)
+                kept += _unify_wording(block, random)
             if not waiting[kind]:
                 del waiting[kind]
     if not kept:
         hint = "Give more rows per house or more houses: each question is kept with all its answers."
-        raise ConfigError(f"no question with all its answers fits in {most} rows per house", hint=hint)
+        raise ConfigError(f"no question with all its answers fits in {max_rows} rows per house", hint=hint)
     return kept
 
 
-def _grouped(drawn: list[Drawn]) -> dict[tuple[str, str], list[Drawn]]:
+def _group_rows(drawn: list[FeasibleRow]) -> dict[tuple[str, str], list[FeasibleRow]]:
     groups: dict = defaultdict(list)
     for row in drawn:
         groups[row.row.group].append(row)
     return groups
 
 
-def _blocks(rows: list[Drawn], random: np.random.Generator) -> list[Block]:
+def _split_blocks(rows: list[FeasibleRow], random: np.random.Generator) -> list[Block]:
     """Split the rows of one question into blocks of its k most frequent answers, with the k that keeps most rows."""
-    by_answer: dict[int, list[Drawn]] = defaultdict(list)
+    by_answer: dict[int, list[FeasibleRow]] = defaultdict(list)
     for i in random.permutation(len(rows)):
         by_answer[rows[i].row.answer].append(rows[i])
     answers = sorted(by_answer.values(), key=lambda own: (-len(own), own[0].row.answer))
@@ -75,31 +75,31 @@ def _blocks(rows: list[Drawn], random: np.random.Generator) -> list[Block]:
     return [[own[at] for own in answers[:count]] for at in range(len(answers[count - 1]))]
 
 
-def _worded(block: Block, random: np.random.Generator) -> Block:
+def _unify_wording(block: Block, random: np.random.Generator) -> Block:
     """Assign the same wording to all rows of a block, so that wording does not predict the answer either."""
-    texts = (block[0].row.tokens, *block[0].row.wordings)
+    texts = (block[0].row.tokens, *block[0].row.paraphrases)
     tokens = texts[int(random.integers(len(texts)))]
     return [replace(row, row=replace(row.row, tokens=tokens)) for row in block]
 
 
-def chance(tasks: TaskBank) -> float:
+def chance_accuracy(tasks: TaskBank) -> float:
     """Return the accuracy of drawing at random among the answers that each question has in these tasks."""
-    texts, answers = _asked(tasks)
+    texts, answers = _questions_and_answers(tasks)
     own: dict[bytes, set[int]] = defaultdict(set)
     for text, answer in zip(texts, answers.tolist(), strict=True):
         own[text].add(answer)
     return float(np.mean([1 / len(own[text]) for text in texts]))
 
 
-def prior_accuracy(learned: TaskBank, tasks: TaskBank) -> float:
+def prior_accuracy(train_tasks: TaskBank, test_tasks: TaskBank) -> float:
     """Return the accuracy of the best agent that reads questions but observes nothing else.
 
-    It gives each question its most frequent answer in `learned`, and an unseen question the most frequent answer of
+    It gives each question its most frequent answer in `train_tasks`, and an unseen question the most frequent answer of
     all.
 
     Args:
-        learned: Tasks on which it was trained.
-        tasks: Tasks on which it is evaluated; may be the same.
+        train_tasks: Tasks on which it was trained.
+        test_tasks: Tasks on which it is evaluated; may be the same.
 
     Raises:
         ConfigError: One of them has no questions.
@@ -109,15 +109,15 @@ def prior_accuracy(learned: TaskBank, tasks: TaskBank) -> float:
         0.38
     """
     counts: dict[bytes, Counter[int]] = defaultdict(Counter)
-    for text, answer in zip(*_asked(learned), strict=True):
+    for text, answer in zip(*_questions_and_answers(train_tasks), strict=True):
         counts[text][int(answer)] += 1
     overall = sum(counts.values(), Counter()).most_common(1)[0][0]
-    texts, answers = _asked(tasks)
+    texts, answers = _questions_and_answers(test_tasks)
     guess = [counts[text].most_common(1)[0][0] if text in counts else overall for text in texts]
     return float(np.mean(np.array(guess) == answers))
 
 
-def _asked(tasks: TaskBank) -> tuple[list[bytes], Int[np.ndarray, " t"]]:
+def _questions_and_answers(tasks: TaskBank) -> tuple[list[bytes], Int[np.ndarray, " t"]]:
     """Return the texts and the answers of the rows that ask a question."""
     tokens, answers = (np.asarray(tasks.rows.columns[name]) for name in ("tokens", "answer"))
     if not (answers >= 0).any():

@@ -11,20 +11,20 @@ import numpy as np
 
 from home_mjx.core.checks import check_known
 from home_mjx.schema.categories import ROOM_TYPES
-from home_mjx.tasks.language.vocabulary import spoken, tokenize
-from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.language.vocabulary import to_word, tokenize
+from home_mjx.tasks.rules.build import TaskRow
 from home_mjx.tasks.rules.house_view import HouseView
-from home_mjx.tasks.rules.program import Meant, When
+from home_mjx.tasks.rules.program import Condition, Selector
 from home_mjx.tasks.rules.words import Feature
-from home_mjx.tasks.sounds.row import VOICE, Sound
-from home_mjx.tasks.suite.navigation import Navigation, arrive
+from home_mjx.tasks.sounds.row import VOICE_CLIP, SoundEvent
+from home_mjx.tasks.suite.navigation import NavigationTask, arrival_stage
 
 LISTENER, SPEAKER = 0, 1
 CHANNELS = ("discrete", "audible")
 
 
 @dataclass(frozen=True)
-class Communication(Navigation):
+class Communication(NavigationTask):
     """Task in which the first agent must enter a room that only the second one's instruction names.
 
     Both agents may say names of rooms, and observe the other one's word after that step. The meaning of words is theirs
@@ -45,7 +45,7 @@ class Communication(Navigation):
     @property
     def speech(self) -> tuple[str, ...]:
         """Names of rooms."""
-        return tuple(f"say:{spoken(kind)}" for kind in ROOM_TYPES)
+        return tuple(f"say:{to_word(kind)}" for kind in ROOM_TYPES)
 
     @property
     def hears(self) -> tuple[str, ...]:
@@ -67,21 +67,21 @@ class Communication(Navigation):
         """Minimum number of agents: a listener and a speaker."""
         return 2
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield the room types of the house, repeatedly and in random order."""
         types = np.unique(view.room_types[view.room_types >= 0])
         while len(types) > 1:
             for kind in random.permutation(types).tolist():
                 yield self._row(kind)
 
-    def _row(self, kind: int) -> Row:
-        room = spoken(ROOM_TYPES[kind])
-        inside = (When(Feature.INSIDE, 0, least=1, agent=LISTENER),)
-        stage = arrive(inside, self.stop, self.success_reward)
+    def _row(self, kind: int) -> TaskRow:
+        room = to_word(ROOM_TYPES[kind])
+        inside = (Condition(Feature.INSIDE, 0, least=1, agent=LISTENER),)
+        stage = arrival_stage(inside, self.stop, self.success_reward)
         (code,) = tokenize(room)
         said = tokenize(f"go to the {room}")
-        meant, sounds = [Meant.space(room_type=kind)], []
+        meant, sounds = [Selector.rooms(room_type=kind)], []
         if self.channel == "audible":
-            meant += [Meant.someone(LISTENER), Meant.someone(SPEAKER)]
-            sounds = [Sound(1, VOICE), Sound(2, VOICE)]
-        return Row(meant, [stage], tokens=said, sounds=sounds, answer=code, told=(SPEAKER,))
+            meant += [Selector.agent(LISTENER), Selector.agent(SPEAKER)]
+            sounds = [SoundEvent(1, VOICE_CLIP), SoundEvent(2, VOICE_CLIP)]
+        return TaskRow(meant, [stage], tokens=said, sounds=sounds, answer=code, instructed_agents=(SPEAKER,))

@@ -12,22 +12,22 @@ import numpy as np
 from home_mjx.core.checks import check_names, check_number
 from home_mjx.errors import ConfigError, did_you_mean
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.questions.ask import ASK
-from home_mjx.tasks.questions.balance import balanced
+from home_mjx.tasks.questions.ask import QUESTION_GENERATORS
+from home_mjx.tasks.questions.balance import balance_rows
 from home_mjx.tasks.questions.question import Question, answers_to
-from home_mjx.tasks.rules.build import Drawn, Generator, Row
+from home_mjx.tasks.rules.build import FeasibleRow, TaskGenerator, TaskRow
 from home_mjx.tasks.rules.house_view import HouseView
-from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.row_task import RowTask
-from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature, Kind
+from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature, TargetKind
 
-KINDS = tuple(ASK)
-OFFERED = 256  # maximum number of questions of each kind per house before balancing
-SPOKEN = When(Feature.SAID, least=0)
+KINDS = tuple(QUESTION_GENERATORS)
+MAX_CANDIDATES = 256  # maximum number of questions of each kind per house before balancing
+ANY_ANSWER = Condition(Feature.SAID, least=0)
 
 
 @dataclass(frozen=True)
-class Asking(RowTask):
+class QuestionTask(RowTask):
     """Base of tasks that ask a question.
 
     Attributes:
@@ -61,21 +61,21 @@ class Asking(RowTask):
         return tuple(f"answer:{word}" for word in answers_to(self.kinds))
 
     @property
-    def generators(self) -> tuple[Generator, ...]:
+    def generators(self) -> tuple[TaskGenerator, ...]:
         """The task itself."""
         return (self,)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield the questions that a house can answer."""
         raise NotImplementedError
 
-    def choose(self, drawn: list[Drawn], num_tasks: int, random: np.random.Generator) -> list[Drawn]:
+    def select_rows(self, drawn: list[FeasibleRow], num_tasks: int, random: np.random.Generator) -> list[FeasibleRow]:
         """Select rows such that each question occurs equally often with each of its answers."""
-        return balanced(drawn, num_tasks, random)
+        return balance_rows(drawn, num_tasks, random)
 
 
 @dataclass(frozen=True)
-class HouseQA(Asking):
+class HouseQA(QuestionTask):
     """Task of answering a question about the house; an answer ends the episode.
 
     Attributes:
@@ -89,38 +89,40 @@ class HouseQA(Asking):
         super().__post_init__()
         check_number("look_distance", self.look_distance, 0.5)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
-        """Yield up to `OFFERED` questions of each kind; the choice by hash prefers the same texts in all houses."""
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
+        """Yield up to `MAX_CANDIDATES` questions of each kind; the choice by hash prefers the same texts in all houses."""
         for kind in dict.fromkeys(self.kinds):
-            known = {question.texts[0]: question for question in ASK[kind](view)}
-            for text in sorted(known, key=lambda text: crc32(text.encode()))[:OFFERED]:
+            known = {question.texts[0]: question for question in QUESTION_GENERATORS[kind](view)}
+            for text in sorted(known, key=lambda text: crc32(text.encode()))[:MAX_CANDIDATES]:
                 yield self._row(known[text])
 
-    def _row(self, question: Question) -> Row:
+    def _row(self, question: Question) -> TaskRow:
         texts = [tokenize(text) for text in question.texts]
         (answer,) = tokenize(question.answer)
-        return Row(
+        return TaskRow(
             question.looks,
             self._stages(question.looks, answer),
             tokens=texts[0],
             answer=answer,
             group=(question.kind, question.texts[0]),
-            wordings=texts[1:],
+            paraphrases=texts[1:],
         )
 
-    def _stages(self, looks: tuple[Meant, ...], answer: int) -> list[Stage]:
+    def _stages(self, looks: tuple[Selector, ...], answer: int) -> list[TaskStage]:
         """Return a stage per object or room to look at, and a last one; an answer ends the episode in each of them."""
-        ends = answered(answer, self.success_reward)
-        stages = [Stage((*ends, Go(at + 1, self._there(at, look))), guide=at) for at, look in enumerate(looks)]
-        return [*stages, Stage(ends, guide=len(looks) - 1)]
+        ends = answer_transitions(answer, self.success_reward)
+        stages = [
+            TaskStage((*ends, Transition(at + 1, self._there(at, look))), guide=at) for at, look in enumerate(looks)
+        ]
+        return [*stages, TaskStage(ends, guide=len(looks) - 1)]
 
-    def _there(self, at: int, look: Meant) -> tuple[When, ...]:
-        if look.words["kind"] == Kind.ROOM:
-            return (When(Feature.INSIDE, at, least=1),)
-        return When(Feature.DISTANCE, at, most=self.look_distance), When(Feature.SEEN, at, least=1)
+    def _there(self, at: int, look: Selector) -> tuple[Condition, ...]:
+        if look.attributes["kind"] == TargetKind.ROOM:
+            return (Condition(Feature.INSIDE, at, least=1),)
+        return Condition(Feature.DISTANCE, at, most=self.look_distance), Condition(Feature.SEEN, at, least=1)
 
 
-def answered(answer: int, reward: float) -> tuple[Go, Go]:
+def answer_transitions(answer: int, reward: float) -> tuple[Transition, Transition]:
     """Return the transitions for the correct answer, and for any other."""
-    right = When(Feature.SAID, least=answer, most=answer)
-    return Go(SUCCESS, (right,), reward=reward), Go(FAILURE, (SPOKEN,))
+    right = Condition(Feature.SAID, least=answer, most=answer)
+    return Transition(SUCCESS, (right,), reward=reward), Transition(FAILURE, (ANY_ANSWER,))

@@ -6,20 +6,25 @@ from dataclasses import dataclass
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.categories import COARSE, ROOM_TYPES
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.language.phrases import COLUMN, TELLING, fewest
-from home_mjx.tasks.language.vocabulary import spoken
-from home_mjx.tasks.rules.house_view import Thing
-from home_mjx.tasks.rules.program import Meant
-from home_mjx.tasks.rules.words import Word
-from home_mjx.tasks.suite.navigation import NO_GOALS
+from home_mjx.tasks.language.phrases import DISTINGUISHING_ATTRIBUTES, SEMANTIC_COLUMN, minimal_identifying_words
+from home_mjx.tasks.language.vocabulary import to_word
+from home_mjx.tasks.rules.house_view import HouseObject
+from home_mjx.tasks.rules.program import Selector
+from home_mjx.tasks.rules.words import Attribute
+from home_mjx.tasks.suite.navigation import EXCLUDED_CATEGORIES
 
 YES_NO = ("yes", "no")
-MOST = 6  # maximum answer to questions of kind `count`
-NOUNS = tuple(name for name in COARSE if name not in NO_GOALS)
-OF_WORD = {"colour": Word.COLOR, "material": Word.MATERIAL, "size": Word.SIZE, "location": Word.ROOM_TYPE}
+MAX_COUNT = 6  # maximum answer to questions of kind `count`
+NOUNS = tuple(name for name in COARSE if name not in EXCLUDED_CATEGORIES)
+ATTRIBUTE_OF_KIND = {
+    "colour": Attribute.COLOR,
+    "material": Attribute.MATERIAL,
+    "size": Attribute.SIZE,
+    "location": Attribute.ROOM_TYPE,
+}
 ANSWERS = {
     "existence": YES_NO,
-    "count": tuple(str(number) for number in range(1, MOST + 1)),
+    "count": tuple(str(number) for number in range(1, MAX_COUNT + 1)),
     "colour": vocabularies()[Semantic.BASIC],
     "material": vocabularies()[Semantic.MATERIAL],
     "size": vocabularies()[Semantic.SIZE],
@@ -43,7 +48,7 @@ class Question:
     kind: str
     texts: tuple[str, ...]
     answer: str
-    looks: tuple[Meant, ...] = ()
+    looks: tuple[Selector, ...] = ()
 
 
 def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
@@ -53,31 +58,35 @@ def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
         >>> answers_to(("existence", "count"))[:3]
         ('yes', 'no', '1')
     """
-    return tuple(dict.fromkeys(spoken(word) for kind in kinds for word in ANSWERS[kind]))
+    return tuple(dict.fromkeys(to_word(word) for kind in kinds for word in ANSWERS[kind]))
 
 
-def noun(thing: Thing) -> str:
+def noun(thing: HouseObject) -> str:
     """Return the name of an object's coarse category."""
-    return COARSE[thing.word(Semantic.COARSE)]
+    return COARSE[thing.semantic(Semantic.COARSE)]
 
 
-def askable(things: Sequence[Thing]) -> list[Thing]:
+def askable_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
     """Select the objects that questions may be about: neither parts of the house nor of unknown category."""
-    return [thing for thing in things if thing.word(Semantic.COARSE) >= 0 and noun(thing) not in NO_GOALS]
+    return [
+        thing for thing in things if thing.semantic(Semantic.COARSE) >= 0 and noun(thing) not in EXCLUDED_CATEGORIES
+    ]
 
 
-def one_of(name: str) -> str:
+def indefinite_noun(name: str) -> str:
     """Return a category with its indefinite article.
 
     Example:
         >>> one_of("ottoman"), one_of("sofa")
         ('an ottoman', 'a sofa')
     """
-    said = spoken(name)
+    said = to_word(name)
     return f"{'an' if said[0] in 'aeiou' else 'a'} {said}"
 
 
-def described(things: Sequence[Thing], thing: Thing, without: Sequence[Word] = ()) -> list[dict[Word, int]]:
+def identifying_words(
+    things: Sequence[HouseObject], thing: HouseObject, without: Sequence[Attribute] = ()
+) -> list[dict[Attribute, int]]:
     """Return the smallest sets of words that identify an object and are known of all objects of its category.
 
     Args:
@@ -85,17 +94,21 @@ def described(things: Sequence[Thing], thing: Thing, without: Sequence[Word] = (
         thing: One of them.
         without: Words that must not be used.
     """
-    peers = [other for other in things if other.word(Semantic.COARSE) == thing.word(Semantic.COARSE)]
-    found = fewest(things, thing, [word for word in TELLING if word not in without])
-    return [words for words in found if all(peer.word(COLUMN[word]) >= 0 for peer in peers for word in words)]
+    peers = [other for other in things if other.semantic(Semantic.COARSE) == thing.semantic(Semantic.COARSE)]
+    found = minimal_identifying_words(
+        things, thing, [word for word in DISTINGUISHING_ATTRIBUTES if word not in without]
+    )
+    return [
+        words for words in found if all(peer.semantic(SEMANTIC_COLUMN[word]) >= 0 for peer in peers for word in words)
+    ]
 
 
-def alone(things: Sequence[Thing]) -> list[Thing]:
+def unique_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
     """Select the askable objects that are the only ones of their category, sorted by its name."""
-    nouns = [thing.word(Semantic.COARSE) for thing in things]
-    return sorted((t for t in askable(things) if nouns.count(t.word(Semantic.COARSE)) == 1), key=noun)
+    nouns = [thing.semantic(Semantic.COARSE) for thing in things]
+    return sorted((t for t in askable_objects(things) if nouns.count(t.semantic(Semantic.COARSE)) == 1), key=noun)
 
 
-def is_on(thing: Thing, other: Thing) -> bool:
+def is_on(thing: HouseObject, other: HouseObject) -> bool:
     """Return whether an object rests on another one."""
-    return thing.word(Semantic.SUPPORTER) == other.object_id
+    return thing.semantic(Semantic.SUPPORTER) == other.object_id

@@ -5,41 +5,48 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import bounds
+from home_mjx.core.transforms import transform_bounds
 from home_mjx.navigation import geodesic_distance, room_of
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.rules.meaning import Means
-from home_mjx.tasks.rules.program import Program
-from home_mjx.tasks.rules.words import Feature, Kind, Word
+from home_mjx.tasks.rules.meaning import ResolvedTargets
+from home_mjx.tasks.rules.program import TaskProgram
+from home_mjx.tasks.rules.words import Attribute, Feature, TargetKind
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
-from home_mjx.tasks.sensors.sight import clear, look_points
+from home_mjx.tasks.sensors.sight import is_unobstructed, look_points
 
-FAR = 1000.0  # [m] distance to a target that does not exist or is on another storey
-REST = 0.03  # [m] maximum gap between an object's underside and the top of its support
-BELOW, ABOVE = 2.0, 1.0  # [m] points farther below or above an agent's middle are on another storey
+UNREACHABLE_DISTANCE = 1000.0  # [m] distance to a target that does not exist or is on another storey
+MAX_SUPPORT_GAP = 0.03  # [m] maximum gap between an object's underside and the top of its support
+MAX_DROP_ON_STOREY, MAX_RISE_ON_STOREY = (
+    2.0,
+    1.0,
+)  # [m] points farther below or above an agent's middle are on another storey
 
 
-def boxes_now(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
+def current_boxes(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
     """Return the current world bounds of all instances [m]."""
     scene, geometry = snapshot.scene, snapshot.bank.geometry
     model = jnp.maximum(geometry.instance_model[scene.house], 0)
-    placed = jax.vmap(bounds)(geometry.instance_pose[scene.house], geometry.model_box[model])
+    placed = jax.vmap(transform_bounds)(geometry.instance_pose[scene.house], geometry.model_box[model])
     moving = jnp.where(scene.moving.instance < 0, placed.shape[0], scene.moving.instance)
     return placed.at[moving].set(scene.moving.box, mode="drop")
 
 
-class Looked(Pytree):
+class FeatureValues(Pytree):
     """Feature values used by conditions, plus intermediate results reused by the expert policies; A agents."""
 
     values: Float[Array, "feature a d d"]  # of agent a, descriptors i and j
-    box: Float[Array, "a d 2 3"]  # [m], bounds of the nearest target
-    points: Float[Array, "a d p 3"]  # [m], points on these bounds that each agent inspects
-    free: Bool[Array, "a d p"]  # line of sight to these points is free
+    nearest_box: Float[Array, "a d 2 3"]  # [m], bounds of the nearest target
+    sight_points: Float[Array, "a d p 3"]  # [m], points on these bounds that each agent inspects
+    is_sight_free: Bool[Array, "a d p"]  # line of sight to these points is free
 
 
-def look(
-    snapshot: Snapshot, program: Program, means: Means, field: UInt16[Array, "cell f"], time: Int[Array, ""]
-) -> Looked:
+def compute_features(
+    snapshot: Snapshot,
+    program: TaskProgram,
+    means: ResolvedTargets,
+    field: UInt16[Array, "cell f"],
+    stage_steps: Int[Array, ""],
+) -> FeatureValues:
     """Compute the values of all features.
 
     Args:
@@ -47,106 +54,112 @@ def look(
         program: Program of the episode.
         means: Resolved targets of its descriptors.
         field: Distance fields of the task bank.
-        time: Steps since the stage began.
+        stage_steps: Steps since the stage began.
     """
     agents, descriptors = snapshot.pose.yaw.shape[0], program.field.shape[0]
-    boxes = boxes_now(snapshot)
-    straight, nearest = nearest_meant(snapshot, program, means, boxes)
-    points, free = sights(snapshot, nearest)
+    boxes = current_boxes(snapshot)
+    straight, nearest = nearest_targets(snapshot, program, means, boxes)
+    points, free = lines_of_sight(snapshot, nearest)
     rows: dict[Feature, Array] = {
         Feature.TRUE: jnp.ones((agents, 1, 1)),
-        Feature.DISTANCE: distances(snapshot, program, field, straight)[:, :, None],
+        Feature.DISTANCE: path_distances(snapshot, program, field, straight)[:, :, None],
         Feature.STRAIGHT: straight[:, :, None],
-        Feature.SEEN: jnp.any(in_frame(snapshot, points) & free, axis=-1)[:, :, None],
-        Feature.HELD: held(snapshot, means)[:, :, None],
-        Feature.INSIDE: inside(snapshot, means)[:, :, None],
-        Feature.BESIDE: beside(means, boxes)[None],
-        Feature.ON: rests(means, boxes)[None],
-        Feature.OPEN: opened(snapshot, means)[None, :, None],
+        Feature.SEEN: jnp.any(is_in_view(snapshot, points) & free, axis=-1)[:, :, None],
+        Feature.HELD: is_held(snapshot, means)[:, :, None],
+        Feature.INSIDE: is_in_target_room(snapshot, means)[:, :, None],
+        Feature.BESIDE: target_gaps(means, boxes)[None],
+        Feature.ON: is_supported(means, boxes)[None],
+        Feature.OPEN: door_openings(snapshot, means)[None, :, None],
         Feature.STOPPED: snapshot.stopped[:, None, None],
-        Feature.TIME: jnp.broadcast_to(time, (agents, 1, 1)),
-        Feature.TOUCHED: snapshot.contact[:, None, None],
+        Feature.TIME: jnp.broadcast_to(stage_steps, (agents, 1, 1)),
+        Feature.TOUCHED: snapshot.in_contact[:, None, None],
         Feature.CLEAR: jnp.any(free, axis=-1)[:, :, None],
-        Feature.SAID: snapshot.said[:, None, None],
+        Feature.SAID: snapshot.spoken_token[:, None, None],
     }
     shape = agents, descriptors, descriptors
     values = jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in Feature])
-    return Looked(values=values, box=nearest, points=points, free=free)
+    return FeatureValues(values=values, nearest_box=nearest, sight_points=points, is_sight_free=free)
 
 
-def nearest_meant(
-    snapshot: Snapshot, program: Program, means: Means, boxes: Float[Array, "i 2 3"]
+def nearest_targets(
+    snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets, boxes: Float[Array, "i 2 3"]
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
     """Return the straight distance from each agent's middle to the nearest target [m], and the target's bounds."""
-    pos, kind = snapshot.pose.pos, program.descriptor[:, Word.KIND]
+    pos, kind = snapshot.pose.pos, program.descriptor[:, Attribute.KIND]
     away = jax.vmap(
         lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1)
     )(pos)
-    away = jnp.where(means.instance[None], away[:, None], FAR)
+    away = jnp.where(means.instance[None], away[:, None], UNREACHABLE_DISTANCE)
     index = jnp.argmin(away, axis=-1)
-    point = jnp.where((kind == Kind.AGENT)[:, None], pos[program.descriptor[:, Word.AGENT]], program.place)
-    offset = jnp.nan_to_num(point[None] - pos[:, None], posinf=FAR, neginf=FAR)
-    same_storey = (offset[..., 2] > -BELOW) & (offset[..., 2] < ABOVE)
-    to_point = jnp.where(same_storey, jnp.linalg.norm(offset[..., :2], axis=-1), FAR)
-    is_point = (kind == Kind.AGENT) | (kind == Kind.PLACE)
-    least = jnp.where(is_point[None], jnp.minimum(to_point, FAR), jnp.min(away, axis=-1))
+    point = jnp.where((kind == TargetKind.AGENT)[:, None], pos[program.descriptor[:, Attribute.AGENT]], program.place)
+    offset = jnp.nan_to_num(point[None] - pos[:, None], posinf=UNREACHABLE_DISTANCE, neginf=UNREACHABLE_DISTANCE)
+    same_storey = (offset[..., 2] > -MAX_DROP_ON_STOREY) & (offset[..., 2] < MAX_RISE_ON_STOREY)
+    to_point = jnp.where(same_storey, jnp.linalg.norm(offset[..., :2], axis=-1), UNREACHABLE_DISTANCE)
+    is_point = (kind == TargetKind.AGENT) | (kind == TargetKind.PLACE)
+    least = jnp.where(is_point[None], jnp.minimum(to_point, UNREACHABLE_DISTANCE), jnp.min(away, axis=-1))
     body = jnp.array([(b.radius, b.radius, b.height / 2) for b in snapshot.config.physics.agents], jnp.float32)
-    half = jnp.where((kind == Kind.AGENT)[:, None], body[program.descriptor[:, Word.AGENT]], 0.0)
+    half = jnp.where((kind == TargetKind.AGENT)[:, None], body[program.descriptor[:, Attribute.AGENT]], 0.0)
     whole = jnp.stack([point - half, point + half], axis=1)
     return least, jnp.where(is_point[None, :, None, None], whole[None], boxes[index])
 
 
-def emitters(snapshot: Snapshot, program: Program, means: Means) -> tuple[Float[Array, "d 3"], Int[Array, " d"]]:
+def sound_positions(
+    snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets
+) -> tuple[Float[Array, "d 3"], Int[Array, " d"]]:
     """Return the sound position of each descriptor [m], inf if it has none, and its object id; -1 if it has none.
 
     Objects emit from their middle (the first of several targets), agents from theirs, places from
     `EnvConfig.source_height` above the floor.
     """
-    kind = program.descriptor[:, Word.KIND]
+    kind = program.descriptor[:, Attribute.KIND]
     first = jnp.argmax(means.instance, axis=1)
-    middle = jnp.where(jnp.any(means.instance, axis=1)[:, None], boxes_now(snapshot)[first].mean(axis=1), jnp.inf)
-    agent = jnp.clip(program.descriptor[:, Word.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)
+    middle = jnp.where(jnp.any(means.instance, axis=1)[:, None], current_boxes(snapshot)[first].mean(axis=1), jnp.inf)
+    agent = jnp.clip(program.descriptor[:, Attribute.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)
     someone = snapshot.pose.pos[agent]
     own = agent_ids(snapshot.bank, snapshot.pose.yaw.shape[0])[agent]
     above = program.place.at[:, 2].add(jnp.float32(snapshot.config.source_height))
-    point = jnp.where((kind == Kind.OBJECT)[:, None], middle, jnp.where((kind == Kind.AGENT)[:, None], someone, above))
+    point = jnp.where(
+        (kind == TargetKind.OBJECT)[:, None], middle, jnp.where((kind == TargetKind.AGENT)[:, None], someone, above)
+    )
     thing = snapshot.bank.geometry.instance_object[snapshot.house, first]
-    body = jnp.where(kind == Kind.OBJECT, thing, jnp.where(kind == Kind.AGENT, own, -1))
+    body = jnp.where(kind == TargetKind.OBJECT, thing, jnp.where(kind == TargetKind.AGENT, own, -1))
     return point, body.astype(jnp.int32)
 
 
-def distances(
-    snapshot: Snapshot, program: Program, field: UInt16[Array, "cell f"], straight: Float[Array, "a d"]
+def path_distances(
+    snapshot: Snapshot, program: TaskProgram, field: UInt16[Array, "cell f"], straight: Float[Array, "a d"]
 ) -> Float[Array, "a d"]:
     """Return shortest-path distances to each descriptor [m]; straight distances where it has no field."""
     column = jnp.maximum(program.field, 0)
     way = jax.vmap(lambda at: geodesic_distance(snapshot.bank, snapshot.house, column, at, field))(snapshot.pose.pos)
-    return jnp.where(program.field < 0, straight, jnp.minimum(way, FAR))
+    return jnp.where(program.field < 0, straight, jnp.minimum(way, UNREACHABLE_DISTANCE))
 
 
-def sights(snapshot: Snapshot, box: Float[Array, "a d 2 3"]) -> tuple[Float[Array, "a d p 3"], Bool[Array, "a d p"]]:
+def lines_of_sight(
+    snapshot: Snapshot, box: Float[Array, "a d 2 3"]
+) -> tuple[Float[Array, "a d p 3"], Bool[Array, "a d p"]]:
     """Return the points that each agent inspects on a target's bounds [m], and whether its line of sight is free."""
     eyes, own = eye_position(snapshot.config, snapshot.pose), agent_ids(snapshot.bank, box.shape[0])
 
     def one(eye: Array, own: Array, box: Array) -> tuple[Array, Array]:
         points = look_points(eye, box)
-        return points, clear(snapshot.scene, eye, box, points, own)
+        return points, is_unobstructed(snapshot.scene, eye, box, points, own)
 
     return jax.vmap(jax.vmap(one, (None, None, 0)))(eyes, own, box)
 
 
-def in_frame(snapshot: Snapshot, points: Float[Array, "a d p 3"]) -> Bool[Array, "a d p"]:
+def is_in_view(snapshot: Snapshot, points: Float[Array, "a d p 3"]) -> Bool[Array, "a d p"]:
     """Return whether points are within each agent's field of view, regardless of occlusion."""
     config, pose = snapshot.config, snapshot.pose
     way = points - eye_position(config, pose)[:, None, None]
     known = jnp.all(jnp.isfinite(way), axis=-1)
-    ahead, left, up = _in_view(jnp.where(known[..., None], way, 1.0), pose.yaw, pose.pitch)
+    ahead, left, up = _camera_coordinates(jnp.where(known[..., None], way, 1.0), pose.yaw, pose.pitch)
     tall = jnp.tan(jnp.deg2rad(jnp.float32(config.fovy)) / 2)
     wide = tall * jnp.float32(config.width / config.height)
     return known & (ahead > 0) & (jnp.abs(left) <= wide * ahead) & (jnp.abs(up) <= tall * ahead)
 
 
-def _in_view(
+def _camera_coordinates(
     way: Float[Array, "a d p 3"], yaw: Float[Array, " a"], pitch: Float[Array, " a"]
 ) -> tuple[Float[Array, "a d p"], Float[Array, "a d p"], Float[Array, "a d p"]]:
     """Project offsets on the camera axes: forward, left and up in the image [m]."""
@@ -156,46 +169,46 @@ def _in_view(
     return cos * level + sin * way[..., 2], left, cos * way[..., 2] - sin * level
 
 
-def held(snapshot: Snapshot, means: Means) -> Bool[Array, "a d"]:
+def is_held(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
     """Return whether each agent holds a target of each descriptor."""
     body = snapshot.bank.geometry.instance_body[snapshot.house]
     mine = (body[None] == snapshot.held[:, None]) & (snapshot.held[:, None] >= 0)
     return jnp.any(mine[:, None] & means.instance[None], axis=-1)
 
 
-def inside(snapshot: Snapshot, means: Means) -> Bool[Array, "a d"]:
+def is_in_target_room(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
     """Return whether each agent is in a target room of each descriptor."""
     room = jax.vmap(lambda at: room_of(snapshot.bank, snapshot.house, at))(snapshot.pose.pos)
     return jnp.take(means.room, jnp.maximum(room, 0), axis=1).T & (room >= 0)[:, None]
 
 
-def beside(means: Means, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
+def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
     """Return the minimum gap between targets of each pair of descriptors [m]."""
     gap = jnp.maximum(boxes[:, None, 0] - boxes[None, :, 1], boxes[None, :, 0] - boxes[:, None, 1])
     away = jnp.linalg.norm(jnp.maximum(gap, 0), axis=-1)
-    away = jnp.where(jnp.eye(len(boxes), dtype=bool), FAR, away)
-    to_second = jnp.min(jnp.where(means.instance[None], away[:, None], FAR), axis=-1)  # (i, d)
-    return jnp.min(jnp.where(means.instance[:, :, None], to_second[None], FAR), axis=1)
+    away = jnp.where(jnp.eye(len(boxes), dtype=bool), UNREACHABLE_DISTANCE, away)
+    to_second = jnp.min(jnp.where(means.instance[None], away[:, None], UNREACHABLE_DISTANCE), axis=-1)  # (i, d)
+    return jnp.min(jnp.where(means.instance[:, :, None], to_second[None], UNREACHABLE_DISTANCE), axis=1)
 
 
-def rests(means: Means, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
+def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
     """Return whether a target of the first descriptor rests on a target of the second, for each pair.
 
-    The middle of the first is above the second's footprint. Its underside is at most `REST` above the second's top, and
+    The middle of the first is above the second's footprint. Its underside is at most `MAX_SUPPORT_GAP` above the second's top, and
     not below the second's middle.
     """
     middle, low, high = boxes.mean(axis=1), boxes[:, 0], boxes[:, 1]
     over = (middle[:, None, :2] >= low[None, :, :2]) & (middle[:, None, :2] <= high[None, :, :2])
-    carried = (low[:, None, 2] <= high[None, :, 2] + REST) & (low[:, None, 2] >= middle[None, :, 2])
+    carried = (low[:, None, 2] <= high[None, :, 2] + MAX_SUPPORT_GAP) & (low[:, None, 2] >= middle[None, :, 2])
     on = jnp.all(over, axis=-1) & carried & ~jnp.eye(len(boxes), dtype=bool)
     on_second = jnp.any(on[:, None] & means.instance[None], axis=-1)  # (i, d)
     return jnp.any(means.instance[:, :, None] & on_second[None], axis=1)
 
 
-def opened(snapshot: Snapshot, means: Means) -> Float[Array, " d"]:
+def door_openings(snapshot: Snapshot, means: ResolvedTargets) -> Float[Array, " d"]:
     """Return the widest opening of each descriptor's doors: 0 closed, 1 wide open."""
     physics, house = snapshot.bank.physics, snapshot.house
-    closed, wide = physics.door_closed[house], physics.door_wide[house]
+    closed, wide = physics.door_closed[house], physics.door_fully_open[house]
     part = jnp.abs(snapshot.door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)
     meant = means.instance[:, jnp.maximum(physics.door_instance[house], 0)] & physics.door_valid[house][None]
     return jnp.max(jnp.where(meant, part[None], 0.0), axis=-1, initial=0.0)

@@ -11,21 +11,21 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.geometry.extrapolation import continued_fields
+from home_mjx.geometry.extrapolation import extrapolate_fields
 from home_mjx.geometry.geodesic import grid_edges
-from home_mjx.physics.base.doors import Leaf
-from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
+from home_mjx.physics.base.doors import DoorLeaves
+from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 
-STEP = 0.35  # [m] maximum height difference between joined cells of a ramp and of its upper level
-STOREY = 2.5  # [m] maximum height above a floor that belongs to its storey
-BRUSHES = 4.0  # path cost factor where an agent brushes the leaf of an open door, which may close it
-PUSHES = BRUSHES**2  # path cost factor where an agent walks into the leaf, which closes it
-MARGIN = 0.15  # [m] minimum clearance to a leaf that is not brushed
-TURNING = 0.4  # [m] maximum distance to a cell in which the carried object has room to turn
-TINY = 1e-6  # [m] minimum edge length: sparse matrices drop edges of length 0
+MAX_RAMP_STEP = 0.35  # [m] maximum height difference between joined cells of a ramp and of its upper level
+MAX_HEIGHT_ON_STOREY = 2.5  # [m] maximum height above a floor that belongs to its storey
+BRUSH_COST_FACTOR = 4.0  # path cost factor where an agent brushes the leaf of an open door, which may close it
+PUSH_COST_FACTOR = BRUSH_COST_FACTOR**2  # path cost factor where an agent walks into the leaf, which closes it
+MIN_LEAF_CLEARANCE = 0.15  # [m] minimum clearance to a leaf that is not brushed
+MAX_TURN_DISTANCE = 0.4  # [m] maximum distance to a cell in which the carried object has room to turn
+MIN_EDGE_LENGTH = 1e-6  # [m] minimum edge length: sparse matrices drop edges of length 0
 
 # End cells of the paths to a goal, and the remaining distance from each to the goal [m].
-Ends = tuple[Int[np.ndarray, "_"], Float[np.ndarray, "_"]]
+EndCells = tuple[Int[np.ndarray, "_"], Float[np.ndarray, "_"]]
 
 
 class CellGraph:
@@ -34,7 +34,7 @@ class CellGraph:
     Args:
         bank: The houses.
         house: Index of the house.
-        brushes: Cost factor of edges on which an agent would brush the leaf of an open door. The square of it applies
+        brush_cost_factor: Cost factor of edges on which an agent would brush the leaf of an open door. The square of it applies
             where the agent would walk into the leaf.
 
     Attributes:
@@ -45,10 +45,12 @@ class CellGraph:
             Neither starts nor goals are placed there.
     """
 
-    def __init__(self, bank: HouseBank, house: int, brushes: float = BRUSHES) -> None:
+    def __init__(self, bank: HouseBank, house: int, brush_cost_factor: float = BRUSH_COST_FACTOR) -> None:
         navigation, self._cell = bank.navigation, bank.spec.cell
         number = np.asarray(navigation.cell[house])
-        first, home, free = (int(x[house]) for x in (navigation.first_cell, navigation.num_cells, navigation.num_free))
+        first, home, free = (
+            int(x[house]) for x in (navigation.first_cell, navigation.num_cells, navigation.num_free_cells)
+        )
         rank = np.where(number < 0, 3, (number >= first + home).astype(int) + (number >= first + free))
         self._number, self._rank, self._home = number - first, rank, rank == 0
         self._standable = np.asarray(navigation.region[house]) >= 0
@@ -58,81 +60,81 @@ class CellGraph:
         plan = (np.argwhere(self._home)[:, :0:-1] + 0.5) * self._cell + np.asarray(navigation.origin[house])
         self.place = np.concatenate([plan, self._height[self._home][:, None]], axis=1)
         self.room = self._rooms[self._home]
-        edges = [grid_edges(self._home, self._height, self._cell), *self._between_levels()]
+        edges = [grid_edges(self._home, self._height, self._cell), *self._ramp_edges()]
         sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
         gap, radius = self._leaf_gaps(bank, house), bank.spec.agent_radius
-        beside = gap < radius + MARGIN
-        slow = np.where(gap < radius, brushes**2, np.where(beside, brushes, 1.0))
-        self.cut_off = _beyond(gap < radius, sources, targets)
+        beside = gap < radius + MIN_LEAF_CLEARANCE
+        slow = np.where(gap < radius, brush_cost_factor**2, np.where(beside, brush_cost_factor, 1.0))
+        self.cut_off = _is_cut_off(gap < radius, sources, targets)
         self.at_leaf = beside | self.cut_off
         self._edges = sources, targets, np.maximum(slow[sources], slow[targets]) * lengths
 
     def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
         """Return the plan distance from each cell centre to the nearest leaf, doors open [m]; inf if none."""
-        leaves = jax.tree.map(lambda x: x[house], Leaf.of(jax.tree.map(jnp.asarray, bank.physics)))
-        pos, quat = (np.asarray(x) for x in leaves.moved(jnp.asarray(bank.physics.door_wide[house])))
+        leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(jax.tree.map(jnp.asarray, bank.physics)))
+        pos, quat = (np.asarray(x) for x in leaves.moved(jnp.asarray(bank.physics.door_fully_open[house])))
         found = np.full(len(self.place), np.inf)
         for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
             away, yaw = self.place - middle, 2 * np.arctan2(z, w)
             along, across = away[:, :2] @ [np.cos(yaw), np.sin(yaw)], away[:, :2] @ [-np.sin(yaw), np.cos(yaw)]
             gap = np.hypot(np.maximum(abs(along) - half[0], 0), np.maximum(abs(across) - half[1], 0))
-            found = np.minimum(found, np.where((half[0] > 0) & (abs(away[:, 2]) < STOREY), gap, np.inf))
+            found = np.minimum(found, np.where((half[0] > 0) & (abs(away[:, 2]) < MAX_HEIGHT_ON_STOREY), gap, np.inf))
         return found
 
-    def fields(self, ends: Sequence[Ends]) -> UInt16[np.ndarray, "c g"]:
+    def compute_fields(self, ends: Sequence[EndCells]) -> UInt16[np.ndarray, "c g"]:
         """Compute the distances of all cells of the house to goals, ordered and quantized as in `Navigation.field`."""
-        home = self.distances(ends)
+        home = self.compute_distances(ends)
         parts = [(np.argwhere(self._home), home)]
         around = [self._rank <= rank for rank in (1, 2)]
-        parts += continued_fields(self._home, around, self._standable, self._rooms, self._height, home, self._cell)
+        parts += extrapolate_fields(self._home, around, self._standable, self._rooms, self._height, home, self._cell)
         place, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
         whole = np.full((int(self._number.max()) + 1, len(ends)), np.inf)
         whole[self._number[tuple(place.T)]] = distance
-        units = np.minimum(np.round(np.where(np.isfinite(whole), whole, 0) / FIELD_UNIT), FIELD_FAR - 1)
-        return np.where(np.isfinite(whole), units, FIELD_FAR).astype(np.uint16)
+        units = np.minimum(np.round(np.where(np.isfinite(whole), whole, 0) / FIELD_UNIT), FIELD_UNREACHABLE - 1)
+        return np.where(np.isfinite(whole), units, FIELD_UNREACHABLE).astype(np.uint16)
 
-    def distances(self, ends: Sequence[Ends]) -> Float[np.ndarray, "c g"]:
+    def compute_distances(self, ends: Sequence[EndCells]) -> Float[np.ndarray, "c g"]:
         """Compute the distances of each home cell to goals [m]; inf if unreachable."""
         cells, goals = len(self.place), len(ends)
         sources, targets, lengths = self._edges
         # Edges lead from each goal to its end cells and never back, so that no path passes through a goal.
         begins = np.concatenate([sources, targets, *[np.full(len(n), cells + g) for g, (n, _) in enumerate(ends)]])
         stops = np.concatenate([targets, sources, *[number for number, _ in ends]])
-        ways = np.concatenate([lengths, lengths, *[np.maximum(way, TINY) for _, way in ends]])
+        ways = np.concatenate([lengths, lengths, *[np.maximum(way, MIN_EDGE_LENGTH) for _, way in ends]])
         graph = csr_matrix((ways, (begins, stops)), shape=(cells + goals,) * 2)
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
-    def around(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> Ends:
+    def nearest_cells(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> EndCells:
         """Return the cells of a box's storey that are nearest to it in plan, at most `most`, and their distances [m].
 
         Cells at the leaf of an open door are excluded: an agent may push the leaf, which then hides the object behind
         it.
         """
-        here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY)
+        here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - MAX_HEIGHT_ON_STOREY)
         storey = np.flatnonzero(here & ~self.at_leaf)
         gap = np.maximum(low[:2] - self.place[storey, :2], 0) + np.maximum(self.place[storey, :2] - high[:2], 0)
         away = np.hypot(*gap.T)
         order = np.argsort(away, kind="stable")[:most]
         return storey[order], away[order]
 
-    def inside(self, rooms: Bool[np.ndarray, " r"]) -> Ends:
+    def cells_in_rooms(self, rooms: Bool[np.ndarray, " r"]) -> EndCells:
         """Return the cells of the given rooms, at distance 0, without those that are cut off."""
         cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)] & ~self.cut_off)
         return cells, np.zeros(len(cells))
 
-    def at(self, place: Float[np.ndarray, " 3"]) -> Ends:
+    def nearest_cell(self, place: Float[np.ndarray, " 3"]) -> EndCells:
         """Return the cell nearest to a point, and its plan distance [m]."""
         nearest = np.argmin(np.linalg.norm(self.place - place, axis=1))
         return np.array([nearest]), np.linalg.norm(self.place[[nearest], :2] - place[:2], axis=1)
 
-    def leads_out(self, cells: Int[np.ndarray, " n"], wide: Bool[np.ndarray, " c"]) -> Bool[np.ndarray, " n"]:
-        """Return which cells are within `TURNING` of the largest connected set of wide cells."""
-        out = self.place[~_beyond(~wide, *self._edges[:2])]
+    def has_turning_room(self, cells: Int[np.ndarray, " n"], wide: Bool[np.ndarray, " c"]) -> Bool[np.ndarray, " n"]:
+        """Return which cells are within `MAX_TURN_DISTANCE` of the largest connected set of wide cells."""
+        out = self.place[~_is_cut_off(~wide, *self._edges[:2])]
         if not len(out):
             return np.zeros(len(cells), bool)
-        return KDTree(out).query(self.place[cells])[0] <= TURNING
+        return KDTree(out).query(self.place[cells])[0] <= MAX_TURN_DISTANCE
 
-    def _between_levels(self) -> list[tuple[np.ndarray, ...]]:
+    def _ramp_edges(self) -> list[tuple[np.ndarray, ...]]:
         """Return the edges from the top of a ramp, in the grid of the lower level, to the floor it leads to."""
         number = np.where(self._home, np.cumsum(self._home).reshape(self._home.shape) - 1, -1)
         ways = []
@@ -140,12 +142,12 @@ class CellGraph:
             for shift in ((0, 1), (0, -1), (1, 0), (-1, 0)):
                 beyond, above = (np.roll(x[level + 1], shift, (0, 1)) for x in (number, self._height))
                 rise = np.abs(above - self._height[level])
-                joined = self._home[level] & (beyond >= 0) & (rise < STEP)
+                joined = self._home[level] & (beyond >= 0) & (rise < MAX_RAMP_STEP)
                 ways.append((number[level][joined], beyond[joined], np.hypot(self._cell, rise[joined])))
         return ways
 
 
-def _beyond(
+def _is_cut_off(
     blocked: Bool[np.ndarray, " c"], sources: Int[np.ndarray, " e"], targets: Int[np.ndarray, " e"]
 ) -> Bool[np.ndarray, " c"]:
     """Return which cells are blocked, or outside the largest connected set of unblocked cells."""

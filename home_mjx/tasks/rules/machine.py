@@ -3,16 +3,16 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.tasks.rules.program import Program
+from home_mjx.tasks.rules.program import TaskProgram
 from home_mjx.tasks.rules.words import NUM_CONDITIONS
 
 
-def conditions(program: Program, table: Float[Array, "feature a d d"]) -> Bool[Array, " c"]:
+def evaluate_conditions(program: TaskProgram, table: Float[Array, "feature a d d"]) -> Bool[Array, " c"]:
     """Evaluate the conditions of a program.
 
     Args:
         program: Program of the episode.
-        table: Feature values, see `features.Looked`.
+        table: Feature values, see `features.FeatureValues`.
 
     Returns:
         Whether each condition holds.
@@ -24,8 +24,8 @@ def conditions(program: Program, table: Float[Array, "feature a d d"]) -> Bool[A
     return jnp.where(program.agent < 0, jnp.any(holds, axis=1), own)
 
 
-def advance(
-    program: Program, stage: Int[Array, ""], holds: Bool[Array, " c"]
+def take_transition(
+    program: TaskProgram, stage: Int[Array, ""], holds: Bool[Array, " c"]
 ) -> tuple[Int[Array, ""], Float[Array, ""], Bool[Array, ""]]:
     """Take the first transition of a stage whose conditions hold.
 

@@ -16,23 +16,23 @@ from home_mjx.tasks.rules.words import (
     NUM_STAGES,
     NUM_TRANSITIONS,
     SUCCESS,
+    Attribute,
     Feature,
-    Kind,
-    Word,
+    TargetKind,
 )
 
-NOWHERE = (np.inf, np.inf, np.inf)
+NO_PLACE = (np.inf, np.inf, np.inf)
 FAR = np.inf
 
 
-class Program(Pytree):
+class TaskProgram(Pytree):
     """Packed program of one episode: d descriptors, c conditions, s stages with g transitions each.
 
-    In each step the first transition of the present stage is taken whose `needs` all hold and none of whose `bars`
+    In each step the first transition of the present stage is taken whose `require` all hold and none of whose `forbid`
     holds.
     """
 
-    descriptor: Int[Array, "*t d words"]  # columns are those of `Word`
+    descriptor: Int[Array, "*t d words"]  # columns are those of `Attribute`
     place: Float[Array, "*t d 3"]  # [m], of descriptors of kind PLACE; inf elsewhere
     field: Int[Array, "*t d"]  # column of `TaskBank.field`; -1: distances are straight lines
     feature: Int[Array, "*t c"]  # of `Feature`
@@ -49,58 +49,58 @@ class Program(Pytree):
 
 
 @dataclass(frozen=True)
-class Meant:
+class Selector:
     """Descriptor: selects the objects, rooms, point or agent that a task refers to.
 
-    Made by `Meant.thing`, `.of`, `.space`, `.at`, `.someone` or `.hidden`.
+    Made by `Selector.objects`, `.objects_with`, `.rooms`, `.point`, `.agent` or `.nothing`.
 
     Attributes:
-        words: Values of `Word` by name, in lower case.
+        attributes: Values of `Attribute` by name, in lower case.
         place: Position of a point [m]; inf for other kinds.
     """
 
-    words: dict[str, int] = field(default_factory=dict)
-    place: tuple[float, float, float] = NOWHERE
+    attributes: dict[str, int] = field(default_factory=dict)
+    place: tuple[float, float, float] = NO_PLACE
 
     @classmethod
-    def hidden(cls) -> "Meant":
+    def nothing(cls) -> "Selector":
         """Select nothing. As first descriptor it hides the targets from the observations `goal` and `goal_words`."""
         return cls({})
 
     @classmethod
-    def thing(cls, **words: int) -> "Meant":
+    def objects(cls, **words: int) -> "Selector":
         """Select the objects that have all of these words.
 
         Example:
             >>> Meant.thing(coarse=3, color=1).words["coarse"]
             3
         """
-        return cls({"kind": Kind.OBJECT, **words})
+        return cls({"kind": TargetKind.OBJECT, **words})
 
     @classmethod
-    def of(cls, words: Mapping[Word, int]) -> "Meant":
-        """Select the objects that have all of these words, by `Word`."""
-        return cls.thing(**{word.name.lower(): value for word, value in words.items()})
+    def objects_with(cls, words: Mapping[Attribute, int]) -> "Selector":
+        """Select the objects that have all of these words, by `Attribute`."""
+        return cls.objects(**{word.name.lower(): value for word, value in words.items()})
 
     @classmethod
-    def space(cls, **words: int) -> "Meant":
+    def rooms(cls, **words: int) -> "Selector":
         """Select the rooms that have all of these words."""
-        return cls({"kind": Kind.ROOM, **words})
+        return cls({"kind": TargetKind.ROOM, **words})
 
     @classmethod
-    def at(cls, place: Sequence[float]) -> "Meant":
+    def point(cls, place: Sequence[float]) -> "Selector":
         """Select a point on the floor [m]."""
         x, y, z = (float(v) for v in place)
-        return cls({"kind": Kind.PLACE}, (x, y, z))
+        return cls({"kind": TargetKind.PLACE}, (x, y, z))
 
     @classmethod
-    def someone(cls, agent: int) -> "Meant":
+    def agent(cls, agent: int) -> "Selector":
         """Select an agent by its index."""
-        return cls({"kind": Kind.AGENT, "agent": agent})
+        return cls({"kind": TargetKind.AGENT, "agent": agent})
 
 
 @dataclass(frozen=True)
-class When:
+class Condition:
     """Condition: a feature between two limits, both inclusive.
 
     Example:
@@ -116,25 +116,25 @@ class When:
 
 
 @dataclass(frozen=True)
-class Go:
-    """Transition to the stage `next`, possible if all of `needs` hold and none of `bars` does."""
+class Transition:
+    """Transition to the stage `next`, possible if all of `require` hold and none of `forbid` does."""
 
     next: int
-    needs: tuple[When, ...] = ()
-    bars: tuple[When, ...] = ()
+    require: tuple[Condition, ...] = ()
+    forbid: tuple[Condition, ...] = ()
     reward: float = 0.0
 
 
 @dataclass(frozen=True)
-class Stage:
+class TaskStage:
     """Stage of a task: transitions in order of priority; progress towards the descriptor `guide` is rewarded."""
 
-    ways: tuple[Go, ...]
+    transitions: tuple[Transition, ...]
     guide: int = ANY
 
 
-def written(descriptors: Sequence[Meant], stages: Sequence[Stage]) -> dict[str, np.ndarray]:
-    """Pack descriptors and stages into the arrays of a `Program`, except `field`, which the task bank adds.
+def pack_program(descriptors: Sequence[Selector], stages: Sequence[TaskStage]) -> dict[str, np.ndarray]:
+    """Pack descriptors and stages into the arrays of a `TaskProgram`, except `field`, which the task bank adds.
 
     Raises:
         ConfigError: A row has no space for all of them, there is no stage, or a number refers to a missing descriptor
@@ -146,37 +146,41 @@ def written(descriptors: Sequence[Meant], stages: Sequence[Stage]) -> dict[str, 
         >>> written([Meant.at((1, 2, 0))], stages)["next"][0].tolist()
         [-1, -1, -1, -1]
     """
-    known: dict[When, int] = {}
+    known: dict[Condition, int] = {}
     for stage in stages:
-        for way in stage.ways:
-            for when in (*way.needs, *way.bars):
+        for way in stage.transitions:
+            for when in (*way.require, *way.forbid):
                 known.setdefault(when, len(known))
     counts = {"descriptors": len(descriptors), "conditions": len(known), "stages": len(stages)}
-    counts["transitions of a stage"] = max((len(stage.ways) for stage in stages), default=0)
+    counts["transitions of a stage"] = max((len(stage.transitions) for stage in stages), default=0)
     room = (NUM_DESCRIPTORS, NUM_CONDITIONS, NUM_STAGES, NUM_TRANSITIONS)
     for (name, count), most in zip(counts.items(), room, strict=True):
         if count > most or (count == 0 and name == "stages"):
             hint = "Leave some out, or split the task in two." if count else "Give at least one."
             raise ConfigError(f"a task must have 1 to {most} {name}, got {count}", hint=hint)
-    _check(descriptors, known, stages)
-    return _descriptors(descriptors) | _conditions(known) | _stages(stages, known)
+    _check_references(descriptors, known, stages)
+    return _pack_descriptors(descriptors) | _pack_conditions(known) | _pack_stages(stages, known)
 
 
-def _check(descriptors: Sequence[Meant], known: dict[When, int], stages: Sequence[Stage]) -> None:
-    used = [when.first for when in known if when.feature in OF_ONE] + [stage.guide for stage in stages]
-    used += [when.second for when in known if when.feature in OF_TWO]
+def _check_references(
+    descriptors: Sequence[Selector], known: dict[Condition, int], stages: Sequence[TaskStage]
+) -> None:
+    used = [when.first for when in known if when.feature in FIRST_DESCRIPTOR_FEATURES] + [
+        stage.guide for stage in stages
+    ]
+    used += [when.second for when in known if when.feature in SECOND_DESCRIPTOR_FEATURES]
     for number in used:
         if not ANY <= number < len(descriptors):
             hint = "Descriptors are numbered from 0, in the order of `meant`."
             raise ConfigError(f"a task refers to descriptor {number}, but has {len(descriptors)}", hint=hint)
-    for way in (way for stage in stages for way in stage.ways):
+    for way in (way for stage in stages for way in stage.transitions):
         if not FAILURE <= way.next < len(stages):
             hint = "Stages are numbered from 0; SUCCESS and FAILURE end a task."
             raise ConfigError(f"a transition leads to stage {way.next}, but there are {len(stages)}", hint=hint)
 
 
-def check_success(stages: Sequence[Stage]) -> None:
-    """Check that `SUCCESS` can be reached from the first stage; the stages must be valid for `written`.
+def check_success(stages: Sequence[TaskStage]) -> None:
+    """Check that `SUCCESS` can be reached from the first stage; the stages must be valid for `pack_program`.
 
     Raises:
         ConfigError: No sequence of transitions from the first stage leads to `SUCCESS`.
@@ -186,45 +190,45 @@ def check_success(stages: Sequence[Stage]) -> None:
     """
     seen, front = {0}, [0]
     while front:
-        front = [n for n in {way.next for i in front if i >= 0 for way in stages[i].ways} if n not in seen]
+        front = [n for n in {way.next for i in front if i >= 0 for way in stages[i].transitions} if n not in seen]
         seen |= set(front)
     if SUCCESS not in seen:
         raise ConfigError("no transition of a task leads to SUCCESS", hint="Give a stage a Go(SUCCESS, ...).")
 
 
-OF_TWO = (Feature.BESIDE, Feature.ON)
-OF_ONE = (
+SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON)
+FIRST_DESCRIPTOR_FEATURES = (
     *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),
-    *OF_TWO,
+    *SECOND_DESCRIPTOR_FEATURES,
 )
 
 
-def _descriptors(descriptors: Sequence[Meant]) -> dict[str, np.ndarray]:
-    words = np.full((NUM_DESCRIPTORS, len(Word)), ANY, np.int16)
+def _pack_descriptors(descriptors: Sequence[Selector]) -> dict[str, np.ndarray]:
+    words = np.full((NUM_DESCRIPTORS, len(Attribute)), ANY, np.int16)
     place = np.full((NUM_DESCRIPTORS, 3), np.inf, np.float32)
     for row, meant in enumerate(descriptors):
         place[row] = meant.place
-        for name, value in meant.words.items():
-            words[row, Word[name.upper()]] = value
+        for name, value in meant.attributes.items():
+            words[row, Attribute[name.upper()]] = value
     return {"descriptor": words, "place": place}
 
 
-def _conditions(known: dict[When, int]) -> dict[str, np.ndarray]:
-    rows = [*known, *[When(Feature.TRUE)] * (NUM_CONDITIONS - len(known))]
+def _pack_conditions(known: dict[Condition, int]) -> dict[str, np.ndarray]:
+    rows = [*known, *[Condition(Feature.TRUE)] * (NUM_CONDITIONS - len(known))]
     whole = {name: np.array([getattr(row, name) for row in rows], np.int8) for name in ("feature", "first", "second")}
     whole["agent"] = np.array([row.agent for row in rows], np.int8)
     return whole | {name: np.array([getattr(row, name) for row in rows], np.float32) for name in ("least", "most")}
 
 
-def _stages(stages: Sequence[Stage], known: dict[When, int]) -> dict[str, np.ndarray]:
+def _pack_stages(stages: Sequence[TaskStage], known: dict[Condition, int]) -> dict[str, np.ndarray]:
     shape = NUM_STAGES, NUM_TRANSITIONS
     arrays = {name: np.full(shape, -1, np.int16) for name in ("needs", "bars")}
     arrays |= {"next": np.full(shape, SUCCESS, np.int8), "reward": np.zeros(shape, np.float32)}
     guide = np.full(NUM_STAGES, ANY, np.int8)
     for s, stage in enumerate(stages):
         guide[s] = stage.guide
-        for g, way in enumerate(stage.ways):
-            bits = (sum(1 << known[when] for when in set(whens)) for whens in (way.needs, way.bars))
+        for g, way in enumerate(stage.transitions):
+            bits = (sum(1 << known[when] for when in set(whens)) for whens in (way.require, way.forbid))
             arrays["needs"][s, g], arrays["bars"][s, g] = bits
             arrays["next"][s, g], arrays["reward"][s, g] = way.next, way.reward
     return arrays | {"guide": guide}

@@ -11,10 +11,10 @@ from jaxtyping import Array, Bool, Float, Int, UInt16
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes
-from home_mjx.tasks.rules.program import Program
+from home_mjx.tasks.rules.program import TaskProgram
 
-WHOLE = 2**30  # integer units in the sum of all weights
-TINY, GREAT = 1e-30, 1e30  # smaller weights count as 0, larger ones are clipped, so that sums stay finite
+WEIGHT_UNITS = 2**30  # integer units in the sum of all weights
+MIN_WEIGHT, MAX_WEIGHT = 1e-30, 1e30  # smaller weights count as 0, larger ones are clipped, so that sums stay finite
 
 
 class TaskBank(Pytree):
@@ -42,7 +42,7 @@ class TaskBank(Pytree):
         rows = self.rows.pick(index)
         return self.replace(rows=rows, weights=None if self.weights is None else self.weights[index])
 
-    def weighted(self, weights: Any) -> "TaskBank":
+    def with_weights(self, weights: Any) -> "TaskBank":
         """Return the same rows with weights for drawing; inside `jit` only the number of weights is checked.
 
         Args:
@@ -55,7 +55,7 @@ class TaskBank(Pytree):
             >>> easy = tasks.weighted(tasks.rows.columns["length"] < 5.0)  # doctest: +SKIP
             >>> reset(params.replace(tasks=easy), keys)  # doctest: +SKIP
         """
-        new = self.replace(weights=_numbers(weights))
+        new = self.replace(weights=_as_weights(weights))
         new.check_weights()
         return new
 
@@ -72,11 +72,11 @@ class TaskBank(Pytree):
         if isinstance(weights, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
             return
         host = np.asarray(weights)
-        wrong = np.flatnonzero(~_usable(host))
+        wrong = np.flatnonzero(~_is_valid_weight(host))
         if len(wrong):
             message = f"the weight of task {wrong[0]} must be 0 or a positive number, got {host[wrong[0]]}"
             raise ConfigError(message, hint="A task of weight 0 is never drawn.")
-        if not (host >= TINY).any():
+        if not (host >= MIN_WEIGHT).any():
             hint = "Give at least one task a weight: is the limit of a curriculum below its shortest task?"
             raise ConfigError(f"the weights of all {len(host)} tasks are 0: no task can be drawn", hint=hint)
 
@@ -84,7 +84,7 @@ class TaskBank(Pytree):
         """Return whether any row can be drawn; also inside `jit`."""
         if self.weights is None:
             return jnp.ones((), bool)
-        return jnp.any(_usable(self.weights) & (self.weights >= TINY))
+        return jnp.any(_is_valid_weight(self.weights) & (self.weights >= MIN_WEIGHT))
 
     def draw(self, key: Array) -> Int[Array, ""]:
         """Draw the number of a row by weight.
@@ -97,9 +97,9 @@ class TaskBank(Pytree):
         """
         if self.weights is None:
             return jax.random.randint(key, (), 0, len(self))
-        weights = jnp.where(_usable(self.weights), jnp.minimum(self.weights, GREAT), 0.0)
-        weights = jnp.where(jnp.any(weights >= TINY), weights, 1.0)
-        share = weights / jnp.sum(weights) * WHOLE
+        weights = jnp.where(_is_valid_weight(self.weights), jnp.minimum(self.weights, MAX_WEIGHT), 0.0)
+        weights = jnp.where(jnp.any(weights >= MIN_WEIGHT), weights, 1.0)
+        share = weights / jnp.sum(weights) * WEIGHT_UNITS
         parts = jnp.maximum(share.astype(jnp.int32), (weights > 0).astype(jnp.int32))
         until = jnp.cumsum(parts)
         at = jax.random.randint(key, (), 0, jnp.maximum(until[-1], 1))
@@ -127,12 +127,12 @@ class TaskBank(Pytree):
         return self.pick(jnp.asarray(index, jnp.int32))
 
 
-def _usable(weights: Any) -> Any:
+def _is_valid_weight(weights: Any) -> Any:
     """Return which numbers are valid weights."""
     return (weights >= 0) & (weights < np.inf)
 
 
-def _numbers(weights: Any) -> Float[Array, "..."]:
+def _as_weights(weights: Any) -> Float[Array, "..."]:
     """Convert weights to an array.
 
     Raises:
@@ -147,6 +147,6 @@ def _numbers(weights: Any) -> Float[Array, "..."]:
     return jnp.asarray(array, jnp.float32)
 
 
-def program_of(columns: Mapping[str, Array]) -> Program:
+def extract_program(columns: Mapping[str, Array]) -> TaskProgram:
     """Extract the program from the columns of one or many rows."""
-    return Program(**{name: columns[name] for name in Program.__dataclass_fields__})
+    return TaskProgram(**{name: columns[name] for name in TaskProgram.__dataclass_fields__})

@@ -12,7 +12,7 @@ ANY = -1  # in a descriptor: any value; elsewhere: none
 SUCCESS, FAILURE = -1, -2  # stages that end an episode
 
 
-class Kind(IntEnum):
+class TargetKind(IntEnum):
     """Kind of a descriptor's target."""
 
     NOTHING = -1
@@ -22,7 +22,7 @@ class Kind(IntEnum):
     AGENT = 3
 
 
-class Word(IntEnum):
+class Attribute(IntEnum):
     """Columns of a descriptor: its kind, and the properties that all targets share; `ANY` if unconstrained."""
 
     KIND = 0
@@ -51,14 +51,14 @@ class Feature(IntEnum):
     BESIDE = 6  # [m], minimum gap between an i and a j at their present places
     ON = 7  # 1: an i rests on a j
     OPEN = 8  # widest opening of the doors i, 0 shut to 1 wide
-    STOPPED = 9  # 1: the agent has chosen `stop`
+    STOPPED = 9  # 1: the agent has chosen `stopped`
     TIME = 10  # steps since the stage began
     TOUCHED = 11  # 1: the agent touched anything but the floor in the last step
     CLEAR = 12  # 1: the line of sight to the nearest i is free, whatever the agent's heading
     SAID = 13  # token of the word that the agent said in the last step; -1 if none
 
 
-class Use(IntEnum):
+class Purpose(IntEnum):
     """Purpose of going to an object; it determines the end cells of paths."""
 
     LOOK = 0

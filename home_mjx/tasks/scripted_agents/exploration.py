@@ -14,13 +14,13 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
-from home_mjx.navigation.grid import cell_of, is_home
+from home_mjx.navigation.grid import cell_of, is_home_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.experts.explore import seek
+from home_mjx.tasks.experts.explore import seek_nearest_cell
 
-TILE = 0.5  # [m] edge length of a tile
-LEAST_RADIUS = 0.5  # [m] minimum cover radius: below it, a tile may not be coverable from any position
+TILE_EDGE = 0.5  # [m] edge length of a tile
+MIN_COVER_RADIUS = 0.5  # [m] minimum cover radius: below it, a tile may not be coverable from any position
 
 
 class Tiles(Pytree):
@@ -41,10 +41,10 @@ class ExplorationState(Pytree):
     collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Return the action towards the nearest uncovered tile; `stop` if none is left."""
-        tiles = tiles_of(snapshot.bank, snapshot.house)
-        left = _of_cells(~self.covered, snapshot.bank)
-        return seek(snapshot, tiles.middle & left, left)
+        """Return the action towards the nearest uncovered tile; `stopped` if none is left."""
+        tiles = divide_in_tiles(snapshot.bank, snapshot.house)
+        left = _expand_to_cells(~self.covered, snapshot.bank)
+        return seek_nearest_cell(snapshot, tiles.middle & left, left)
 
 
 @dataclass(frozen=True)
@@ -71,12 +71,12 @@ class Exploration(Task):
     def __post_init__(self) -> None:
         for option in fields(self):
             check_number(option.name, getattr(self, option.name), 0)
-        check_number("cover_radius", self.cover_radius, LEAST_RADIUS)
+        check_number("cover_radius", self.cover_radius, MIN_COVER_RADIUS)
         check_number("success_coverage", self.success_coverage, 0, 1)
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> ExplorationState:
         """Return the state with the tiles that are covered at the start."""
-        tiles, zero = tiles_of(snapshot.bank, snapshot.house), jnp.zeros_like(snapshot.pose.yaw)
+        tiles, zero = divide_in_tiles(snapshot.bank, snapshot.house), jnp.zeros_like(snapshot.pose.yaw)
         near = self._near(snapshot, tiles.room)
         return ExplorationState(
             free=tiles.free,
@@ -93,12 +93,12 @@ class Exploration(Task):
         return state.replace(
             covered=state.covered | jnp.any(near, axis=0),
             gained=cells.astype(jnp.float32) * jnp.float32(snapshot.bank.spec.cell**2),
-            collisions=state.collisions + snapshot.contact.astype(jnp.int32),
+            collisions=state.collisions + snapshot.in_contact.astype(jnp.int32),
         )
 
     def reward(self, snapshot: Snapshot, before: ExplorationState, state: ExplorationState) -> Float[Array, " a"]:
         """Compute the reward for newly covered area minus costs."""
-        costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
+        costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32)
         return jnp.float32(self.area_reward) * state.gained - costs
 
     def metrics(self, snapshot: Snapshot, state: ExplorationState) -> dict[str, Float[Array, ""]]:
@@ -114,7 +114,7 @@ class Exploration(Task):
     def _near(self, snapshot: Snapshot, room: Int[Array, "levels ty tx"]) -> Bool[Array, "a levels ty tx"]:
         """Return which tiles each agent covers from its position."""
         bank, house = snapshot.bank, snapshot.house
-        edge = jnp.float32(_cells(bank) * bank.spec.cell)
+        edge = jnp.float32(_cells_per_edge(bank) * bank.spec.cell)
         levels, rows, columns = room.shape
         y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * edge for n in (rows, columns))
 
@@ -129,13 +129,13 @@ class Exploration(Task):
         return jax.vmap(one)(snapshot.pose.pos)
 
 
-def tiles_of(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
+def divide_in_tiles(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
     """Divide the floor of a house into tiles."""
-    count, home = _cells(bank), is_home(bank, house, bank.navigation.cell[house])
+    count, home = _cells_per_edge(bank), is_home_cell(bank, house, bank.navigation.cell[house])
     levels, rows, columns = home.shape
     place = (np.arange(count) + 0.5) / count - 0.5
     away = jnp.asarray(np.hypot(place[:, None], place[None]).ravel(), jnp.float32)
-    parts, rooms = (_in_tiles(values, count) for values in (home, bank.navigation.room[house]))
+    parts, rooms = (_group_by_tile(values, count) for values in (home, bank.navigation.room[house]))
     best = jnp.argmin(jnp.where(parts, away, jnp.inf), axis=-1)
     any_ = jnp.any(parts, axis=-1)
     room = jnp.where(any_, jnp.take_along_axis(rooms, best[..., None], axis=-1)[..., 0], -1)
@@ -145,12 +145,12 @@ def tiles_of(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
     return Tiles(free=jnp.sum(parts, axis=-1).astype(jnp.int32), room=room.astype(jnp.int32), middle=whole)
 
 
-def _cells(bank: HouseBank) -> int:
+def _cells_per_edge(bank: HouseBank) -> int:
     """Return the number of cells along the edge of a tile."""
-    return max(round(TILE / bank.spec.cell), 1)
+    return max(round(TILE_EDGE / bank.spec.cell), 1)
 
 
-def _in_tiles(values: Array, count: int) -> Array:
+def _group_by_tile(values: Array, count: int) -> Array:
     """Group cell values (levels, rows, columns) by tile (levels, ty, tx, cells), padded with 0 beyond the grid."""
     levels, rows, columns = values.shape
     values = jnp.pad(values, ((0, 0), (0, -rows % count), (0, -columns % count)))
@@ -158,7 +158,9 @@ def _in_tiles(values: Array, count: int) -> Array:
     return tiles.swapaxes(2, 3).reshape(levels, tiles.shape[1], tiles.shape[3], count * count)
 
 
-def _of_cells(tiles: Bool[Array, "levels ty tx"], bank: HouseBank) -> Bool[Any, "levels rows columns"]:
+def _expand_to_cells(tiles: Bool[Array, "levels ty tx"], bank: HouseBank) -> Bool[Any, "levels rows columns"]:
     """Expand tile values to cells."""
     rows, columns = bank.navigation.room.shape[2:]
-    return jnp.repeat(jnp.repeat(tiles, _cells(bank), axis=1), _cells(bank), axis=2)[:, :rows, :columns]
+    return jnp.repeat(jnp.repeat(tiles, _cells_per_edge(bank), axis=1), _cells_per_edge(bank), axis=2)[
+        :, :rows, :columns
+    ]

@@ -12,48 +12,48 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.navigation.grid import geodesic_distance, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
-from home_mjx.tasks.experts.descent import descend, is_free
-from home_mjx.tasks.experts.walk import ON_THE_SPOT, to_actions, turn_towards
+from home_mjx.tasks.experts.descent import descend_field, is_free
+from home_mjx.tasks.experts.walk import IDLE_TURN, to_actions, turn_towards
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.rules.build import Row
+from home_mjx.tasks.rules.build import TaskRow
 from home_mjx.tasks.rules.house_view import HouseView
-from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.words import SUCCESS, Feature
-from home_mjx.tasks.sounds.row import Sound
-from home_mjx.tasks.suite.audio_nav import DISTRACTING, NUM_PLACES, SPLITS
-from home_mjx.tasks.suite.navigation import Navigation
+from home_mjx.tasks.sounds.row import SoundEvent
+from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, NUM_PLACES, SPLITS
+from home_mjx.tasks.suite.navigation import NavigationTask
 
 FOLLOWER, PIPER = 0, 1  # agents
-ROUTE = 2  # index of the first of two descriptors, the ends of the piper's route
-THERE = 0.5  # [m] distance to the end of a route at which scripted agents turn round
-PACE = 3  # period in steps at which scripted agents pause
-PATIENCE = 30  # steps in contact before a blocked agent turns round, times its index
-APART = 0.9  # [m] minimum distance that the expert keeps
-LOOKS = 0.15  # [rad] maximum heading error towards the piper while the expert waits
-CLOSE = 3.0  # [m] maximum distance at which the expert walks straight to the piper if the path is free
+ROUTE_START = 2  # index of the first of two descriptors, the ends of the piper's route
+ROUTE_END_DISTANCE = 0.5  # [m] distance to the end of a route at which scripted agents turn round
+SCRIPTED_IDLE_PERIOD = 3  # period in steps at which scripted agents pause
+MAX_BLOCKED_STEPS = 30  # steps in contact before a blocked agent turns round, times its index
+MIN_PIPER_DISTANCE = 0.9  # [m] minimum distance that the expert keeps
+MAX_HEADING_ERROR = 0.15  # [rad] maximum heading error towards the piper while the expert waits
+MAX_DIRECT_DISTANCE = 3.0  # [m] maximum distance at which the expert walks straight to the piper if the path is free
 
 
 class PiedPiperState(RowState):
     """Task state of one episode, with the routes of the scripted agents; A agents."""
 
-    stray: Int[Array, "2"]  # goals of the house, the ends of the others' route
-    heading: Int[Array, " a"]  # end of its route that the agent heads for, 0 or 1
-    blocked: Int[Array, " a"]  # number of consecutive steps in contact
-    near: Int[Array, ""]  # number of steps in which the follower was near the piper
+    others_route: Int[Array, "2"]  # goals of the house, the ends of the others' route
+    route_end: Int[Array, " a"]  # end of its route that the agent heads for, 0 or 1
+    contact_steps: Int[Array, " a"]  # number of consecutive steps in contact
+    near_steps: Int[Array, ""]  # number of steps in which the follower was near the piper
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Return the follower's action: approach the piper, see `_chase`; beside it, keep facing it."""
+        """Return the follower's action: approach the piper, see `_pursuit_point`; beside it, keep facing it."""
         pos, own = snapshot.pose.pos, jnp.array([FOLLOWER])
-        waits = (jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < APART)[None]
-        error = turn_towards(snapshot, _chase(snapshot, self)[None], own)
+        waits = (jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < MIN_PIPER_DISTANCE)[None]
+        error = turn_towards(snapshot, _pursuit_point(snapshot, self)[None], own)
         # There is no idle action, so the waiting expert turns to and fro.
-        error = jnp.where(waits & (jnp.abs(error) < LOOKS), ON_THE_SPOT, error)
+        error = jnp.where(waits & (jnp.abs(error) < MAX_HEADING_ERROR), IDLE_TURN, error)
         return to_actions(snapshot.config, error, -snapshot.pose.pitch[own], waits, jnp.zeros_like(waits))
 
 
 @dataclass(frozen=True)
-class PiedPiper(Navigation):
+class PiedPiper(NavigationTask):
     """Task of staying near the piper, an agent that plays sound. The task controls all agents but the first.
 
     The caller controls the first agent, the follower. The piper walks to and fro between two places of the house, at
@@ -62,23 +62,23 @@ class PiedPiper(Navigation):
     actions, observations and rewards of the follower only.
 
     Attributes:
-        others: Number of agents besides follower and piper, 0 or 1.
+        num_others: Number of agents besides follower and piper, 0 or 1.
         follow_distance: Maximum distance to the piper that counts as following [m]; the first time with a free line of
             sight.
         follow_steps: Number of consecutive steps of following for success.
         clip_split: Sounds of the piper: "heard", "unheard" or "all" of `audio_nav.SPLITS`.
     """
 
-    others: int = 1
+    num_others: int = 1
     follow_distance: float = 2.0
     follow_steps: int = 80
     clip_split: str = "heard"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_number("others", self.others, 0, 1, whole=True)
-        check_number("follow_distance", self.follow_distance, APART)
-        check_number("follow_steps", self.follow_steps, 1, whole=True)
+        check_number("num_others", self.num_others, 0, 1, integer=True)
+        check_number("follow_distance", self.follow_distance, MIN_PIPER_DISTANCE)
+        check_number("follow_steps", self.follow_steps, 1, integer=True)
         check_known("split of sounds", [self.clip_split], SPLITS)
 
     @property
@@ -99,7 +99,7 @@ class PiedPiper(Navigation):
     @property
     def least_agents(self) -> int:
         """Number of agents: follower, piper and others."""
-        return 2 + self.others
+        return 2 + self.num_others
 
     @property
     def most_agents(self) -> int:
@@ -109,45 +109,51 @@ class PiedPiper(Navigation):
     @property
     def num_sources(self) -> int:
         """Number of sound sources: one per agent except the follower."""
-        return 1 + self.others
+        return 1 + self.num_others
 
     @property
     def clips(self) -> tuple[str, ...]:
         """Sounds of the piper and of the others."""
-        return (*SPLITS[self.clip_split], *(DISTRACTING if self.others else ()))
+        return (*SPLITS[self.clip_split], *(DISTRACTOR_CLIPS if self.num_others else ()))
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield pairs of places of the house as the piper's route."""
         free = random.permutation(np.flatnonzero(~view.graph.at_leaf))[:NUM_PLACES]
         while len(free) > 1:
             first, second = view.graph.place[random.choice(free, 2, replace=False)].tolist()
-            who = Meant.someone(PIPER + 1) if self.others else Meant.hidden()
-            meant = [Meant.someone(PIPER), who, Meant.at(first), Meant.at(second)]
-            sounds = [Sound(0, str(random.choice(SPLITS[self.clip_split])))]
-            sounds += [Sound(1, str(random.choice(DISTRACTING)))] * self.others
-            yield Row(meant, self._stages(), ROUTE, tokenize("follow the sound"), sounds)
+            who = Selector.agent(PIPER + 1) if self.num_others else Selector.nothing()
+            meant = [Selector.agent(PIPER), who, Selector.point(first), Selector.point(second)]
+            sounds = [SoundEvent(0, str(random.choice(SPLITS[self.clip_split])))]
+            sounds += [SoundEvent(1, str(random.choice(DISTRACTOR_CLIPS)))] * self.num_others
+            yield TaskRow(meant, self._stages(), ROUTE_START, tokenize("follow the sound"), sounds)
 
-    def _stages(self) -> list[Stage]:
-        near = When(Feature.STRAIGHT, 0, agent=FOLLOWER, most=self.follow_distance)
-        clear, long = When(Feature.CLEAR, 0, agent=FOLLOWER, least=1), When(Feature.TIME, least=self.follow_steps)
-        win = Go(SUCCESS, (near, long), reward=self.success_reward)
-        return [Stage((Go(1, (near, clear)),), guide=0), Stage((win, Go(0, bars=(near,))), guide=0)]
+    def _stages(self) -> list[TaskStage]:
+        near = Condition(Feature.STRAIGHT, 0, agent=FOLLOWER, most=self.follow_distance)
+        clear, long = (
+            Condition(Feature.CLEAR, 0, agent=FOLLOWER, least=1),
+            Condition(Feature.TIME, least=self.follow_steps),
+        )
+        win = Transition(SUCCESS, (near, long), reward=self.success_reward)
+        return [
+            TaskStage((Transition(1, (near, clear)),), guide=0),
+            TaskStage((win, Transition(0, forbid=(near,))), guide=0),
+        ]
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PiedPiperState:
         """Return the state in which all scripted agents head for the first end of their route."""
         agents = snapshot.pose.yaw.shape[0]
         base, zero = super().init(snapshot, key, columns), jnp.zeros(agents, jnp.int32)
         own = {option.name: getattr(base, option.name) for option in fields(RowState)}
-        stray = _far_goals(snapshot, base.program.place[ROUTE : ROUTE + 2])
-        return PiedPiperState(**own, stray=stray, heading=zero, blocked=zero, near=zero[0])
+        stray = _far_goals(snapshot, base.program.place[ROUTE_START : ROUTE_START + 2])
+        return PiedPiperState(**own, others_route=stray, route_end=zero, contact_steps=zero, near_steps=zero[0])
 
     def lead(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
         """Return actions of the scripted agents: descend the distance field, with a pause every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
-        error = turn_towards(snapshot, _aims(snapshot, state))
+        error = turn_towards(snapshot, _next_points(snapshot, state))
         actions = to_actions(config, error, -pose.pitch, ~everybody, ~everybody)
-        rests = snapshot.step % PACE == 0
+        rests = snapshot.step % SCRIPTED_IDLE_PERIOD == 0
         nothing = (
             jnp.zeros_like(actions) if config.discrete is None else jnp.full_like(actions, len(config.action_names))
         )
@@ -157,15 +163,15 @@ class PiedPiper(Navigation):
         """Update the stage; scripted agents that have arrived or are blocked turn round."""
         new = super().update(snapshot, state)
         assert isinstance(new, PiedPiperState)
-        blocked = jnp.where(snapshot.contact, state.blocked + 1, 0)
-        left = _left(snapshot, state)
+        blocked = jnp.where(snapshot.in_contact, state.contact_steps + 1, 0)
+        left = _remaining_lengths(snapshot, state)
         # Agents turn at different times: the first one needs time to turn and move away.
-        turns = (left < THERE) | (blocked >= PATIENCE * jnp.arange(len(blocked)))
+        turns = (left < ROUTE_END_DISTANCE) | (blocked >= MAX_BLOCKED_STEPS * jnp.arange(len(blocked)))
         near = (new.distance[FOLLOWER, 0] <= jnp.float32(self.follow_distance)).astype(jnp.int32)
         return new.replace(
-            heading=jnp.where(turns, 1 - state.heading, state.heading),
-            blocked=jnp.where(turns, 0, blocked),
-            near=state.near + near,
+            route_end=jnp.where(turns, 1 - state.route_end, state.route_end),
+            contact_steps=jnp.where(turns, 0, blocked),
+            near_steps=state.near_steps + near,
         )
 
     def observe(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Array]:
@@ -183,7 +189,7 @@ class PiedPiper(Navigation):
         return {
             "success": (state.stage == SUCCESS).astype(jnp.float32),
             "distance": state.distance[FOLLOWER, 0],
-            "near": state.near.astype(jnp.float32) / steps,
+            "near": state.near_steps.astype(jnp.float32) / steps,
             "collisions": state.collisions[FOLLOWER].astype(jnp.float32),
             "stage": state.stage.astype(jnp.float32),
         }
@@ -198,50 +204,50 @@ def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"
     return jnp.stack([first, jnp.argmax(jnp.minimum(jnp.min(to_goals, axis=0), from_first))]).astype(jnp.int32)
 
 
-def _ends(state: PiedPiperState) -> Int[Array, "2"]:
+def _route_columns(state: PiedPiperState) -> Int[Array, "2"]:
     """Return the columns of the task bank's fields with distances to both ends of the piper's route."""
-    return jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
+    return jnp.maximum(state.program.field[ROUTE_START : ROUTE_START + 2], 0).astype(jnp.int32)
 
 
-def _columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[Array, " a"]]:
+def _destination_columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[Array, " a"]]:
     """Return each agent's destination: column of the task bank's fields for the piper, of the house's for others."""
-    return _ends(state)[state.heading], state.stray[state.heading]
+    return _route_columns(state)[state.route_end], state.others_route[state.route_end]
 
 
-def _chase(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
+def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
     """Return the point that the follower walks straight to on its way to the piper [m].
 
-    That is the piper, if it is within `CLOSE` and the path is free. Otherwise it is the next point on the path to one
+    That is the piper, if it is within `MAX_DIRECT_DISTANCE` and the path is free. Otherwise it is the next point on the path to one
     end of the piper's route. The follower takes the end that the piper heads for if it is farther from there than the
     piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No distance field
     to a moving piper is needed.
     """
     pos, field = snapshot.pose.pos, snapshot.tasks.field
-    ends = _ends(state)
-    to, come = ends[state.heading[PIPER]], ends[1 - state.heading[PIPER]]
+    ends = _route_columns(state)
+    to, come = ends[state.route_end[PIPER]], ends[1 - state.route_end[PIPER]]
     left = [geodesic_distance(snapshot.bank, snapshot.house, to, pos[who], field) for who in (FOLLOWER, PIPER)]
     column = jnp.where(left[0] > left[1], to, come)
-    aim, _ = descend(snapshot, jnp.int32(FOLLOWER), lambda _, cell: stored_distance(field, cell, column))
-    is_close = jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < CLOSE
+    aim, _ = descend_field(snapshot, jnp.int32(FOLLOWER), lambda _, cell: stored_distance(field, cell, column))
+    is_close = jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < MAX_DIRECT_DISTANCE
     straight = is_close & is_free(snapshot, jnp.int32(FOLLOWER), pos[PIPER])
     return jnp.where(straight, pos[PIPER, :2], aim)
 
 
-def _left(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
+def _remaining_lengths(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
     """Return each agent's remaining path length [m]."""
 
     def to(pos: Array, column: Array, field: Array | None) -> Array:
         return geodesic_distance(snapshot.bank, snapshot.house, column, pos, field)
 
-    own, stray = _columns(state)
+    own, stray = _destination_columns(state)
     pos = snapshot.pose.pos
     piper = to(pos[PIPER], own[PIPER], snapshot.tasks.field)
     return jax.vmap(lambda at, column: to(at, column, None))(pos, stray).at[PIPER].set(piper)
 
 
-def _aims(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:
+def _next_points(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:
     """Return the point that each agent walks straight to on its path [m]."""
-    own, stray = _columns(state)
+    own, stray = _destination_columns(state)
     fields_ = snapshot.tasks.field, snapshot.bank.navigation.field
 
     def one(agent: Array) -> Array:
@@ -249,6 +255,6 @@ def _aims(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:
             piper, other = (stored_distance(f, cell, c[agent]) for f, c in zip(fields_, (own, stray), strict=True))
             return jnp.where(agent == PIPER, piper, other)
 
-        return descend(snapshot, agent, far)[0]
+        return descend_field(snapshot, agent, far)[0]
 
     return jax.vmap(one)(jnp.arange(snapshot.config.num_agents))

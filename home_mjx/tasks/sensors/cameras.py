@@ -19,37 +19,41 @@ from home_mjx.raycast_render.cameras.camera import Camera, intrinsics, world_fro
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import CAMERA_KINDS, PIXEL_KINDS, AgentCamera, EnvConfig
-from home_mjx.tasks.base.pose import AgentPose, over_agents
+from home_mjx.tasks.base.pose import AgentPose, map_agents
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.variation.draw import IMAGES, Drawn, Mount
-from home_mjx.tasks.variation.noise import noisy_depth, noisy_rgb
+from home_mjx.tasks.variation.draw import IMAGE_NOISE, CameraOffsets, VariationSample
+from home_mjx.tasks.variation.noise import add_depth_noise, add_rgb_noise
 
 MAX_ID = float(np.iinfo(np.int32).max)
 
 
 class Cameras(Sensor):
-    """All cameras of every agent; `EnvConfig.views` lists them and the kinds of their images."""
+    """All cameras of every agent; `EnvConfig.all_cameras` lists them and the kinds of their images."""
 
     name = "cameras"
     costly = True
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return one entry per camera and kind."""
-        return {name_of(view.name, kind): _spec(config, view, kind) for view in config.views for kind in view.kinds}
+        return {
+            observation_name(view.name, kind): _spec(config, view, kind)
+            for view in config.all_cameras
+            for kind in view.kinds
+        }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
         """Render all kinds of every camera from one cast."""
-        seen = observe_images(config, snapshot.scene, snapshot.pose, snapshot.mount)
-        return seen if snapshot.drawn is None else _with_noise(config, snapshot, snapshot.drawn, seen)
+        seen = render_images(config, snapshot.scene, snapshot.pose, snapshot.camera_offsets)
+        return seen if snapshot.variation is None else _add_noise(config, snapshot, snapshot.variation, seen)
 
 
 def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
     shape = view.lens.shape
     known = {
         "rgb": ArraySpec((*shape, 3), "uint8", 0, 255, "sRGB, row 0 at the top"),
-        "depth": ArraySpec((*shape, 1), "float32", 0.0, config.depth_max, "along the optical axis [m], clipped"),
+        "depth": ArraySpec((*shape, 1), "float32", 0.0, config.max_depth, "along the optical axis [m], clipped"),
         "normal": ArraySpec((*shape, 3), "float32", -1.0, 1.0, "unit normal facing the camera; 0 on a miss"),
         "intrinsics": ArraySpec((3, 3), "float32", text="intrinsic matrix [px]"),
         "pose": ArraySpec((4, 4), "float32", text="world from camera [m]"),
@@ -69,40 +73,44 @@ def agent_ids(bank: HouseBank, num_agents: int) -> Array:
     return bank.spec.num_instances + jnp.arange(num_agents, dtype=jnp.int32)
 
 
-def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose, mount: Mount | None = None) -> dict[str, Array]:
+def render_images(
+    config: EnvConfig, scene: Scene, pose: AgentPose, mount: CameraOffsets | None = None
+) -> dict[str, Array]:
     """Render the images of every agent's cameras, without noise."""
     own = agent_ids(scene.bank, config.num_agents)
     obs: dict[str, Array] = {}
-    for view in config.views:
+    for view in config.all_cameras:
 
         def look(camera: Camera, own: Array, view: AgentCamera = view) -> dict[str, Array]:
-            return _look(config, view, scene, camera, own)
+            return _render_camera(config, view, scene, camera, own)
 
-        obs |= over_agents(look, place_cameras(config, view, pose, mount), own)
+        obs |= map_agents(look, place_cameras(config, view, pose, mount), own)
     return obs
 
 
-def _with_noise(config: EnvConfig, snapshot: Snapshot, drawn: Drawn, seen: dict[str, Array]) -> dict[str, Array]:
+def _add_noise(
+    config: EnvConfig, snapshot: Snapshot, drawn: VariationSample, seen: dict[str, Array]
+) -> dict[str, Array]:
     """Add sensor noise to the images of pinhole cameras."""
-    key = drawn.noise_key(snapshot.step, IMAGES)
+    key = drawn.noise_key(snapshot.step, IMAGE_NOISE)
     noises = {
-        "depth": (drawn.depth_noise, lambda level, key, x: noisy_depth(level, key, x, config.depth_max)),
-        "rgb": (drawn.color_noise, noisy_rgb),
+        "depth": (drawn.depth_noise, lambda level, key, x: add_depth_noise(level, key, x, config.max_depth)),
+        "rgb": (drawn.color_noise, add_rgb_noise),
     }
     noisy = dict(seen)
-    for number, (view, kind) in enumerate(itertools.product(config.views, noises)):
-        (level, noise), name = noises[kind], name_of(view.name, kind)
+    for number, (view, kind) in enumerate(itertools.product(config.all_cameras, noises)):
+        (level, noise), name = noises[kind], observation_name(view.name, kind)
         if level is not None and name in seen and view.lens.model == "pinhole":
             keys = jax.random.split(jax.random.fold_in(key, number), config.num_agents)
             noisy[name] = jax.vmap(functools.partial(noise, level))(keys, seen[name])
     return noisy
 
 
-def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: Mount | None = None) -> Camera:
-    """Return one of the cameras of every agent, with a leading agent axis; `mount`: offsets of the episode."""
-    mount = mount or Mount()
+def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: CameraOffsets | None = None) -> Camera:
+    """Return one of the cameras of every agent, with a leading agent axis; `camera_offsets`: offsets of the episode."""
+    mount = mount or CameraOffsets()
     yaw = pose.yaw + float(np.deg2rad(view.yaw))
-    pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.looks else jnp.zeros_like(pose.pitch))
+    pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.follow_pitch else jnp.zeros_like(pose.pitch))
     pitch = pitch if mount.pitch is None else pitch + mount.pitch
     forward, left, up = view.offset
     up = up if mount.height is None else up + mount.height
@@ -121,25 +129,25 @@ def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: 
     return jax.vmap(Camera)(eye_position(config, pose) + shift, jax.vmap(camera_quat)(yaw, pitch), fovy)
 
 
-def _look(config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, own: Array) -> dict[str, Array]:
+def _render_camera(config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, own: Array) -> dict[str, Array]:
     """Render one camera of one agent, by observation name."""
     images = render(
         scene,
         camera,
         view.lens,
         kinds=tuple(kind for kind in view.kinds if kind not in ("intrinsics", "pose")),
-        preset=config.rgb_preset,
+        shader=config.shader,
         exclude=own,
-        depth_max=config.depth_max,
+        depth_max=config.max_depth,
     )
     if "intrinsics" in view.kinds:
         images["intrinsics"] = intrinsics(camera, view.lens)
     if "pose" in view.kinds:
         images["pose"] = world_from_camera(camera)
-    return {name_of(view.name, kind): images[kind] for kind in view.kinds}
+    return {observation_name(view.name, kind): images[kind] for kind in view.kinds}
 
 
-def name_of(camera: str, kind: str) -> str:
+def observation_name(camera: str, kind: str) -> str:
     """Return the name of a camera's observation."""
     folder = "pixels" if kind in PIXEL_KINDS else "camera" if kind in CAMERA_KINDS else "ids"
     return f"{folder}/{camera}_{kind}"

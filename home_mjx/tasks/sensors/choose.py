@@ -27,7 +27,7 @@ register_sensor(EarLevels())
 
 
 # Sensor names of other simulators and their counterparts here.
-FIELD_WORDS = {
+FOREIGN_SENSOR_HINTS = {
     "gps": "`gps_compass`",
     "compass": "`gps_compass`",
     "pointgoal": "`goal`",
@@ -38,11 +38,11 @@ FIELD_WORDS = {
     "spectrogram": "`log_mel` or `stft`",
     "audiogoal": "`audio`",
 }
-HEARING = ("audio", "stft", "log_mel", "ear_levels")
-NAME, OBSERVATION = "the name", "an observation"
+HEARING_SENSORS = ("audio", "stft", "log_mel", "ear_levels")
+NAME_ROLE, OBSERVATION_ROLE = "the name", "an observation"
 
 
-def sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
+def resolve_sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
     """Return the names of all requested observations, each once.
 
     Raises:
@@ -51,13 +51,13 @@ def sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
     names = config.sensors if config.sensors is not None else (*DEFAULT_SENSORS, *task.observation_spec)
     known = [*VIEW_KINDS, *registered_sensors(), *task.observation_spec]
     for name in names:
-        if name not in known and name in FIELD_WORDS:
-            raise UnknownNameError(f"unknown sensor `{name}`", hint=f"Give {FIELD_WORDS[name]}.")
+        if name not in known and name in FOREIGN_SENSOR_HINTS:
+            raise UnknownNameError(f"unknown sensor `{name}`", hint=f"Give {FOREIGN_SENSOR_HINTS[name]}.")
     check_known("sensor", names, known)
     return tuple(dict.fromkeys(names))
 
 
-def choose_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
+def select_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
     """Return the sensors of an environment whose `config.sensors` are resolved, without those of its task.
 
     Raises:
@@ -67,56 +67,58 @@ def choose_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
     known = registered_sensors()
     names = config.sensors or ()
     named = tuple(known[name] for name in names if name in known)
-    sensors = (*((Cameras(),) if config.views else ()), *named)
+    sensors = (*((Cameras(),) if config.all_cameras else ()), *named)
     _check_names(config, sensors, task)
-    if task.needs_ears and not any(sensor.name in HEARING or not _is_own(sensor) for sensor in sensors):
+    if task.requires_hearing and not any(
+        sensor.name in HEARING_SENSORS or not _is_builtin(sensor) for sensor in sensors
+    ):
         message = f"words of {type(task).__name__} are sounds, which none of the sensors hears: {', '.join(names)}"
-        raise ConfigError(message, element="sensors", hint=f"Add one of {', '.join(HEARING)}.")
+        raise ConfigError(message, element="sensors", hint=f"Add one of {', '.join(HEARING_SENSORS)}.")
     return sensors
 
 
-def keepers(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
-    """Return the sensors whose state is stored, each once: the sensors themselves, or their `keeper`."""
-    return tuple({(sensor.keeper or sensor).name: sensor.keeper or sensor for sensor in sensors}.values())
+def state_owners(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
+    """Return the sensors whose state is stored, each once: the sensors themselves, or their `state_owner`."""
+    return tuple({(sensor.state_owner or sensor).name: sensor.state_owner or sensor for sensor in sensors}.values())
 
 
 def _check_names(config: EnvConfig, sensors: tuple[Sensor, ...], task: Task) -> None:
     """Raise if two owners use the same name, because one of the two observations would be lost."""
     first: dict[str, tuple[Sensor | Task, str]] = {}
     for owner in (*sensors, task):
-        for name, role in _names_of(config, owner):
+        for name, role in _used_names(config, owner):
             other, other_role = first.setdefault(name, (owner, role))
             if other is not owner:
-                ours = _is_own(owner) and not _is_own(other)  # users can rename only their own
+                ours = _is_builtin(owner) and not _is_builtin(other)  # users can rename only their own
                 raise ConfigError(
-                    f"`{name}` is {other_role} of {_title(other)} and {role} of {_title(owner)}",
-                    hint=f"Rename it in {_place(other, other_role) if ours else _place(owner, role)}, "
+                    f"`{name}` is {other_role} of {_describe(other)} and {role} of {_describe(owner)}",
+                    hint=f"Rename it in {_definition_of(other, other_role) if ours else _definition_of(owner, role)}, "
                     "or leave one of the two out of `sensors`.",
                 )
 
 
-def _names_of(config: EnvConfig, owner: Sensor | Task) -> Iterator[tuple[str, str]]:
+def _used_names(config: EnvConfig, owner: Sensor | Task) -> Iterator[tuple[str, str]]:
     """Yield the names that a sensor or the task uses, each with its role."""
     chosen = config.sensors or ()
     if isinstance(owner, Task):
-        yield from ((name, OBSERVATION) for name in owner.observation_spec if name in chosen)
+        yield from ((name, OBSERVATION_ROLE) for name in owner.observation_spec if name in chosen)
         return
-    yield owner.name, NAME
+    yield owner.name, NAME_ROLE
     if isinstance(owner, Cameras):
         yield from ((name, "an image") for name in chosen if name in VIEW_KINDS)
-    yield from ((name, OBSERVATION) for name in owner.spec(config))
+    yield from ((name, OBSERVATION_ROLE) for name in owner.spec(config))
 
 
-def _is_own(owner: Sensor | Task) -> bool:
+def _is_builtin(owner: Sensor | Task) -> bool:
     return type(owner).__module__.startswith("home_mjx.")
 
 
-def _title(owner: Sensor | Task) -> str:
+def _describe(owner: Sensor | Task) -> str:
     return f"the {'task' if isinstance(owner, Task) else 'sensor'} {type(owner).__name__}"
 
 
-def _place(owner: Sensor | Task, role: str) -> str:
+def _definition_of(owner: Sensor | Task, role: str) -> str:
     name = type(owner).__name__
-    if role == NAME:
+    if role == NAME_ROLE:
         return f"`{name}.name`"
     return f"`{name}.{'observation_spec' if isinstance(owner, Task) else 'spec'}` and `{name}.observe`"

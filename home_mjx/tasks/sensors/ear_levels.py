@@ -5,11 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.auralization.envelope import band_level, clip_power, energy_response
-from home_mjx.audio_jax.auralization.spectra import LEAST, MOST
-from home_mjx.audio_jax.auralization.stream import loudness
-from home_mjx.audio_jax.base.config import EARS, AudioConfig
-from home_mjx.audio_jax.contact_sounds.slots import noises_power
+from home_mjx.audio_jax.auralization.envelope import clip_power, energy_envelope, mean_band_power
+from home_mjx.audio_jax.auralization.spectra import MAX_MEL_LEVEL, MIN_MEL_LEVEL
+from home_mjx.audio_jax.auralization.stream import schedule_gain
+from home_mjx.audio_jax.base.config import TWO_CHANNEL_RECEIVERS, AudioConfig
+from home_mjx.audio_jax.contact_sounds.slots import emitted_power
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
@@ -17,32 +17,32 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.base.status import flags
+from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.sensors.hearing import (
-    are_unheard,
-    as_loud_as_drawn,
+    clip_indices,
     clip_names,
-    clip_rows,
-    hear,
-    no_words,
-    noises_as_loud_as_drawn,
-    spoken,
-    with_words,
+    is_inaudible,
+    scale_contact_sounds,
+    scale_sounds,
+    silent_history,
+    source_tokens,
+    trace_responses,
+    update_history,
 )
 from home_mjx.tasks.sounds.voice import voice_power
 
-LONGEST = 1.0  # [ms], maximum delay between the ears; larger than that of any head
-MILLI = 1000.0
+MAX_EAR_DELAY = 1.0  # [ms], maximum delay between the ears; larger than that of any head
+MS_PER_SECOND = 1000.0
 
 
-class Levels(Pytree):
+class EarLevelsState(Pytree):
     """State of `EarLevels`."""
 
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
-    said: Int[Array, "k a"]  # tokens of the last frames, newest first; -1 none
+    tokens: Int[Array, "k a"]  # tokens of the last frames, newest first; -1 none
     power: Float[Array, "a 2 bands"]  # of the last step
-    lead: Float[Array, " a"]  # [s], of the left ear
-    unheard: Bool[Array, " s"]  # of the sources that play clips, see `are_unheard`
+    left_lead: Float[Array, " a"]  # [s], of the left ear
+    is_inaudible: Bool[Array, " s"]  # of the sources that play clips, see `is_inaudible`
 
 
 class EarLevels(Sensor):
@@ -64,77 +64,79 @@ class EarLevels(Sensor):
         Raises:
             ConfigError: The receiver does not have two ears.
         """
-        if config.audio.receiver not in EARS:
+        if config.audio.receiver not in TWO_CHANNEL_RECEIVERS:
             hint = 'Use receiver="binaural" or "omni", or the sensor `log_mel`.'
             raise ConfigError(f"ear_levels needs two ears, not receiver={config.audio.receiver!r}", hint=hint)
-        bands, span = len(BANDS), MOST - LEAST
+        bands, span = len(BANDS), MAX_MEL_LEVEL - MIN_MEL_LEVEL
         return {
-            "ear_levels": ArraySpec((2 * bands,), "float32", LEAST, MOST, "octaves at the left, then right ear [dB]"),
+            "ear_levels": ArraySpec(
+                (2 * bands,), "float32", MIN_MEL_LEVEL, MAX_MEL_LEVEL, "octaves at the left, then right ear [dB]"
+            ),
             "ear_difference": ArraySpec((bands,), "float32", -span, span, "octaves, left less right ear [dB]"),
-            "ear_delay": ArraySpec((1,), "float32", -LONGEST, LONGEST, "lead of the left ear [ms]"),
+            "ear_delay": ArraySpec((1,), "float32", -MAX_EAR_DELAY, MAX_EAR_DELAY, "lead of the left ear [ms]"),
         }
 
-    def init(self, config: EnvConfig) -> Levels:
+    def init(self, config: EnvConfig) -> EarLevelsState:
         """Return a silent state."""
         agents = config.num_agents
-        return Levels(
+        return EarLevelsState(
             time=jnp.zeros((), jnp.int32),
-            said=no_words(config),
+            tokens=silent_history(config),
             power=jnp.zeros((agents, 2, len(BANDS)), jnp.float32),
-            lead=jnp.zeros(agents, jnp.float32),
-            unheard=jnp.zeros(config.num_sources, bool),
+            left_lead=jnp.zeros(agents, jnp.float32),
+            is_inaudible=jnp.zeros(config.num_sources, bool),
         )
 
-    def update(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> Levels:
+    def update(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> EarLevelsState:
         """Trace energy responses anew and compute the power at both ears."""
         time = jnp.where(snapshot.step == 0, 0, state.time + config.audio.frame)
-        said = with_words(snapshot, state.said)
-        left = power_given_off(config, snapshot, time)
+        said = update_history(snapshot, state.tokens)
+        left = source_power(config, snapshot, time)
         if config.speech:
-            gain = as_loud_as_drawn(snapshot).gain[:, None, None]
-            left = left + gain**2 * voice_power(spoken(snapshot, said), config.audio)
-        if snapshot.noises is not None:
-            left = jnp.concatenate([left, noises_power(noises_as_loud_as_drawn(snapshot), time, config.audio)])
-        envelopes = hear(config, snapshot, energy_response)  # axes (a, e)
-        power = jax.vmap(jax.vmap(band_level), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
+            gain = scale_sounds(snapshot).gain[:, None, None]
+            left = left + gain**2 * voice_power(source_tokens(snapshot, said), config.audio)
+        if snapshot.contact_sounds is not None:
+            left = jnp.concatenate([left, emitted_power(scale_contact_sounds(snapshot), time, config.audio)])
+        envelopes = trace_responses(config, snapshot, energy_envelope)  # axes (a, e)
+        power = jax.vmap(jax.vmap(mean_band_power), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)
         lead = jnp.sum(weight * envelopes.lead, axis=(1, 2)) / jnp.maximum(jnp.sum(weight, axis=(1, 2)), 1e-30)
         loudest = jnp.max(jnp.sum(envelopes.energy, axis=(2, 3)), axis=-1)  # octave
-        return Levels(time, said, jnp.sum(power, axis=1), lead, are_unheard(snapshot, loudest))
+        return EarLevelsState(time, said, jnp.sum(power, axis=1), lead, is_inaudible(snapshot, loudest))
 
-    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> dict[str, Array]:
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> dict[str, Array]:
         """Return levels, difference and delay of the last step."""
-        level = jnp.clip(10 * jnp.log10(jnp.maximum(state.power, 1e-12)), LEAST, MOST)
+        level = jnp.clip(10 * jnp.log10(jnp.maximum(state.power, 1e-12)), MIN_MEL_LEVEL, MAX_MEL_LEVEL)
         return {
             "ear_levels": level.reshape(level.shape[0], -1),
             "ear_difference": level[:, 0] - level[:, 1],
-            "ear_delay": jnp.clip(state.lead * jnp.float32(MILLI), -LONGEST, LONGEST)[:, None],
+            "ear_delay": jnp.clip(state.left_lead * jnp.float32(MS_PER_SECOND), -MAX_EAR_DELAY, MAX_EAR_DELAY)[:, None],
         }
 
-    def status(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> Int[Array, ""]:
+    def status(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> Int[Array, ""]:
         """Return the flag of a clip that plays but reaches no agent."""
-        return flags(UNHEARD=state.unheard)
+        return status_flags(UNHEARD=state.is_inaudible)
 
 
-def power_given_off(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) -> Float[Array, "e w bands"]:
-    """Return the power that each source emits in a frame and before it, per time bin and octave; see `band_level`.
+def source_power(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) -> Float[Array, "e w bands"]:
+    """Return the power that each source emits in a frame and before it, per time bin and octave; see `mean_band_power`.
 
     Args:
         config: Options.
         snapshot: The environment.
         time: Samples from the start of the episode, and of the clips, to the frame.
     """
-    audio, sounds, row = config.audio, as_loud_as_drawn(snapshot), clip_rows(config, snapshot)
+    audio, sounds, row = config.audio, scale_sounds(snapshot), clip_indices(config, snapshot)
     table = jnp.asarray(np.stack([clip_power(name, audio) for name in clip_names(config)]))
-    bins = time // audio.bin_samples + jnp.arange(1 - audio.num_bins, _bins_of_frame(audio), dtype=jnp.int32)
+    bins = time // audio.bin_samples + jnp.arange(1 - audio.num_bins, _num_frame_bins(audio), dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
-        on = loudness(bins * audio.bin_samples + audio.bin_samples // 2, every, lasts, audio.sample_rate)
+        on = schedule_gain(bins * audio.bin_samples + audio.bin_samples // 2, every, lasts, audio.sample_rate)
         played = table[jnp.maximum(row, 0), bins % table.shape[1]]
         return jnp.where(row < 0, 0.0, (gain * on)[:, None] ** 2 * played)
 
-    return jax.vmap(one)(row, sounds.gain, sounds.every, sounds.lasts)
+    return jax.vmap(one)(row, sounds.gain, sounds.period, sounds.duration)
 
 
-def _bins_of_frame(audio: AudioConfig) -> int:
+def _num_frame_bins(audio: AudioConfig) -> int:
     return max(round(audio.frame / audio.bin_samples), 1)

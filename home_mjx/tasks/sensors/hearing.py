@@ -10,41 +10,57 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
-from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_mel, spectrum_shape, stft_magnitude
-from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
+from home_mjx.audio_jax.auralization.spectra import (
+    MAX_MEL_LEVEL,
+    MIN_MEL_LEVEL,
+    NUM_MELS,
+    log_mel,
+    spectrum_shape,
+    stft_magnitude,
+)
+from home_mjx.audio_jax.auralization.stream import convolve_frame, emitted_signal
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
-from home_mjx.audio_jax.contact_sounds.slots import Noises, are_heard, noise_places, noises_given_off
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, SoundSources
+from home_mjx.audio_jax.contact_sounds.slots import ContactSounds, emitted_signals, has_sound, sound_positions
 from home_mjx.audio_jax.late_reverb.bake.store import LateReverbBake
-from home_mjx.audio_jax.moving_sources.frame import moving_frames
-from home_mjx.audio_jax.moving_sources.reception import FALL, Reception, band_shares, ends_early, reception, silence
+from home_mjx.audio_jax.moving_sources.frame import render_frames
+from home_mjx.audio_jax.moving_sources.reception import (
+    MIN_DECAY_RATIO,
+    ReceiverState,
+    is_truncated,
+    render_receiver_state,
+    silent_state,
+    white_noise_band_shares,
+)
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.houses.bakes import Bake
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import SOUND, fold
-from home_mjx.tasks.base.pose import over_agents
+from home_mjx.tasks.base.keys import SOUND_TAG, fold_key
+from home_mjx.tasks.base.pose import map_agents
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.base.status import flags
+from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
-from home_mjx.tasks.sounds.row import VOICED
-from home_mjx.tasks.sounds.voice import SILENCE, num_remembered, voices
+from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
+from home_mjx.tasks.sounds.voice import NO_WORD, num_audible_frames, synthesize_voices
 
-LOUDEST = 1e6  # [pressure re the source at 1 m], bound of the observation
-FAINTEST = 1e-8  # energy of a response re 1 m below which any clip is under -100 dB, the minimum of spectra and levels
+MAX_PRESSURE = 1e6  # [pressure re the source at 1 m], bound of the observation
+MIN_AUDIBLE_ENERGY = (
+    1e-8  # energy of a response re 1 m below which any clip is under -100 dB, the minimum of spectra and levels
+)
 
 
-class Heard(Pytree):
+class HearingState(Pytree):
     """State of `Hearing`; responses of L samples to each of E sources, frames of M samples."""
 
     phase: Int[Array, ""]  # [samples], position in the clips at the frame's start
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
-    # At the frame's end: impulse responses per channel, or `Reception` with `AudioConfig.motion`; axes (a, e).
-    response: Float[Array, "a e c l"] | Reception
+    # At the frame's end: impulse responses per channel, or `ReceiverState` with `AudioConfig.motion`; axes (a, e).
+    response: Float[Array, "a e c l"] | ReceiverState
     frame: Float[Array, "a c m"]  # sound of the last step
-    said: Int[Array, "k a"]  # tokens of the last frames, newest first; -1 none. Empty if no agent can speak
+    tokens: Int[Array, "k a"]  # tokens of the last frames, newest first; -1 none. Empty if no agent can speak
 
 
 class Hearing(Sensor):
@@ -55,61 +71,67 @@ class Hearing(Sensor):
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec of one frame of sound."""
-        text = f"{heard_by(config)}, pressure relative to the source's at 1 m"
-        return {"audio": ArraySpec((config.audio.num_channels, config.audio.frame), "float32", -LOUDEST, LOUDEST, text)}
+        text = f"{describe_channels(config)}, pressure relative to the source's at 1 m"
+        return {
+            "audio": ArraySpec(
+                (config.audio.num_channels, config.audio.frame), "float32", -MAX_PRESSURE, MAX_PRESSURE, text
+            )
+        }
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
         """Return the late reverberation, if the options look it up."""
         return (LateReverbBake(),) if config.audio.late == "baked" else ()
 
-    def init(self, config: EnvConfig) -> Heard:
+    def init(self, config: EnvConfig) -> HearingState:
         """Return a silent state."""
         agents, audio = config.num_agents, config.audio
         nothing = (
-            silence(audio) if audio.motion else jnp.zeros((audio.num_channels, audio.response_length), jnp.float32)
+            silent_state(audio) if audio.motion else jnp.zeros((audio.num_channels, audio.response_length), jnp.float32)
         )
-        return Heard(
+        return HearingState(
             phase=jnp.zeros((), jnp.int32),
             time=jnp.zeros((), jnp.int32),
-            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_heard, *x.shape), x.dtype), nothing),
+            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_traced_sources, *x.shape), x.dtype), nothing),
             frame=jnp.zeros((agents, audio.num_channels, audio.frame), jnp.float32),
-            said=no_words(config),
+            tokens=silent_history(config),
         )
 
-    def update(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Heard:
+    def update(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> HearingState:
         """Trace the responses anew and change over to them from the last ones within the frame."""
-        clips, row = playable(config, snapshot)
+        clips, row = clip_table(config, snapshot)
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
         time = jnp.where(first, 0, state.time + frame)
-        response = hear(config, snapshot)
+        response = trace_responses(config, snapshot)
         before = jax.tree.map(lambda new, old: jnp.where(first, new, old), response, state.response)
-        sounds, said = as_loud_as_drawn(snapshot), with_words(snapshot, state.said)
-        left = given_off(clips, sounds, row, phase, time, config.audio)
+        sounds, said = scale_sounds(snapshot), update_history(snapshot, state.tokens)
+        left = emitted_signal(clips, sounds, row, phase, time, config.audio)
         if config.speech:
-            left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
-        if snapshot.noises is not None:
-            left = jnp.concatenate([left, noises_given_off(noises_as_loud_as_drawn(snapshot), time, config.audio)])
+            left = left + sounds.gain[:, None] * synthesize_voices(source_tokens(snapshot, said), config.audio)
+        if snapshot.contact_sounds is not None:
+            left = jnp.concatenate([left, emitted_signals(scale_contact_sounds(snapshot), time, config.audio)])
 
         def of_all(old: Any, new: Any) -> Float[Array, "c m"]:
             if config.audio.motion:
-                return moving_frames(left, old, new, config.audio, snapshot.head)
-            return jnp.sum(jax.vmap(lambda s, a, b: faded_frame(s, a, b, config.audio))(left, old, new), axis=0)
+                return render_frames(left, old, new, config.audio, snapshot.head)
+            return jnp.sum(jax.vmap(lambda s, a, b: convolve_frame(s, a, b, config.audio))(left, old, new), axis=0)
 
-        return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), said=said)
+        return HearingState(
+            phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), tokens=said
+        )
 
-    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
         """Return the last step's frame."""
         return {"audio": state.frame}
 
-    def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
+    def status(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> Int[Array, ""]:
         """Return flags of truncated responses to active sources, and of clips that reach no agent."""
-        cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
-        plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
-        if snapshot.noises is not None:
-            plays = jnp.concatenate([plays, are_heard(snapshot.noises)])
-        energy = jax.vmap(jax.vmap(lambda r: heard_energy(r, config.audio)))(state.response)
-        return flags(RESPONSE_CUT=cut & plays[None], UNHEARD=are_unheard(snapshot, energy))
+        cut = jax.vmap(jax.vmap(lambda r: is_response_cut(r, config.audio)))(state.response)
+        plays = (snapshot.sounds.clip >= 0) | jnp.any(source_tokens(snapshot, state.tokens) >= 0, axis=0)
+        if snapshot.contact_sounds is not None:
+            plays = jnp.concatenate([plays, has_sound(snapshot.contact_sounds)])
+        energy = jax.vmap(jax.vmap(lambda r: received_energy(r, config.audio)))(state.response)
+        return status_flags(RESPONSE_CUT=cut & plays[None], UNHEARD=is_inaudible(snapshot, energy))
 
 
 class Stft(Sensor):
@@ -135,7 +157,7 @@ class Stft(Sensor):
             )
         }
 
-    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
         """Compute the spectrum of the last step's frame."""
         return {"stft": stft_magnitude(state.frame, config.audio.sample_rate)}
 
@@ -149,7 +171,7 @@ class LogMel(Sensor):
 
     name = "log_mel"
     costly = True
-    keeper = Stft.keeper
+    keeper = Stft.state_owner
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec for both ears, or for each channel."""
@@ -158,44 +180,44 @@ class LogMel(Sensor):
             "log_mel": ArraySpec(
                 (config.audio.num_channels, windows, NUM_MELS),
                 "float32",
-                LEAST,
-                MOST,
+                MIN_MEL_LEVEL,
+                MAX_MEL_LEVEL,
                 "ear, window, mel band: power [dB]",
             )
         }
 
-    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
         """Compute the mel spectrum of the last step's frame."""
         rate = config.audio.sample_rate
         return {"log_mel": log_mel(stft_magnitude(state.frame, rate), rate)}
 
 
-def heard_by(config: EnvConfig) -> str:
+def describe_channels(config: EnvConfig) -> str:
     """Return a description of a receiver's channels."""
     names = {"array": "microphones", "ambisonics": "W, Y, Z and X"}
     return names.get(config.audio.receiver, "left and right ear")
 
 
-def as_loud_as_drawn(snapshot: Snapshot) -> Sounds:
+def scale_sounds(snapshot: Snapshot) -> SoundSources:
     """Scale the sounds by the volume sampled for this episode."""
-    sounds, drawn = snapshot.sounds, snapshot.drawn
+    sounds, drawn = snapshot.sounds, snapshot.variation
     return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
 
 
-def noises_as_loud_as_drawn(snapshot: Snapshot) -> Noises:
+def scale_contact_sounds(snapshot: Snapshot) -> ContactSounds:
     """Scale the contact sounds, which must exist, by the volume sampled for this episode."""
-    noises, drawn = snapshot.noises, snapshot.drawn
+    noises, drawn = snapshot.contact_sounds, snapshot.variation
     assert noises is not None
-    if drawn is None or drawn.noise_volume is None:
+    if drawn is None or drawn.contact_sound_volume is None:
         return noises
-    strikes, rubs = (x.replace(gain=x.gain * drawn.noise_volume) for x in (noises.strikes, noises.rubs))
-    return noises.replace(strikes=strikes, rubs=rubs)
+    strikes, rubs = (x.replace(gain=x.gain * drawn.contact_sound_volume) for x in (noises.transients, noises.sustained))
+    return noises.replace(transients=strikes, sustained=rubs)
 
 
-def playable(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:
+def clip_table(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:
     """Return the samples of all clips that an environment may play, and the clip of each source; -1 silence."""
     table = np.stack([clip_samples(name, config.audio) for name in clip_names(config)])
-    return jnp.asarray(table), clip_rows(config, snapshot)
+    return jnp.asarray(table), clip_indices(config, snapshot)
 
 
 def clip_names(config: EnvConfig) -> tuple[str, ...]:
@@ -203,94 +225,96 @@ def clip_names(config: EnvConfig) -> tuple[str, ...]:
     return tuple(dict.fromkeys((config.clip, *config.clips)))
 
 
-def clip_rows(config: EnvConfig, snapshot: Snapshot) -> Int[Array, " e"]:
+def clip_indices(config: EnvConfig, snapshot: Snapshot) -> Int[Array, " e"]:
     """Return the index into `clip_names` of each source's clip; -1 silence."""
     names, clip = clip_names(config), snapshot.sounds.clip
     row = jnp.array([names.index(name) if name in names else -1 for name in CLIPS], jnp.int32)
     return jnp.where(clip < 0, -1, row[jnp.maximum(clip, 0)])
 
 
-def no_words(config: EnvConfig) -> Int[Array, "k a"]:
+def silent_history(config: EnvConfig) -> Int[Array, "k a"]:
     """Return a silent history of spoken tokens, as long as a word is audible; empty if no agent can speak."""
-    return jnp.full((num_remembered(config.audio) if config.speech else 0, config.num_agents), SILENCE, jnp.int32)
+    return jnp.full((num_audible_frames(config.audio) if config.speech else 0, config.num_agents), NO_WORD, jnp.int32)
 
 
-def with_words(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k a"]:
+def update_history(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k a"]:
     """Update a history of spoken tokens after a step: the current ones come first."""
-    before = jnp.where(snapshot.step == 0, SILENCE, said)
-    return jnp.concatenate([snapshot.said[None], before])[: said.shape[0]]
+    before = jnp.where(snapshot.step == 0, NO_WORD, said)
+    return jnp.concatenate([snapshot.spoken_token[None], before])[: said.shape[0]]
 
 
-def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
+def source_tokens(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
     """Return the history of tokens of each source; silence unless the source is an agent's voice."""
     agents, sounds = said.shape[1], snapshot.sounds
     number = sounds.body - agent_ids(snapshot.bank, agents)[0]
-    speaks = (sounds.clip == VOICED) & (number >= 0) & (number < agents)
-    return jnp.where(speaks, said[:, jnp.clip(number, 0, agents - 1)], SILENCE)
+    speaks = (sounds.clip == VOICE_CLIP_NUMBER) & (number >= 0) & (number < agents)
+    return jnp.where(speaks, said[:, jnp.clip(number, 0, agents - 1)], NO_WORD)
 
 
-def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
+def trace_responses(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
     """Trace from all sources to every agent, with axes (a, e).
 
-    By default the result is the response that `Heard` stores; another `response` uses the same rays.
+    By default the result is the response that `HearingState` stores; another `response` uses the same rays.
     """
-    response = response or (reception if config.audio.motion else impulse_response)
+    response = response or (render_receiver_state if config.audio.motion else impulse_response)
     pose, num_agents = snapshot.pose, config.num_agents
     sources = all_sources(snapshot)
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
-    keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
+    keys = jax.random.split(fold_key(snapshot.key, SOUND_TAG), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
         listener, number = Listener(ears, quat, own, snapshot.head), sources.pos.shape[0]
         each = key[None] if number == 1 else jax.random.split(key, number)
 
-        def from_source(source: Source, key: Array) -> Any:
+        def from_source(source: SoundSource, key: Array) -> Any:
             return response(snapshot.scene, source, listener, key, config.audio)
 
-        return over_agents(from_source, sources, each)
+        return map_agents(from_source, sources, each)
 
     heads = jax.vmap(camera_quat)(pose.yaw, pose.pitch)
-    return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
+    return map_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
 
 
-def all_sources(snapshot: Snapshot) -> Source:
+def all_sources(snapshot: Snapshot) -> SoundSource:
     """Return all sources along a leading axis: first those of clips, then contact sounds, which are omnidirectional."""
     sounds = snapshot.sounds
-    playing = Source.unchecked(pos=sounds.pos, body=sounds.body, quat=sounds.quat, directivity=sounds.directivity)
-    if snapshot.noises is None:
+    playing = SoundSource.build_unchecked(
+        pos=sounds.pos, body=sounds.body, quat=sounds.quat, directivity=sounds.directivity
+    )
+    if snapshot.contact_sounds is None:
         return playing
-    pos, body = noise_places(snapshot.noises)
+    pos, body = sound_positions(snapshot.contact_sounds)
     quat = directivity = None
     if sounds.quat is not None:
         quat = jnp.zeros((*body.shape, 4), jnp.float32).at[:, 0].set(1.0)
     if sounds.directivity is not None:
         directivity = jax.tree.map(lambda x: jnp.ones((*body.shape, *x.shape[1:]), x.dtype), sounds.directivity)
-    noises = Source.unchecked(pos=pos, body=body, quat=quat, directivity=directivity)
+    noises = SoundSource.build_unchecked(pos=pos, body=body, quat=quat, directivity=directivity)
     return jax.tree.map(lambda *x: jnp.concatenate(x), playing, noises)
 
 
-def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
+def is_response_cut(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
     """Return whether a response ends before it has decayed by 30 dB from its loudest bin."""
-    if isinstance(response, Reception):
-        return ends_early(response, config)
+    if isinstance(response, ReceiverState):
+        return is_truncated(response, config)
     energy = jnp.sum(response.reshape(-1, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
-    return energy[-1] > FALL * jnp.max(energy)
+    return energy[-1] > MIN_DECAY_RATIO * jnp.max(energy)
 
 
-def heard_energy(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Float[Array, ""]:
+def received_energy(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Float[Array, ""]:
     """Return the energy of a response, summed over its channels, re the free field of the source at 1 m."""
-    if not isinstance(response, Reception):
+    if not isinstance(response, ReceiverState):
         return jnp.sum(response**2)
     bands = jnp.sum(response.paths.gain**2, axis=0) + jnp.sum(response.energy[:, : config.num_channels], axis=(0, 1))
-    return bands @ jnp.asarray(band_shares(config))
+    return bands @ jnp.asarray(white_noise_band_shares(config))
 
 
-def are_unheard(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array, " s"]:
+def is_inaudible(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array, " s"]:
     """Return which sources play a clip that reaches no agent; contact sounds and words are excluded.
 
     Args:
         snapshot: The environment, with s sources of clips, the first ones of e traced sources.
-        energy: Energy of each response, see `heard_energy`; NaN counts as unheard.
+        energy: Energy of each response, see `received_energy`; NaN counts as unheard.
     """
     clip = snapshot.sounds.clip
-    return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > FAINTEST, axis=0)
+    return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > MIN_AUDIBLE_ENERGY, axis=0)

@@ -15,12 +15,12 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 
-FARTHEST = 1000.0  # [m], bound of positions; larger than any house
+MAX_COORDINATE = 1000.0  # [m], bound of positions; larger than any house
 NUM_RAYS = 64
 MAP_SIZE, MAP_CELL = 32, 0.2  # [cells] per side of the map, and edge of a cell [m]
 
 
-class Start(Pytree):
+class GpsCompassState(Pytree):
     """State of `GpsCompass`: initial pose of each of A agents."""
 
     pos: Float[Array, "a 3"]  # [m]
@@ -38,20 +38,22 @@ class GpsCompass(Sensor):
     def spec(self, config: EnvConfig) -> Specs:
         """Return both specs."""
         return {
-            "gps": ArraySpec((3,), "float32", -FARTHEST, FARTHEST, "forward, left and up of the start [m]"),
+            "gps": ArraySpec((3,), "float32", -MAX_COORDINATE, MAX_COORDINATE, "forward, left and up of the start [m]"),
             "compass": ArraySpec((2,), "float32", -1.0, 1.0, "cosine and sine of the turn to the left since the start"),
         }
 
-    def init(self, config: EnvConfig) -> Start:
+    def init(self, config: EnvConfig) -> GpsCompassState:
         """Return zeros; `update` sets the start at a reset."""
-        return Start(jnp.zeros((config.num_agents, 3), jnp.float32), jnp.zeros(config.num_agents, jnp.float32))
+        return GpsCompassState(
+            jnp.zeros((config.num_agents, 3), jnp.float32), jnp.zeros(config.num_agents, jnp.float32)
+        )
 
-    def update(self, config: EnvConfig, snapshot: Snapshot, state: Start) -> Start:
+    def update(self, config: EnvConfig, snapshot: Snapshot, state: GpsCompassState) -> GpsCompassState:
         """Store the pose at a reset."""
-        now = Start(snapshot.pose.pos, snapshot.pose.yaw)
+        now = GpsCompassState(snapshot.pose.pos, snapshot.pose.yaw)
         return jax.tree.map(lambda new, old: jnp.where(snapshot.step == 0, new, old), now, state)
 
-    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Start) -> dict[str, Array]:
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: GpsCompassState) -> dict[str, Array]:
         """Return the pose in the frame of the start."""
         away, turn = snapshot.pose.pos - state.pos, snapshot.pose.yaw - state.yaw
         cos, sin = jnp.cos(state.yaw), jnp.sin(state.yaw)
@@ -71,7 +73,7 @@ class Lidar(Sensor):
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec of `NUM_RAYS` distances."""
         text = "from straight ahead to the left [m], clipped"
-        return {"lidar": ArraySpec((NUM_RAYS,), "float32", 0.0, config.depth_max, text)}
+        return {"lidar": ArraySpec((NUM_RAYS,), "float32", 0.0, config.max_depth, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
         """Cast one ray per direction."""
@@ -80,7 +82,7 @@ class Lidar(Sensor):
         eyes = jnp.broadcast_to(eye_position(config, snapshot.pose)[:, None], ways.shape)
         own = jnp.broadcast_to(agent_ids(snapshot.bank, config.num_agents)[:, None], angles.shape)
         hit = cast(snapshot.scene, eyes, ways, exclude=own)
-        return {"lidar": jnp.minimum(hit.t, jnp.float32(config.depth_max))}
+        return {"lidar": jnp.minimum(hit.t, jnp.float32(config.max_depth))}
 
 
 class LocalMap(Sensor):

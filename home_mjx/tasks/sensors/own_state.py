@@ -11,9 +11,9 @@ from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 
-FARTHEST = 1000.0  # [m], bound of positions; larger than any house
-HELD_WORDS = (Semantic.FINE, Semantic.COARSE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE)
-FASTEST = 100.0  # [m/s, rad/s], bound of velocities; far above those of motors and falls
+MAX_COORDINATE = 1000.0  # [m], bound of positions; larger than any house
+HELD_COLUMNS = (Semantic.FINE, Semantic.COARSE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE)
+MAX_VELOCITY = 100.0  # [m/s, rad/s], bound of velocities; far above those of motors and falls
 
 
 class OwnState(Sensor):
@@ -27,7 +27,7 @@ class OwnState(Sensor):
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec of ten numbers."""
-        high = (*[FARTHEST] * 3, 1.0, 1.0, math.pi / 2, *[FASTEST] * 3, 1.0)
+        high = (*[MAX_COORDINATE] * 3, 1.0, 1.0, math.pi / 2, *[MAX_VELOCITY] * 3, 1.0)
         low = (*[-x for x in high[:-1]], 0.0)
         text = "x, y, z [m], cos and sin of yaw, pitch [rad], forward and left speed [m/s], yaw rate [rad/s], contact"
         return {"state": ArraySpec((10,), "float32", low, high, text)}
@@ -36,7 +36,7 @@ class OwnState(Sensor):
         """Return pose, velocity and contact flag."""
         pose = snapshot.pose
         angles = jnp.stack([jnp.cos(pose.yaw), jnp.sin(pose.yaw), pose.pitch], axis=-1)
-        contact = snapshot.contact.astype(jnp.float32)[:, None]
+        contact = snapshot.in_contact.astype(jnp.float32)[:, None]
         return {"state": jnp.concatenate([pose.pos, angles, snapshot.velocity, contact], axis=-1)}
 
 
@@ -51,24 +51,24 @@ class HeldObject(Sensor):
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec of five words."""
         text = "of the held object: fine, coarse, colour, material, size; -1 nothing, or unknown"
-        return {"held_object": ArraySpec((len(HELD_WORDS),), "int32", -1, 32767, text)}
+        return {"held_object": ArraySpec((len(HELD_COLUMNS),), "int32", -1, 32767, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
         """Return columns of the semantic row of the body in each hand."""
         bank, house, held = snapshot.bank, snapshot.house, snapshot.held
-        nothing = jnp.full((held.shape[0], len(HELD_WORDS)), -1, jnp.int32)
+        nothing = jnp.full((held.shape[0], len(HELD_COLUMNS)), -1, jnp.int32)
         if not bank.spec.num_bodies:
             return {"held_object": nothing}
         instance = bank.physics.body_instance[house, jnp.maximum(held, 0)]
         row = bank.geometry.instance_semantic[house, jnp.maximum(instance, 0)]
-        words = bank.semantics[row][:, jnp.array(HELD_WORDS)].astype(jnp.int32)
+        words = bank.semantics[row][:, jnp.array(HELD_COLUMNS)].astype(jnp.int32)
         return {"held_object": jnp.where(held[:, None] >= 0, words, nothing)}
 
 
 class PrevAction(Sensor):
     """`prev_action` (n,): the last action: its numbers, or one-hot for discrete actions; 0 at the start.
 
-    The action is as decoded: clipped, and `stop` for agents that have stopped.
+    The action is as decoded: clipped, and `stopped` for agents that have stopped.
     """
 
     name = "prev_action"

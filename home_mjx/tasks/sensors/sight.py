@@ -16,12 +16,14 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 
 # Points of an object's bounds that are tested: across and up from its centre [half extents].
-POINTS = ((0.0, 0.0), (0.0, 0.7), (0.0, -0.7), (0.7, 0.0), (-0.7, 0.0))
-VIEW, FOVY = Lens(64, 64), 90.0  # image size and vertical field of view of the default camera [degrees]
-SLACK = 0.02  # [m], maximum distance of a hit before the bounds that counts as visible
-ASIDE = 0.08  # [m], maximum distance from a position at which an agent that walks there stops
+LOOK_OFFSETS = ((0.0, 0.0), (0.0, 0.7), (0.0, -0.7), (0.7, 0.0), (-0.7, 0.0))
+DEFAULT_LENS, DEFAULT_FOVY = Lens(64, 64), 90.0  # image size and vertical field of view of the default camera [degrees]
+RAY_TOLERANCE = 0.02  # [m], maximum distance of a hit before the bounds that counts as visible
+MAX_STOP_OFFSET = 0.08  # [m], maximum distance from a position at which an agent that walks there stops
 # Offsets of the eyes from a position that are tested [m].
-SHIFTS = np.array([(0, 0, 0), (ASIDE, 0, 0), (-ASIDE, 0, 0), (0, ASIDE, 0), (0, -ASIDE, 0)])
+EYE_OFFSETS = np.array(
+    [(0, 0, 0), (MAX_STOP_OFFSET, 0, 0), (-MAX_STOP_OFFSET, 0, 0), (0, MAX_STOP_OFFSET, 0), (0, -MAX_STOP_OFFSET, 0)]
+)
 
 
 def look_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
@@ -33,18 +35,18 @@ def look_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array
     way = middle - eye
     across = jnp.stack([-way[1], way[0]])
     across = across / jnp.maximum(jnp.linalg.norm(across), 1e-6)
-    side, up = jnp.array(POINTS, jnp.float32).T
+    side, up = jnp.array(LOOK_OFFSETS, jnp.float32).T
     wide = jnp.sum(jnp.abs(across) * half[:2])
     points = middle + jnp.concatenate([side[:, None] * across * wide, up[:, None] * half[2]], axis=1)
     return jnp.where(jnp.all(jnp.isfinite(middle)), points, jnp.inf)
 
 
-def clear(
+def is_unobstructed(
     scene: Scene,
     eye: Float[Array, "3"],
     box: Float[Array, "2 3"],
     points: Float[Array, "p 3"],
-    own: Int[Array, ""],
+    ignored_id: Int[Array, ""],
 ) -> Bool[Array, " p"]:
     """Return whether rays from an eye to points in some bounds reach these without an obstacle.
 
@@ -53,7 +55,7 @@ def clear(
         eye: Position of the eye [m].
         box: The bounds [m].
         points: Such as `look_points`; inf: none.
-        own: Object that rays ignore, the agent's own body; -1 none.
+        ignored_id: Object that rays ignore, the agent's own body; -1 none.
     """
     way = points - eye
     known = jnp.all(jnp.isfinite(way), axis=-1)
@@ -62,12 +64,12 @@ def clear(
     walls = (box[None] - eye) * inverse[:, None]  # slab method: the ray enters the box at the last of its near sides
     entry = jnp.clip(jnp.max(jnp.min(walls, axis=1), axis=-1), 0, 1)  # fraction of the way
     length = jnp.linalg.norm(way, axis=-1)
-    eyes, exclude = jnp.broadcast_to(eye, way.shape), jnp.broadcast_to(own, length.shape)
+    eyes, exclude = jnp.broadcast_to(eye, way.shape), jnp.broadcast_to(ignored_id, length.shape)
     hit = cast(scene, eyes, way / length[:, None], exclude=exclude)
-    return known & (hit.t >= entry * length - SLACK)
+    return known & (hit.t >= entry * length - RAY_TOLERANCE)
 
 
-def seen_from(
+def is_visible_from(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], box: Float[np.ndarray, "2 3"]
 ) -> Bool[np.ndarray, " n"]:
     """Return from which positions, and from all offsets around each, an object with these bounds is visible.
@@ -75,19 +77,21 @@ def seen_from(
     The house is in its initial state, doors open. Agents do not stop exactly at a position. A view that exists only
     there, past an edge, would be visible by chance only.
     """
-    return np.asarray(_seen_from(bank, jnp.int32(house), jnp.asarray(eyes, jnp.float32), jnp.asarray(box, jnp.float32)))
+    return np.asarray(
+        _is_visible_from(bank, jnp.int32(house), jnp.asarray(eyes, jnp.float32), jnp.asarray(box, jnp.float32))
+    )
 
 
 @jax.jit
-def _seen_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
-    scene = as_it_begins(bank, house)
-    around = eyes[:, None] + jnp.asarray(SHIFTS, jnp.float32)
-    look = partial(clear, scene, own=jnp.full((), -1, jnp.int32))
+def _is_visible_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
+    scene = initial_scene(bank, house)
+    around = eyes[:, None] + jnp.asarray(EYE_OFFSETS, jnp.float32)
+    look = partial(is_unobstructed, scene, ignored_id=jnp.full((), -1, jnp.int32))
     seen = jax.vmap(jax.vmap(lambda eye: jnp.any(look(eye, box, look_points(eye, box)))))(around)
     return jnp.all(seen, axis=1)
 
 
-def ids_in_view(
+def visible_ids(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]
 ) -> Int[np.ndarray, "n h w"]:
     """Return object ids in horizontal views of the default camera in the initial house, doors open; -1 none.
@@ -99,23 +103,23 @@ def ids_in_view(
         yaw: Headings [rad].
     """
     poses = jnp.asarray(eyes, jnp.float32), jnp.asarray(yaw, jnp.float32)
-    return np.asarray(_ids_in_view(bank, jnp.int32(house), *poses))
+    return np.asarray(_visible_ids(bank, jnp.int32(house), *poses))
 
 
 @jax.jit
-def _ids_in_view(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Array:
-    scene = as_it_begins(bank, house)
+def _visible_ids(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Array:
+    scene = initial_scene(bank, house)
 
     def look(eye: Array, yaw: Array) -> Array:
-        camera = Camera(eye, camera_quat(yaw, jnp.zeros_like(yaw)), jnp.deg2rad(jnp.float32(FOVY)))
-        return render(scene, camera, VIEW, kinds=("instance",))["instance"]
+        camera = Camera(eye, camera_quat(yaw, jnp.zeros_like(yaw)), jnp.deg2rad(jnp.float32(DEFAULT_FOVY)))
+        return render(scene, camera, DEFAULT_LENS, kinds=("instance",))["instance"]
 
     return jax.vmap(look)(eyes, yaw)
 
 
-def as_it_begins(bank: HouseBank, house: Array) -> Scene:
+def initial_scene(bank: HouseBank, house: Array) -> Scene:
     """Build the scene of a house in its initial state, without agents, doors open."""
     physics = bank.physics
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     bodies = physics.body_pos[house], physics.body_quat[house]
-    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])
+    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_fully_open[house])

@@ -5,20 +5,20 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, UInt16
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
-from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.audio_jax.base.endpoints import SoundSources
 from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.spawn import random_source
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.sounds.row import NUM_SOUNDS, Emission
-from home_mjx.tasks.sounds.stroll import strolled
+from home_mjx.tasks.sounds.row import NUM_SOUNDS, SoundEvents
+from home_mjx.tasks.sounds.stroll import move_along_field
 
 NO_BODY, SILENT = -1, -1
 
 
-def house_sounds(
+def house_source(
     config: EnvConfig, bank: HouseBank, house: Int[Array, ""], key: Array, clip: Int[Array, ""] | None = None
-) -> Sounds:
+) -> SoundSources:
     """Return one source at a random place of a house that plays a clip without end; further ones are silent.
 
     Args:
@@ -30,24 +30,24 @@ def house_sounds(
     """
     number = config.num_sources
     pos = random_source(bank, house, config.source_height, key)
-    return Sounds(
+    return SoundSources(
         pos=jnp.broadcast_to(pos, (number, 3)),
         body=jnp.full(number, NO_BODY, jnp.int32),
         clip=jnp.full(number, SILENT, jnp.int32).at[0].set(CLIPS.index(config.clip) if clip is None else clip),
         gain=jnp.ones(number, jnp.float32),
-        every=jnp.full(number, jnp.inf, jnp.float32),
-        lasts=jnp.full(number, jnp.inf, jnp.float32),
+        period=jnp.full(number, jnp.inf, jnp.float32),
+        duration=jnp.full(number, jnp.inf, jnp.float32),
     )
 
 
-def emitted(
+def row_sources(
     snapshot: Snapshot,
-    emission: Emission,
+    emission: SoundEvents,
     point: Float[Array, "d 3"],
     body: Int[Array, " d"],
     field: UInt16[Array, "cell f"],
     column: Int[Array, " d"],
-) -> Sounds:
+) -> SoundSources:
     """Return the present sources of a row's sounds; for a row without sounds, the previous sources.
 
     Args:
@@ -67,7 +67,9 @@ def emitted(
     goal = column[jnp.maximum(rows.towards, 0)].astype(jnp.int32)
     walks = (way > 0) & (rows.towards >= 0) & (goal >= 0)
     bank, house, height = snapshot.bank, snapshot.house, jnp.float32(snapshot.config.source_height)
-    gone = jax.vmap(lambda p, w, g: strolled(bank, house, field, jnp.maximum(g, 0), p, w, height))(pos, way, goal)
+    gone = jax.vmap(lambda p, w, g: move_along_field(bank, house, field, jnp.maximum(g, 0), p, w, height))(
+        pos, way, goal
+    )
     pos = jnp.where(walks[:, None], gone, pos)
     known = (rows.emitter >= 0) & jnp.all(jnp.isfinite(pos), axis=-1)
     new = before.replace(
@@ -75,8 +77,8 @@ def emitted(
         body=before.body.at[:count].set(own),
         clip=jnp.full_like(before.clip, SILENT).at[:count].set(jnp.where(known, rows.clip.astype(jnp.int32), SILENT)),
         gain=before.gain.at[:count].set(rows.gain),
-        every=before.every.at[:count].set(rows.every),
-        lasts=before.lasts.at[:count].set(rows.lasts),
+        period=before.period.at[:count].set(rows.every),
+        duration=before.duration.at[:count].set(rows.lasts),
     )
     has_any = jnp.any(emission.emitter >= 0)
     return jax.tree.map(lambda a, b: jnp.where(has_any, a, b), new, before)

@@ -14,14 +14,14 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 
 NUM_SOUNDS = 4  # maximum number of sounds of a row
-NOBODY = -1
-COLUMN = "sound_{}"
-VOICE = "voice"  # clip name of the words that an agent says
-VOICED = -2  # number of that clip; see `voice`
+NO_DESCRIPTOR = -1
+SOUND_COLUMN = "sound_{}"
+VOICE_CLIP = "voice"  # clip name of the words that an agent says
+VOICE_CLIP_NUMBER = -2  # number of that clip; see `voice`
 
 
 @dataclass(frozen=True)
-class Sound:
+class SoundEvent:
     """Sound that a descriptor's target emits, with its schedule.
 
     Attributes:
@@ -46,27 +46,27 @@ class Sound:
     every: float = math.inf
     lasts: float = math.inf
     gain: float = 1.0
-    towards: int = NOBODY
+    towards: int = NO_DESCRIPTOR
     speed: float = 0.0
 
     def __post_init__(self) -> None:
-        check_known("clip", [self.clip], (*CLIPS, VOICE))
-        check_number("emitter", self.emitter, 0, whole=True)
-        check_number("towards", self.towards, NOBODY, whole=True)
+        check_known("clip", [self.clip], (*CLIPS, VOICE_CLIP))
+        check_number("emitter", self.emitter, 0, integer=True)
+        check_number("towards", self.towards, NO_DESCRIPTOR, integer=True)
         for name in ("every", "lasts"):
             if not getattr(self, name) > 0:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
         for name in ("gain", "speed"):
             check_number(name, getattr(self, name), 0)
-        if self.clip == VOICE and (math.isfinite(min(self.every, self.lasts)) or self.towards != NOBODY):
+        if self.clip == VOICE_CLIP and (math.isfinite(min(self.every, self.lasts)) or self.towards != NO_DESCRIPTOR):
             raise ConfigError(
                 "a voice sounds when and where its agent speaks",
                 hint="Leave out `every`, `lasts` and `towards`.",
             )
 
 
-class Emission(Pytree):
-    """Sounds of one episode: s entries, see `Sound`."""
+class SoundEvents(Pytree):
+    """Sounds of one episode: s entries, see `SoundEvent`."""
 
     emitter: Int[Array, "*t s"]  # descriptor; -1 if none
     clip: Int[Array, "*t s"]  # index into CLIPS; VOICED: words of the agent
@@ -77,8 +77,8 @@ class Emission(Pytree):
     speed: Float[Array, "*t s"]  # [m/s]
 
 
-def written_sounds(sounds: Sequence[Sound], num_descriptors: int) -> dict[str, np.ndarray]:
-    """Pack sounds into the columns of an `Emission`.
+def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str, np.ndarray]:
+    """Pack sounds into the columns of an `SoundEvents`.
 
     Raises:
         ConfigError: There are more than `NUM_SOUNDS`, or one refers to a missing descriptor.
@@ -92,43 +92,45 @@ def written_sounds(sounds: Sequence[Sound], num_descriptors: int) -> dict[str, n
     for number in (number for sound in sounds for number in (sound.emitter, sound.towards)):
         if number >= num_descriptors:
             raise ConfigError(f"a sound refers to descriptor {number}, but the task has {num_descriptors}")
-    rows = [(s.emitter, _number(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
-    rows += [(NOBODY, 0, math.inf, math.inf, 0.0, NOBODY, 0.0)] * (NUM_SOUNDS - len(sounds))
+    rows = [(s.emitter, _clip_number(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
+    rows += [(NO_DESCRIPTOR, 0, math.inf, math.inf, 0.0, NO_DESCRIPTOR, 0.0)] * (NUM_SOUNDS - len(sounds))
     kinds = {"emitter": np.int8, "clip": np.int16, "towards": np.int8}
-    names = Emission.__dataclass_fields__
+    names = SoundEvents.__dataclass_fields__
     return {
-        COLUMN.format(name): np.array(values, kinds.get(name, np.float32))
+        SOUND_COLUMN.format(name): np.array(values, kinds.get(name, np.float32))
         for name, values in zip(names, zip(*rows, strict=True), strict=True)
     }
 
 
-def emission_of(columns: Mapping[str, Array]) -> Emission:
+def extract_sounds(columns: Mapping[str, Array]) -> SoundEvents:
     """Extract the sounds from the columns of one or many rows."""
-    return Emission(**{name: columns[COLUMN.format(name)] for name in Emission.__dataclass_fields__})
+    return SoundEvents(**{name: columns[SOUND_COLUMN.format(name)] for name in SoundEvents.__dataclass_fields__})
 
 
-def read_sounds(columns: Mapping[str, np.ndarray]) -> list[Sound]:
-    """Unpack the sounds of a row; the inverse of `written_sounds`."""
-    values = {name: np.asarray(columns[COLUMN.format(name)]).tolist() for name in Emission.__dataclass_fields__}
+def unpack_sounds(columns: Mapping[str, np.ndarray]) -> list[SoundEvent]:
+    """Unpack the sounds of a row; the inverse of `pack_sounds`."""
+    values = {
+        name: np.asarray(columns[SOUND_COLUMN.format(name)]).tolist() for name in SoundEvents.__dataclass_fields__
+    }
     values["clip"] = [clip_name(number) for number in values["clip"]]
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    return [Sound(**row) for row in rows if row["emitter"] != NOBODY]
+    return [SoundEvent(**row) for row in rows if row["emitter"] != NO_DESCRIPTOR]
 
 
 def clip_name(number: int) -> str:
-    """Return the name of the clip with this number in an `Emission`.
+    """Return the name of the clip with this number in an `SoundEvents`.
 
     Example:
         >>> clip_name(0), clip_name(VOICED)
         ('radio', 'voice')
     """
-    return VOICE if number == VOICED else CLIPS[number]
+    return VOICE_CLIP if number == VOICE_CLIP_NUMBER else CLIPS[number]
 
 
-def _number(clip: str) -> int:
-    return VOICED if clip == VOICE else CLIPS.index(clip)
+def _clip_number(clip: str) -> int:
+    return VOICE_CLIP_NUMBER if clip == VOICE_CLIP else CLIPS.index(clip)
 
 
-def is_audible(emission: Emission) -> Bool[Array, "*t"]:
+def has_voices(emission: SoundEvents) -> Bool[Array, "*t"]:
     """Return whether the words of any agent are sounds; then no other observation has them."""
-    return jnp.any((emission.clip == VOICED) & (emission.emitter >= 0), axis=-1)
+    return jnp.any((emission.clip == VOICE_CLIP_NUMBER) & (emission.emitter >= 0), axis=-1)

@@ -9,18 +9,20 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import DatasetError
-from home_mjx.navigation.grid import cell_of, geodesic_distance, near_home, place_position
+from home_mjx.navigation.grid import cell_of, geodesic_distance, grid_position, is_near_home_region
 from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.base.state import ON_FLOOR, Episodes
+from home_mjx.tasks.base.state import MAX_FLOOR_OFFSET, Episodes
 
-SAME_PLACE = 0.01  # [m], maximum distance between a file's goal and the bank's goal
-OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
-ASIDE = 0.025  # [m], maximum offset of a start from the centre of its cell: half of the clearance of compiled houses
-ATTEMPTS = 64  # samples of a start per episode
+MAX_GOAL_OFFSET = 0.01  # [m], maximum distance between a file's goal and the bank's goal
+OTHER_BANK_HINT = "Use a bank of the houses that the episodes were drawn in, compiled alike."
+MAX_START_OFFSET = (
+    0.025  # [m], maximum offset of a start from the centre of its cell: half of the clearance of compiled houses
+)
+NUM_START_SAMPLES = 64  # samples of a start per episode
 
 
-def choose_goal(snapshot: Snapshot, key: Array, min_distance: float) -> Int[Array, ""]:
+def pick_goal(snapshot: Snapshot, key: Array, min_distance: float) -> Int[Array, ""]:
     """Sample a goal of the house at least `min_distance` [m] from the first agent, or any if there is none."""
     bank, house = snapshot.bank, snapshot.house
     distance = geodesic_distance(bank, house, None, snapshot.pose.pos[0])
@@ -37,10 +39,10 @@ def sample_goal(
     Starts are uniform by area, but not where door leaves are, nor where leaves cut off an area from the rest.
 
     Returns:
-        Start, yaw, and the columns `goal` and `length`; the length is inf if none of `ATTEMPTS` starts had such a goal.
+        Start, yaw, and the columns `goal` and `length`; the length is inf if none of `NUM_START_SAMPLES` starts had such a goal.
     """
     place, turn, choose = jax.random.split(key, 3)
-    starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, ATTEMPTS))
+    starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, NUM_START_SAMPLES))
     lengths = jax.vmap(lambda p: geodesic_distance(bank, house, None, p))(starts)
     fits = (lengths >= min_length) & (lengths <= max_length) & jnp.isfinite(lengths)
     attempt = jnp.argmax(jnp.any(fits, axis=1)).astype(jnp.int32)  # the first usable start
@@ -53,17 +55,19 @@ def sample_goal(
 def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[Array, "3"]:
     """Sample a position beside the centre of the cell of a random start of the house [m]."""
     which, shift = jax.random.split(key)
-    known = bank.navigation.start[bank.known_house(house)]
+    known = bank.navigation.start[bank.clip_house_index(house)]
     point = known[jax.random.randint(which, (), 0, known.shape[0])]
-    middle = place_position(bank, house, cell_of(bank, house, point))
-    return jnp.append(middle[:2] + jax.random.uniform(shift, (2,), jnp.float32, -ASIDE, ASIDE), point[2])
+    middle = grid_position(bank, house, cell_of(bank, house, point))
+    return jnp.append(
+        middle[:2] + jax.random.uniform(shift, (2,), jnp.float32, -MAX_START_OFFSET, MAX_START_OFFSET), point[2]
+    )
 
 
-def possible(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
+def is_solvable(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
     """Return whether the start is on a floor, within the grid, in or beside a cell with paths to the goals."""
-    off = place_position(bank, episode.house, cell_of(bank, episode.house, episode.start)) - episode.start
-    near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, ON_FLOOR], jnp.float32))
-    return near & near_home(bank, episode.house, episode.start)
+    off = grid_position(bank, episode.house, cell_of(bank, episode.house, episode.start)) - episode.start
+    near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, MAX_FLOOR_OFFSET], jnp.float32))
+    return near & is_near_home_region(bank, episode.house, episode.start)
 
 
 def to_json(bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
@@ -85,6 +89,6 @@ def from_json(bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, An
     if not 0 <= length < np.inf:
         raise ValueError("`length` must be a finite number of at least 0")
     away = np.linalg.norm(np.asarray(bank.navigation.goal[house]) - place, axis=-1)
-    if away.min() > SAME_PLACE:
-        raise DatasetError(f"house {line['house']} has no goal at {line['goal']}", hint=OTHER_BANK)
+    if away.min() > MAX_GOAL_OFFSET:
+        raise DatasetError(f"house {line['house']} has no goal at {line['goal']}", hint=OTHER_BANK_HINT)
     return {"goal": int(away.argmin()), "length": length}

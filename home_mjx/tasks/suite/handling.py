@@ -11,26 +11,26 @@ import numpy as np
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.errors import ConfigError
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.language.phrases import name, phrase, telling
+from home_mjx.tasks.language.phrases import attribute_text, draw_identifying_words, noun_phrase
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.rules.build import Row
-from home_mjx.tasks.rules.house_view import HouseView, Thing
-from home_mjx.tasks.rules.program import Go, Meant, Stage, When
-from home_mjx.tasks.rules.words import FAILURE, NUM_TOKENS, SUCCESS, Feature, Word
-from home_mjx.tasks.suite.carried import Portable, gap, has_room, lies_on, portable_things
-from home_mjx.tasks.suite.navigation import NO_GOALS, STOPPED, Navigation
+from home_mjx.tasks.rules.build import TaskRow
+from home_mjx.tasks.rules.house_view import HouseObject, HouseView
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
+from home_mjx.tasks.rules.words import FAILURE, NUM_TOKENS, SUCCESS, Attribute, Feature
+from home_mjx.tasks.suite.carried import PortableObject, box_gap, find_portable_objects, is_on, is_receptacle
+from home_mjx.tasks.suite.navigation import EXCLUDED_CATEGORIES, STOP_CONDITION, NavigationTask
 
-PLACES = ("thing", "room", "start")  # kinds of destinations
-MOST_THINGS = 2  # maximum number of objects: a row has four descriptors, two per object
-JOINED = ("{} and {}", "{} then {}")
-Words = dict[Word, int]
+DESTINATIONS = ("object", "room", "start")  # kinds of destinations
+MAX_OBJECTS = 2  # maximum number of objects: a row has four descriptors, two per object
+SEQUENCE_TEMPLATES = ("{} and {}", "{} then {}")
+Words = dict[Attribute, int]
 Pose = tuple[Sequence[float], float]  # on the floor [m], yaw [rad]
 
 
 @dataclass(frozen=True)
-class Handling(Navigation):
+class ManipulationTask(NavigationTask):
     """Options that tasks with hands share.
 
     Attributes:
@@ -38,7 +38,7 @@ class Handling(Navigation):
         max_size: Maximum extent of an object to carry [m].
     """
 
-    max_mass: float = Body().lift
+    max_mass: float = AgentBody().max_lift_mass
     max_size: float = 0.5
 
     def __post_init__(self) -> None:
@@ -51,165 +51,186 @@ class Handling(Navigation):
         """Always True."""
         return True
 
-    def _told(self, view: HouseView, random: np.random.Generator) -> list[tuple[Portable, Words]]:
+    def _describe_portables(self, view: HouseView, random: np.random.Generator) -> list[tuple[PortableObject, Words]]:
         """Return portable objects that words identify uniquely, with these words."""
-        things = portable_things(view, self.max_mass, self.max_size)
-        told = [(thing, telling(view.things, thing.thing, random)) for thing in things]
+        things = find_portable_objects(view, self.max_mass, self.max_size)
+        told = [(thing, draw_identifying_words(view.objects, thing.object, random)) for thing in things]
         return [(thing, words) for thing, words in told if words is not None]
 
 
 @dataclass(frozen=True)
-class Fetch(Handling):
+class Fetch(ManipulationTask):
     """Pick up an object and bring it to another one, into a room, or to the start of the episode.
 
     Attributes:
         success_distance: Maximum distance to the destination on success [m].
-        places: Kinds of destinations, from `PLACES`.
+        destinations: Kinds of destinations, from `DESTINATIONS`.
     """
 
     success_distance: float = 1.0
-    places: tuple[str, ...] = field(default=PLACES)
+    destinations: tuple[str, ...] = field(default=DESTINATIONS)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check_number("success_distance", self.success_distance, 0)
-        if not isinstance(self.places, tuple) or not self.places:
-            raise ConfigError(f"`places` must be a tuple of {', '.join(PLACES)}, got {self.places!r}")
-        check_known("place", self.places, PLACES)
+        if not isinstance(self.destinations, tuple) or not self.destinations:
+            raise ConfigError(f"`destinations` must be a tuple of {', '.join(DESTINATIONS)}, got {self.destinations!r}")
+        check_known("place", self.destinations, DESTINATIONS)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield objects of the house with random destinations, in a new random order each round."""
-        told = self._told(view, random)
-        goals = [thing for thing in view.things if thing.coarse not in NO_GOALS]
-        named = [(thing, words) for thing in goals if (words := telling(view.things, thing, random)) is not None]
+        told = self._describe_portables(view, random)
+        goals = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
+        named = [
+            (thing, words)
+            for thing in goals
+            if (words := draw_identifying_words(view.objects, thing, random)) is not None
+        ]
         if not named:
             return
         while told:
             for at in random.permutation(len(told)).tolist():
                 thing, words = told[at]
-                place = self.places[int(random.integers(len(self.places)))]
-                if place == "thing":
+                place = self.destinations[int(random.integers(len(self.destinations)))]
+                if place == "object":
                     yield from self._to_thing(thing, words, named[int(random.integers(len(named)))])
                 elif place == "room":
                     yield from self._to_room(view, thing, words, random)
                 else:
                     yield self._to_start(view, words, random)
 
-    def _to_thing(self, thing: Portable, words: Words, goal: tuple[Thing, Words]) -> Iterator[Row]:
-        if gap(thing.thing, goal[0]) > 2 * self.success_distance:  # also excludes the object itself
-            near = When(Feature.DISTANCE, 1, most=self.success_distance)
-            yield self._row(words, Meant.of(goal[1]), near, f"to {phrase(goal[1])}")
+    def _to_thing(self, thing: PortableObject, words: Words, goal: tuple[HouseObject, Words]) -> Iterator[TaskRow]:
+        if box_gap(thing.object, goal[0]) > 2 * self.success_distance:  # also excludes the object itself
+            near = Condition(Feature.DISTANCE, 1, most=self.success_distance)
+            yield self._row(words, Selector.objects_with(goal[1]), near, f"to {noun_phrase(goal[1])}")
 
-    def _to_room(self, view: HouseView, thing: Portable, words: Words, random: np.random.Generator) -> Iterator[Row]:
-        own = thing.thing.word(Semantic.ROOM_TYPE)
+    def _to_room(
+        self, view: HouseView, thing: PortableObject, words: Words, random: np.random.Generator
+    ) -> Iterator[TaskRow]:
+        own = thing.object.semantic(Semantic.ROOM_TYPE)
         others = [kind for kind in np.unique(view.room_types).tolist() if kind >= 0 and kind != own]
         if others and own >= 0:
             kind = others[int(random.integers(len(others)))]
-            inside = When(Feature.INSIDE, 1, least=1)
-            yield self._row(words, Meant.space(room_type=kind), inside, f"to the {name(Word.ROOM_TYPE, kind)}")
+            inside = Condition(Feature.INSIDE, 1, least=1)
+            yield self._row(
+                words, Selector.rooms(room_type=kind), inside, f"to the {attribute_text(Attribute.ROOM_TYPE, kind)}"
+            )
 
-    def _to_start(self, view: HouseView, words: Words, random: np.random.Generator) -> Row:
+    def _to_start(self, view: HouseView, words: Words, random: np.random.Generator) -> TaskRow:
         free = view.graph.place[~view.graph.at_leaf]
         start = free[int(random.integers(len(free)))].tolist()
-        near = When(Feature.DISTANCE, 1, most=self.success_distance)
-        return self._row(words, Meant.at(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
+        near = Condition(Feature.DISTANCE, 1, most=self.success_distance)
+        return self._row(words, Selector.point(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
 
-    def _row(self, words: Words, goal: Meant, there: When, where: str, pose: Pose | None = None) -> Row:
-        held, half = When(Feature.HELD, 0, least=1), self.success_reward / 2
-        said, wrong = ((STOPPED,), (Go(FAILURE, (STOPPED,)),)) if self.stop else ((), ())
-        back = Go(0, bars=(held,), reward=-half)  # dropping the object costs the first reward
-        first = Stage((Go(1, (held,), reward=half), *wrong), guide=0)
-        second = Stage((Go(SUCCESS, (held, there, *said), reward=half), *wrong, back), guide=1)
-        tokens = tokenize(f"bring {phrase(words)} {where}")
-        return Row([Meant.of(words), goal], [first, second], tokens=tokens, then=(1,), pose=pose)
+    def _row(self, words: Words, goal: Selector, there: Condition, where: str, pose: Pose | None = None) -> TaskRow:
+        held, half = Condition(Feature.HELD, 0, least=1), self.success_reward / 2
+        said, wrong = ((STOP_CONDITION,), (Transition(FAILURE, (STOP_CONDITION,)),)) if self.stop else ((), ())
+        back = Transition(0, forbid=(held,), reward=-half)  # dropping the object costs the first reward
+        first = TaskStage((Transition(1, (held,), reward=half), *wrong), guide=0)
+        second = TaskStage((Transition(SUCCESS, (held, there, *said), reward=half), *wrong, back), guide=1)
+        tokens = tokenize(f"bring {noun_phrase(words)} {where}")
+        return TaskRow(
+            [Selector.objects_with(words), goal], [first, second], tokens=tokens, later_goals=(1,), start_pose=pose
+        )
 
 
 @dataclass(frozen=True)
-class Pair:
+class ObjectPlacement:
     """An object, the receptacle to put it on, and the words that identify each."""
 
-    thing: Portable
+    object: PortableObject
     words: Words
-    below: Thing
-    below_words: Words
+    receptacle: HouseObject
+    receptacle_words: Words
 
 
-def _touch(pair: Pair, other: Pair) -> bool:
+def _conflict(pair: ObjectPlacement, other: ObjectPlacement) -> bool:
     """Return whether pairs share an object, or an object is on the other pair's receptacle and might fall off."""
-    same = {pair.thing.thing.object_id, pair.below.object_id} & {other.thing.thing.object_id, other.below.object_id}
-    return bool(same) or lies_on(pair.thing.thing, other.below) or lies_on(other.thing.thing, pair.below)
+    same = {pair.object.object.object_id, pair.receptacle.object_id} & {
+        other.object.object.object_id,
+        other.receptacle.object_id,
+    }
+    return bool(same) or is_on(pair.object.object, other.receptacle) or is_on(other.object.object, pair.receptacle)
 
 
 @dataclass(frozen=True)
-class Rearrange(Handling):
+class Rearrange(ManipulationTask):
     """Put objects on others, and release them there.
 
     Attributes:
-        num_things: Maximum number of objects, 1 or 2.
+        max_objects: Maximum number of objects, 1 or 2.
     """
 
-    num_things: int = 1
+    max_objects: int = 1
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_number("num_things", self.num_things, 1, MOST_THINGS, whole=True)
+        check_number("max_objects", self.max_objects, 1, MAX_OBJECTS, integer=True)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield random objects and receptacles for them; those of one row are distinct."""
-        told = self._told(view, random)
+        told = self._describe_portables(view, random)
         pairs = list(self._pairs(view, told, random))
         while pairs:
-            count = int(random.integers(1, self.num_things + 1))
+            count = int(random.integers(1, self.max_objects + 1))
             chosen = [pairs[i] for i in random.permutation(len(pairs))]
-            row = self._some(chosen, count, random)
+            row = self._combine_pairs(chosen, count, random)
             if row is not None:
                 yield row
 
     def _pairs(
-        self, view: HouseView, told: list[tuple[Portable, Words]], random: np.random.Generator
-    ) -> Iterator[Pair]:
+        self, view: HouseView, told: list[tuple[PortableObject, Words]], random: np.random.Generator
+    ) -> Iterator[ObjectPlacement]:
         """Yield objects, each with receptacles that have room for it and on which it is not."""
-        below = [thing for thing in view.things if has_room(view, thing, {p.thing.object_id for p, _ in told})]
-        named = [(thing, words) for thing in below if (words := telling(view.things, thing, random)) is not None]
+        below = [thing for thing in view.objects if is_receptacle(view, thing, {p.object.object_id for p, _ in told})]
+        named = [
+            (thing, words)
+            for thing in below
+            if (words := draw_identifying_words(view.objects, thing, random)) is not None
+        ]
         for portable, words in told:
             for thing, others in named:
-                cells = view.put(view.instance_of(thing), view.radius(portable.instance))[0]
-                if len(cells) and not lies_on(portable.thing, thing):
-                    yield Pair(portable, words, thing, others)
+                cells = view.put_cells(view.instance_of(thing), view.plan_radius(portable.instance))[0]
+                if len(cells) and not is_on(portable.object, thing):
+                    yield ObjectPlacement(portable, words, thing, others)
 
-    def _some(self, pairs: list[Pair], count: int, random: np.random.Generator) -> Row | None:
+    def _combine_pairs(self, pairs: list[ObjectPlacement], count: int, random: np.random.Generator) -> TaskRow | None:
         """Return the first pairs without conflicts as one row; None if its instruction is too long."""
-        chosen: list[Pair] = []
+        chosen: list[ObjectPlacement] = []
         for pair in pairs:
-            if len(chosen) < count and not any(_touch(pair, other) for other in chosen):
+            if len(chosen) < count and not any(_conflict(pair, other) for other in chosen):
                 chosen.append(pair)
-        said = [f"put {phrase(pair.words)} on {phrase(pair.below_words)}" for pair in chosen]
-        text = said[0] if len(said) == 1 else JOINED[int(random.integers(len(JOINED)))].format(*said)
+        said = [f"put {noun_phrase(pair.words)} on {noun_phrase(pair.receptacle_words)}" for pair in chosen]
+        text = (
+            said[0]
+            if len(said) == 1
+            else SEQUENCE_TEMPLATES[int(random.integers(len(SEQUENCE_TEMPLATES)))].format(*said)
+        )
         tokens = tokenize(text)
         if len(tokens) > NUM_TOKENS:
             return None
-        meant = [Meant.of(words) for pair in chosen for words in (pair.words, pair.below_words)]
-        return Row(meant, self._stages(len(chosen)), tokens=tokens, then=range(1, len(meant)))
+        meant = [Selector.objects_with(words) for pair in chosen for words in (pair.words, pair.receptacle_words)]
+        return TaskRow(meant, self._stages(len(chosen)), tokens=tokens, later_goals=range(1, len(meant)))
 
-    def _stages(self, count: int) -> list[Stage]:
+    def _stages(self, count: int) -> list[TaskStage]:
         """Return two stages per object: pick up, put down. Undone steps cost their reward and must be repeated.
 
         This includes objects that were put down before; the agent returns to these with an empty hand.
         """
-        held = [When(Feature.HELD, 2 * k, least=1) for k in range(count)]
-        on = [When(Feature.ON, 2 * k, 2 * k + 1, least=1) for k in range(count)]
+        held = [Condition(Feature.HELD, 2 * k, least=1) for k in range(count)]
+        on = [Condition(Feature.ON, 2 * k, 2 * k + 1, least=1) for k in range(count)]
         part, stages = self.success_reward / (2 * count), []
-        wrong = (Go(FAILURE, (STOPPED,)),) if self.stop else ()
+        wrong = (Transition(FAILURE, (STOP_CONDITION,)),) if self.stop else ()
         for k in range(count):
-            done = Go(2 * k + 1, (on[k],), (held[k],), reward=part)  # the object is in place already
-            off = [Go(2 * j, bars=(on[j],), reward=-2 * (k - j) * part) for j in range(k)]
-            stages.append(Stage((Go(2 * k + 1, (held[k],), reward=part), done, *wrong, *off), guide=2 * k))
-            back = Go(2 * k, bars=(held[k], on[k]), reward=-part)
-            off = [replace(way, bars=(*way.bars, held[k]), reward=way.reward - part) for way in off]
+            done = Transition(2 * k + 1, (on[k],), (held[k],), reward=part)  # the object is in place already
+            off = [Transition(2 * j, forbid=(on[j],), reward=-2 * (k - j) * part) for j in range(k)]
+            stages.append(TaskStage((Transition(2 * k + 1, (held[k],), reward=part), done, *wrong, *off), guide=2 * k))
+            back = Transition(2 * k, forbid=(held[k], on[k]), reward=-part)
+            off = [replace(way, forbid=(*way.forbid, held[k]), reward=way.reward - part) for way in off]
             if k < count - 1:
-                ways = (Go(2 * k + 2, (on[k],), (held[k],), reward=part), back, *wrong)
+                ways = (Transition(2 * k + 2, (on[k],), (held[k],), reward=part), back, *wrong)
             else:
-                said = (STOPPED,) if self.stop else ()
-                ways = (Go(SUCCESS, (*on, *said), tuple(held), reward=part), *wrong, back)
-            stages.append(Stage((*ways, *off), guide=2 * k + 1))
+                said = (STOP_CONDITION,) if self.stop else ()
+                ways = (Transition(SUCCESS, (*on, *said), tuple(held), reward=part), *wrong, back)
+            stages.append(TaskStage((*ways, *off), guide=2 * k + 1))
         return stages

@@ -14,28 +14,31 @@ from home_mjx.core.checks import check_flag, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.rules.build import Generator, Row
+from home_mjx.tasks.rules.build import TaskGenerator, TaskRow
 from home_mjx.tasks.rules.house_view import HouseView
-from home_mjx.tasks.rules.program import Go, Meant, Stage, When
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature
 
-STOPPED = When(Feature.STOPPED, least=1)
+STOP_CONDITION = Condition(Feature.STOPPED, least=1)
 # Coarse categories that are never goals: part of the house, above the view, or unknown.
-NO_GOALS = frozenset(
+EXCLUDED_CATEGORIES = frozenset(
     ("unknown", "wall", "floor", "ceiling", "door", "window", "arch", "person", "curtain", "ceiling_fan")
 )
 
 
-def arrive(there: tuple[When, ...], stop: bool, reward: float, guide: int = 0) -> Stage:
-    """Return a stage that succeeds where all of `there` holds; with `stop`, only by `stop`, which fails elsewhere."""
+def arrival_stage(conditions: tuple[Condition, ...], stop: bool, reward: float, guide: int = 0) -> TaskStage:
+    """Return a stage that succeeds where all of `conditions` holds; with `stop`, only by `stop`, which fails elsewhere."""
     if not stop:
-        return Stage((Go(SUCCESS, there, reward=reward),), guide)
-    return Stage((Go(SUCCESS, (*there, STOPPED), reward=reward), Go(FAILURE, (STOPPED,))), guide)
+        return TaskStage((Transition(SUCCESS, conditions, reward=reward),), guide)
+    return TaskStage(
+        (Transition(SUCCESS, (*conditions, STOP_CONDITION), reward=reward), Transition(FAILURE, (STOP_CONDITION,))),
+        guide,
+    )
 
 
 @dataclass(frozen=True)
-class Navigation(RowTask):
+class NavigationTask(RowTask):
     """Options that navigation tasks share.
 
     Attributes:
@@ -62,30 +65,30 @@ class Navigation(RowTask):
         return type(self).__name__
 
     @property
-    def generators(self) -> tuple[Generator, ...]:
+    def generators(self) -> tuple[TaskGenerator, ...]:
         """The task itself."""
         return (self,)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield tasks of one house."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class RoomNav(Navigation):
+class RoomNav(NavigationTask):
     """Go into a room of some type."""
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield types of rooms that the house has, in a new random order each round."""
         types = np.unique(view.room_types[view.room_types >= 0])
         while len(types):
             for kind in random.permutation(types).tolist():
-                stage = arrive((When(Feature.INSIDE, 0, least=1),), self.stop, self.success_reward)
-                yield Row([Meant.space(room_type=kind)], [stage])
+                stage = arrival_stage((Condition(Feature.INSIDE, 0, least=1),), self.stop, self.success_reward)
+                yield TaskRow([Selector.rooms(room_type=kind)], [stage])
 
 
 @dataclass(frozen=True)
-class ObjectNav(Navigation):
+class ObjectNav(NavigationTask):
     """Go to any object of a category, and look at it.
 
     Attributes:
@@ -98,18 +101,18 @@ class ObjectNav(Navigation):
         super().__post_init__()
         check_number("success_distance", self.success_distance, 0)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield coarse categories that the house has, in a new random order each round."""
-        kinds = {thing.word(Semantic.COARSE) for thing in view.things}
-        kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in NO_GOALS), int)
-        there = When(Feature.DISTANCE, 0, most=self.success_distance), When(Feature.SEEN, 0, least=1)
+        kinds = {thing.semantic(Semantic.COARSE) for thing in view.objects}
+        kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in EXCLUDED_CATEGORIES), int)
+        there = Condition(Feature.DISTANCE, 0, most=self.success_distance), Condition(Feature.SEEN, 0, least=1)
         while len(kinds):
             for kind in random.permutation(kinds).tolist():
-                yield Row([Meant.thing(coarse=kind)], [arrive(there, self.stop, self.success_reward)])
+                yield TaskRow([Selector.objects(coarse=kind)], [arrival_stage(there, self.stop, self.success_reward)])
 
 
 @dataclass(frozen=True)
-class PointGoals(Navigation):
+class PointGoals(NavigationTask):
     """Go to a point: PointNav as rows, for mixes with other tasks.
 
     Attributes:
@@ -122,17 +125,19 @@ class PointGoals(Navigation):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_number("num_points", self.num_points, 1, whole=True)
+        check_number("num_points", self.num_points, 1, integer=True)
         check_number("success_distance", self.success_distance, 0)
 
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield random cells, in a new random order each round."""
         free = view.graph.place[~view.graph.at_leaf]
         points = free[random.permutation(len(free))[: self.num_points]]
-        stage = arrive((When(Feature.DISTANCE, 0, most=self.success_distance),), self.stop, self.success_reward)
+        stage = arrival_stage(
+            (Condition(Feature.DISTANCE, 0, most=self.success_distance),), self.stop, self.success_reward
+        )
         while len(points):
             for point in random.permutation(points):
-                yield Row([Meant.at(point.tolist())], [stage])
+                yield TaskRow([Selector.point(point.tolist())], [stage])
 
 
 @dataclass(frozen=True)
@@ -143,11 +148,11 @@ class HouseTasks(RowTask):
         tasks: Generators of the tasks.
     """
 
-    tasks: Sequence[Generator] = (RoomNav(), ObjectNav())
+    tasks: Sequence[TaskGenerator] = (RoomNav(), ObjectNav())
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "tasks", mixable(self.tasks))
+        object.__setattr__(self, "tasks", check_mix(self.tasks))
 
     @property
     def needs_stop(self) -> bool:
@@ -175,12 +180,12 @@ class HouseTasks(RowTask):
         return tuple(dict.fromkeys(clip for task in self.tasks for clip in getattr(task, "clips", ())))
 
     @property
-    def generators(self) -> tuple[Generator, ...]:
+    def generators(self) -> tuple[TaskGenerator, ...]:
         """Generators of all tasks."""
         return tuple(self.tasks)
 
 
-def mixable(tasks: Any) -> tuple[Generator, ...]:
+def check_mix(tasks: Any) -> tuple[TaskGenerator, ...]:
     """Return tasks as a tuple if they can be mixed.
 
     Raises:
@@ -190,7 +195,7 @@ def mixable(tasks: Any) -> tuple[Generator, ...]:
         hint = "Write tasks=(RoomNav(), ObjectNav())."
         raise ConfigError(f"`tasks` of a mix must be a tuple of tasks, got {tasks!r}", hint=hint)
     for task in tasks:
-        if isinstance(task, type) or not isinstance(task, Generator):
+        if isinstance(task, type) or not isinstance(task, TaskGenerator):
             hint = "Write RoomNav(), ...; PointGoals() are PointNav's rows, and a mix in a mix is its `tasks`."
             raise ConfigError(f"a mix is made of tasks that write rows, got {task!r}", hint=hint)
         if getattr(task, "num_acting", None) is not None:

@@ -20,7 +20,7 @@ from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task, path_scores
 from home_mjx.tasks.suite import goals
 
-FARTHEST = 1000.0  # [m], bound of distances; larger than any house
+MAX_DISTANCE = 1000.0  # [m], bound of distances; larger than any house
 
 
 class PointNavState(Pytree):
@@ -28,11 +28,11 @@ class PointNavState(Pytree):
 
     goal: Int[Array, ""]  # index into the house's goals
     distance: Float[Array, " a"]  # [m], geodesic
-    reached: Bool[Array, " a"]  # has been within `success_radius` since the start; with `stop`: has stopped there
+    reached: Bool[Array, " a"]  # has been within `success_radius` since the start; with `stopped`: has stopped there
     arrived: Bool[Array, " a"]  # reached the goal in the last step
     length: Float[Array, " a"]  # [m], of the shortest path from the start
-    walked: Float[Array, " a"]  # [m], length of the path until arrival
-    place: Float[Array, "a 3"]  # [m], position in the last step
+    path_length: Float[Array, " a"]  # [m], length of the path until arrival
+    last_pos: Float[Array, "a 3"]  # [m], position in the last step
     collisions: Int[Array, " a"]  # steps in touch with anything but the floor
 
 
@@ -40,11 +40,11 @@ class PointNavState(Pytree):
 class PointNav(Task):
     """Reach the goal within `success_radius`; with several agents, all of them.
 
-    An episode ends when each agent has arrived or has chosen the discrete action `stop`.
+    An episode ends when each agent has arrived or has chosen the discrete action `stopped`.
 
     Attributes:
         success_radius: Maximum distance on arrival [m].
-        stop: Agents must choose `stop` on arrival: only `stop` within `success_radius` counts. With
+        stop: Agents must choose `stopped` on arrival: only `stopped` within `success_radius` counts. With
             `success_radius=0.2` this is PointNav as in Habitat.
         min_distance: Minimum distance of goals at the start, if there are such goals [m].
         success_reward: Added once, on arrival.
@@ -67,14 +67,14 @@ class PointNav(Task):
 
     @property
     def needs_stop(self) -> bool:
-        """True with `stop`."""
+        """True with `stopped`."""
         return self.stop
 
     @property
     def observation_spec(self) -> Specs:
         """Spec of `goal`."""
         text = "distance in the plane [m], cosine and sine of the bearing in the agent's frame, left positive"
-        return {"goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (FARTHEST, 1.0, 1.0), text)}
+        return {"goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (MAX_DISTANCE, 1.0, 1.0), text)}
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -84,7 +84,7 @@ class PointNav(Task):
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PointNavState:
         """Return the initial state, with the goal of `columns` or a random one, if possible beyond `min_distance`."""
         if columns is None:
-            goal = goals.choose_goal(snapshot, key, self.min_distance)
+            goal = goals.pick_goal(snapshot, key, self.min_distance)
         else:
             goal = columns["goal"]
         distance = self._distance(snapshot, goal)
@@ -95,8 +95,8 @@ class PointNav(Task):
             reached=nobody,
             arrived=nobody,
             length=distance,
-            walked=jnp.zeros(distance.shape, jnp.float32),
-            place=snapshot.pose.pos,
+            path_length=jnp.zeros(distance.shape, jnp.float32),
+            last_pos=snapshot.pose.pos,
             collisions=jnp.zeros(distance.shape, jnp.int32),
         )
 
@@ -106,14 +106,14 @@ class PointNav(Task):
         there = distance <= jnp.float32(self.success_radius)
         there = there & snapshot.stopped if self.stop else there
         place = snapshot.pose.pos
-        moved = jnp.linalg.norm(place - state.place, axis=-1)
+        moved = jnp.linalg.norm(place - state.last_pos, axis=-1)
         return state.replace(
             distance=distance,
             reached=state.reached | there,
             arrived=there & ~state.reached,
-            walked=state.walked + jnp.where(state.reached, 0.0, moved),
-            place=place,
-            collisions=state.collisions + snapshot.contact.astype(jnp.int32),
+            path_length=state.path_length + jnp.where(state.reached, 0.0, moved),
+            last_pos=place,
+            collisions=state.collisions + snapshot.in_contact.astype(jnp.int32),
         )
 
     def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:
@@ -127,7 +127,7 @@ class PointNav(Task):
     def reward(self, snapshot: Snapshot, before: PointNavState, state: PointNavState) -> Float[Array, " a"]:
         """Return progress [m] minus costs, plus `success_reward` on arrival."""
         reward = before.distance - state.distance - jnp.float32(self.step_cost)
-        reward = reward - jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
+        reward = reward - jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32)
         return reward + jnp.float32(self.success_reward) * state.arrived.astype(jnp.float32)
 
     def terminated(self, snapshot: Snapshot, state: PointNavState) -> Bool[Array, ""]:
@@ -142,10 +142,10 @@ class PointNav(Task):
         success = state.reached.astype(jnp.float32)
         figures = {
             "success": success,
-            **path_scores(success, state.length, state.walked, state.distance),
+            **path_scores(success, state.length, state.path_length, state.distance),
             "distance": state.distance,
             "collisions": state.collisions.astype(jnp.float32),
-            "contact": snapshot.contact.astype(jnp.float32),
+            "contact": snapshot.in_contact.astype(jnp.float32),
         }
         return {name: jnp.mean(figure) for name, figure in figures.items()}
 
@@ -163,7 +163,7 @@ class PointNav(Task):
 
     def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
         """Return whether the start is on a floor, in or beside a cell with a path to the goal."""
-        return goals.possible(bank, episode)
+        return goals.is_solvable(bank, episode)
 
     def _distance(self, snapshot: Snapshot, goal: Int[Array, ""]) -> Float[Array, " a"]:
         return jax.vmap(lambda p: geodesic_distance(snapshot.bank, snapshot.house, goal, p))(snapshot.pose.pos)

@@ -10,17 +10,19 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.communication.talk import written_talk
-from home_mjx.tasks.rules.build import padded
-from home_mjx.tasks.rules.program import Go, Stage, written
+from home_mjx.tasks.communication.talk import pack_speech
+from home_mjx.tasks.rules.build import pad_tokens
+from home_mjx.tasks.rules.program import TaskStage, Transition, pack_program
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, SUCCESS
-from home_mjx.tasks.sounds.row import written_sounds
-from home_mjx.tasks.validation.faults import first_fault
-from home_mjx.tasks.validation.table import SHORT, Range, feature_limits, index_of, limits
+from home_mjx.tasks.sounds.row import pack_sounds
+from home_mjx.tasks.validation.faults import find_violation
+from home_mjx.tasks.validation.table import MAX_INT16, Range, column_ranges, feature_ranges, index_range
 
-OTHER_HOUSES = "Create tasks for these houses: task.task_bank(bank), load_tasks(path, bank) or sample_episodes(bank)."
+OTHER_HOUSES_HINT = (
+    "Create tasks for these houses: task.task_bank(bank), load_tasks(path, bank) or sample_episodes(bank)."
+)
 
 
 def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> None:
@@ -37,7 +39,7 @@ def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> N
             value. The message has the allowed values.
     """
     if tasks is None:
-        return _check_needs_none(task)
+        return _check_no_bank_needed(task)
     if not isinstance(tasks, Episodes | TaskBank):
         hint = "Give `Episodes` from `sample_episodes` or `load_episodes`, or a `TaskBank` from `load_tasks`."
         raise ConfigError(f"expected tasks, got {type(tasks).__name__}", hint=hint)
@@ -47,26 +49,31 @@ def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> N
     _check_columns(task, tasks, rows)
     if not len(rows):
         raise ConfigError("there are no tasks", hint="Give at least one, or None to let resets draw new episodes.")
-    ranges = limits() | {"goal": index_of(bank.navigation.goal.shape[1], none=False)}
+    ranges = column_ranges() | {"goal": index_range(bank.navigation.goal.shape[1], allow_none=False)}
     if isinstance(tasks, TaskBank):
-        ranges |= _of_bank(bank, tasks)
+        ranges |= _bank_ranges(bank, tasks)
         tasks.check_weights()
     _check_rows(config, bank, rows, ranges)
 
 
-def blank_row() -> dict[str, np.ndarray]:
+def empty_row() -> dict[str, np.ndarray]:
     """Return the columns of an empty row, with their names, shapes and dtypes.
 
     Example:
         >>> blank_row()["place"].shape
         (4, 3)
     """
-    columns = written([], [Stage((Go(SUCCESS),))]) | written_sounds((), 0) | written_talk() | {"tokens": padded(())}
+    columns = (
+        pack_program([], [TaskStage((Transition(SUCCESS),))])
+        | pack_sounds((), 0)
+        | pack_speech()
+        | {"tokens": pad_tokens(())}
+    )
     columns["field"] = np.full(NUM_DESCRIPTORS, -1, np.int16)
     return columns | {"task": np.zeros((), np.int32), "length": np.zeros((), np.float32)}
 
 
-def _check_needs_none(task: Task) -> None:
+def _check_no_bank_needed(task: Task) -> None:
     if isinstance(task, RowTask):
         hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
         raise ConfigError(f"{type(task).__name__} needs a task bank", hint=hint)
@@ -74,7 +81,7 @@ def _check_needs_none(task: Task) -> None:
 
 def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> None:
     """Check that rows have the columns of the task, each with the right shape and one entry per row."""
-    name, own = type(task).__name__, blank_row() if isinstance(task, RowTask) else {}
+    name, own = type(task).__name__, empty_row() if isinstance(task, RowTask) else {}
     if own and not isinstance(tasks, TaskBank):
         hint = "Give a `TaskBank`, such as task.task_bank(bank) or load_tasks(path, bank)."
         raise ConfigError(f"the rows of {name} must be a TaskBank, got {type(tasks).__name__}", hint=hint)
@@ -91,23 +98,23 @@ def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> No
             raise ConfigError(f"the column `{column}` must have the shape {expected}, got {array.shape}", hint=hint)
 
 
-def _of_bank(bank: HouseBank, tasks: TaskBank) -> dict[str, Range]:
+def _bank_ranges(bank: HouseBank, tasks: TaskBank) -> dict[str, Range]:
     """Return the ranges of columns that index arrays of the task bank."""
     cells, fields = tasks.field.shape
     if cells != bank.navigation.field.shape[0] or not fields:
         message = f"the tasks have distances of {cells} cells, the houses have {bank.navigation.field.shape[0]}"
-        raise ConfigError(message, hint=OTHER_HOUSES)
-    return {"field": index_of(fields), "task": index_of(len(tasks.names) or SHORT + 1, none=False)}
+        raise ConfigError(message, hint=OTHER_HOUSES_HINT)
+    return {"field": index_range(fields), "task": index_range(len(tasks.names) or MAX_INT16 + 1, allow_none=False)}
 
 
 def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, ranges: dict[str, Range]) -> None:
-    agents = index_of(config.num_agents)
-    ranges = ranges | {"agent": agents, "meant.agent": agents, "told": index_of(2**config.num_agents)}
-    hints = dict.fromkeys(("house", "field", "goal"), OTHER_HOUSES)
+    agents = index_range(config.num_agents)
+    ranges = ranges | {"agent": agents, "meant.agent": agents, "told": index_range(2**config.num_agents)}
+    hints = dict.fromkeys(("house", "field", "goal"), OTHER_HOUSES_HINT)
     hints |= dict.fromkeys(
         ("agent", "meant.agent", "told"), f"There are {config.num_agents} agents: see num_agents=..."
     )
     hints |= {"held": "Give hands=True.", "stopped": 'Give actions="discrete".', "said": "Give speech=(...)."}
-    fault = first_fault(rows, bank, ranges, feature_limits(config), hints, config.episode_length)
+    fault = find_violation(rows, bank, ranges, feature_ranges(config), hints, config.episode_length)
     if fault is not None:
         raise ConfigError(fault.message, element=f"task {fault.row}, {fault.field}", hint=fault.hint)

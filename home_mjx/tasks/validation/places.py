@@ -4,20 +4,20 @@ import numpy as np
 from jaxtyping import UInt16
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
-from home_mjx.tasks.rules.build import can_be_done
+from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
+from home_mjx.tasks.rules.build import is_feasible
 from home_mjx.tasks.rules.house_view import HouseView
-from home_mjx.tasks.rules.meaning import means_on_host
-from home_mjx.tasks.rules.words import Kind, Word
-from home_mjx.tasks.validation.faults import Fault, no_room
-from home_mjx.tasks.validation.starts import can_stand
+from home_mjx.tasks.rules.meaning import resolve_targets_on_host
+from home_mjx.tasks.rules.words import Attribute, TargetKind
+from home_mjx.tasks.validation.faults import Violation, blocked_start
+from home_mjx.tasks.validation.starts import is_standable
 
-NAMED = (Kind.OBJECT, Kind.ROOM)
+RESOLVED_KINDS = (TargetKind.OBJECT, TargetKind.ROOM)
 
 
-def first_impossible(
+def find_infeasible(
     bank: HouseBank, view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
-) -> Fault | None:
+) -> Violation | None:
     """Return the first infeasible row of a house; None if all are feasible.
 
     Feasible: the house has its targets, an agent can stand at its start, and paths lead close enough to its targets.
@@ -29,19 +29,21 @@ def first_impossible(
         fields: Distances of its cells, as returned by `add_fields`.
     """
     descriptor = np.stack([row["descriptor"] for row in rows])
-    means = means_on_host(bank, view.house, descriptor)
+    means = resolve_targets_on_host(bank, view.house, descriptor)
     there = np.any(means.instance, axis=-1) | np.any(means.room, axis=-1)
-    lost = np.isin(descriptor[..., Word.KIND], NAMED) & ~there
+    lost = np.isin(descriptor[..., Attribute.KIND], RESOLVED_KINDS) & ~there
     home = view.graph.place
-    nearest = fields[: len(home)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
-    stands = can_stand(bank, np.full(len(rows), view.house), np.stack([row["start"] for row in rows]))
+    nearest = fields[: len(home)].min(axis=0, initial=FIELD_UNREACHABLE) * FIELD_UNIT
+    stands = is_standable(bank, np.full(len(rows), view.house), np.stack([row["start"] for row in rows]))
     for number, row in enumerate(rows):
         if not stands[number]:
-            return no_room(number, row["start"])
+            return blocked_start(number, row["start"])
         if lost[number].any():
             name = f"meant[{np.argmax(lost[number])}]"
-            return Fault(number, name, "the house has no such object or room", "`HouseView.things` lists its objects.")
-        if not can_be_done(row, nearest):
+            return Violation(
+                number, name, "the house has no such object or room", "`HouseView.things` lists its objects."
+            )
+        if not is_feasible(row, nearest):
             message = "no path leads to a target of the task, or none close enough to it"
-            return Fault(number, "meant", message, "Choose another goal, or a greater `most` of `distance`.")
+            return Violation(number, "meant", message, "Choose another goal, or a greater `most` of `distance`.")
     return None

@@ -11,27 +11,35 @@ from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.communication.talk import NUM_REPLIES
-from home_mjx.tasks.language.phrases import COLUMN
-from home_mjx.tasks.language.vocabulary import words
-from home_mjx.tasks.rules.features import FAR
-from home_mjx.tasks.rules.words import FAILURE, NUM_CONDITIONS, NUM_DESCRIPTORS, NUM_STAGES, Feature, Kind, Word
-from home_mjx.tasks.sounds.row import VOICED
+from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
+from home_mjx.tasks.language.vocabulary import all_words
+from home_mjx.tasks.rules.features import UNREACHABLE_DISTANCE
+from home_mjx.tasks.rules.words import (
+    FAILURE,
+    NUM_CONDITIONS,
+    NUM_DESCRIPTORS,
+    NUM_STAGES,
+    Attribute,
+    Feature,
+    TargetKind,
+)
+from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
 
 INF = float("inf")
-GREAT = 1e6  # maximum of a reward, a length [m] or a limit of a condition
-MOST_AGENTS = 15  # maximum number of agents: bits of the column `told`
-SHORT = 2**15 - 1
-MEANT = "meant.{}"  # name of a descriptor's column, by word
+MAX_MAGNITUDE = 1e6  # maximum of a reward, a length [m] or a limit of a condition
+MAX_AGENTS = 15  # maximum number of agents: bits of the column `told`
+MAX_INT16 = 2**15 - 1
+DESCRIPTOR_COLUMN = "meant.{}"  # name of a descriptor's column, by word
 
 
 class Range(NamedTuple):
     """Range of allowed numbers.
 
     Attributes:
-        least: Minimum, inclusive.
-        most: Maximum, inclusive.
-        whole: Integers only.
-        besides: Further allowed values, such as infinity for no limit.
+        minimum: Minimum, inclusive.
+        maximum: Maximum, inclusive.
+        is_integer: Integers only.
+        also_allowed: Further allowed values, such as infinity for no limit.
 
     Example:
         >>> print(Range(0, 3, whole=True))
@@ -40,60 +48,81 @@ class Range(NamedTuple):
         [False, True, True, False]
     """
 
-    least: float
-    most: float
-    whole: bool = False
-    besides: tuple[float, ...] = ()
+    minimum: float
+    maximum: float
+    is_integer: bool = False
+    also_allowed: tuple[float, ...] = ()
 
-    def holds(self, values: Any) -> Any:
+    def contains(self, values: Any) -> Any:
         """Return whether a number, or each of an array, is within the range."""
-        within = (values >= self.least) & (values <= self.most)
-        return functools.reduce(operator.or_, [values == number for number in self.besides], within)
+        within = (values >= self.minimum) & (values <= self.maximum)
+        return functools.reduce(operator.or_, [values == number for number in self.also_allowed], within)
 
     def __str__(self) -> str:
         """Return the wording for messages."""
-        others = "".join(f" or {number:g}" for number in self.besides)
-        return f"a {'whole ' if self.whole else ''}number from {self.least:g} to {self.most:g}{others}"
+        others = "".join(f" or {number:g}" for number in self.also_allowed)
+        return f"a {'whole ' if self.is_integer else ''}number from {self.minimum:g} to {self.maximum:g}{others}"
 
 
-def index_of(count: int, none: bool = True) -> Range:
-    """Return the range of indices into `count` items; with `none` it includes -1."""
-    return Range(-1 if none else 0, count - 1, whole=True)
+def index_range(count: int, allow_none: bool = True) -> Range:
+    """Return the range of indices into `count` items; with `allow_none` it includes -1."""
+    return Range(-1 if allow_none else 0, count - 1, is_integer=True)
 
 
 @functools.cache
-def limits() -> dict[str, Range]:
+def column_ranges() -> dict[str, Range]:
     """Return the range of each column for any houses and environment; descriptor columns as `meant.<word>`.
 
     Example:
         >>> print(limits()["reward"])
         a number from -1e+06 to 1e+06
     """
-    descriptor, again = index_of(NUM_DESCRIPTORS), Range(0.001, GREAT, besides=(INF,))
-    limit, token = Range(-GREAT, GREAT, besides=(-INF, INF)), index_of(len(words()))
-    bits = index_of(2**NUM_CONDITIONS)
-    meant = {MEANT.format(word.name.lower()): _of_word(word) for word in Word}
-    episode = {"house": index_of(2**31, none=False), "start": Range(-FAR, FAR), "yaw": Range(-1000.0, 1000.0)}
-    program = {"place": Range(-FAR, FAR, besides=(INF,)), "field": index_of(SHORT + 1), "guide": descriptor}
-    program |= {"feature": index_of(len(Feature), none=False), "first": descriptor, "second": descriptor}
-    program |= {"agent": index_of(MOST_AGENTS), "least": limit, "most": limit, "needs": bits, "bars": bits}
-    program |= {"next": Range(FAILURE, NUM_STAGES - 1, whole=True), "reward": Range(-GREAT, GREAT)}
-    sound = {"emitter": descriptor, "towards": descriptor, "clip": Range(VOICED, len(CLIPS) - 1, whole=True)}
+    descriptor, again = index_range(NUM_DESCRIPTORS), Range(0.001, MAX_MAGNITUDE, also_allowed=(INF,))
+    limit, token = Range(-MAX_MAGNITUDE, MAX_MAGNITUDE, also_allowed=(-INF, INF)), index_range(len(all_words()))
+    bits = index_range(2**NUM_CONDITIONS)
+    meant = {DESCRIPTOR_COLUMN.format(word.name.lower()): _attribute_range(word) for word in Attribute}
+    episode = {
+        "house": index_range(2**31, allow_none=False),
+        "start": Range(-UNREACHABLE_DISTANCE, UNREACHABLE_DISTANCE),
+        "yaw": Range(-1000.0, 1000.0),
+    }
+    program = {
+        "place": Range(-UNREACHABLE_DISTANCE, UNREACHABLE_DISTANCE, also_allowed=(INF,)),
+        "field": index_range(MAX_INT16 + 1),
+        "guide": descriptor,
+    }
+    program |= {"feature": index_range(len(Feature), allow_none=False), "first": descriptor, "second": descriptor}
+    program |= {"agent": index_range(MAX_AGENTS), "least": limit, "most": limit, "needs": bits, "bars": bits}
+    program |= {"next": Range(FAILURE, NUM_STAGES - 1, is_integer=True), "reward": Range(-MAX_MAGNITUDE, MAX_MAGNITUDE)}
+    sound = {
+        "emitter": descriptor,
+        "towards": descriptor,
+        "clip": Range(VOICE_CLIP_NUMBER, len(CLIPS) - 1, is_integer=True),
+    }
     sound |= {"every": again, "lasts": again, "gain": Range(0.0, 1000.0), "speed": Range(0.0, 100.0)}
-    talk = {"answer": token, "oracle": token, "ask": Range(0, NUM_REPLIES, whole=True)}
-    talk |= {"told": index_of(2**MOST_AGENTS), "tokens": index_of(len(words()), none=False)}
-    own = {"task": index_of(SHORT + 1, none=False), "length": Range(0.0, GREAT), "goal": index_of(2**31, none=False)}
+    talk = {"answer": token, "oracle": token, "ask": Range(0, NUM_REPLIES, is_integer=True)}
+    talk |= {"told": index_range(2**MAX_AGENTS), "tokens": index_range(len(all_words()), allow_none=False)}
+    own = {
+        "task": index_range(MAX_INT16 + 1, allow_none=False),
+        "length": Range(0.0, MAX_MAGNITUDE),
+        "goal": index_range(2**31, allow_none=False),
+    }
     return episode | program | talk | own | meant | {f"sound_{name}": range_ for name, range_ in sound.items()}
 
 
-def _of_word(word: Word) -> Range:
-    if word in COLUMN:
-        return index_of(len(vocabularies()[COLUMN[word]]))
-    counts = {Word.KIND: len(Kind) - 1, Word.ON: NUM_DESCRIPTORS, Word.IN: NUM_DESCRIPTORS, Word.AGENT: MOST_AGENTS}
-    return index_of(counts.get(word, SHORT + 1))
+def _attribute_range(word: Attribute) -> Range:
+    if word in SEMANTIC_COLUMN:
+        return index_range(len(vocabularies()[SEMANTIC_COLUMN[word]]))
+    counts = {
+        Attribute.KIND: len(TargetKind) - 1,
+        Attribute.ON: NUM_DESCRIPTORS,
+        Attribute.IN: NUM_DESCRIPTORS,
+        Attribute.AGENT: MAX_AGENTS,
+    }
+    return index_range(counts.get(word, MAX_INT16 + 1))
 
 
-def feature_limits(config: EnvConfig | None = None) -> Float[np.ndarray, "features 2"]:
+def feature_ranges(config: EnvConfig | None = None) -> Float[np.ndarray, "features 2"]:
     """Return the minimum and maximum of each feature.
 
     Args:
@@ -105,9 +134,9 @@ def feature_limits(config: EnvConfig | None = None) -> Float[np.ndarray, "featur
     """
     found = np.tile([0.0, 1.0], (len(Feature), 1))
     found[Feature.TRUE] = 1.0
-    found[[Feature.DISTANCE, Feature.STRAIGHT, Feature.BESIDE], 1] = FAR
+    found[[Feature.DISTANCE, Feature.STRAIGHT, Feature.BESIDE], 1] = UNREACHABLE_DISTANCE
     found[Feature.TIME, 1] = INF
-    found[Feature.SAID] = -1, len(words()) - 1
+    found[Feature.SAID] = -1, len(all_words()) - 1
     if config is not None:
         found[Feature.HELD, 1] = config.hands
         found[Feature.STOPPED, 1] = config.discrete is not None

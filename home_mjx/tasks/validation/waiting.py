@@ -8,7 +8,7 @@ from jaxtyping import Float
 from home_mjx.tasks.rules.words import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Feature
 
 
-def least_steps(columns: Mapping[str, np.ndarray]) -> Float[np.ndarray, " t"]:
+def min_steps(columns: Mapping[str, np.ndarray]) -> Float[np.ndarray, " t"]:
     """Return the minimum number of steps before a row can succeed: the least sum of `TIME` along its stages.
 
     All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success.

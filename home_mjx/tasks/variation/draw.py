@@ -5,12 +5,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics import Scale
-from home_mjx.raycast_render.scene.look import Look
-from home_mjx.tasks.variation.ranges import NAMES, Variation
+from home_mjx.physics import BodyScale
+from home_mjx.raycast_render.scene.look import AppearanceOverrides
+from home_mjx.tasks.variation.ranges import RANGE_NAMES, Variation
 
 
-class Mount(Pytree):
+class CameraOffsets(Pytree):
     """Offsets of the cameras in an episode from their options; None: no offset."""
 
     height: Float[Array, ""] | None = None  # [m], up
@@ -18,31 +18,31 @@ class Mount(Pytree):
     fovy: Float[Array, ""] | None = None  # [rad], wider
 
 
-class Drawn(Pytree):
+class VariationSample(Pytree):
     """Domain randomisation sampled for one episode; None: the value does not vary."""
 
     key: UInt32[Array, "2"]  # for values that are sampled in each step
-    look: Look | None = None
-    mount: Mount | None = None
-    bodies: Scale | None = None
+    appearance: AppearanceOverrides | None = None
+    camera_offsets: CameraOffsets | None = None
+    body_scale: BodyScale | None = None
     clip: Int[Array, ""] | None = None  # index into CLIPS, of the house's own source
     volume: Float[Array, ""] | None = None
     move_noise: Float[Array, ""] | None = None
     depth_noise: Float[Array, ""] | None = None
     color_noise: Float[Array, ""] | None = None
-    noise_volume: Float[Array, ""] | None = None
+    contact_sound_volume: Float[Array, ""] | None = None
     step_length: Float[Array, ""] | None = None  # [m]
 
-    def noise_key(self, step: Int[Array, ""], what: int) -> Array:
+    def noise_key(self, step: Int[Array, ""], kind: int) -> Array:
         """Return a key per step and kind of noise."""
         own = jax.random.wrap_key_data(self.key, impl="threefry2x32")
-        return jax.random.fold_in(jax.random.fold_in(own, what), step)
+        return jax.random.fold_in(jax.random.fold_in(own, kind), step)
 
 
-MOVES, IMAGES = range(2)  # kinds of noise, for `Drawn.noise_key`
+MOVE_NOISE, IMAGE_NOISE = range(2)  # kinds of noise, for `VariationSample.noise_key`
 
 
-def draw(variation: Variation | None, key: Array, num_lamps: int) -> Drawn | None:
+def sample_variation(variation: Variation | None, key: Array, num_lamps: int) -> VariationSample | None:
     """Sample one episode from the ranges.
 
     Args:
@@ -57,43 +57,43 @@ def draw(variation: Variation | None, key: Array, num_lamps: int) -> Drawn | Non
     """
     if variation is None:
         return None
-    keys = {name: jax.random.fold_in(key, number) for number, name in enumerate(NAMES, 1)}
+    keys = {name: jax.random.fold_in(key, number) for number, name in enumerate(RANGE_NAMES, 1)}
 
     def number(name: str, unit: float = 1.0) -> Float[Array, ""] | None:
         ends = getattr(variation, name)
         return None if ends is None else jax.random.uniform(keys[name], (), minval=ends[0], maxval=ends[1]) * unit
 
     degree = float(jnp.pi / 180)
-    mount = Mount(number("camera_height"), number("camera_pitch", degree), number("camera_fovy", degree))
-    bodies = Scale(number("friction"), number("mass"))
+    mount = CameraOffsets(number("camera_height"), number("camera_pitch", degree), number("camera_fovy", degree))
+    bodies = BodyScale(number("friction"), number("mass"))
     clips = variation.clips
-    return Drawn(
+    return VariationSample(
         key=jax.random.key_data(jax.random.fold_in(key, 0)),
-        look=_look(variation, key, keys, number("lamp_gain"), num_lamps).replace(
+        appearance=_sample_appearance(variation, key, keys, number("lamp_gain"), num_lamps).replace(
             daylight=number("daylight"),
             sun_azimuth=number("sun_azimuth", degree),
             sun_elevation=number("sun_elevation", degree),
             exposure=number("exposure"),
             tint=number("colors"),
         ),
-        mount=mount if jax.tree.leaves(mount) else None,
-        bodies=bodies if jax.tree.leaves(bodies) else None,
+        camera_offsets=mount if jax.tree.leaves(mount) else None,
+        body_scale=bodies if jax.tree.leaves(bodies) else None,
         clip=None if clips is None else jax.random.categorical(keys["clips"], jnp.log(clips)).astype(jnp.int32),
         volume=number("volume"),
         move_noise=number("move_noise"),
         depth_noise=number("depth_noise"),
         color_noise=number("color_noise"),
-        noise_volume=number("noise_volume"),
+        contact_sound_volume=number("contact_sound_volume"),
         step_length=number("step_length"),
     )
 
 
-def _look(
+def _sample_appearance(
     variation: Variation, key: Array, keys: dict[str, Array], gain: Float[Array, ""] | None, num_lamps: int
-) -> Look:
+) -> AppearanceOverrides:
     """Return appearance overrides: seed, lamps and textures."""
     lamps = None if gain is None else jnp.full(num_lamps, gain)
     if variation.lamps is not None:
         on = (jax.random.uniform(keys["lamps"], (num_lamps,)) < variation.lamps).astype(jnp.float32)
         lamps = on if lamps is None else on * lamps
-    return Look(seed=jax.random.bits(key, (), jnp.uint32), lamps=lamps, swap=variation.textures)
+    return AppearanceOverrides(seed=jax.random.bits(key, (), jnp.uint32), lamps=lamps, swap=variation.textures)

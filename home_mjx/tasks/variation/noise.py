@@ -9,14 +9,14 @@ from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
 
 # LoCoBot with the ILQR controller: mean and variance of the errors forward, to the right [m] and in yaw [rad]; first
 # row of moves, second row of turns. A. Murali et al., "PyRobot", 2019 (arXiv:1906.08236), as measured for Habitat.
-MEAN = np.array([[0.014, 0.009, 0.008], [0.003, 0.003, 0.023]], np.float32)
-VARIANCE = np.array([[0.006, 0.005, 0.004], [0.002, 0.003, 0.012]], np.float32)
-MOST = 3.0  # [standard deviations], maximum error
-LEAST_MOVE = 0.05  # minimum fraction of a move that is carried out, so that errors never reverse it
+ERROR_MEAN = np.array([[0.014, 0.009, 0.008], [0.003, 0.003, 0.023]], np.float32)
+ERROR_VARIANCE = np.array([[0.006, 0.005, 0.004], [0.002, 0.003, 0.012]], np.float32)
+MAX_DEVIATIONS = 3.0  # [standard deviations], maximum error
+MIN_MOVE_FRACTION = 0.05  # minimum fraction of a move that is carried out, so that errors never reverse it
 
 
-def noisy_moves(
-    level: Float[Array, ""], key: Array, drive: Float[Array, "a 3"], full: Float[Array, "a 3"]
+def add_move_noise(
+    level: Float[Array, ""], key: Array, drive: Float[Array, "a 3"], max_displacement: Float[Array, "a 3"]
 ) -> Float[Array, "a 3"]:
     """Add errors of a real robot to moves; agents that neither move nor turn have no error.
 
@@ -29,7 +29,7 @@ def noisy_moves(
         level: Habitat's `noise_multiplier`.
         key: Random key of the step.
         drive: Forward, left and turn left, as fractions of the maximum rates.
-        full: Displacements at the maximum rates in a step [m], [m], [rad].
+        max_displacement: Displacements at the maximum rates in a step [m], [m], [rad].
 
     Example:
         >>> still = jnp.zeros((1, 3))
@@ -37,14 +37,16 @@ def noisy_moves(
         True
     """
     turns = (drive[:, 2] != 0)[:, None]
-    mean, deviation = (jnp.where(turns, x[1][None], x[0][None]) for x in (MEAN, np.sqrt(VARIANCE)))
-    amount = jnp.abs(drive * full)
+    mean, deviation = (jnp.where(turns, x[1][None], x[0][None]) for x in (ERROR_MEAN, np.sqrt(ERROR_VARIANCE)))
+    amount = jnp.abs(drive * max_displacement)
     meant = jnp.stack([~turns[:, 0], jnp.zeros_like(turns[:, 0]), turns[:, 0]], axis=-1)
-    floor = jnp.where(meant, (-(1 - LEAST_MOVE) * amount - mean) / deviation, -MOST)
-    unit = jax.random.truncated_normal(key, jnp.maximum(floor, -MOST), MOST, drive.shape, jnp.float32)
+    floor = jnp.where(meant, (-(1 - MIN_MOVE_FRACTION) * amount - mean) / deviation, -MAX_DEVIATIONS)
+    unit = jax.random.truncated_normal(
+        key, jnp.maximum(floor, -MAX_DEVIATIONS), MAX_DEVIATIONS, drive.shape, jnp.float32
+    )
     side = jnp.stack([jnp.ones_like(drive[:, 0]), -jnp.ones_like(drive[:, 0]), _sign(drive[:, 2])], axis=-1)
     error = level * (mean + deviation * unit) * side
-    noisy = jnp.clip(drive + error / full, -1.0, 1.0)
+    noisy = jnp.clip(drive + error / max_displacement, -1.0, 1.0)
     return jnp.where(jnp.any(drive != 0, axis=-1, keepdims=True), noisy, drive)
 
 
@@ -52,7 +54,7 @@ def _sign(turn: Float[Array, " a"]) -> Float[Array, " a"]:
     return jnp.where(turn < 0, -1.0, 1.0)
 
 
-def noisy_depth(
+def add_depth_noise(
     level: Float[Array, ""], key: Array, depth: Float[Array, "h w 1"], depth_max: float
 ) -> Float[Array, "h w 1"]:
     """Add noise of a structured-light sensor to depth [m], see `kinect_depth`; `depth_max` and above stay."""
@@ -61,6 +63,6 @@ def noisy_depth(
     return jnp.where(level > 0, read, depth)
 
 
-def noisy_rgb(level: Float[Array, ""], key: Array, rgb: UInt8[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
+def add_rgb_noise(level: Float[Array, ""], key: Array, rgb: UInt8[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
     """Add noise of an image sensor to colours, see `sensor_rgb`; the level multiplies both variances."""
     return jnp.where(level > 0, sensor_rgb(key, rgb, 0.002 * level, 0.0001 * level), rgb)

@@ -9,14 +9,14 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
-from home_mjx.audio_jax.contact_sounds.options import LENGTHS
+from home_mjx.audio_jax.contact_sounds.options import STEP_LENGTH_RANGE
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 
-CHANCES = ("lamps", "textures")  # fields that are probabilities, not ranges
+PROBABILITIES = ("lamps", "textures")  # fields that are probabilities, not ranges
 # Minimum and maximum of each range.
-LIMITS = {
+RANGE_LIMITS = {
     "lamp_gain": (0.0, 100.0),
     "daylight": (0.0, 100.0),
     "sun_azimuth": (-360.0, 360.0),  # [degrees]
@@ -32,8 +32,8 @@ LIMITS = {
     "move_noise": (0.0, 100.0),
     "depth_noise": (0.0, 100.0),
     "color_noise": (0.0, 100.0),
-    "noise_volume": (0.0, 1000.0),
-    "step_length": LENGTHS,  # [m]
+    "contact_sound_volume": (0.0, 1000.0),
+    "footstep_distance": STEP_LENGTH_RANGE,  # [m]
 }
 
 
@@ -48,8 +48,8 @@ class Variation(Pytree):
         lamps: Probability that the lamps of a room are on.
         lamp_gain: Factor of the light of all lamps.
         daylight: Factor of the light of sun and sky; 0 is night.
-        sun_azimuth: Direction to the sun from +x towards +y [degrees], instead of that of `Lit`.
-        sun_elevation: Elevation of the sun above the horizon [degrees], instead of that of `Lit`.
+        sun_azimuth: Direction to the sun from +x towards +y [degrees], instead of that of `LitShader`.
+        sun_elevation: Elevation of the sun above the horizon [degrees], instead of that of `LitShader`.
         exposure: Exposure factor of the cameras; of these fields the only one with an effect on the preset "fast".
         colors: Maximum relative change of colour: red, green and blue of each material are multiplied by 1 ± this.
         textures: Probability that a textured material has another texture of the bank.
@@ -64,8 +64,8 @@ class Variation(Pytree):
         depth_noise: Level of noise in depth images of pinhole cameras; 1: a Kinect.
         color_noise: Level of noise in colour images of pinhole cameras, as a factor of variances; 1: a common image
             sensor.
-        noise_volume: Factor of the pressure of all contact sounds, see `NoiseConfig`.
-        step_length: Distance between footsteps [m], instead of that of `NoiseConfig`: another cadence of walking.
+        contact_sound_volume: Factor of the pressure of all contact sounds, see `ContactSoundConfig`.
+        footstep_distance: Distance between footsteps [m], instead of that of `ContactSoundConfig`: another cadence of walking.
 
     Example:
         >>> ranges = Variation.of(lamps=0.5, daylight=(0, 1.5), camera_height=(-0.2, 0.2))
@@ -91,8 +91,8 @@ class Variation(Pytree):
     move_noise: Float[Array, "2"] | None = None
     depth_noise: Float[Array, "2"] | None = None
     color_noise: Float[Array, "2"] | None = None
-    noise_volume: Float[Array, "2"] | None = None
-    step_length: Float[Array, "2"] | None = None
+    contact_sound_volume: Float[Array, "2"] | None = None
+    footstep_distance: Float[Array, "2"] | None = None
 
     @classmethod
     def of(cls, **ranges: Any) -> "Variation":
@@ -109,38 +109,38 @@ class Variation(Pytree):
             >>> Variation.of(colors=(0.0, 0.3), clips=("radio", "bell")).clips.sum().item()
             2.0
         """
-        check_known("variation", ranges, NAMES)
-        return cls(**{name: _array(name, value) for name, value in ranges.items() if value is not None})
+        check_known("variation", ranges, RANGE_NAMES)
+        return cls(**{name: _to_array(name, value) for name, value in ranges.items() if value is not None})
 
-    def named(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return arguments of `of` for the same ranges as plain numbers, such as for JSON; on the host.
 
         Example:
             >>> Variation.of(lamps=0.5, friction=(1, 2)).named()
             {'lamps': 0.5, 'friction': [1.0, 2.0]}
         """
-        given = {name: np.asarray(getattr(self, name)) for name in NAMES if getattr(self, name) is not None}
+        given = {name: np.asarray(getattr(self, name)) for name in RANGE_NAMES if getattr(self, name) is not None}
         plain = {name: np.round(array.astype(float), 6).tolist() for name, array in given.items()}
         if "clips" in plain:
             plain["clips"] = {name: weight for name, weight in zip(CLIPS, plain["clips"], strict=True) if weight}
         return plain
 
 
-NAMES = tuple(Variation.__dataclass_fields__)
+RANGE_NAMES = tuple(Variation.__dataclass_fields__)
 
 
-def named(given: Any) -> dict[str, Any]:
+def normalize_ranges(given: Any) -> dict[str, Any]:
     """Return ranges in any form that `make` accepts, validated, as plain numbers by name.
 
     Example:
         >>> named({"lamps": 0.5, "volume": 2})
         {'lamps': 0.5, 'volume': [2.0, 2.0]}
     """
-    variation = as_variation(given)
-    return {} if variation is None else variation.named()
+    variation = to_variation(given)
+    return {} if variation is None else variation.to_dict()
 
 
-def as_variation(given: Any) -> Variation | None:
+def to_variation(given: Any) -> Variation | None:
     """Convert a form that `make` accepts: None, a `Variation`, or its ranges by name.
 
     Raises:
@@ -149,23 +149,23 @@ def as_variation(given: Any) -> Variation | None:
     if given is None:
         return None
     if isinstance(given, Variation):
-        return Variation.of(**given.named())
+        return Variation.of(**given.to_dict())
     if not hasattr(given, "keys"):
         raise ConfigError(f"`variation` must be ranges by name, got {given!r}", hint="Write variation={'lamps': 0.5}.")
     return Variation.of(**given)
 
 
-def _array(name: str, value: Any) -> Array:
+def _to_array(name: str, value: Any) -> Array:
     if name == "clips":
-        return jnp.asarray(_weights(value), jnp.float32)
-    if name in CHANCES:
+        return jnp.asarray(_clip_weights(value), jnp.float32)
+    if name in PROBABILITIES:
         check_number(name, value, 0, 1)
         return jnp.asarray(value, jnp.float32)
-    return jnp.asarray(_range(name, value), jnp.float32)
+    return jnp.asarray(_check_range(name, value), jnp.float32)
 
 
-def _range(name: str, value: Any) -> tuple[float, float]:
-    least, most = LIMITS[name]
+def _check_range(name: str, value: Any) -> tuple[float, float]:
+    least, most = RANGE_LIMITS[name]
     ends = np.asarray(value).tolist() if isinstance(value, np.ndarray | Array) else value
     pair = (ends, ends) if not isinstance(ends, tuple | list) else ends
     if len(pair) != 2:
@@ -178,7 +178,7 @@ def _range(name: str, value: Any) -> tuple[float, float]:
     return float(pair[0]), float(pair[1])
 
 
-def _weights(value: Any) -> list[float]:
+def _clip_weights(value: Any) -> list[float]:
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
         hint = 'Write clips=("radio", "bell"), or {"radio": 1, "bell": 3}.'

@@ -1,6 +1,6 @@
 """Neural networks of agents: encoders by kind of observation, a recurrent core, and heads for actions and value."""
 
 from home_mjx.training.networks.agent import NetworkConfig, RecurrentAgent
-from home_mjx.training.networks.distributions import Categorical, Gaussian, distribution_of
+from home_mjx.training.networks.distributions import Categorical, Gaussian, make_distribution
 
-__all__ = ["Categorical", "Gaussian", "NetworkConfig", "RecurrentAgent", "distribution_of"]
+__all__ = ["Categorical", "Gaussian", "NetworkConfig", "RecurrentAgent", "make_distribution"]

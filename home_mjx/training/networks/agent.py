@@ -13,8 +13,8 @@ from jaxtyping import Array, Bool, Float
 from home_mjx.core.checks import check_flag, check_known, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.specs import ArraySpec
-from home_mjx.training.networks.distributions import Distribution, distribution_of
-from home_mjx.training.networks.encoders import Encoder, kind_of
+from home_mjx.training.networks.distributions import Distribution, make_distribution
+from home_mjx.training.networks.encoders import Encoder, encoder_kind
 
 DTYPES = ("float32", "bfloat16")
 INITIAL_LOG_SCALE = -0.5  # log std of continuous actions in [-1, 1]: a std of 0.6
@@ -29,9 +29,9 @@ class NetworkConfig:
         memory: Size of the GRU's state.
         channels: Channels of the image encoder's blocks.
         dtype: Type of image convolutions: "float32" or "bfloat16". Everything else is float32.
-        mentions: Mark pixels of id images that the instruction names, see `mentioned`, and attend to them, see
-            `Glimpse`. If False, the network has to learn each word.
-        normalized: Apply layer normalisation (arXiv:1607.06450) to the encoder's features, and feed them to the heads
+        goal_mask: Mark pixels of id images that the instruction names, see `mark_named_pixels`, and attend to them, see
+            `QueryAttention`. If False, the network has to learn each word.
+        layer_norm: Apply layer normalisation (arXiv:1607.06450) to the encoder's features, and feed them to the heads
             in addition to the memory. If False, features of many images grow until the GRU's gates saturate.
 
     Raises:
@@ -42,19 +42,19 @@ class NetworkConfig:
     memory: int = 512
     channels: tuple[int, ...] = (32, 64, 128)
     dtype: str = "float32"
-    mentions: bool = True
-    normalized: bool = True
+    goal_mask: bool = True
+    layer_norm: bool = True
 
     def __post_init__(self) -> None:
         check_known("dtype", [self.dtype], DTYPES)
-        check_flag("network.mentions", self.mentions)
-        check_flag("network.normalized", self.normalized)
+        check_flag("network.mentions", self.goal_mask)
+        check_flag("network.normalized", self.layer_norm)
         for name, value in (("features", self.features), ("memory", self.memory)):
-            check_number(f"network.{name}", value, 1, whole=True)
+            check_number(f"network.{name}", value, 1, integer=True)
         if not isinstance(self.channels, tuple) or not self.channels:
             raise ConfigError(f"`network.channels` must be a tuple of numbers, got {self.channels!r}")
         for value in self.channels:
-            check_number("network.channels", value, 1, whole=True)
+            check_number("network.channels", value, 1, integer=True)
 
 
 class Memory(nn.Module):
@@ -88,7 +88,7 @@ class RecurrentAgent(nn.Module):
     config: NetworkConfig = field(default_factory=NetworkConfig)
 
     @classmethod
-    def of(
+    def from_specs(
         cls, observations: Mapping[str, ArraySpec], action: ArraySpec, config: NetworkConfig | None = None
     ) -> "RecurrentAgent":
         """Build the agent for observations and actions, both of one agent.
@@ -96,10 +96,10 @@ class RecurrentAgent(nn.Module):
         Raises:
             ConfigError: No observation can be encoded, or the action spec has no distribution.
         """
-        specs = tuple((name, spec) for name, spec in sorted(observations.items()) if kind_of(name, spec) != "none")
+        specs = tuple((name, spec) for name, spec in sorted(observations.items()) if encoder_kind(name, spec) != "none")
         if not specs:
             raise ConfigError("the agent would observe nothing", hint="Pass sensors=, such as state, goal or depth.")
-        return cls(specs, distribution_of(action), config or NetworkConfig())
+        return cls(specs, make_distribution(action), config or NetworkConfig())
 
     @nn.compact
     def __call__(
@@ -117,34 +117,34 @@ class RecurrentAgent(nn.Module):
         """
         dtype = jnp.dtype(self.config.dtype)
         sizes = self.config.features, self.config.channels
-        seen = Encoder(self.specs, *sizes, dtype, self.config.mentions)(obs)
-        seen = nn.LayerNorm()(seen) if self.config.normalized else seen
+        seen = Encoder(self.specs, *sizes, dtype, self.config.goal_mask)(obs)
+        seen = nn.LayerNorm()(seen) if self.config.layer_norm else seen
         memory, x = Memory(self.config.memory)(memory, (seen, begins))
-        x = jnp.concatenate([x, seen], axis=-1) if self.config.normalized else x
+        x = jnp.concatenate([x, seen], axis=-1) if self.config.layer_norm else x
         return memory, self._policy(x), self._value(x)
 
-    def read(
+    def unroll(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "t n p"], Float[Array, "t n"]]:
         """Apply the network with parameters `net`; return memory after T steps, distribution parameters, values."""
         applied: Any = self.apply(net, memory, obs, begins)
         return applied
 
-    def read_one(
+    def unroll_step(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, " n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "n p"], Float[Array, " n"]]:
-        """Apply `read` to a single step."""
-        memory, params, value = self.read(net, memory, jax.tree.map(lambda x: x[None], obs), begins[None])
+        """Apply `unroll` to a single step."""
+        memory, params, value = self.unroll(net, memory, jax.tree.map(lambda x: x[None], obs), begins[None])
         return memory, params[0], value[0]
 
-    def first_memory(self, num: int) -> Float[Array, "n m"]:
+    def initial_memory(self, num: int) -> Float[Array, "n m"]:
         """Return the zero memory of `num` agents before their first step."""
         return jnp.zeros((num, self.config.memory), jnp.float32)
 
     def init_net(self, key: Array) -> Any:
         """Initialize fresh parameters."""
         obs = {name: jnp.zeros((1, 1, *spec.shape), spec.dtype) for name, spec in self.specs}
-        return jax.jit(self.init)(key, self.first_memory(1), obs, jnp.ones((1, 1), bool))
+        return jax.jit(self.init)(key, self.initial_memory(1), obs, jnp.ones((1, 1), bool))
 
     def _policy(self, x: Array) -> Array:
         distribution: Distribution = self.distribution

@@ -107,11 +107,11 @@ class Categorical:
 
     Attributes:
         sizes: Number of options of each choice.
-        single: An action is a number, without an axis of choices.
+        is_single: An action is a number, without an axis of choices.
     """
 
     sizes: tuple[int, ...]
-    single: bool = False
+    is_single: bool = False
     num_scales: int = 0
 
     @property
@@ -122,15 +122,17 @@ class Categorical:
     def sample(self, params: Float[Array, " p"], key: Array) -> Array:
         """Sample one action."""
         keys = jax.random.split(key, len(self.sizes))
-        return self._joined([jax.random.categorical(k, x) for k, x in zip(keys, self._logits(params), strict=True)])
+        return self._stack_choices(
+            [jax.random.categorical(k, x) for k, x in zip(keys, self._logits(params), strict=True)]
+        )
 
     def mode(self, params: Float[Array, "*b p"]) -> Array:
         """Return the most likely choices."""
-        return self._joined([jnp.argmax(x, axis=-1) for x in self._logits(params)])
+        return self._stack_choices([jnp.argmax(x, axis=-1) for x in self._logits(params)])
 
     def log_prob(self, params: Float[Array, "*b p"], action: Array) -> Float[Array, "*b"]:
         """Return the joint log probability of all choices."""
-        chosen = action[..., None] if self.single else action
+        chosen = action[..., None] if self.is_single else action
         logits = self._logits(params)
         return sum(
             (jnp.take_along_axis(x, chosen[..., i : i + 1], axis=-1)[..., 0] for i, x in enumerate(logits)),
@@ -150,12 +152,12 @@ class Categorical:
         ends = [int(end) for end in np.cumsum(self.sizes)[:-1]]
         return [jax.nn.log_softmax(x) for x in jnp.split(params, ends, axis=-1)]
 
-    def _joined(self, choices: list[Array]) -> Array:
+    def _stack_choices(self, choices: list[Array]) -> Array:
         joined = jnp.stack(choices, axis=-1).astype(jnp.int32)
-        return joined[..., 0] if self.single else joined
+        return joined[..., 0] if self.is_single else joined
 
 
-def distribution_of(spec: ArraySpec) -> Gaussian | Categorical:
+def make_distribution(spec: ArraySpec) -> Gaussian | Categorical:
     """Return the distribution for the actions of one agent.
 
     Raises:
@@ -167,7 +169,7 @@ def distribution_of(spec: ArraySpec) -> Gaussian | Categorical:
     """
     low, high = spec.bounds()
     if spec.dtype == "int32" and len(spec.shape) <= 1 and not np.any(low):
-        return Categorical(tuple(int(x) + 1 for x in np.atleast_1d(high)), single=not spec.shape)
+        return Categorical(tuple(int(x) + 1 for x in np.atleast_1d(high)), is_single=not spec.shape)
     if spec.dtype == "float32" and len(spec.shape) == 1:
         return Gaussian(tuple(float(x) for x in low), tuple(float(x) for x in high))
     raise ConfigError(f"no distribution is known for actions {spec.dtype} {spec.shape} from {spec.low}")

@@ -11,23 +11,23 @@ from jaxtyping import Array, Float
 
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.experts.teacher import EXPERT
-from home_mjx.training.networks.glimpse import Glimpse
+from home_mjx.training.networks.glimpse import QueryAttention
 from home_mjx.training.networks.images import ImageEncoder
-from home_mjx.training.networks.mentions import column_of, mentioned, said_by
+from home_mjx.training.networks.mentions import id_column, mark_named_pixels, observed_tokens
 from home_mjx.training.networks.senses import (
-    NUM_IDS,
+    NUM_EMBEDDINGS,
     ScanEncoder,
     SoundEncoder,
     SpectraEncoder,
     WordEncoder,
+    embedding_row,
     squash,
-    table_row,
 )
 
 ID_CHANNELS = 12
 
 
-def kind_of(name: str, spec: ArraySpec) -> str:
+def encoder_kind(name: str, spec: ArraySpec) -> str:
     """Return the kind of network that encodes an observation of one agent.
 
     - `image`: rank 3, and rank 2 except integers and sound.
@@ -59,7 +59,7 @@ def kind_of(name: str, spec: ArraySpec) -> str:
     return "image" if rank in (2, 3) else "vector"
 
 
-def as_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
+def to_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
     """Convert an observation to float32 with channels last and values of about 1 in magnitude."""
     if len(spec.shape) == 2:
         x = x[..., None]
@@ -76,14 +76,14 @@ def id_codes() -> Float[np.ndarray, "n c"]:
 
     Learned codes were no better, and their gradients, sums over all pixels, took most of the time.
     """
-    return np.random.default_rng(0).choice([-1.0, 1.0], (NUM_IDS, ID_CHANNELS)).astype(np.float32)
+    return np.random.default_rng(0).choice([-1.0, 1.0], (NUM_EMBEDDINGS, ID_CHANNELS)).astype(np.float32)
 
 
 class Encoder(nn.Module):
     """Encoder of all observations of an agent into one vector.
 
     Images of one size, including id images, are stacked and encoded by one `ImageEncoder` that is conditioned on words.
-    Pixels whose id has a name among the words are marked, and a `Glimpse` attends to them. Vectors are squashed,
+    Pixels whose id has a name among the words are marked, and a `QueryAttention` attends to them. Vectors are squashed,
     concatenated and encoded by two layers.
 
     Attributes:
@@ -91,32 +91,32 @@ class Encoder(nn.Module):
         features: Size of the result, and of the two layers.
         channels: Channels of `ImageEncoder`.
         dtype: Type of image convolutions.
-        mentions: Mark pixels that words name, see `mentioned`, and attend to them.
+        goal_mask: Mark pixels that words name, see `mark_named_pixels`, and attend to them.
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]
     features: int = 256
     channels: tuple[int, ...] = (32, 64, 128)
     dtype: Any = jnp.float32
-    mentions: bool = True
+    goal_mask: bool = True
 
     @nn.compact
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
         """Encode observations; their leading axes are kept."""
-        said = [said_by(name, obs[name]) for name, spec in self.specs if kind_of(name, spec) == "words"]
-        said = jnp.concatenate(said, axis=-1) if said and self.mentions else None
+        said = [observed_tokens(name, obs[name]) for name, spec in self.specs if encoder_kind(name, spec) == "words"]
+        said = jnp.concatenate(said, axis=-1) if said and self.goal_mask else None
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
         marks: dict[tuple[int, ...], list[Array]] = defaultdict(list)
         vectors, parts, asked = [], [], []
         for name, spec in self.specs:
-            x, kind = obs[name], kind_of(name, spec)
+            x, kind = obs[name], encoder_kind(name, spec)
             if kind == "image":
-                image = as_image(spec, x)
+                image = to_image(spec, x)
                 images[image.shape[-3:-1]].append(image)
             elif kind == "ids":
-                images[spec.shape].append(jnp.asarray(id_codes(), self.dtype)[table_row(x)])
-                if said is not None and (column := column_of(name)) is not None:
-                    marks[spec.shape].append(mentioned(x, column, said).astype(self.dtype))
+                images[spec.shape].append(jnp.asarray(id_codes(), self.dtype)[embedding_row(x)])
+                if said is not None and (column := id_column(name)) is not None:
+                    marks[spec.shape].append(mark_named_pixels(x, column, said).astype(self.dtype))
             elif kind == "sound":
                 parts.append(SoundEncoder()(x))
             elif kind == "spectra":
@@ -130,16 +130,18 @@ class Encoder(nn.Module):
                 vectors.append(squash(x.astype(jnp.float32)).reshape(*lead, -1))
         words = jnp.concatenate(asked, axis=-1) if asked else None
         for size, stack in sorted(images.items()):
-            parts += self._look(stack, marks[size], words)
+            parts += self._encode_images(stack, marks[size], words)
         parts += asked
         if vectors:
             parts.append(nn.tanh(nn.Dense(self.features)(jnp.concatenate(vectors, axis=-1))))
         return nn.relu(nn.Dense(self.features)(jnp.concatenate(parts, axis=-1)))
 
-    def _look(self, images: list[Array], marks: list[Array], words: Array | None) -> list[Float[Array, "*b f"]]:
+    def _encode_images(
+        self, images: list[Array], marks: list[Array], words: Array | None
+    ) -> list[Float[Array, "*b f"]]:
         """Return features of all images of one size, and of their marked pixels if any."""
         stacked = jnp.concatenate(images + marks, axis=-1)
         whole = ImageEncoder(self.channels, self.features, self.dtype)(stacked, words)
         if not marks or words is None:
             return [whole]
-        return [whole, Glimpse()(stacked, jnp.concatenate(marks, axis=-1), words)]
+        return [whole, QueryAttention()(stacked, jnp.concatenate(marks, axis=-1), words)]

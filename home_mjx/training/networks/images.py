@@ -11,7 +11,7 @@ import flax.linen as nn
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-HE = nn.initializers.he_normal()
+HE_INIT = nn.initializers.he_normal()
 
 
 class SqueezeExcite(nn.Module):
@@ -41,14 +41,14 @@ class ResidualBlock(nn.Module):
     def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b h2 w2 c2"]:
         """Return the image with `channels` channels."""
         stride = (self.stride, self.stride)
-        y = nn.Conv(self.channels, (3, 3), stride, dtype=self.dtype, kernel_init=HE)(nn.relu(x))
+        y = nn.Conv(self.channels, (3, 3), stride, dtype=self.dtype, kernel_init=HE_INIT)(nn.relu(x))
         y = nn.Conv(self.channels, (3, 3), dtype=self.dtype, kernel_init=nn.initializers.zeros)(nn.relu(y))
         if x.shape[-1] != self.channels or self.stride != 1:
-            x = nn.Conv(self.channels, (1, 1), stride, use_bias=False, dtype=self.dtype, kernel_init=HE)(x)
+            x = nn.Conv(self.channels, (1, 1), stride, use_bias=False, dtype=self.dtype, kernel_init=HE_INIT)(x)
         return x + SqueezeExcite(self.dtype)(y)
 
 
-class Gate(nn.Module):
+class ChannelGate(nn.Module):
     """Channel gates computed from word features: gated attention, Chaplot et al., 2018 (arXiv:1706.07230)."""
 
     dtype: Any = jnp.float32
@@ -60,30 +60,30 @@ class Gate(nn.Module):
         return x * gate[..., None, None, :]
 
 
-class Search(nn.Module):
+class QueryMaps(nn.Module):
     """Maps of image positions that match the words: each position's channels times queries computed from word features.
 
     With gates alone, words can only select channels, so each nameable object needs a learned channel of its own. The
     product generalises to unseen pairs of words, as dot-product attention does (arXiv:1706.03762).
     """
 
-    num: int = 8
+    num_maps: int = 8
     dtype: Any = jnp.float32
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w n"]:
         """Return one map per query."""
         channels = x.shape[-1]
-        query = nn.Dense(self.num * channels, dtype=self.dtype)(asked.astype(self.dtype))
-        query = query.reshape(*query.shape[:-1], channels, self.num)
+        query = nn.Dense(self.num_maps * channels, dtype=self.dtype)(asked.astype(self.dtype))
+        query = query.reshape(*query.shape[:-1], channels, self.num_maps)
         return jnp.einsum("...hwc,...cn->...hwn", x, query) * channels**-0.5
 
 
 class ImageEncoder(nn.Module):
     """Features of images: a stem that divides the size by four, a residual block per entry of `channels`, one layer.
 
-    Each block but the first halves the size. With word features, the maps of a `Search` are concatenated to the stem,
-    and a `Gate` follows each block. Parameters are float32 for every `dtype`.
+    Each block but the first halves the size. With word features, the maps of a `QueryMaps` are concatenated to the stem,
+    and a `ChannelGate` follows each block. Parameters are float32 for every `dtype`.
 
     Attributes:
         channels: Channels of each block.
@@ -105,11 +105,11 @@ class ImageEncoder(nn.Module):
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"] | None = None) -> Float[Array, "*b f"]:
         """Encode images with values of about 1 in magnitude; `asked` are word features."""
-        x = nn.Conv(self.channels[0], (8, 8), (4, 4), dtype=self.dtype, kernel_init=HE)(x.astype(self.dtype))
+        x = nn.Conv(self.channels[0], (8, 8), (4, 4), dtype=self.dtype, kernel_init=HE_INIT)(x.astype(self.dtype))
         if asked is not None:
-            x = jnp.concatenate([x, Search(dtype=self.dtype)(x, asked)], axis=-1)
+            x = jnp.concatenate([x, QueryMaps(dtype=self.dtype)(x, asked)], axis=-1)
         for i, channels in enumerate(self.channels):
             x = ResidualBlock(channels, 1 if i == 0 else 2, self.dtype)(x)
-            x = x if asked is None else Gate(self.dtype)(x, asked)
+            x = x if asked is None else ChannelGate(self.dtype)(x, asked)
         flat = nn.relu(x).reshape(*x.shape[:-3], -1)
         return nn.relu(nn.Dense(self.features, dtype=self.dtype)(flat)).astype(jnp.float32)

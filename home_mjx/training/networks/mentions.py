@@ -14,10 +14,10 @@ from jaxtyping import Array, Float, Int
 from home_mjx.raycast_render.images.render import SEMANTIC_KINDS
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.language.phrases import COLUMN
-from home_mjx.tasks.language.vocabulary import spoken, tokenize
+from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
+from home_mjx.tasks.language.vocabulary import to_word, tokenize
 
-NOT_SAID = -1  # token of an id without a name
+NO_TOKEN = -1  # token of an id without a name
 
 
 @functools.cache
@@ -30,10 +30,10 @@ def name_tokens(column: Semantic) -> Int[np.ndarray, " n"]:
         ... ]
         True
     """
-    return np.array([tokenize(spoken(name))[0] for name in vocabularies()[column]], np.int32)
+    return np.array([tokenize(to_word(name))[0] for name in vocabularies()[column]], np.int32)
 
 
-def column_of(observation: str) -> Semantic | None:
+def id_column(observation: str) -> Semantic | None:
     """Return the vocabulary of an id observation; None if its ids have no names.
 
     Example:
@@ -42,22 +42,24 @@ def column_of(observation: str) -> Semantic | None:
     """
     found = [kind for kind in SEMANTIC_KINDS if observation.startswith("ids/") and observation.endswith(f"_{kind}")]
     column = SEMANTIC_KINDS[max(found, key=len)] if found else None
-    return column if column in COLUMN.values() else None
+    return column if column in SEMANTIC_COLUMN.values() else None
 
 
-def said_by(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
+def observed_tokens(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
     """Return the tokens of a word observation; ids in `goal_words` are replaced by the tokens of their names."""
     if observation != "goal_words":
         return words.astype(jnp.int32)
-    said = jnp.full(words.shape, NOT_SAID, jnp.int32)
-    for word, column in COLUMN.items():
+    said = jnp.full(words.shape, NO_TOKEN, jnp.int32)
+    for word, column in SEMANTIC_COLUMN.items():
         tokens, number = jnp.asarray(name_tokens(column)), words[..., word].astype(jnp.int32)
-        token = jnp.where(number >= 0, tokens[jnp.clip(number, 0, len(tokens) - 1)], NOT_SAID)
+        token = jnp.where(number >= 0, tokens[jnp.clip(number, 0, len(tokens) - 1)], NO_TOKEN)
         said = said.at[..., word].set(token)
     return said
 
 
-def mentioned(ids: Int[Array, "*b h w"], column: Semantic, said: Int[Array, "*b n"]) -> Float[Array, "*b h w 2"]:
+def mark_named_pixels(
+    ids: Int[Array, "*b h w"], column: Semantic, said: Int[Array, "*b n"]
+) -> Float[Array, "*b h w 2"]:
     """Mark the pixels that a text names: 1, and a weight from 1 (first word) down to 1 / n; zeros if not named.
 
     Args:
@@ -71,7 +73,7 @@ def mentioned(ids: Int[Array, "*b h w"], column: Semantic, said: Int[Array, "*b 
         >>> mentioned(ids, Semantic.SIZE, said)[0, 0, :, 0].tolist()
         [0.0, 1.0, 0.0]
     """
-    tokens = np.append(name_tokens(column), np.int32(NOT_SAID - 1))  # a miss has a token that no text contains
+    tokens = np.append(name_tokens(column), np.int32(NO_TOKEN - 1))  # a miss has a token that no text contains
     where = said[..., None, :] == jnp.asarray(tokens)[:, None]  # (*b, names, n)
     named = jnp.any(where, axis=-1).astype(jnp.float32)
     early = 1 - jnp.argmax(where, axis=-1) / said.shape[-1]

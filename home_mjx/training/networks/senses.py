@@ -4,11 +4,11 @@ import flax.linen as nn
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-NUM_IDS = 1024  # rows of the tables of ids and words; larger ids wrap around
-NEIGHBOURS = 3  # kernel size of the convolution over words
-LOUD = 50.0  # [dB] scale of mean levels
-APART = 10.0  # [dB] scale of level differences between ears
-QUIET = 1e-4  # pressure added before logarithm and division, so that silence is finite
+NUM_EMBEDDINGS = 1024  # rows of the tables of ids and words; larger ids wrap around
+WORD_KERNEL_SIZE = 3  # kernel size of the convolution over words
+LEVEL_SCALE = 50.0  # [dB] scale of mean levels
+INTERAURAL_SCALE = 10.0  # [dB] scale of level differences between ears
+MIN_PRESSURE = 1e-4  # pressure added before logarithm and division, so that silence is finite
 
 
 def squash(x: Float[Array, "*n"]) -> Float[Array, "*n"]:
@@ -16,9 +16,9 @@ def squash(x: Float[Array, "*n"]) -> Float[Array, "*n"]:
     return jnp.sign(x) * jnp.log1p(jnp.abs(x))
 
 
-def table_row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
-    """Return the rows of ids in a table of `NUM_IDS`; row 0 is a miss, -1."""
-    return (ids.astype(jnp.int32) + 1) % NUM_IDS
+def embedding_row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
+    """Return the rows of ids in a table of `NUM_EMBEDDINGS`; row 0 is a miss, -1."""
+    return (ids.astype(jnp.int32) + 1) % NUM_EMBEDDINGS
 
 
 class SoundEncoder(nn.Module):
@@ -30,10 +30,10 @@ class SoundEncoder(nn.Module):
     def __call__(self, x: Float[Array, "*b ears m"]) -> Float[Array, "*b f"]:
         """Encode waveforms; levels stay separate: their differences between ears and steps are directional cues."""
         power = jnp.sqrt(jnp.mean(x**2, axis=-1))
-        waves = jnp.swapaxes(x / (jnp.max(power, axis=-1) + QUIET)[..., None, None], -1, -2)
+        waves = jnp.swapaxes(x / (jnp.max(power, axis=-1) + MIN_PRESSURE)[..., None, None], -1, -2)
         for channels, size, stride in ((16, 32, 16), (32, 8, 4), (32, 4, 2)):
             waves = nn.relu(nn.Conv(channels, (size,), (stride,))(waves))
-        heard = [jnp.log(power + QUIET), waves.reshape(*waves.shape[:-2], -1)]
+        heard = [jnp.log(power + MIN_PRESSURE), waves.reshape(*waves.shape[:-2], -1)]
         return nn.relu(nn.Dense(self.features)(jnp.concatenate(heard, axis=-1)))
 
 
@@ -48,7 +48,7 @@ class SpectraEncoder(nn.Module):
     @nn.compact
     def __call__(self, x: Float[Array, "*b ears w m"]) -> Float[Array, "*b f"]:
         """Apply two layers."""
-        mean, apart = jnp.mean(x, axis=-3) / LOUD, (x[..., 0, :, :] - x[..., 1, :, :]) / APART
+        mean, apart = jnp.mean(x, axis=-3) / LEVEL_SCALE, (x[..., 0, :, :] - x[..., 1, :, :]) / INTERAURAL_SCALE
         flat = jnp.stack([mean, apart], axis=-3).reshape(*x.shape[:-3], -1)
         return nn.relu(nn.Dense(self.features)(nn.relu(nn.Dense(self.features)(flat))))
 
@@ -83,7 +83,7 @@ class WordEncoder(nn.Module):
         """Encode words; their order enters by the convolution and the table of positions."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
         there = (words != self.blank)[..., None]
-        looked_up = jnp.where(there, nn.Embed(NUM_IDS, self.features)(table_row(words)) + places, 0.0)
-        read = jnp.where(there, nn.relu(nn.Conv(self.features, (NEIGHBOURS,))(looked_up)), 0.0)
+        looked_up = jnp.where(there, nn.Embed(NUM_EMBEDDINGS, self.features)(embedding_row(words)) + places, 0.0)
+        read = jnp.where(there, nn.relu(nn.Conv(self.features, (WORD_KERNEL_SIZE,))(looked_up)), 0.0)
         # Unit size: small embeddings would leave all gates half open for many updates.
         return nn.LayerNorm()(jnp.max(read, axis=-2))

@@ -16,13 +16,13 @@ import numpy as np
 from home_mjx.core.files import read_text, write_durably
 from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
 
-DATA, METADATA, PART = "data", "metadata.json", "part-0.arrow"
-FREE_SPACE = "Free some space, then continue with --resume; or choose another folder."
-MAX_BYTES = 1 << 28  # maximum size of metadata [bytes]; enough for the limits of 8-megapixel images
+DATA_FOLDER, METADATA_FILE, PART_FILE = "data", "metadata.json", "part-0.arrow"
+FREE_SPACE_HINT = "Free some space, then continue with --resume; or choose another folder."
+MAX_METADATA_BYTES = 1 << 28  # maximum size of metadata [bytes]; enough for the limits of 8-megapixel images
 MINARI_VERSION = "0.5.4"  # version of this layout; the first with images that are not JPEG
 
 
-def space_json(space: gymnasium.Space) -> dict[str, Any]:
+def space_to_json(space: gymnasium.Space) -> dict[str, Any]:
     """Convert a space to the JSON form of Minari's metadata.
 
     Raises:
@@ -33,7 +33,7 @@ def space_json(space: gymnasium.Space) -> dict[str, Any]:
         {'type': 'Discrete', 'dtype': 'int64', 'start': 0, 'n': 6}
     """
     if isinstance(space, gymnasium.spaces.Dict):
-        return {"type": "Dict", "subspaces": {name: space_json(part) for name, part in space.spaces.items()}}
+        return {"type": "Dict", "subspaces": {name: space_to_json(part) for name, part in space.spaces.items()}}
     if isinstance(space, gymnasium.spaces.Box):
         limits = {"low": space.low.tolist(), "high": space.high.tolist()}
         return {"type": "Box", "dtype": str(space.dtype), "shape": list(space.shape), **limits}
@@ -52,19 +52,19 @@ def read_metadata(folder: Path) -> dict[str, Any]:
         MissingFileError: The metadata file does not exist.
         DatasetError: The file is broken.
     """
-    path = folder / METADATA
+    path = folder / METADATA_FILE
     if not path.exists():
         hint = "Pass a folder that `home-mjx record` has written."
         raise MissingFileError("there is no dataset", file=path, hint=hint)
-    with broken_metadata(path):
-        content = json.loads(read_text(path, most=MAX_BYTES))
+    with wrap_metadata_errors(path):
+        content = json.loads(read_text(path, max_bytes=MAX_METADATA_BYTES))
         if not isinstance(content, dict):
             raise ValueError("they are not a JSON object")
         return content
 
 
 @contextmanager
-def broken_metadata(path: Path) -> Iterator[None]:
+def wrap_metadata_errors(path: Path) -> Iterator[None]:
     """Convert errors of the block, such as a missing key, to a `DatasetError` that names the metadata file."""
     try:
         yield
@@ -81,15 +81,15 @@ def write_metadata(folder: Path, content: dict[str, Any]) -> None:
     Raises:
         ConfigError: The file cannot be written.
     """
-    with write_durably(folder / METADATA, "metadata", FREE_SPACE) as file:
-        file.write(json.dumps(content, default=_plain).encode())
+    with write_durably(folder / METADATA_FILE, "metadata", FREE_SPACE_HINT) as file:
+        file.write(json.dumps(content, default=_to_plain).encode())
 
 
-def _plain(value: Any) -> Any:
+def _to_plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value.tolist()
 
 
-def num_complete(data: Path) -> int:
+def count_complete_episodes(data: Path) -> int:
     """Count the complete episodes 0, 1, ... on disk; an episode's folder gets its number only when it is complete.
 
     Example:
@@ -97,6 +97,6 @@ def num_complete(data: Path) -> int:
         0
     """
     count = 0
-    while (data / str(count) / METADATA).exists():
+    while (data / str(count) / METADATA_FILE).exists():
         count += 1
     return count

@@ -11,7 +11,13 @@ import numpy as np
 import pyarrow as pa
 
 from home_mjx.errors import DatasetError, HomeMjxError
-from home_mjx.training.trajectories.layout import DATA, METADATA, PART, broken_metadata, read_metadata
+from home_mjx.training.trajectories.layout import (
+    DATA_FOLDER,
+    METADATA_FILE,
+    PART_FILE,
+    read_metadata,
+    wrap_metadata_errors,
+)
 
 
 class Trajectory(NamedTuple):
@@ -54,13 +60,13 @@ class Trajectories:
     """
 
     def __init__(self, folder: str | Path) -> None:
-        self.data = Path(folder) / DATA
+        self.data = Path(folder) / DATA_FOLDER
         self.metadata = read_metadata(self.data)
-        with broken_metadata(self.data / METADATA):
+        with wrap_metadata_errors(self.data / METADATA_FILE):
             spaces = json.loads(self.metadata["observation_space"])["subspaces"]
-            self._shapes = {name: _shape(space["shape"]) for name, space in spaces.items()}
+            self._shapes = {name: _parse_shape(space["shape"]) for name, space in spaces.items()}
             action = json.loads(self.metadata["action_space"])
-            self._action = _shape(action.get("shape", (len(action["nvec"]),) if "nvec" in action else ()))
+            self._action = _parse_shape(action.get("shape", (len(action["nvec"]),) if "nvec" in action else ()))
             self._length = operator.index(self.metadata["total_episodes"])
             if not 0 <= self._length <= sys.maxsize:
                 raise ValueError(f"`total_episodes` of {self._length:.3g} is out of range")
@@ -83,7 +89,7 @@ class Trajectories:
         if not -len(self) <= index < len(self):
             raise IndexError(f"expected an episode from 0 to {len(self) - 1}, got {index}")
         folder = self.data / str(index % len(self))
-        path = folder / PART
+        path = folder / PART_FILE
         try:
             with pa.memory_map(str(path)) as file:
                 batch = pa.ipc.open_file(file).get_batch(0)
@@ -107,14 +113,14 @@ class Trajectories:
         seen = batch.column("observations")
         ends = {name: batch.column(name).slice(0, len(seen) - 1) for name in Trajectory._fields[1:-1]}
         return Trajectory(
-            {name: _array(seen.field(name), shape) for name, shape in self._shapes.items()},
-            _array(ends["actions"], self._action),
-            *(_array(ends[name], ()) for name in ("rewards", "terminations", "truncations")),
+            {name: _to_array(seen.field(name), shape) for name, shape in self._shapes.items()},
+            _to_array(ends["actions"], self._action),
+            *(_to_array(ends[name], ()) for name in ("rewards", "terminations", "truncations")),
             notes=notes,
         )
 
 
-def _shape(sizes: Any) -> tuple[int, ...]:
+def _parse_shape(sizes: Any) -> tuple[int, ...]:
     """Convert axis sizes to a shape; raise `TypeError` or `ValueError` if they are not sizes."""
     shape = tuple(map(operator.index, sizes))
     if min(shape, default=0) < 0:
@@ -122,7 +128,7 @@ def _shape(sizes: Any) -> tuple[int, ...]:
     return shape
 
 
-def _array(column: pa.Array, shape: tuple[int, ...]) -> np.ndarray:
+def _to_array(column: pa.Array, shape: tuple[int, ...]) -> np.ndarray:
     """Convert a column to a NumPy array with elements of a shape, without a copy if possible."""
     if isinstance(column, pa.FixedSizeListArray):
         return column.flatten().to_numpy(zero_copy_only=False).reshape(-1, *shape)

@@ -12,23 +12,23 @@ from tqdm import tqdm
 from home_mjx.core.checks import check_number
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.begin import in_order
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.begin import is_sequential
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
-from home_mjx.tasks.language.asked import asked
+from home_mjx.tasks.experts.teacher import EXPERT, ExpertObservationEnv
+from home_mjx.tasks.language.asked import describe_goal
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.training.evaluation import expert_policy
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
-from home_mjx.training.trajectories.writer import Writer
+from home_mjx.training.trajectories.writer import TrajectoryWriter
 
 
 def record(
-    env: BoundEnv[HouseholdEnv],
+    env: Env[HouseholdEnv],
     folder: str | Path,
     policy: Policy | None = None,
     *,
-    frames: int = 100_000,
+    num_steps: int = 100_000,
     num_envs: int = 64,
     seed: int = 0,
     agent: str = "expert",
@@ -36,17 +36,17 @@ def record(
     resume: bool = False,
     progress: bool | None = None,
 ) -> int:
-    """Record at least `frames` steps of complete episodes, in Minari's format.
+    """Record at least `num_steps` steps of complete episodes, in Minari's format.
 
     Once there are enough steps, no new episode starts and running ones are played to their end. Otherwise short
     episodes would be overrepresented. Each episode's metadata contain its task, instruction, house and metrics.
 
     Args:
-        env: The environment; its `sensors=` are recorded, including images, sound and tokens.
+        env: The environment; its `sensor_states=` are recorded, including images, sound and tokens.
         folder: Output folder.
-        policy: Policy that acts; None: the expert, which needs an environment of `with_expert`. The expert's advice is
+        policy: Policy that acts; None: the expert, which needs an environment of `add_expert`. The expert's advice is
             recorded as observation `expert` if another policy acts.
-        frames: Minimum number of steps, including those of earlier runs.
+        num_steps: Minimum number of steps, including those of earlier runs.
         num_envs: Number of environments in the batch.
         seed: Seed of episodes and actions.
         agent: Name of the policy, for the metadata.
@@ -64,54 +64,54 @@ def record(
     Example:
         >>> record(with_expert(env), "data/RoomNav", frames=1_000_000, num_envs=1024)  # doctest: +SKIP
     """
-    check_number("frames", frames, 1, whole=True)
-    check_number("num_envs", num_envs, 1, whole=True)
-    without = (EXPERT,) if policy is None and isinstance(env.core, WithExpert) else ()
+    check_number("frames", num_steps, 1, integer=True)
+    check_number("num_envs", num_envs, 1, integer=True)
+    without = (EXPERT,) if policy is None and isinstance(env.core, ExpertObservationEnv) else ()
     hidden = None if progress is None else not progress
     shown = {"unit": " steps", "unit_scale": True, "disable": hidden}
     with (
-        Writer(Path(folder), env, agent, without, resume) as writer,
-        tqdm(total=frames, initial=min(writer.steps, frames), **shown) as bar,
+        TrajectoryWriter(Path(folder), env, agent, without, resume) as writer,
+        tqdm(total=num_steps, initial=min(writer.steps, num_steps), **shown) as bar,
     ):
-        if writer.steps >= frames:
+        if writer.steps >= num_steps:
             return writer.steps
-        batch = _Batch(env, policy or expert_policy(), num_envs, seed, first=writer.episodes)
+        batch = _RecordingBatch(env, policy or expert_policy(), num_envs, seed, first=writer.episodes)
         while batch.running.any():
-            if writer.steps + batch.num_open >= frames:
-                batch.begin_no_more()
+            if writer.steps + batch.num_running_steps >= num_steps:
+                batch.stop_resets()
             for episode, notes in batch.step():
                 if not only_success or notes.get("success", 1.0) > 0:
-                    writer.add({**episode, "observations": _kept(episode["observations"], without)}, notes)
+                    writer.add({**episode, "observations": _omit_observations(episode["observations"], without)}, notes)
                     bar.update(len(episode["rewards"]))
     return writer.steps
 
 
-def _kept(seen: dict[str, np.ndarray], without: tuple[str, ...]) -> dict[str, np.ndarray]:
+def _omit_observations(seen: dict[str, np.ndarray], without: tuple[str, ...]) -> dict[str, np.ndarray]:
     return {name: x for name, x in seen.items() if name not in without}
 
 
-class _Batch:
+class _RecordingBatch:
     """Batch of environments, and the recorded steps of their running episodes."""
 
-    def __init__(self, env: BoundEnv[HouseholdEnv], policy: Policy, num: int, seed: int, first: int) -> None:
+    def __init__(self, env: Env[HouseholdEnv], policy: Policy, num: int, seed: int, first: int) -> None:
         self.env, self.policy, self.agents = env, policy, env.num_agents
         self.batch = AutoReset(env.core, final_obs="all")
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), first), num)
-        episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(env.params.tasks) else None
+        episodes = first + jnp.arange(num, dtype=jnp.int32) if is_sequential(env.params.tasks) else None
         state = jax.jit(self.batch.reset)(env.params, jax.random.key_data(keys), None, episodes)
         rows = jax.random.key_data(jax.vmap(lambda key: jax.random.split(key, self.agents))(keys)).reshape(-1, 2)
-        self.carry = state, policy.memory(num * self.agents), rows, jnp.ones(num * self.agents, bool)
+        self.carry = state, policy.initial_memory(num * self.agents), rows, jnp.ones(num * self.agents, bool)
         self.running, self.last = np.ones(num, bool), False
-        self.open = [_Open() for _ in range(num)]
+        self.open = [_RunningEpisode() for _ in range(num)]
         self._begun(range(num), self._host(state))
         self._step: Callable[..., Any] = jax.jit(self._stepped)
 
     @property
-    def num_open(self) -> int:
+    def num_running_steps(self) -> int:
         """Number of steps in running episodes."""
         return sum(len(episode.rewards) for episode, on in zip(self.open, self.running, strict=True) if on)
 
-    def begin_no_more(self) -> None:
+    def stop_resets(self) -> None:
         """Stop recording an environment once its episode is over."""
         self.last = True
 
@@ -136,7 +136,7 @@ class _Batch:
     def _begun(self, which: Any, host: dict[str, Any]) -> None:
         ids = self.env.bank.house_ids
         for i in which:
-            self.open[i] = _Open(self._asked(host, i) | {"house": ids[int(host["house"][i])]})
+            self.open[i] = _RunningEpisode(self._asked(host, i) | {"house": ids[int(host["house"][i])]})
             self.open[i].see(host["obs"], i)
 
     def _asked(self, host: dict[str, Any], i: int) -> dict[str, str]:
@@ -144,7 +144,7 @@ class _Batch:
         if "task" not in host:
             return {}
         task = self.env.params.tasks.names[int(host["task"][i])]
-        return {"task": task, "instruction": asked(task, host["tokens"][i], host["descriptor"][i])}
+        return {"task": task, "instruction": describe_goal(task, host["tokens"][i], host["descriptor"][i])}
 
     def _host(self, state: State) -> dict[str, Any]:
         own = {"obs": state.obs, "house": state.world.house}
@@ -171,7 +171,7 @@ class _Batch:
         return (new.replace(info={}), memory, keys, jnp.repeat(new.done, self.agents)), taken
 
 
-class _Open:
+class _RunningEpisode:
     """One running episode."""
 
     def __init__(self, notes: dict[str, Any] | None = None) -> None:
@@ -192,7 +192,7 @@ class _Open:
         self.see(obs, i)
 
     def whole(self, metrics: dict[str, float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the episode in the form of `Writer.add`, and its notes."""
+        """Return the episode in the form of `TrajectoryWriter.add`, and its notes."""
         episode = {
             "observations": {name: np.stack(values) for name, values in self.seen.items()},
             "actions": np.stack(self.actions),

@@ -13,27 +13,29 @@ import numpy as np
 import pyarrow as pa
 
 from home_mjx.adapters.spaces import action_space, observation_space
-from home_mjx.core.files import unwritable
+from home_mjx.core.files import write_error
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.trajectories.layout import (
-    DATA,
-    FREE_SPACE,
-    METADATA,
+    DATA_FOLDER,
+    FREE_SPACE_HINT,
+    METADATA_FILE,
     MINARI_VERSION,
-    PART,
-    num_complete,
+    PART_FILE,
+    count_complete_episodes,
     read_metadata,
-    space_json,
+    space_to_json,
     write_metadata,
 )
 
-THREADS = 4  # number of writer threads; Arrow releases the GIL
-PER_METADATA = 256  # episodes between two updates of the dataset's metadata, at most lost counts of a killed process
+NUM_WRITER_THREADS = 4  # number of writer threads; Arrow releases the GIL
+EPISODES_PER_METADATA_UPDATE = (
+    256  # episodes between two updates of the dataset's metadata, at most lost counts of a killed process
+)
 
 
-class Writer:
+class TrajectoryWriter:
     """Writer of a dataset; a context manager that updates the metadata on exit.
 
     Args:
@@ -52,18 +54,18 @@ class Writer:
     """
 
     def __init__(
-        self, folder: Path, env: BoundEnv[HouseholdEnv], agent: str, without: tuple[str, ...] = (), resume: bool = False
+        self, folder: Path, env: Env[HouseholdEnv], agent: str, omit: tuple[str, ...] = (), resume: bool = False
     ) -> None:
-        self.data, self.without = folder / DATA, without
-        self.metadata = _metadata(env, agent, without)
+        self.data, self.without = folder / DATA_FOLDER, omit
+        self.metadata = _make_metadata(env, agent, omit)
         self.episodes = self.steps = 0
-        if (self.data / METADATA).exists():
-            self._take_up(resume)
+        if (self.data / METADATA_FILE).exists():
+            self._resume(resume)
         self.data.mkdir(parents=True, exist_ok=True)
-        self._sweep()
-        self._pool, self._waiting = ThreadPoolExecutor(THREADS), []
+        self._remove_incomplete()
+        self._pool, self._waiting = ThreadPoolExecutor(NUM_WRITER_THREADS), []
 
-    def __enter__(self) -> "Writer":
+    def __enter__(self) -> "TrajectoryWriter":
         self._update()
         return self
 
@@ -84,10 +86,10 @@ class Writer:
         notes = {"id": number, "total_steps": num_steps, **notes}
         self._waiting.append(self._pool.submit(_write_episode, self.data, number, dict(episode), notes))
         self.episodes, self.steps = number + 1, self.steps + num_steps
-        if len(self._waiting) >= PER_METADATA:
+        if len(self._waiting) >= EPISODES_PER_METADATA_UPDATE:
             self._update()
 
-    def _sweep(self) -> None:
+    def _remove_incomplete(self) -> None:
         """Remove incomplete folders of a killed process, and episodes after the first incomplete one."""
         for left in self.data.iterdir():
             beyond = left.name.isdecimal() and int(left.name) >= self.episodes
@@ -98,12 +100,12 @@ class Writer:
         """Wait for pending writes and update the counts."""
         waiting, self._waiting = self._waiting, []
         for done in waiting:
-            _raised(done)
+            _reraise(done)
         counts = {"total_episodes": self.episodes, "total_steps": self.steps}
         size = round(sum(path.stat().st_size for path in self.data.glob("0/*")) * self.episodes / 1e6, 1)
         write_metadata(self.data, self.metadata | counts | {"dataset_size": size})
 
-    def _take_up(self, resume: bool) -> None:
+    def _resume(self, resume: bool) -> None:
         """Check the existing dataset and count its episodes."""
         if not resume:
             hint = "Add --resume to continue it, or choose another folder with --out."
@@ -113,19 +115,19 @@ class Writer:
             if theirs.get(name) != ours:
                 hint = "Pass the same options, or choose another folder."
                 raise ConfigError(f"the dataset has another `{name}`", file=self.data, hint=hint)
-        self.episodes = num_complete(self.data)
+        self.episodes = count_complete_episodes(self.data)
         self.steps = sum(int(read_metadata(self.data / str(i))["total_steps"]) for i in range(self.episodes))
 
 
-def _raised(done: "Future[None]") -> None:
+def _reraise(done: "Future[None]") -> None:
     """Raise errors of a writer thread in this thread."""
     try:
         done.result()
     except OSError as error:
-        raise unwritable("an episode", Path(error.filename or DATA), error, FREE_SPACE) from None
+        raise write_error("an episode", Path(error.filename or DATA_FOLDER), error, FREE_SPACE_HINT) from None
 
 
-def _metadata(env: BoundEnv[HouseholdEnv], agent: str, without: tuple[str, ...]) -> dict[str, Any]:
+def _make_metadata(env: Env[HouseholdEnv], agent: str, without: tuple[str, ...]) -> dict[str, Any]:
     """Return Minari's metadata, and the spec of the environment if it can be stored."""
     seen = observation_space(env)
     seen = type(seen)({name: space for name, space in seen.spaces.items() if name not in without})
@@ -136,8 +138,8 @@ def _metadata(env: BoundEnv[HouseholdEnv], agent: str, without: tuple[str, ...])
         "minari_version": MINARI_VERSION,
         "data_format": "arrow",
         "jpeg_encoding": False,
-        "observation_space": json.dumps(space_json(seen)),
-        "action_space": json.dumps(space_json(action_space(env))),
+        "observation_space": json.dumps(space_to_json(seen)),
+        "action_space": json.dumps(space_to_json(action_space(env))),
         "algorithm_name": agent,
         **made,
     }
@@ -147,9 +149,9 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
     """Write an episode to a temporary folder, then rename it to its number, which makes it valid."""
     beside, place = data / f".{number}.new", data / str(number)
     beside.mkdir()
-    batch = as_batch(episode)
-    with (beside / PART).open("wb") as sink:
-        with pa.ipc.new_file(sink, batch.schema) as file:
+    batch = to_record_batch(episode)
+    with (beside / PART_FILE).open("wb") as sink:
+        with pa.ipc.new_file(sink, batch.declarations) as file:
             file.write_batch(batch)
         sink.flush()
         os.fsync(sink.fileno())  # before the rename makes the episode valid
@@ -157,17 +159,17 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
     beside.rename(place)
 
 
-def as_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
+def to_record_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
     """Convert an episode to Minari's layout: one row per observation; actions and flags of the last row are 0."""
     seen: dict[str, np.ndarray] = episode["observations"]
-    columns = {"observations": pa.StructArray.from_arrays([_column(x) for x in seen.values()], names=list(seen))}
+    columns = {"observations": pa.StructArray.from_arrays([_to_column(x) for x in seen.values()], names=list(seen))}
     for name in ("actions", "rewards", "terminations", "truncations"):
         values = np.asarray(episode[name])
-        columns[name] = _column(np.concatenate([values, np.zeros_like(values[:1])]))
+        columns[name] = _to_column(np.concatenate([values, np.zeros_like(values[:1])]))
     return pa.RecordBatch.from_pydict(columns)
 
 
-def _column(values: np.ndarray) -> pa.Array:
+def _to_column(values: np.ndarray) -> pa.Array:
     """Convert an array to an Arrow column; rows of arrays become fixed-size lists."""
     values = values.astype(np.int8) if values.dtype == bool and values.ndim > 1 else values
     if values.ndim == 1:

@@ -9,21 +9,21 @@ from tqdm import tqdm
 
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.viewer.pictures import media, pictures
 from home_mjx.viewer.pictures.top_view import TopView
 
 
 @dataclass
-class Walk:
+class WalkRecord:
     """Observations and positions of a walk, for each drawn environment."""
 
     obs: list[dict[str, np.ndarray]] = field(default_factory=list)
     positions: list[np.ndarray] = field(default_factory=list)
     sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
 
-    def richest(self, view: int) -> dict[str, np.ndarray]:
+    def most_varied_observation(self, view: int) -> dict[str, np.ndarray]:
         """Return the observation with the most different instances in the view's share of the walk.
 
         Each view has its own share, because agents of one house would otherwise all be drawn at the same place.
@@ -33,30 +33,30 @@ class Walk:
         return max(self.obs[part] or self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
 
 
-def draw(env: BoundEnv[HouseholdEnv], states: State, walk: Walk, folder: Path, progress: tqdm) -> None:
+def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord, folder: Path, progress: tqdm) -> None:
     """Write the contact sheet."""
     houses = np.asarray(states.world.house)
     tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
     paths = np.stack(walk.positions)
     rows = []
     for i, top in enumerate(tops):
-        image = top.with_path(paths[:, i], walk.sources[i], size=256)
+        image = top.draw_path(paths[:, i], walk.sources[i], size=256)
         caption = f"house {houses[i]}: path, end (green), radio (red)"
-        rows.append([pictures.captioned(image, caption), *_views(env, walk.richest(i), i, 256)])
-    media.write_png(folder / "contact_sheet.png", pictures.sheet(rows))
+        rows.append([pictures.add_caption(image, caption), *_views(env, walk.most_varied_observation(i), i, 256)])
+    media.write_png(folder / "contact_sheet.png", pictures.compose_sheet(rows))
     progress.update()
 
 
-def _scene(env: BoundEnv[HouseholdEnv], states: State, index: int) -> Scene:
+def _scene(env: Env[HouseholdEnv], states: State, index: int) -> Scene:
     """Return the scene of one environment, for ray casting."""
     return env.core.snapshot(env.params, jax.tree.map(lambda x: x[index], states)).scene
 
 
-def _views(env: BoundEnv[HouseholdEnv], obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
+def _views(env: Env[HouseholdEnv], obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
     panels = {
         "rgb": obs["pixels/head_rgb"][view],
-        "depth": pictures.depth_colours(obs["pixels/head_depth"][view, ..., 0], env.config.depth_max),
-        "category": pictures.id_colours(obs["ids/head_fine"][view]),
-        "instance": pictures.id_colours(obs["ids/head_instance"][view]),
+        "depth": pictures.colour_depth(obs["pixels/head_depth"][view, ..., 0], env.config.max_depth),
+        "category": pictures.colour_ids(obs["ids/head_fine"][view]),
+        "instance": pictures.colour_ids(obs["ids/head_instance"][view]),
     }
-    return [pictures.captioned(pictures.enlarge(image, size), name) for name, image in panels.items()]
+    return [pictures.add_caption(pictures.enlarge(image, size), name) for name, image in panels.items()]

@@ -14,14 +14,14 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.core import profiling
-from home_mjx.core.files import write_together
+from home_mjx.core.files import write_all_or_none
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.path_follower import Walker, make_walker
+from home_mjx.navigation.path_follower import PathFollower, make_path_follower
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.viewer.demo.drawing import Walk, draw
+from home_mjx.viewer.demo.drawing import WalkRecord, write_contact_sheet
 from home_mjx.viewer.demo.search import film_search
 
 SENSORS_ALONE = {
@@ -73,13 +73,13 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
     steps.set_postfix_str("compiling the step (once)")
     steps.update()
     begin, seconds = _compiled_begin(env, options)
-    states = place(env, begin, options)
+    states = start_batch(env, begin, options)
     views = jax.tree.map(lambda x: x[: options.num_views], states)
     step, _ = _compiled_step(env, views)  # of the drawn environments only; the others do not walk
     steps.update()
     steps.set_description("walking")
     steps.set_postfix_str("")
-    views, walk = walk_through(env, step, views, options, steps)
+    views, walk = record_walk(env, step, views, options, steps)
     steps.set_description("measuring")
     rates, more_seconds = measure(env, states)
     steps.update()
@@ -95,10 +95,10 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
         "triangles": int(env.bank.geometry.triangle.shape[0]),
         "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
     }
-    with write_together(options.out, "demo") as folder:
-        draw(env, views, walk, folder, steps)
+    with write_all_or_none(options.out, "demo") as folder:
+        write_contact_sheet(env, views, walk, folder, steps)
         steps.set_description("searching")
-        report["search"] = searched(folder, options)
+        report["search"] = film_searches(folder, options)
         steps.update()
         report["peak_memory_bytes"] = profiling.peak_memory_bytes()
         report["wall_seconds"] = time.perf_counter() - started
@@ -107,7 +107,7 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
     return report
 
 
-def searched(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
+def film_searches(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
     """Return the results of the trained agent's filmed searches, or the reason why there are none."""
     try:
         return [dataclasses.asdict(one) for one in film_search(folder, options.suncg, options.num_views, options.seed)]
@@ -115,7 +115,7 @@ def searched(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
         return str(error)
 
 
-def _compiled_begin(env: BoundEnv[HouseholdEnv], options: DemoOptions) -> tuple[Any, float]:
+def _compiled_begin(env: Env[HouseholdEnv], options: DemoOptions) -> tuple[Any, float]:
     """Compile the batched start; return the program and its compile time [s].
 
     It returns no observations, because the step does not read them and rendering is then compiled only once.
@@ -125,16 +125,16 @@ def _compiled_begin(env: BoundEnv[HouseholdEnv], options: DemoOptions) -> tuple[
     return profiling.compiled(jax.vmap(env.core.begin, (None, 0, 0)), env.params, keys, houses)
 
 
-def _compiled_step(env: BoundEnv[HouseholdEnv], states: State) -> tuple[Any, float]:
+def _compiled_step(env: Env[HouseholdEnv], states: State) -> tuple[Any, float]:
     """Compile the batched step; return the program and its compile time [s]."""
     return profiling.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, _no_actions(env, states))
 
 
-def _no_actions(env: BoundEnv[HouseholdEnv], states: State) -> jax.Array:
+def _no_actions(env: Env[HouseholdEnv], states: State) -> jax.Array:
     return jnp.zeros((states.reward.shape[0], env.action_size), jnp.float32)
 
 
-def place(env: BoundEnv[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
+def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
     """Start the environments in different houses, with the radio in one room of each house."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
     houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
@@ -145,14 +145,14 @@ def place(env: BoundEnv[HouseholdEnv], begin: Any, options: DemoOptions) -> Stat
     return states.replace(world=states.world.replace(sounds=sounds))
 
 
-def walk_through(
-    env: BoundEnv[HouseholdEnv], step: Any, states: State, options: DemoOptions, progress: tqdm
-) -> tuple[State, Walk]:
+def record_walk(
+    env: Env[HouseholdEnv], step: Any, states: State, options: DemoOptions, progress: tqdm
+) -> tuple[State, WalkRecord]:
     """Walk environments along paths and record their observations."""
     pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
     place = pose(env.params, states)
     walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
-    walk = Walk(sources=np.asarray(states.world.source))
+    walk = WalkRecord(sources=np.asarray(states.world.source))
     for _ in range(options.num_steps):
         pos, yaw = np.asarray(place.pos[:, 0]), np.asarray(place.yaw[:, 0])
         actions = np.stack([w.action(pos[i], float(yaw[i])) for i, w in enumerate(walkers)])
@@ -164,14 +164,14 @@ def walk_through(
     return states, walk
 
 
-def make_walkers(env: BoundEnv[HouseholdEnv], states: State, pos: np.ndarray) -> list[Walker]:
+def make_walkers(env: Env[HouseholdEnv], states: State, pos: np.ndarray) -> list[PathFollower]:
     """Return a path follower per environment."""
     houses = np.asarray(states.world.house)
     turn = env.config.body.turn_rate * env.dt
-    return [make_walker(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
+    return [make_path_follower(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
 
 
-def measure(env: BoundEnv[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
+def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
     """Measure environment steps per second with all sensors, of physics and each sensor alone; and compile times."""
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)

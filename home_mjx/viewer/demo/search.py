@@ -3,13 +3,13 @@
 import dataclasses
 from pathlib import Path
 
-from home_mjx.viewer.episodes import Outcome, PlayOptions, run_play
+from home_mjx.viewer.episodes import EpisodeResult, PlayOptions, run_play
 
-AGENT = Path(__file__).with_name("agent.npz")  # for its training see docs/training_results.md, "Packaged agent"
-RADIO = {"clip_split": "radio"}
+AGENT_FILE = Path(__file__).with_name("agent.npz")  # for its training see docs/training_results.md, "Packaged agent"
+RADIO_OPTIONS = {"clip_split": "radio"}
 
 
-def film_search(out: Path, suncg: Path | None = None, episodes: int = 3, seed: int = 0) -> list[Outcome]:
+def film_search(out: Path, suncg: Path | None = None, episodes: int = 3, seed: int = 0) -> list[EpisodeResult]:
     """Film the packaged agent.
 
     Args:
@@ -29,15 +29,15 @@ def film_search(out: Path, suncg: Path | None = None, episodes: int = 3, seed: i
     """
     from home_mjx.training import read_config  # needs the extra `train`
 
-    trained = read_config(AGENT).env
+    trained = read_config(AGENT_FILE).env
     env = dataclasses.replace(
         trained,
-        options={**trained.options, **RADIO},
+        options={**trained.options, **RADIO_OPTIONS},
         houses=None if suncg is None else str(suncg),
         num_houses=episodes,
         split="val" if suncg is None else None,
     )
-    options = PlayOptions(env, "trained", AGENT, episodes, seed, out=out)
+    options = PlayOptions(env, "trained", AGENT_FILE, episodes, seed, out=out)
     outcomes = run_play(options, lambda line: None)
     for path in out.glob(f"{options.name}.*"):
         path.rename(path.with_stem("radio"))

@@ -14,16 +14,16 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.rules.features import boxes_now
+from home_mjx.tasks.rules.features import current_boxes
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
 FOVY = 75.0  # [degrees] vertical field of view
-PLAN_VIEW = 35.0  # [degrees] half angle of an agent's view cone on a plan
+VIEW_CONE_HALF_ANGLE = 35.0  # [degrees] half angle of an agent's view cone on a plan
 
 
-class Sight(NamedTuple):
+class CameraShot(NamedTuple):
     """View of the first agent and positions of all agents and objects at one step."""
 
     view: UInt8[np.ndarray, "h w 3"]
@@ -42,30 +42,32 @@ class FilmCamera:
         samples: Rays per pixel.
     """
 
-    def __init__(self, env: BoundEnv[HouseholdEnv], width: int = 480, height: int = 360, samples: int = 1) -> None:
+    def __init__(self, env: Env[HouseholdEnv], width: int = 480, height: int = 360, samples: int = 1) -> None:
         self.env = env
         self._camera = AgentCamera("film", ("rgb",), Lens(width, height, samples=samples), fovy=FOVY)
         self._see = jax.jit(self._seen)
 
-    def shot(self, state: State) -> Sight:
+    def capture(self, state: State) -> CameraShot:
         """Render the view of a state and copy it to the host with the positions."""
-        return Sight(*(np.asarray(x) for x in self._see(self.env.params, state)))
+        return CameraShot(*(np.asarray(x) for x in self._see(self.env.params, state)))
 
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:
         core = self.env.core
         snapshot = core.snapshot(params, state)
-        camera = jax.tree.map(lambda x: x[0], place_cameras(core.config, self._camera, snapshot.pose, snapshot.mount))
+        camera = jax.tree.map(
+            lambda x: x[0], place_cameras(core.config, self._camera, snapshot.pose, snapshot.camera_offsets)
+        )
         own = agent_ids(snapshot.bank, core.num_agents)[0]
         images: dict[str, Any] = render(
-            snapshot.scene, camera, self._camera.lens, kinds=("rgb",), preset="lit", exclude=own
+            snapshot.scene, camera, self._camera.lens, kinds=("rgb",), shader="lit", exclude=own
         )
-        return images["rgb"], snapshot.pose.pos, snapshot.pose.yaw, boxes_now(snapshot)
+        return images["rgb"], snapshot.pose.pos, snapshot.pose.yaw, current_boxes(snapshot)
 
 
-def without_agents(env: BoundEnv[HouseholdEnv], state: State) -> Scene:
+def scene_without_agents(env: Env[HouseholdEnv], state: State) -> Scene:
     """Build the scene of a state without agents, which are drawn as markers instead."""
     template = env.core.template(env.bank)
     pos, quat = physics.body_pose(template, state.physics)
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     angle = physics.door_angle(template, state.physics)
-    return make_scene(env.bank, state.world.house, pos, quat, *nobody, env.config.executor, angle)
+    return make_scene(env.bank, state.world.house, pos, quat, *nobody, env.config.backend, angle)

@@ -8,15 +8,15 @@ import jax
 import numpy as np
 
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.moves import action_names
-from home_mjx.viewer.episodes.goal_markers import Asked, asked_of
+from home_mjx.viewer.episodes.goal_markers import Instruction, get_instruction
 from home_mjx.viewer.episodes.policies import Player
 
 
 @dataclass(frozen=True)
-class Outcome:
+class EpisodeResult:
     """Result of an episode.
 
     Attributes:
@@ -27,7 +27,7 @@ class Outcome:
         success: The task's success metric.
         spl: Success weighted by path length (arXiv:1807.06757); NaN if the shortest path is unknown.
         steps: Number of steps.
-        gained: Return of the first agent.
+        episode_return: Return of the first agent.
         metrics: All metrics of the task at the end.
     """
 
@@ -38,10 +38,10 @@ class Outcome:
     success: float
     spl: float
     steps: int
-    gained: float
+    episode_return: float
     metrics: dict[str, float] = field(default_factory=dict)
 
-    def line(self) -> str:
+    def format_line(self) -> str:
         """Format the result as one line of text.
 
         Example:
@@ -53,30 +53,30 @@ class Outcome:
         return f"{self.number:3d}  {self.task:<20}  {how}  SPL {spl}  {self.steps:4d} steps  {self.instruction}"
 
 
-class Step(NamedTuple):
+class EpisodeStep(NamedTuple):
     """Step of an episode: the state after it, the action (None after the reset), and the return so far."""
 
     state: State
     action: Any
-    gained: float
+    return_so_far: float
 
 
-class Game:
+class EpisodeRunner:
     """Runner of episodes of one environment.
 
     Args:
         env: The environment.
     """
 
-    def __init__(self, env: BoundEnv[HouseholdEnv]) -> None:
+    def __init__(self, env: Env[HouseholdEnv]) -> None:
         self.env = env
         self._reset = jax.jit(env.core.reset)
         self._step = jax.jit(env.core.step)
         self._pos = jax.jit(lambda params, state: env.core.snapshot(params, state).pose.pos[0])
-        self.outcome: Outcome | None = None
+        self.result: EpisodeResult | None = None
 
-    def play(self, player: Player, number: int, key: Any, row: int | None) -> Iterator[Step]:
-        """Yield the steps of an episode; `outcome` is set after the last one.
+    def run(self, player: Player, number: int, key: Any, row: int | None) -> Iterator[EpisodeStep]:
+        """Yield the steps of an episode; `result` is set after the last one.
 
         Args:
             player: Player that chooses the actions.
@@ -86,10 +86,10 @@ class Game:
         """
         params = self.env.params
         state = self._reset(params, key, None, row)
-        asked, walked, gained, steps = asked_of(self.env, state), 0.0, 0.0, 0
+        asked, walked, gained, steps = get_instruction(self.env, state), 0.0, 0.0, 0
         pos = np.asarray(self._pos(params, state))
-        player.begin()
-        yield Step(state, None, gained)
+        player.reset()
+        yield EpisodeStep(state, None, gained)
         while not state.done:
             action = player.act(state)
             if action is None:
@@ -98,29 +98,33 @@ class Game:
             before, pos = pos, np.asarray(self._pos(params, state))
             walked += float(np.linalg.norm(pos - before))
             gained, steps = gained + float(np.reshape(state.reward, -1)[0]), steps + 1
-            yield Step(state, action, gained)
-        self.outcome = self._ended(number, asked, state, walked, gained, steps)
+            yield EpisodeStep(state, action, gained)
+        self.result = self._ended(number, asked, state, walked, gained, steps)
 
-    def _ended(self, number: int, asked: Asked, state: State, walked: float, gained: float, steps: int) -> Outcome:
+    def _ended(
+        self, number: int, asked: Instruction, state: State, walked: float, gained: float, steps: int
+    ) -> EpisodeResult:
         metrics = {name: float(value) for name, value in state.metrics.items()}
         success = metrics.get("success", 0.0)
-        spl = success * asked.length / max(asked.length, walked, 1e-6)
+        spl = success * asked.path_length / max(asked.path_length, walked, 1e-6)
         house = self.env.bank.house_ids[int(state.world.house)]
-        return Outcome(number, asked.task, asked.text, house, success, metrics.get("spl", spl), steps, gained, metrics)
+        return EpisodeResult(
+            number, asked.task, asked.text, house, success, metrics.get("spl", spl), steps, gained, metrics
+        )
 
 
-def said(env: BoundEnv[HouseholdEnv], step: Step, name: str) -> str:
+def format_status(env: Env[HouseholdEnv], step: EpisodeStep, name: str) -> str:
     """Format the progress of an episode as one line of text."""
     parts = [name, f"step {int(step.state.world.step)} of {env.config.episode_length}"]
     if step.action is not None:
-        parts.append(named(env, step.action))
+        parts.append(describe_action(env, step.action))
     if "distance" in step.state.metrics:
         parts.append(f"{float(step.state.metrics['distance']):.1f} m to go")
-    parts.append(f"return {step.gained:+.2f}")
+    parts.append(f"return {step.return_so_far:+.2f}")
     return "   ".join(parts)
 
 
-def named(env: BoundEnv[HouseholdEnv], action: Any) -> str:
+def describe_action(env: Env[HouseholdEnv], action: Any) -> str:
     """Describe the first agent's action."""
     names, own = action_names(env.config), np.asarray(action)
     own = own if env.num_agents == 1 else own[0]

@@ -10,18 +10,18 @@ from jaxtyping import Float, UInt8
 from PIL import Image, ImageDraw, ImageFont
 
 from home_mjx.viewer.pictures import media
-from home_mjx.viewer.pictures.pictures import BACKGROUND, INK, sheet
+from home_mjx.viewer.pictures.pictures import BACKGROUND, TEXT_COLOUR, compose_sheet
 
-GAP = 8  # [px] space between the panels
-BAR = 26  # [px] height of a line of text
-DONE, LOST, QUIET = (60, 190, 100), (225, 80, 70), (150, 155, 165)
-HOLD = 1.5  # [s] display time of the last frame of an episode
-SLOWEST = 6.0  # minimum frames per second; steps of 0.3 s would stutter
+PANEL_GAP = 8  # [px] space between the panels
+TEXT_HEIGHT = 26  # [px] height of a line of text
+SUCCESS_COLOUR, FAILURE_COLOUR, RUNNING_COLOUR = (60, 190, 100), (225, 80, 70), (150, 155, 165)
+FINAL_FRAME_SECONDS = 1.5  # [s] display time of the last frame of an episode
+MIN_FPS = 6.0  # minimum frames per second; steps of 0.3 s would stutter
 
-Picture = UInt8[np.ndarray, "_ _ 3"]
+RgbImage = UInt8[np.ndarray, "_ _ 3"]
 
 
-def frame(view: Picture, plan: Picture, title: str, status: str, success: bool | None = None) -> Picture:
+def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, success: bool | None = None) -> RgbImage:
     """Compose one frame.
 
     Args:
@@ -32,21 +32,23 @@ def frame(view: Picture, plan: Picture, title: str, status: str, success: bool |
         success: Result of the episode; None: not ended.
     """
     height, width = view.shape[:2]
-    beside = fitted(plan, width, height)
-    size = (width + beside.shape[1] + 3 * GAP, height + 2 * BAR + 2 * GAP)
+    beside = fit_image(plan, width, height)
+    size = (width + beside.shape[1] + 3 * PANEL_GAP, height + 2 * TEXT_HEIGHT + 2 * PANEL_GAP)
     canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)  # H.264 needs even sides
-    canvas.paste(Image.fromarray(view), (GAP, BAR + GAP))
-    canvas.paste(Image.fromarray(beside), (width + 2 * GAP, BAR + GAP))
+    canvas.paste(Image.fromarray(view), (PANEL_GAP, TEXT_HEIGHT + PANEL_GAP))
+    canvas.paste(Image.fromarray(beside), (width + 2 * PANEL_GAP, TEXT_HEIGHT + PANEL_GAP))
     draw = ImageDraw.Draw(canvas)
-    _line(draw, title, 6, INK, 17, canvas.width)
-    colour = QUIET if success is None else DONE if success else LOST
+    _line(draw, title, 6, TEXT_COLOUR, 17, canvas.width)
+    colour = RUNNING_COLOUR if success is None else SUCCESS_COLOUR if success else FAILURE_COLOUR
     if success is not None:
-        draw.rectangle((0, size[1] - BAR, canvas.width, canvas.height), fill=colour)
-    _line(draw, status, size[1] - BAR + 5, INK if success is None else (255, 255, 255), 14, canvas.width)
+        draw.rectangle((0, size[1] - TEXT_HEIGHT, canvas.width, canvas.height), fill=colour)
+    _line(
+        draw, status, size[1] - TEXT_HEIGHT + 5, TEXT_COLOUR if success is None else (255, 255, 255), 14, canvas.width
+    )
     return np.asarray(canvas)
 
 
-def fitted(image: Picture, width: int, height: int) -> Picture:
+def fit_image(image: RgbImage, width: int, height: int) -> RgbImage:
     """Scale an image to the largest size that fits a box, and pad it to the box."""
     scale = min(width / image.shape[1], height / image.shape[0])
     size = max(1, math.floor(image.shape[1] * scale)), max(1, math.floor(image.shape[0] * scale))
@@ -58,49 +60,49 @@ def fitted(image: Picture, width: int, height: int) -> Picture:
 
 def _line(draw: ImageDraw.ImageDraw, text: str, top: int, colour: tuple, size: int, width: int) -> None:
     """Draw a line of text, in a smaller font if it does not fit."""
-    while size > 8 and ImageFont.load_default(size=size).getlength(text) > width - 2 * GAP:
+    while size > 8 and ImageFont.load_default(size=size).getlength(text) > width - 2 * PANEL_GAP:
         size -= 1
-    draw.text((GAP, top), text, fill=colour, font=ImageFont.load_default(size=size))
+    draw.text((PANEL_GAP, top), text, fill=colour, font=ImageFont.load_default(size=size))
 
 
 @dataclass
-class Film:
+class VideoWriter:
     """Frames of all episodes, and their sound.
 
     Args:
         dt: Time of a step [s].
-        rate: Sample rate of the sound [Hz]; None: silent, and playback may be faster than real time.
+        sample_rate: Sample rate of the sound [Hz]; None: silent, and playback may be faster than real time.
     """
 
     dt: float
-    rate: int | None = None
-    frames: list[Picture] = field(default_factory=list)
+    sample_rate: int | None = None
+    frames: list[RgbImage] = field(default_factory=list)
     sounds: list[Float[np.ndarray, "2 n"]] = field(default_factory=list)
-    ends: list[Picture] = field(default_factory=list)
+    ends: list[RgbImage] = field(default_factory=list)
 
     @property
     def fps(self) -> float:
-        """Frames per second: real time with sound, else at least `SLOWEST`."""
-        return 1 / self.dt if self.rate else max(1 / self.dt, SLOWEST)
+        """Frames per second: real time with sound, else at least `MIN_FPS`."""
+        return 1 / self.dt if self.sample_rate else max(1 / self.dt, MIN_FPS)
 
-    def add(self, picture: Picture, sound: Float[np.ndarray, "2 n"] | None = None) -> None:
+    def add(self, picture: RgbImage, sound: Float[np.ndarray, "2 n"] | None = None) -> None:
         """Add the frame of a step."""
         self.frames.append(picture)
-        if self.rate:
-            self.sounds.append(np.zeros((2, round(self.rate * self.dt))) if sound is None else sound)
+        if self.sample_rate:
+            self.sounds.append(np.zeros((2, round(self.sample_rate * self.dt))) if sound is None else sound)
 
-    def end(self, picture: Picture) -> None:
-        """Add the last frame of an episode, repeated for `HOLD`."""
+    def add_final(self, picture: RgbImage) -> None:
+        """Add the last frame of an episode, repeated for `FINAL_FRAME_SECONDS`."""
         self.ends.append(picture)
-        for _ in range(max(1, round(HOLD * self.fps))):
+        for _ in range(max(1, round(FINAL_FRAME_SECONDS * self.fps))):
             self.add(picture)
 
     def write(self, folder: Path, name: str) -> None:
         """Write `name.mp4`, and `name.png` with the last frame of every episode."""
         with tempfile.TemporaryDirectory(prefix="home_mjx_film_") as beside:
             wav = None
-            if self.rate:
+            if self.sample_rate:
                 wav = Path(beside) / "sound.wav"
-                media.write_wav(wav, np.concatenate(self.sounds, axis=-1), self.rate)
+                media.write_wav(wav, np.concatenate(self.sounds, axis=-1), self.sample_rate)
             media.write_mp4(folder / f"{name}.mp4", np.stack(self.frames), self.fps, wav)
-        media.write_png(folder / f"{name}.png", sheet([[end] for end in self.ends]))
+        media.write_png(folder / f"{name}.png", compose_sheet([[end] for end in self.ends]))

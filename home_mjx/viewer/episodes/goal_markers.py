@@ -7,29 +7,29 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.base.state import Episodes, State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.language.asked import asked
+from home_mjx.tasks.language.asked import describe_goal
 from home_mjx.tasks.language.vocabulary import detokenize
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.suite.point_nav import PointNavState
 
 
-class Asked(NamedTuple):
+class Instruction(NamedTuple):
     """Instruction of an episode.
 
     Attributes:
         task: Name of the task.
         text: Instruction; a description of the goal for tasks without one.
-        length: Length of the shortest path [m]; NaN if unknown.
+        path_length: Length of the shortest path [m]; NaN if unknown.
     """
 
     task: str
     text: str
-    length: float
+    path_length: float
 
 
-class Goals(NamedTuple):
+class GoalMarkers(NamedTuple):
     """Positions and rooms of the current goal.
 
     Attributes:
@@ -41,27 +41,27 @@ class Goals(NamedTuple):
     rooms: Bool[np.ndarray, " r"]
 
 
-def asked_of(env: BoundEnv[HouseholdEnv], state: State) -> Asked:
+def get_instruction(env: Env[HouseholdEnv], state: State) -> Instruction:
     """Return the instruction of a state's episode."""
     task = env.spec.id.rpartition("-v")[0] if env.spec is not None else type(env.task).__name__
     if isinstance(state.task, PointNavState):
         return _asked_of_point(task, env.params.tasks, state)
     if not isinstance(state.task, RowState):
-        return Asked(task, task, np.nan)
+        return Instruction(task, task, np.nan)
     names, number = env.params.tasks.names, int(state.task.task)
     task = names[number] if number < len(names) else task
-    text = asked(task, np.asarray(state.task.tokens), np.asarray(state.task.program.descriptor))
-    return Asked(task, text, float(state.task.length))
+    text = describe_goal(task, np.asarray(state.task.tokens), np.asarray(state.task.program.descriptor))
+    return Instruction(task, text, float(state.task.length))
 
 
-def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Asked:
+def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Instruction:
     if episodes is None:
-        return Asked(task, "go to the point", np.nan)
+        return Instruction(task, "go to the point", np.nan)
     length = float(episodes.columns["length"][int(state.world.episode) % len(episodes)])
-    return Asked(task, f"go to the point {length:.1f} m away", length)
+    return Instruction(task, f"go to the point {length:.1f} m away", length)
 
 
-def goals_of(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> Goals:
+def get_goal_markers(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> GoalMarkers:
     """Return the goal of the current stage.
 
     Args:
@@ -72,26 +72,26 @@ def goals_of(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -
     house = int(state.world.house)
     nothing, nowhere = np.zeros((0, 3)), np.zeros(bank.navigation.room_type.shape[1], bool)
     if isinstance(state.task, PointNavState):
-        return Goals(np.asarray(bank.navigation.goal[house, int(state.task.goal)])[None], nowhere)
+        return GoalMarkers(np.asarray(bank.navigation.goal[house, int(state.task.goal)])[None], nowhere)
     if not isinstance(state.task, RowState):
-        return Goals(nothing, nowhere)
+        return GoalMarkers(nothing, nowhere)
     guide = int(state.task.program.guide[max(int(state.task.stage), 0)])
     if guide < 0:
-        return Goals(nothing, nowhere)
+        return GoalMarkers(nothing, nowhere)
     place = np.asarray(state.task.program.place[guide])
-    points = boxes[np.asarray(state.task.means.instance[guide])].mean(axis=1)
+    points = boxes[np.asarray(state.task.targets.instance[guide])].mean(axis=1)
     places = place[None] if np.isfinite(place).all() else points
-    return Goals(places, np.asarray(state.task.means.room[guide]))
+    return GoalMarkers(places, np.asarray(state.task.targets.room[guide]))
 
 
-def words_of(state: State) -> tuple[str, ...]:
-    """Return the utterances of the last step, see `as_words`; none for tasks that are not row tasks."""
+def get_utterances(state: State) -> tuple[str, ...]:
+    """Return the utterances of the last step, see `format_utterances`; none for tasks that are not row tasks."""
     if not isinstance(state.task, RowState):
         return ()
-    return as_words(np.asarray(state.world.said), np.asarray(state.task.reply))
+    return format_utterances(np.asarray(state.world.spoken_token), np.asarray(state.task.reply))
 
 
-def as_words(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"]) -> tuple[str, ...]:
+def format_utterances(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"]) -> tuple[str, ...]:
     """Format the utterances of agents, each with the reply of the oracle.
 
     Args:

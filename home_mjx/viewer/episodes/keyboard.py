@@ -13,21 +13,21 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.moves import action_names
 
-QUIT = ("q", "\x03", "\x04")  # also Ctrl-C and Ctrl-D, which a terminal in cbreak mode passes on
-# Keys of discrete actions; other actions get the next unused key of `SPARE`.
-KEYS = {
+QUIT_KEYS = ("q", "\x03", "\x04")  # also Ctrl-C and Ctrl-D, which a terminal in cbreak mode passes on
+# Keys of discrete actions; other actions get the next unused key of `SPARE_KEYS`.
+DISCRETE_KEYS = {
     "move_forward": "w", "turn_left": "a", "turn_right": "d", "look_up": "r", "look_down": "f", "stop": " ",
     "pick": "p", "drop": "o", "throw": "t", "open": "e", "close": "c",
 }  # fmt: skip
-SPARE = "1234567890yuihjklbnm"
+SPARE_KEYS = "1234567890yuihjklbnm"
 # Keys of continuous actions: action component and value.
-AXES = {
+CONTINUOUS_KEYS = {
     "w": ("forward", 1.0), "s": ("forward", -1.0), "z": ("left", 1.0), "x": ("left", -1.0),
     "a": ("turn_left", 1.0), "d": ("turn_left", -1.0), "r": ("look_up", 1.0), "f": ("look_up", -1.0),
     "p": ("pick", 1.0), "o": ("pick", -1.0), "t": ("throw", 1.0), "e": ("turn_door", 1.0), "c": ("turn_door", -1.0),
     " ": ("forward", 0.0),
 }  # fmt: skip
-COLUMNS = 100  # width of an image in a terminal [characters]
+TERMINAL_COLUMNS = 100  # width of an image in a terminal [characters]
 
 
 def key_actions(config: EnvConfig) -> dict[str, Any]:
@@ -42,13 +42,13 @@ def key_actions(config: EnvConfig) -> dict[str, Any]:
     names = action_names(config)
     if config.discrete is None:
         found = {}
-        for key, (name, value) in AXES.items():
+        for key, (name, value) in CONTINUOUS_KEYS.items():
             if name in names:
                 found[key] = np.zeros(len(names), np.float32)
                 found[key][names.index(name)] = value
         return found
-    spare = iter(SPARE)
-    return {KEYS.get(name) or next(spare): number for number, name in enumerate(names)}
+    spare = iter(SPARE_KEYS)
+    return {DISCRETE_KEYS.get(name) or next(spare): number for number, name in enumerate(names)}
 
 
 def key_help(config: EnvConfig) -> str:
@@ -60,7 +60,9 @@ def key_help(config: EnvConfig) -> str:
     """
     names = action_names(config)
     if config.discrete is None:
-        said = [(key, f"{name} {value:+.0f}") for key, (name, value) in AXES.items() if name in names and value]
+        said = [
+            (key, f"{name} {value:+.0f}") for key, (name, value) in CONTINUOUS_KEYS.items() if name in names and value
+        ]
         said.append((" ", "wait"))
     else:
         said = [(key, names[number]) for key, number in key_actions(config).items()]
@@ -71,7 +73,7 @@ class KeyboardPlayer:
     """Player that reads the first agent's actions from keys; other agents do nothing.
 
     Args:
-        config: Options of the environment, with the acting agents (`HouseholdEnv.own_config`).
+        config: Options of the environment, with the acting agents (`HouseholdEnv.acting_config`).
         show: Callback that displays the state before each action.
         source: Input stream; a terminal is read key by key, any other stream line by line.
 
@@ -84,16 +86,16 @@ class KeyboardPlayer:
 
     def __init__(self, config: EnvConfig, show: Callable[[Any], None], source: Any = None) -> None:
         self.config, self.show = config, show
-        self.actions, self.keys = key_actions(config), keys_of(source or sys.stdin)
+        self.actions, self.keys = key_actions(config), read_keys(source or sys.stdin)
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Do nothing; a keyboard player has no state."""
 
     def act(self, state: State | Any) -> Any:
         """Wait for a key with an action; return None at the end of input or on a quit key."""
         self.show(state)
         for key in self.keys:
-            if key.lower() in QUIT:
+            if key.lower() in QUIT_KEYS:
                 return None
             if key.lower() in self.actions:
                 return self._for_all(self.actions[key.lower()])
@@ -108,7 +110,7 @@ class KeyboardPlayer:
         return np.stack([np.asarray(action), *[others] * (agents - 1)])
 
 
-def keys_of(source: Any) -> Iterator[str]:
+def read_keys(source: Any) -> Iterator[str]:
     """Yield keys as they are pressed, or the characters of lines."""
     if not source.isatty():
         for line in source:
@@ -139,7 +141,7 @@ def _single_keys(terminal: Any) -> Iterator[None]:
         termios.tcsetattr(terminal, termios.TCSADRAIN, kept)
 
 
-def as_text(image: UInt8[np.ndarray, "h w 3"], columns: int = COLUMNS) -> str:
+def image_to_text(image: UInt8[np.ndarray, "h w 3"], columns: int = TERMINAL_COLUMNS) -> str:
     r"""Format an image as coloured half blocks, two pixels a character, for a terminal with 24-bit colours.
 
     Example:

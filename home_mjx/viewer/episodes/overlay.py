@@ -8,17 +8,17 @@ from PIL import Image, ImageDraw
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.viewer.episodes.camera import PLAN_VIEW, Sight
-from home_mjx.viewer.episodes.goal_markers import Goals
+from home_mjx.viewer.episodes.camera import VIEW_CONE_HALF_ANGLE, CameraShot
+from home_mjx.viewer.episodes.goal_markers import GoalMarkers
 from home_mjx.viewer.pictures.top_view import TopView
 
-PIXELS = 640  # length of the longer side of the house [px]
-AGENTS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
-PATH, GOAL, START = (40, 120, 255), (255, 205, 40), (235, 235, 235)
-REACH = 0.9  # [m] length of a view cone
+PLAN_PIXELS = 640  # length of the longer side of the house [px]
+AGENT_COLOURS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
+PATH_COLOUR, GOAL_COLOUR, START_COLOUR = (40, 120, 255), (255, 205, 40), (235, 235, 235)
+VIEW_CONE_LENGTH = 0.9  # [m] length of a view cone
 
 
-class Plan:
+class TopDownOverlay:
     """Plan of one episode's house.
 
     Args:
@@ -27,9 +27,9 @@ class Plan:
     """
 
     def __init__(self, bank: HouseBank, house: int) -> None:
-        self.bank, self.house, self.tops = bank, house, {}
+        self.bank, self.house, self.views = bank, house, {}
 
-    def drawn(self, scene: Scene | None, sights: Sequence[Sight], goals: Goals) -> UInt8[np.ndarray, "_ _ 3"]:
+    def draw(self, scene: Scene | None, sights: Sequence[CameraShot], goals: GoalMarkers) -> UInt8[np.ndarray, "_ _ 3"]:
         """Draw the storey of the first agent.
 
         Args:
@@ -39,19 +39,19 @@ class Plan:
         """
         level = self._level(sights[-1].pos[0])
         if scene is not None:
-            self.tops.clear()
+            self.views.clear()
             self.scene = scene
-        if level not in self.tops:
-            self.tops[level] = TopView(self.bank, self.scene, PIXELS, level)
-        top: TopView = self.tops[level]
+        if level not in self.views:
+            self.views[level] = TopView(self.bank, self.scene, PLAN_PIXELS, level)
+        top: TopView = self.views[level]
         picture = Image.fromarray(self._tinted(top, goals, level)).convert("RGB")
         self._draw(ImageDraw.Draw(picture, "RGBA"), top, sights, goals, level)
-        return top.cropped(np.asarray(picture))
+        return top.crop(np.asarray(picture))
 
     def _level(self, pos: Float[np.ndarray, " 3"]) -> int:
         return max(int((pos[2] > np.asarray(self.bank.navigation.floor[self.house])).sum()) - 1, 0)
 
-    def _tinted(self, top: TopView, goals: Goals, level: int) -> UInt8[np.ndarray, "s s 3"]:
+    def _tinted(self, top: TopView, goals: GoalMarkers, level: int) -> UInt8[np.ndarray, "s s 3"]:
         """Return the image with tinted goal rooms."""
         if not goals.rooms.any():
             return top.image
@@ -64,29 +64,34 @@ class Plan:
         inside = np.all((cell >= 0) & (cell < room.shape), axis=-1)
         index = room[tuple(np.clip(cell, 0, np.array(room.shape) - 1).reshape(-1, 2).T)].reshape(size, size)
         meant = inside & (index >= 0) & goals.rooms[np.maximum(index, 0)]
-        mixed = 0.65 * top.image + 0.35 * np.array(GOAL)
+        mixed = 0.65 * top.image + 0.35 * np.array(GOAL_COLOUR)
         return np.where(meant[..., None], mixed, top.image).astype(np.uint8)
 
-    def _draw(self, draw: ImageDraw.ImageDraw, top: TopView, sights: Sequence[Sight], goals: Goals, level: int) -> None:
-        unit = PIXELS / 512
+    def _draw(
+        self, draw: ImageDraw.ImageDraw, top: TopView, sights: Sequence[CameraShot], goals: GoalMarkers, level: int
+    ) -> None:
+        unit = PLAN_PIXELS / 512
         for place in goals.places:
             if self._level(place + np.array([0, 0, 0.01])) == level:
-                _dot(draw, top.pixel(place), 9 * unit, None, GOAL)
+                _dot(draw, top.to_pixel(place), 9 * unit, None, GOAL_COLOUR)
         for agent in range(len(sights[-1].yaw)):
-            path = [top.pixel(s.pos[agent]) for s in sights if self._level(s.pos[agent]) == level]
+            path = [top.to_pixel(s.pos[agent]) for s in sights if self._level(s.pos[agent]) == level]
             if len(path) > 1:
-                draw.line(path, fill=PATH, width=round(4 * unit), joint="curve")
+                draw.line(path, fill=PATH_COLOUR, width=round(4 * unit), joint="curve")
             if agent == 0 and path:
-                _dot(draw, path[0], 4 * unit, START, PATH)
+                _dot(draw, path[0], 4 * unit, START_COLOUR, PATH_COLOUR)
             pos, yaw = sights[-1].pos[agent], float(sights[-1].yaw[agent])
             if self._level(pos) == level:
-                self._look(draw, top, pos, yaw, AGENTS[agent % len(AGENTS)])
-                _dot(draw, top.pixel(pos), 7 * unit, AGENTS[agent % len(AGENTS)], (10, 10, 10))
+                self._look(draw, top, pos, yaw, AGENT_COLOURS[agent % len(AGENT_COLOURS)])
+                _dot(draw, top.to_pixel(pos), 7 * unit, AGENT_COLOURS[agent % len(AGENT_COLOURS)], (10, 10, 10))
 
     def _look(self, draw: ImageDraw.ImageDraw, top: TopView, pos: np.ndarray, yaw: float, colour: tuple) -> None:
-        half = np.deg2rad(PLAN_VIEW)
-        ends = [pos[:2] + REACH * np.array([np.cos(yaw + a), np.sin(yaw + a)]) for a in np.linspace(-half, half, 9)]
-        draw.polygon([top.pixel(pos), *[top.pixel(end) for end in ends]], fill=(*colour, 110))
+        half = np.deg2rad(VIEW_CONE_HALF_ANGLE)
+        ends = [
+            pos[:2] + VIEW_CONE_LENGTH * np.array([np.cos(yaw + a), np.sin(yaw + a)])
+            for a in np.linspace(-half, half, 9)
+        ]
+        draw.polygon([top.to_pixel(pos), *[top.to_pixel(end) for end in ends]], fill=(*colour, 110))
 
 
 def _dot(draw: ImageDraw.ImageDraw, at: tuple[float, float], radius: float, fill: tuple | None, edge: tuple) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.evaluation import expert_policy, random_policy
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
@@ -31,11 +31,11 @@ def check_agent(agent: str, checkpoint: Path | None, known: tuple[str, ...] = PO
         raise ConfigError("agent `trained` needs a checkpoint, other agents must not have one", hint=hint)
 
 
-def policy_of(env: BoundEnv[HouseholdEnv], agent: str, checkpoint: Path | None = None, greedy: bool = False) -> Policy:
+def make_policy(env: Env[HouseholdEnv], agent: str, checkpoint: Path | None = None, greedy: bool = False) -> Policy:
     """Return the policy of an agent in `POLICIES`.
 
     Args:
-        env: The environment; for the expert one of `with_expert`.
+        env: The environment; for the expert one of `add_expert`.
         agent: Name of the agent.
         checkpoint: Checkpoint of `trained`.
         greedy: Take the most likely action of `trained`.
@@ -56,7 +56,7 @@ def policy_of(env: BoundEnv[HouseholdEnv], agent: str, checkpoint: Path | None =
 class Player(Protocol):
     """Interface that chooses the actions of one environment's agents."""
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Reset at the start of an episode."""
         ...
 
@@ -77,18 +77,18 @@ class PolicyPlayer:
     def __init__(self, core: HouseholdEnv, policy: Policy, seed: int = 0) -> None:
         self.agents, self.policy = core.num_agents, policy
         self.keys = jax.random.key_data(jax.random.split(jax.random.key(seed), self.agents))
-        self.memory, self.first = policy.memory(self.agents), True
+        self.memory, self.is_first = policy.initial_memory(self.agents), True
         self._act: Callable[..., Any] = jax.jit(self._acted)
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Reset the memory."""
-        self.memory, self.first = self.policy.memory(self.agents), True
+        self.memory, self.is_first = self.policy.initial_memory(self.agents), True
 
     def act(self, state: State) -> Any:
         """Return the policy's action."""
-        begins = jnp.full(self.agents, self.first)
+        begins = jnp.full(self.agents, self.is_first)
         self.memory, action, self.keys = self._act(self.memory, state.obs, begins, self.keys)
-        self.first = False
+        self.is_first = False
         return np.asarray(action)
 
     def _acted(self, memory: Any, obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any, Any]:

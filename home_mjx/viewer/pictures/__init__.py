@@ -1,20 +1,27 @@
 """Images, videos and sound files for display."""
 
-from home_mjx.viewer.pictures.floor_map import map_picture
+from home_mjx.viewer.pictures.floor_map import draw_map
 from home_mjx.viewer.pictures.media import write_mp4, write_png, write_wav
-from home_mjx.viewer.pictures.pictures import captioned, depth_colours, enlarge, id_colours, sheet, waveform
-from home_mjx.viewer.pictures.top_view import Mark, TopView
+from home_mjx.viewer.pictures.pictures import (
+    add_caption,
+    colour_depth,
+    colour_ids,
+    compose_sheet,
+    draw_waveform,
+    enlarge,
+)
+from home_mjx.viewer.pictures.top_view import Marker, TopView
 
 __all__ = [
-    "Mark",
+    "Marker",
     "TopView",
-    "captioned",
-    "depth_colours",
+    "add_caption",
+    "colour_depth",
+    "colour_ids",
+    "compose_sheet",
+    "draw_map",
+    "draw_waveform",
     "enlarge",
-    "id_colours",
-    "map_picture",
-    "sheet",
-    "waveform",
     "write_mp4",
     "write_png",
     "write_wav",

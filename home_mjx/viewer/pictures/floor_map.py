@@ -6,16 +6,20 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image, ImageDraw
 
-from home_mjx.tasks.metrics.top_down import Ground, TopDownMap
+from home_mjx.tasks.metrics.top_down import CellOccupancy, TopDownMap
 
-COLOURS = {Ground.OUTSIDE: (24, 26, 30), Ground.BLOCKED: (120, 120, 125), Ground.FREE: (240, 240, 240)}
-GOAL, PATH, START = (255, 205, 40), (40, 120, 255), (225, 80, 70)
-AGENTS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
-FOG = 0.55  # brightness factor of unseen cells
-MARGIN = 2  # margin around the rooms [cells]
+COLOURS = {
+    CellOccupancy.OUTSIDE: (24, 26, 30),
+    CellOccupancy.BLOCKED: (120, 120, 125),
+    CellOccupancy.FREE: (240, 240, 240),
+}
+GOAL_COLOUR, PATH_COLOUR, START_COLOUR = (255, 205, 40), (40, 120, 255), (225, 80, 70)
+AGENT_COLOURS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
+UNSEEN_BRIGHTNESS = 0.55  # brightness factor of unseen cells
+MAP_MARGIN = 2  # margin around the rooms [cells]
 
 
-def map_picture(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
+def draw_map(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the rooms of a storey from above, north (+y) up; unseen cells are darker, agents are arrows.
 
     Args:
@@ -25,11 +29,11 @@ def map_picture(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"
     Example:
         >>> write_png("map.png", map_picture(found))  # doctest: +SKIP
     """
-    ground = np.asarray(found.ground)
-    inside = np.argwhere(ground != Ground.OUTSIDE)
-    low = np.maximum(inside.min(axis=0) - MARGIN, 0)
-    high = np.minimum(inside.max(axis=0) + MARGIN + 1, ground.shape)
-    image = _painted(found)[low[0] : high[0], low[1] : high[1]]
+    ground = np.asarray(found.occupancy)
+    inside = np.argwhere(ground != CellOccupancy.OUTSIDE)
+    low = np.maximum(inside.min(axis=0) - MAP_MARGIN, 0)
+    high = np.minimum(inside.max(axis=0) + MAP_MARGIN + 1, ground.shape)
+    image = _paint_cells(found)[low[0] : high[0], low[1] : high[1]]
     pixels = max(size // max(image.shape[:2]), 1)
     picture = Image.fromarray(np.repeat(np.repeat(image[::-1], pixels, axis=0), pixels, axis=1))
     draw = ImageDraw.Draw(picture)
@@ -41,20 +45,20 @@ def map_picture(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"
     radius = max(2 * pixels, 4)
     if found.start[0] >= 0:
         x, y = middle(np.asarray(found.start))
-        draw.ellipse((x - radius / 2, y - radius / 2, x + radius / 2, y + radius / 2), fill=START)
+        draw.ellipse((x - radius / 2, y - radius / 2, x + radius / 2, y + radius / 2), fill=START_COLOUR)
     for number, (cell, yaw) in enumerate(zip(np.asarray(found.agents), np.asarray(found.yaw), strict=True)):
         if cell[0] >= 0:
-            draw.polygon(_arrow(middle(cell), float(yaw), radius), fill=AGENTS[number % len(AGENTS)])
+            draw.polygon(_arrow(middle(cell), float(yaw), radius), fill=AGENT_COLOURS[number % len(AGENT_COLOURS)])
     return np.asarray(picture)
 
 
-def _painted(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
+def _paint_cells(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
     """Return the map with one pixel per cell."""
-    image = np.array([COLOURS[ground] for ground in Ground], float)[np.asarray(found.ground)]
+    image = np.array([COLOURS[ground] for ground in CellOccupancy], float)[np.asarray(found.occupancy)]
     goal = np.asarray(found.goal)
-    image[goal] = 0.35 * image[goal] + 0.65 * np.array(GOAL)
-    image[~np.asarray(found.seen)] *= FOG
-    image[np.asarray(found.visited)] = PATH
+    image[goal] = 0.35 * image[goal] + 0.65 * np.array(GOAL_COLOUR)
+    image[~np.asarray(found.seen)] *= UNSEEN_BRIGHTNESS
+    image[np.asarray(found.visited)] = PATH_COLOUR
     return image.astype(np.uint8)
 
 

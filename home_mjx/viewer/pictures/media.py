@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
-from home_mjx.core.files import write_durably, writing
+from home_mjx.core.files import convert_write_errors, write_durably
 from home_mjx.errors import HomeMjxError
 
 
@@ -60,7 +60,7 @@ def write_mp4(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav:
             said = done.stderr.decode(errors="replace").strip() or f"exit code {done.returncode}"
             hint = "If the disk is full, free some space, or choose another folder."
             raise HomeMjxError(f"ffmpeg could not write the film: {said}", file=path, hint=hint)
-        with writing("film", path):
+        with convert_write_errors("film", path):
             beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)

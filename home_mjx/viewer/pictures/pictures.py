@@ -8,12 +8,12 @@ from jaxtyping import Float, Int, UInt8
 from PIL import Image, ImageDraw, ImageFont
 
 BACKGROUND = (24, 26, 30)
-INK = (235, 235, 235)
+TEXT_COLOUR = (235, 235, 235)
 
 
-def depth_colours(depth: Float[np.ndarray, "h w"], farthest: float) -> UInt8[np.ndarray, "h w 3"]:
+def colour_depth(depth: Float[np.ndarray, "h w"], max_depth: float) -> UInt8[np.ndarray, "h w 3"]:
     """Map depth to colours: near is warm and bright, far is dark blue."""
-    near = 1 - np.clip(depth / farthest, 0, 1)
+    near = 1 - np.clip(depth / max_depth, 0, 1)
     ramp = np.array([[10, 12, 40], [60, 40, 120], [180, 60, 110], [245, 140, 60], [252, 250, 190]], float)
     place = near * (len(ramp) - 1)
     low = np.minimum(place.astype(int), len(ramp) - 2)
@@ -21,7 +21,7 @@ def depth_colours(depth: Float[np.ndarray, "h w"], farthest: float) -> UInt8[np.
     return (ramp[low] * (1 - mix) + ramp[low + 1] * mix).astype(np.uint8)
 
 
-def id_colours(ids: Int[np.ndarray, "h w"]) -> UInt8[np.ndarray, "h w 3"]:
+def colour_ids(ids: Int[np.ndarray, "h w"]) -> UInt8[np.ndarray, "h w 3"]:
     """Map ids to fixed colours; consecutive ids differ in hue, -1 is black."""
     values = np.unique(ids)
     table = np.array([_id_colour(int(v)) for v in values], np.uint8)
@@ -41,16 +41,16 @@ def enlarge(image: UInt8[np.ndarray, "h w 3"], size: int) -> UInt8[np.ndarray, "
     return np.asarray(Image.fromarray(image).resize((size * width // height, size), Image.Resampling.NEAREST))
 
 
-def captioned(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray, "h2 w 3"]:
+def add_caption(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray, "h2 w 3"]:
     """Add a line of text above an image."""
     height, width = image.shape[:2]
     canvas = Image.new("RGB", (width, height + 18), BACKGROUND)
     canvas.paste(Image.fromarray(image), (0, 18))
-    ImageDraw.Draw(canvas).text((4, 3), text, fill=INK, font=ImageFont.load_default(size=12))
+    ImageDraw.Draw(canvas).text((4, 3), text, fill=TEXT_COLOUR, font=ImageFont.load_default(size=12))
     return np.asarray(canvas)
 
 
-def sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) -> UInt8[np.ndarray, "_ _ 3"]:
+def compose_sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) -> UInt8[np.ndarray, "_ _ 3"]:
     """Compose panels in rows on a dark background."""
     heights = [max(panel.shape[0] for panel in row) for row in rows]
     widths = [sum(panel.shape[1] + gap for panel in row) for row in rows]
@@ -67,7 +67,9 @@ def sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) ->
     return np.asarray(canvas)
 
 
-def waveform(samples: Float[np.ndarray, "2 n"], width: int, height: int, peak: float) -> UInt8[np.ndarray, "h w 3"]:
+def draw_waveform(
+    samples: Float[np.ndarray, "2 n"], width: int, height: int, peak: float
+) -> UInt8[np.ndarray, "h w 3"]:
     """Draw the oscillogram of the left (above) and right (below) ear; `peak` fills the height."""
     canvas = Image.new("RGB", (width, height), BACKGROUND)
     draw = ImageDraw.Draw(canvas)

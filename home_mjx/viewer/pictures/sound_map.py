@@ -4,14 +4,14 @@ import numpy as np
 from jaxtyping import Bool, Float, UInt8
 from PIL import Image, ImageDraw
 
-from home_mjx.viewer.pictures.pictures import BACKGROUND, captioned, depth_colours
+from home_mjx.viewer.pictures.pictures import BACKGROUND, add_caption, colour_depth
 
-WALL = (120, 120, 125)
-SOURCE = (255, 255, 255)
-MARGIN = 2  # margin around the rooms [cells]
+WALL_COLOUR = (120, 120, 125)
+SOURCE_COLOUR = (255, 255, 255)
+SOUND_MAP_MARGIN = 2  # margin around the rooms [cells]
 
 
-def sound_map(
+def draw_sound_map(
     values: Float[np.ndarray, "rows columns"],
     room: Bool[np.ndarray, "rows columns"],
     source: Float[np.ndarray, "2"],
@@ -35,14 +35,14 @@ def sound_map(
     known = np.isfinite(values)
     low, high = (float(f(values[known])) for f in (np.min, np.max)) if known.any() else (0.0, 0.0)
     rows, columns = values.shape
-    image = np.full((rows + 2 * MARGIN, columns + 2 * MARGIN, 3), BACKGROUND, np.uint8)
-    inner = image[MARGIN:-MARGIN, MARGIN:-MARGIN]
-    inner[room] = WALL
+    image = np.full((rows + 2 * SOUND_MAP_MARGIN, columns + 2 * SOUND_MAP_MARGIN, 3), BACKGROUND, np.uint8)
+    inner = image[SOUND_MAP_MARGIN:-SOUND_MAP_MARGIN, SOUND_MAP_MARGIN:-SOUND_MAP_MARGIN]
+    inner[room] = WALL_COLOUR
     span = max(high - low, 1e-6)
-    inner[known] = depth_colours((high - values[known])[None], span)[0]
+    inner[known] = colour_depth((high - values[known])[None], span)[0]
     pixels = max(size // max(image.shape[:2]), 1)
     picture = Image.fromarray(np.repeat(np.repeat(image[::-1], pixels, axis=0), pixels, axis=1))
-    y, x = (image.shape[0] - source[0] - MARGIN) * pixels, (source[1] + MARGIN) * pixels
+    y, x = (image.shape[0] - source[0] - SOUND_MAP_MARGIN) * pixels, (source[1] + SOUND_MAP_MARGIN) * pixels
     radius = max(pixels, 4)
-    ImageDraw.Draw(picture).ellipse((x - radius, y - radius, x + radius, y + radius), outline=SOURCE, width=2)
-    return captioned(np.asarray(picture), f"{caption}: {low:.3g} (dark) to {high:.3g} (bright)")
+    ImageDraw.Draw(picture).ellipse((x - radius, y - radius, x + radius, y + radius), outline=SOURCE_COLOUR, width=2)
+    return add_caption(np.asarray(picture), f"{caption}: {low:.3g} (dark) to {high:.3g} (bright)")

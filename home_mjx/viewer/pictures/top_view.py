@@ -13,17 +13,17 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select
-from home_mjx.raycast_render.shaders.shading import albedo, encode
+from home_mjx.raycast_render.shaders.shading import albedo, encode_srgb
 from home_mjx.schema.compiled import ARCHITECTURE
 
-CUT = 2.2  # [m] cut height above the floor: above furniture and doors, below lintels' tops and ceilings
-MARGIN = 0.4  # [m] around the walls
-WALL = 0.02  # linear grey of cut walls
+CUT_HEIGHT = 2.2  # [m] cut height above the floor: above furniture and doors, below lintels' tops and ceilings
+VIEW_MARGIN = 0.4  # [m] around the walls
+CUT_WALL_GREY = 0.02  # linear grey of cut walls
 Colour = tuple[int, int, int]
-PATH, HERE, RADIO = (40, 90, 255), (20, 200, 90), (235, 40, 40)
+PATH_COLOUR, AGENT_COLOUR, SOURCE_COLOUR = (40, 90, 255), (20, 200, 90), (235, 40, 40)
 
 
-class Mark(NamedTuple):
+class Marker(NamedTuple):
     """Dot on an image."""
 
     pos: Float[np.ndarray, " *p"]  # [m]
@@ -47,35 +47,37 @@ class TopView:
         self.scale = pixels / side
         ticks = (np.arange(pixels) + 0.5) / self.scale
         x, y = np.meshgrid(self.low[0] + ticks, self.low[1] + ticks[::-1])
-        top = float(bank.navigation.floor[house, level]) + CUT
+        top = float(bank.navigation.floor[house, level]) + CUT_HEIGHT
         origin = jnp.asarray(np.stack([x, y, np.full_like(x, top)], axis=-1), jnp.float32)
-        self.image = np.asarray(_from_above(scene, origin))
+        self.image = np.asarray(_render_from_above(scene, origin))
 
-    def with_path(
+    def draw_path(
         self, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"], size: int
     ) -> UInt8[np.ndarray, "s s 3"]:
         """Return the image with a path [m], its end, and the sound source."""
-        image = self.marked([Mark(path[-1], HERE, 7), Mark(source, RADIO, 9)], path)
+        image = self.draw_markers([Marker(path[-1], AGENT_COLOUR, 7), Marker(source, SOURCE_COLOUR, 9)], path)
         return np.asarray(Image.fromarray(image).resize((size, size), Image.Resampling.LANCZOS))
 
-    def marked(self, marks: Sequence[Mark], path: Float[np.ndarray, "t 3"] | None = None) -> UInt8[np.ndarray, "s s 3"]:
+    def draw_markers(
+        self, marks: Sequence[Marker], path: Float[np.ndarray, "t 3"] | None = None
+    ) -> UInt8[np.ndarray, "s s 3"]:
         """Return the image with dots, and a path [m] below them."""
         canvas = Image.fromarray(self.image)
         draw, unit = ImageDraw.Draw(canvas), len(self.image) / 512
         if path is not None and len(path) > 1:
-            draw.line([self.pixel(p) for p in path], fill=PATH, width=round(4 * unit))
+            draw.line([self.to_pixel(p) for p in path], fill=PATH_COLOUR, width=round(4 * unit))
         for mark in marks:
-            (x, y), radius = self.pixel(mark.pos), mark.radius * unit
+            (x, y), radius = self.to_pixel(mark.pos), mark.radius * unit
             draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=mark.colour)
         return np.asarray(canvas)
 
-    def cropped(self, image: UInt8[np.ndarray, "s s 3"]) -> UInt8[np.ndarray, "h w 3"]:
+    def crop(self, image: UInt8[np.ndarray, "s s 3"]) -> UInt8[np.ndarray, "h w 3"]:
         """Crop an image to the extent of the rooms."""
         width, height = (int(length * self.scale) for length in self.size)
         x, y = (len(image) - width) // 2, (len(image) - height) // 2
         return image[y : y + height, x : x + width]
 
-    def pixel(self, point: Float[np.ndarray, " *p"]) -> tuple[float, float]:
+    def to_pixel(self, point: Float[np.ndarray, " *p"]) -> tuple[float, float]:
         """Return column and row of a point [m]."""
         x, y = (np.asarray(point[:2]) - self.low) * self.scale
         return float(x), float(self.image.shape[0] - y)
@@ -85,22 +87,26 @@ def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]
     """Return the lower corner of a square around a house's rooms, the extent of the rooms, the square's side [m]."""
     inside = np.argwhere(np.asarray(bank.navigation.room[house, 0]) >= 0)
     low, high = inside.min(0)[::-1] * bank.spec.cell, (inside.max(0)[::-1] + 1) * bank.spec.cell
-    size = high - low + 2 * MARGIN
+    size = high - low + 2 * VIEW_MARGIN
     side = float(size.max())
     return np.asarray(bank.navigation.origin[house]) + (low + high) / 2 - side / 2, size, side
 
 
 @jax.jit
-def _from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
+def _render_from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
     down = jnp.broadcast_to(jnp.array([0.0, 0.0, -1.0], jnp.float32), origin.shape)
     hit = cast(scene, origin, down)
     # Lower surfaces are darker, which separates furniture from the floor.
-    light = 1 - 0.5 * jnp.clip(hit.t / CUT, 0, 1)
+    light = 1 - 0.5 * jnp.clip(hit.t / CUT_HEIGHT, 0, 1)
     color = albedo(scene, hit) * light
-    return select(in_wall(scene, origin), Vec(WALL, WALL, WALL), color).map(encode).packed()
+    return (
+        select(is_in_wall(scene, origin), Vec(CUT_WALL_GREY, CUT_WALL_GREY, CUT_WALL_GREY), color)
+        .map(encode_srgb)
+        .pack()
+    )
 
 
-def in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
+def is_in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
     """Return whether points are inside walls, where a downward view would start behind the surface.
 
     Walls are closed solids: from inside one, a ray hits the back of a face, in x or in y.

@@ -1,1 +1,1 @@
-"""What goes into each type of room, and in which order."""
+"""Recipes: the objects of each room type in order of placement."""

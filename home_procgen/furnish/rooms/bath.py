@@ -16,7 +16,7 @@ AT_BASIN = (
 
 
 def bathroom(room: Room) -> None:
-    """A tub or a shower first, then a toilet, a basin under a mirror, towels, a washing machine."""
+    """Place a tub or a shower first, then a toilet, a basin under a mirror, towels and a washing machine."""
     kinds = room.rng.permutation(["plain_bathtub", "shower"]).tolist()
     if room.plan.area > 7.5 and room.chance(0.1):
         kinds = ["corner_bathtub", *kinds]
@@ -49,14 +49,14 @@ def bathroom(room: Room) -> None:
 
 
 def _washing(room: Room, item: PlacedFurniture) -> PlacedFurniture | None:
-    """A shower or a corner tub in a corner, its open sides away from the walls; other tubs at a wall."""
+    """Place a shower or a corner tub in a corner, its open sides away from the walls; other tubs at a wall."""
     if item.model.family == "shower" or item.model in models_of("corner_bathtub"):
         return in_corner(room, item, 0.45)
     return against_wall(room, item, 0.45, corners=0.2)
 
 
 def toilet(room: Room) -> None:
-    """A toilet, paper and a small basin."""
+    """Place a toilet, paper and a small basin."""
     closet(room)
     basin(room, "small_basin")
     add(room, "paper_bin", 0.0, 0.3)
@@ -66,7 +66,7 @@ def toilet(room: Room) -> None:
 
 
 def closet(room: Room) -> PlacedFurniture | None:
-    """A toilet with paper and a brush."""
+    """Place a toilet with paper and a brush; None if it does not fit."""
     if room.chance(0.06) and (placed := fit(room, "corner_toilet", lambda item: across_corner(room, item))):
         return placed
     placed = fit(room, "plain_toilet", lambda item: against_wall(room, item, 0.4))
@@ -83,7 +83,7 @@ def closet(room: Room) -> PlacedFurniture | None:
 
 
 def basin(room: Room, kind: str) -> None:
-    """A basin under a mirror, soap on it, a lamp above."""
+    """Place a basin under a mirror, soap on it, and a lamp above."""
     placed = fit(room, kind, lambda item: against_wall(room, item, 0.4))
     if placed is None and kind != "small_basin":
         placed = fit(room, "small_basin", lambda item: against_wall(room, item, 0.35))
@@ -98,7 +98,7 @@ def basin(room: Room, kind: str) -> None:
 
 
 def _mat(room: Room, anchor: PlacedFurniture) -> None:
-    """A mat before a tub, a shower or a basin."""
+    """Place a mat in front of a tub, a shower or a basin."""
     mat = room.object("mat")
     x, z = anchor.beside(0.0, float(anchor.size[2] + mat.size[2]) / 2 + 0.06)
     place(room, mat.at(x, FLOOR_TOP, z, anchor.quarter))

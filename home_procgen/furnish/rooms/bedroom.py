@@ -1,4 +1,4 @@
-"""Bedrooms: a bed with what stands beside it, clothes, a desk or a dressing table."""
+"""Bedrooms: a bed with nightstands, a wardrobe, a desk or a dressing table."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -30,7 +30,7 @@ CORNERS = (
 
 
 def bedroom(room: Room) -> None:
-    """A double bed, a wardrobe, and what else fits."""
+    """Place a double bed, a wardrobe, and optional furniture as space allows."""
     windows(room, ("long_curtain", "long_curtain", "short_curtain"), 0.5)
     bed(room, "double_bed")
     wardrobe(room)
@@ -48,14 +48,14 @@ def bedroom(room: Room) -> None:
 
 
 def wardrobe(room: Room) -> PlacedFurniture | None:
-    """A wardrobe at a wall, sometimes in a corner."""
+    """Place a wardrobe at a wall, sometimes in a corner."""
     if room.chance(0.1) and (placed := fit(room, "corner_wardrobe", lambda item: in_corner(room, item, 0.4))):
         return placed
     return add(room, "plain_wardrobe", 0.55)
 
 
 def television(room: Room) -> None:
-    """Maybe a television, on a stand or on a wall."""
+    """Place a television at random, on a stand or on a wall."""
     if room.chance(0.25):
         fit(room, "low_tv_stand", lambda item: screened(room, item))
     elif room.chance(0.25):
@@ -63,7 +63,7 @@ def television(room: Room) -> None:
 
 
 def rest(room: Room) -> None:
-    """Small furniture, baskets, pictures."""
+    """Place small furniture, baskets and pictures."""
     odds = (
         ("armchair", 0.25),
         ("bookshelf", 0.2),
@@ -89,7 +89,7 @@ def rest(room: Room) -> None:
 
 
 def bed(room: Room, kind: str) -> PlacedFurniture | None:
-    """A bed with a nightstand on each side, on one, or on none; a rug, a picture above."""
+    """Place a bed with a nightstand on both sides, on one, or on none; a rug, and a picture above."""
     stand = room.object("nightstand")
     for sides in ((-1, 1), (-1,), (1,), ()):
         companions = partial(_stands, stand=stand, sides=sides)
@@ -108,7 +108,7 @@ def _stands(bed: PlacedFurniture, stand: PlacedFurniture, sides: Sequence[int]) 
 
 
 def _beside(room: Room, placed: PlacedFurniture, stands: Sequence[PlacedFurniture]) -> None:
-    """Lamps and things on nightstands, a rug at the foot, a picture above the head."""
+    """Place lamps and objects on nightstands, a rug at the foot of the bed, and a picture above its head."""
     lamp, on_wall = room.object("bedside_lamp"), room.chance(0.15)
     for item in stands:
         if on_wall:
@@ -124,7 +124,7 @@ def _beside(room: Room, placed: PlacedFurniture, stands: Sequence[PlacedFurnitur
 
 
 def chest(room: Room, probability: float) -> None:
-    """A chest of drawers, a mirror or a picture above, things on it; sometimes a television."""
+    """Place a chest of drawers with objects on it and a mirror above, or with a television."""
     placed = add(room, "dresser", 0.5, probability)
     if placed is None:
         return
@@ -136,7 +136,7 @@ def chest(room: Room, probability: float) -> None:
 
 
 def dressing_table(room: Room) -> None:
-    """A dressing table with a stool."""
+    """Place a dressing table with a stool."""
     stool = room.object(str(room.rng.choice(["ottoman", "low_stool"])))
 
     def companions(table: PlacedFurniture) -> Iterator[PlacedFurniture]:
@@ -148,7 +148,7 @@ def dressing_table(room: Room) -> None:
 
 
 def guest_room(room: Room) -> None:
-    """A bed, a wardrobe and an armchair."""
+    """Place a bed, a wardrobe and an armchair."""
     windows(room, ("long_curtain", "short_curtain"), 0.5)
     bed(room, str(room.rng.choice(["double_bed", "single_bed"])))
     wardrobe(room)

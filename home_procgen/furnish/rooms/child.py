@@ -11,7 +11,7 @@ ON_SHELF = (("toy", 0.6), ("toy_animal", 0.5), ("books", 0.5), ("ornament", 0.2)
 
 
 def child_room(room: Room) -> None:
-    """A bed, a desk, shelves with toys, and toys on the floor."""
+    """Place a bed, a desk, shelves with toys, and toys on the floor."""
     windows(room, ("long_curtain", "short_curtain"), 0.5)
     baby = room.chance(0.2)
     if not baby and room.chance(0.25):

@@ -1,4 +1,4 @@
-"""Desks, and the rooms for work."""
+"""Desks, and offices."""
 
 from collections.abc import Iterator
 
@@ -22,7 +22,7 @@ ON_DESK = (
 
 
 def desk(room: Room, kind: str = "plain_desk") -> PlacedFurniture | None:
-    """A desk at a wall with a chair before it, a computer and what work leaves on it."""
+    """Place a desk at a wall with a chair, a computer and small objects; None if it does not fit."""
     chair = room.object("office_chair" if room.chance(0.8) else "chair")
 
     def companions(placed: PlacedFurniture) -> Iterator[PlacedFurniture]:
@@ -33,7 +33,7 @@ def desk(room: Room, kind: str = "plain_desk") -> PlacedFurniture | None:
 
 
 def corner_desk(room: Room) -> PlacedFurniture | None:
-    """A desk along two walls with a chair between its wings, turned to the corner."""
+    """Place a desk along two walls, with a chair between its wings that faces the corner; None if it does not fit."""
     chair = room.object("office_chair")
 
     def companions(placed: PlacedFurniture) -> Iterator[PlacedFurniture]:
@@ -51,7 +51,7 @@ def corner_desk(room: Room) -> PlacedFurniture | None:
 
 
 def _used(room: Room, placed: PlacedFurniture) -> PlacedFurniture:
-    """A computer on a desk, and what work leaves there."""
+    """Place a computer and small objects on a desk."""
     machine = "computer" if room.chance(0.4) else "laptop"
     if on_top(room, placed, machine, straight=machine == "computer", middle=True) and machine == "computer":
         _tower(room, placed)
@@ -62,7 +62,7 @@ def _used(room: Room, placed: PlacedFurniture) -> PlacedFurniture:
 
 
 def _tower(room: Room, placed: PlacedFurniture) -> None:
-    """The computer itself, below or beside the desk."""
+    """Place a computer tower below or beside the desk, at random."""
     if room.chance(0.6):
         tower = room.object("computer_tower")
         for right in (0.35, -0.35, 0.9, -0.9):
@@ -72,7 +72,7 @@ def _tower(room: Room, placed: PlacedFurniture) -> None:
 
 
 def scattered_bin(room: Room, placed: PlacedFurniture) -> None:
-    """A bin for paper beside a desk."""
+    """Place a paper bin beside a desk."""
     item = room.object("paper_bin")
     for side in (-1, 1):
         x, z = placed.beside(side * float(placed.size[0] / 2 + item.size[0] / 2 + 0.05), 0.0)
@@ -81,7 +81,7 @@ def scattered_bin(room: Room, placed: PlacedFurniture) -> None:
 
 
 def office(room: Room) -> None:
-    """A desk and shelves; sometimes a second desk, a table for a meeting, a board."""
+    """Place a desk and shelves; sometimes a second desk, an armchair and a whiteboard."""
     windows(room, ("short_curtain", "short_curtain", "long_curtain", ""), 0.5)
     if not (room.chance(0.35) and corner_desk(room)) and not desk(room):
         return

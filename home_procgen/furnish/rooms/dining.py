@@ -1,4 +1,4 @@
-"""Tables with chairs, and the rooms made for them."""
+"""Dining sets and dining rooms."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from home_procgen.furnish.space.room import Room
 from home_procgen.furnish.space.seats import seated, sides
 from home_procgen.furnish.space.spots import add, freely, place
 
-AROUND = 0.3  # [m], of a table, that its chairs need
+AROUND = 0.3  # [m], width around a table that its chairs need
 INWARD = 0.22  # [m], from the edge of a table to the middle of a plate
 MIDDLE = ("table_vase", "fruit_bowl", "candle", "small_plant", "cake", "jug", "teapot", "food", "bread")
 LEFT_OVER = (
@@ -26,7 +26,7 @@ SIDEBOARD = (
 
 
 def dining_set(room: Room, seats: int) -> PlacedFurniture | None:
-    """A table with chairs all round, or a smaller one if that does not fit."""
+    """Place a table with chairs around it, or a smaller one if it does not fit; None if none fits."""
     chair = room.object("chair")
     for kind, number in (("dining_table", seats), ("dining_table", 4), ("table", 4), ("table", 2)):
         for item in room.options(kind):
@@ -41,7 +41,7 @@ def dining_set(room: Room, seats: int) -> PlacedFurniture | None:
 
 
 def _laid(room: Room, table: PlacedFurniture, seats: int) -> None:
-    """What is on a table: laid for a meal, or what somebody has left there."""
+    """Place objects on a table: settings for a meal, or leftover objects."""
     if room.chance(0.75):
         kind = str(room.rng.choice(MIDDLE, p=_odds((4, 3, 2, 2, 0.5, 0.7, 0.7, 0.6, 0.6))))
         on_top(room, table, kind, middle=True)
@@ -59,7 +59,7 @@ def _odds(weights: Sequence[float]) -> list[float]:
 
 
 def dining_room(room: Room) -> None:
-    """A table for six, a sideboard, glasses, pictures."""
+    """Place a table for four to eight, a sideboard, a glass cabinet and pictures."""
     windows(room, ("long_curtain", "short_curtain", ""), 0.5)
     dining_set(room, int(room.rng.choice([4, 6, 6, 8])))
     some(room, add(room, "dresser", 0.5, 0.85), SIDEBOARD, 4)

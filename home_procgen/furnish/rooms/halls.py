@@ -10,7 +10,7 @@ from home_procgen.furnish.space.spots import add, place, scattered, somewhere
 
 
 def hallway(room: Room) -> None:
-    """Where coats and shoes go, and a mirror to look into before one leaves."""
+    """Place a shoe cabinet, coat hooks or a coat stand, shoes, mirrors and a runner."""
     windows(room, ("short_curtain", "long_curtain", ""), 0.4)
     cabinet = add(room, "shoes_cabinet", 0.35)
     some(room, cabinet, (("table_vase", 0.4), ("telephone", 0.3), ("ornament", 0.3), ("photo", 0.3)), 2)
@@ -38,14 +38,14 @@ def hallway(room: Room) -> None:
 
 
 def _shoes(room: Room) -> None:
-    """A pair of shoes at a wall."""
+    """Place a pair of shoes at a wall, at random."""
     item = room.object("shoes")
     if item and room.clutter(0.7):
         add(room, "shoes")
 
 
 def runner(room: Room) -> None:
-    """A rug along a part of a hall."""
+    """Place a rug along a part of a hall, at random."""
     if not room.chance(0.45):
         return
     for _ in range(4):
@@ -57,7 +57,7 @@ def runner(room: Room) -> None:
 
 
 def lounge_hall(room: Room) -> None:
-    """A hall: as a hallway, with more furniture where there is space."""
+    """Place the objects of a hallway, and more furniture as space allows."""
     hallway(room)
     add(room, "bookshelf", 0.5, 0.3)
     some(room, add(room, "dresser", 0.5, 0.3), ON_CHEST, 4)
@@ -71,7 +71,7 @@ def lounge_hall(room: Room) -> None:
 
 
 def dressing_room(room: Room) -> None:
-    """Wardrobes, rails, a mirror, shoes and a stool."""
+    """Place wardrobes, rails, a mirror, shoes and a stool."""
     for probability in (1.0, 0.8, 0.4):
         add(room, "plain_wardrobe", 0.5, probability)
     add(room, "clothes_rail", 0.4, 0.5)
@@ -88,7 +88,7 @@ def dressing_room(room: Room) -> None:
 
 
 def entryway(room: Room) -> None:
-    """A small hall."""
+    """Place the objects of a hallway, and sometimes a side table."""
     hallway(room)
     if stand := add(room, "side_table", 0.0, 0.15):
         on_top(room, stand, "small_plant")

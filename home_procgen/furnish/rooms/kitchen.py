@@ -1,4 +1,4 @@
-"""Kitchens: rows of units along a wall, cabinets and a hood above, things on the counters."""
+"""Kitchens: rows of units along a wall, cabinets and a hood above, and objects on the counters."""
 
 from collections.abc import Iterator, Sequence
 
@@ -17,10 +17,10 @@ from home_procgen.furnish.space.spots import GAP, HUNG, add, backed, clear_of, f
 from home_procgen.furnish.space.turned import turned
 from home_procgen.style.kinds import models_of
 
-UNDER, RAIL = 1.45, 1.2  # [m], undersides of wall cabinets and of what hangs between them and the counter
-ENDS = 0.25  # [m], between the side of a unit in a corner and that of the cabinet above it
-HOOD_ROOM = 2.44  # [m], where hoods end
-# The kinds of a row from one end, longer rows first.
+UNDER, RAIL = 1.45, 1.2  # [m], undersides of wall cabinets, and height of rails between them and the counter
+ENDS = 0.25  # [m], maximum distance between the sides of a corner cabinet and of the unit below it
+HOOD_ROOM = 2.44  # [m], height of the tops of hoods
+# Kinds of units of a row, in order from one end; longer rows first.
 ROWS = (
     ("fridge", "pantry", "base_cabinet", "kitchen_sink", "dishwasher", "base_cabinet", "stove", "base_cabinet"),
     ("fridge", "base_cabinet", "kitchen_sink", "dishwasher", "base_cabinet", "stove", "base_cabinet"),
@@ -32,7 +32,7 @@ ROWS = (
     ("kitchen_sink", "base_cabinet", "stove"),
     ("kitchen_sink", "stove"),
 )
-# What may stand on the counters: first what nearly all kitchens have.
+# Objects on the counters: the most common ones first.
 COUNTER = (
     *(("microwave", 0.9), ("kettle", 0.9), ("coffee_machine", 0.9), ("knife_block", 0.7), ("cutting_board", 0.75)),
     *(
@@ -49,7 +49,7 @@ COUNTER = (
 
 
 def kitchen(room: Room) -> None:
-    """A row of units along one wall, sometimes more across it, an island, and a place to eat."""
+    """Place a row of units along one wall, sometimes a second row, an island, and a dining set."""
     row = next((row for kinds in ROWS if (row := _row(room, kinds))), [])
     bases = [unit for unit in row if unit.model.family == "kitchen_cabinet" and unit.size[1] < 1.0]
     if row:
@@ -82,7 +82,10 @@ def kitchen(room: Room) -> None:
 
 
 def _row(room: Room, kinds: Sequence[str]) -> list[PlacedFurniture] | None:
-    """Units side by side along one wall, in the given or the reverse order, with free floor before them."""
+    """Place units side by side along one wall, in the given or the reverse order; None if they do not fit.
+
+    The floor in front of them stays free.
+    """
     items = _units(room, kinds)
     total = float(sum(item.size[0] for item in items))
     walls = [wall for wall in room.plan.walls if wall.length >= total + 2 * (HALF + GAP)]
@@ -99,21 +102,21 @@ def _row(room: Room, kinds: Sequence[str]) -> list[PlacedFurniture] | None:
 
 
 def _units(room: Room, kinds: Sequence[str]) -> list[PlacedFurniture]:
-    """Units of a row: two models of cabinets at most, so that they look alike."""
+    """Return the units of a row, with at most two cabinet models, so that they match."""
     cabinets = [room.object("base_cabinet") for _ in range(2)]
     items = [cabinets[int(room.rng.integers(2))] if kind == "base_cabinet" else room.object(kind) for kind in kinds]
     return items[::-1] if room.chance(0.5) else items
 
 
 def _lined(items: Sequence[PlacedFurniture], wall: Wall, along: float) -> Iterator[PlacedFurniture]:
-    """Things side by side at a wall, from a coordinate along it."""
+    """Generate objects side by side at a wall, from a coordinate along it."""
     for item in items if wall.normal[1 - wall.axis] * (1 if wall.axis == 0 else -1) > 0 else items[::-1]:
         yield backed(item, wall, along + float(item.size[0]) / 2)
         along += float(item.size[0])
 
 
 def _above(room: Room, row: Sequence[PlacedFurniture]) -> None:
-    """A hood over the stove and cabinets over the rest, where no window is."""
+    """Place a hood over the stove and cabinets over the other units, except in front of windows."""
     shelf = room.chance(0.2)
     kinds = ("wall_shelf", "wall_shelf") if shelf else ("door_cabinet", "wall_cabinet")
     cabinets = [room.object(kind) for kind in kinds]
@@ -134,7 +137,7 @@ def _above(room: Room, row: Sequence[PlacedFurniture]) -> None:
 
 
 def _corner_cabinet(room: Room, row: Sequence[PlacedFurniture]) -> None:
-    """A wall cabinet in the corner where a row begins or ends, over one of its units."""
+    """Place a wall cabinet in the corner at the end of a row, over one of its units."""
     item = room.object("corner_wall_cabinet")
     for spot in corner_spots(room, item, FLOOR_TOP + UNDER, HUNG):
         placed = item.at(*spot)
@@ -144,7 +147,7 @@ def _corner_cabinet(room: Room, row: Sequence[PlacedFurniture]) -> None:
 
 
 def _counters(room: Room, row: Sequence[PlacedFurniture], bases: Sequence[PlacedFurniture]) -> None:
-    """What stands on the counters and hangs above them."""
+    """Place objects on the counters, and rails above them."""
     for unit in row:
         if unit.model.family == "kitchen_sink":
             for kind, probability in (("soap_dispenser", 0.5), ("plates", 0.25), ("cup", 0.3)):
@@ -167,7 +170,7 @@ def _counters(room: Room, row: Sequence[PlacedFurniture], bases: Sequence[Placed
 
 
 def _island(room: Room, bases: list[PlacedFurniture]) -> None:
-    """An island with stools on one side."""
+    """Place an island with stools on one side."""
     stool = room.object("bar_stool")
 
     def companions(island: PlacedFurniture) -> Iterator[PlacedFurniture]:

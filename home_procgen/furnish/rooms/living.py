@@ -30,9 +30,9 @@ from home_procgen.furnish.space.spots import (
 from home_procgen.furnish.space.tops import carries, tops_of
 from home_procgen.furnish.space.turned import turned
 
-NEAREST, FARTHEST = 2.1, 4.3  # [m], from the television's wall to the back of a sofa that stands at a wall
-AMID = (2.9, 3.2, 2.7, 3.5)  # [m], the same for a sofa in the middle of the room
-BEFORE = 0.38  # [m], between sofa and table
+NEAREST, FARTHEST = 2.1, 4.3  # [m], range from the television's wall to the back of a sofa at the opposite wall
+AMID = (2.9, 3.2, 2.7, 3.5)  # [m], distances to try for a sofa in the middle of the room
+BEFORE = 0.38  # [m], gap between sofa and table
 ON_TABLE = (
     ("magazine", 0.45),
     ("book", 0.4),
@@ -64,7 +64,7 @@ ON_CHEST = (
 
 
 def living_room(room: Room) -> None:
-    """A television and a sofa that looks at it, a table between them; books, plants, and what people there like."""
+    """Place a television, a sofa that faces it and a table; then books, plants, and objects by interest."""
     windows(room, ("long_curtain", "long_curtain", "short_curtain", ""), 0.45)
     if room.chance(0.14):
         fire = add(room, "mantel" if room.chance(0.7) else "stove_fire", 0.7)
@@ -82,7 +82,7 @@ def living_room(room: Room) -> None:
 
 
 def extras(room: Room) -> None:
-    """Shelves, music, plants, pictures."""
+    """Place shelves, instruments, plants and pictures."""
     for probability in (0.75, 0.4):
         add(room, "bookshelf", 0.5, probability * (1.3 if "books" in room.style.interests else 0.7))
     some(room, add(room, "dresser", 0.5, 0.35), ON_CHEST, 4)
@@ -116,14 +116,14 @@ def extras(room: Room) -> None:
 
 
 def greenery(room: Room, probability: float, most: int) -> None:
-    """Plants in corners."""
+    """Place plants at walls."""
     for _ in range(most):
         if room.chance(probability if "plants" in room.style.interests else 0.5 * probability):
             add(room, str(room.rng.choice(["plant", "slim_plant", "slim_plant", "floor_vase"])))
 
 
 def lounge(room: Room) -> tuple[PlacedFurniture | None, PlacedFurniture | None]:
-    """A sofa and a table before it, if possible before a television."""
+    """Place a sofa with a table in front of it, if possible opposite a television; None for parts that do not fit."""
     hung = room.chance(0.3)
     for kind in ("sofa", "two_seater"):
         for stand in _stands(room):
@@ -136,7 +136,7 @@ def lounge(room: Room) -> tuple[PlacedFurniture | None, PlacedFurniture | None]:
 
 
 def corner_lounge(room: Room) -> tuple[PlacedFurniture, PlacedFurniture] | None:
-    """A sofa along two walls, a table between its wings, a television at the wall before it."""
+    """Place a corner sofa, a table between its wings, and a television at the opposite wall; None if none fits."""
     sofa, table = room.object("corner_sofa"), room.object("coffee_table")
     hand = -1.0 if sofa.mirrored else 1.0
     for spot in corner_spots(room, sofa):
@@ -155,7 +155,7 @@ def corner_lounge(room: Room) -> tuple[PlacedFurniture, PlacedFurniture] | None:
 
 
 def _before(room: Room, sofa: PlacedFurniture, hand: float) -> Iterator[PlacedFurniture]:
-    """Stands at the wall that a corner sofa faces, before its long seat."""
+    """Generate places for a television stand at the wall that a corner sofa faces, in front of its long seat."""
     for stand in _stands(room):
         for spot in _walls(room, stand):
             away = np.subtract((spot.position[0], spot.position[2]), (sofa.position[0], sofa.position[2]))
@@ -170,7 +170,7 @@ def _stands(room: Room) -> Iterator[PlacedFurniture]:
 
 
 def _walls(room: Room, stand: PlacedFurniture) -> list[PlacedFurniture]:
-    """Places for a stand at the walls, those in corners last."""
+    """Return places for a stand at the walls in random order, those in corners last."""
     spots, corner = along_walls(room, stand, step=0.4)
     order = np.argsort(room.rng.random(len(spots)) + corner, kind="stable").tolist()
     return [stand.at(*spots[i]) for i in order]
@@ -179,7 +179,10 @@ def _walls(room: Room, stand: PlacedFurniture) -> list[PlacedFurniture]:
 def _group(
     room: Room, stand: PlacedFurniture, sofa: PlacedFurniture, table: PlacedFurniture, hung: bool
 ) -> tuple[PlacedFurniture, PlacedFurniture] | None:
-    """A television, a sofa opposite, at the wall there or in the middle of the room, and a table between them."""
+    """Place a television, a sofa opposite and a table between them; None if they do not fit.
+
+    The sofa is at the opposite wall or in the middle of the room.
+    """
     far = reach(room, stand.position[0], stand.position[2], ahead(stand)) - HALF - GAP + float(stand.size[2]) / 2
     backs = [far] if NEAREST < far < FARTHEST else [d for d in AMID if d < far - 0.8]
     screen = _screen(room, stand, hung)
@@ -200,7 +203,10 @@ def _group(
 def _opposite(
     room: Room, stand: PlacedFurniture, sofa: PlacedFurniture, table: PlacedFurniture, back: float, shift: float
 ) -> tuple[PlacedFurniture, PlacedFurniture | None]:
-    """A sofa with its back so far before a stand, and a table before it, as near as its shape allows."""
+    """Return a sofa whose back is `back` metres from a stand, and a table as close to it as its shape allows.
+
+    The table is None if the sofa or every place for the table is blocked.
+    """
     x, z = stand.beside(shift, back - float(sofa.size[2]) / 2)
     spot = sofa.at(x, FLOOR_TOP, z, stand.quarter + 2)
     if room.solid.meets(hull(spot)):
@@ -215,7 +221,7 @@ def _opposite(
 
 
 def _screen(room: Room, stand: PlacedFurniture, hung: bool) -> PlacedFurniture | None:
-    """A television on a stand, or on the wall above it."""
+    """Return a television on a stand, or on the wall above it; None if no model fits on the stand."""
     x, z = stand.position[0], stand.position[2]
     if hung:
         screen = room.object("wall_television")
@@ -230,7 +236,7 @@ def _screen(room: Room, stand: PlacedFurniture, hung: bool) -> PlacedFurniture |
 
 
 def screened(room: Room, stand: PlacedFurniture) -> PlacedFurniture | None:
-    """A stand with a television at any wall."""
+    """Place a stand with a television at any wall; None if it does not fit."""
 
     def companions(spot: PlacedFurniture) -> Iterator[PlacedFurniture]:
         screen = _screen(room, spot, False)
@@ -241,7 +247,7 @@ def screened(room: Room, stand: PlacedFurniture) -> PlacedFurniture | None:
 
 
 def around(room: Room, sofa: PlacedFurniture, table: PlacedFurniture) -> None:
-    """A rug, armchairs, a lamp and a side table beside the sofa, a picture above it, things on the tables."""
+    """Place a rug, armchairs, a lamp, a side table and a picture around a sofa, and objects on the tables."""
     x, _, z = table.position
     if room.chance(0.8):
         place(room, room.object("large_rug").at(x, FLOOR_TOP, z, sofa.quarter))
@@ -266,7 +272,7 @@ def around(room: Room, sofa: PlacedFurniture, table: PlacedFurniture) -> None:
 
 
 def _armchair(room: Room, table: PlacedFurniture, side: int) -> None:
-    """An armchair beside a table, turned towards it."""
+    """Place an armchair beside a table, turned towards it."""
     chair = room.object("armchair")
     for away, front in ((0.35, 0.1), (0.5, 0.3), (0.5, -0.1)):
         x, z = table.beside(side * (float(table.size[0] + chair.size[2]) / 2 + away), front)

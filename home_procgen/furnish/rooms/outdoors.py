@@ -9,7 +9,7 @@ ON_TABLE = (("small_plant", 0.5), ("glass", 0.4), ("bottle", 0.3), ("fruit_bowl"
 
 
 def terrace(room: Room) -> None:
-    """A place to eat or to lie, a grill, plants, a parasol."""
+    """Place a table, loungers, a grill, plants and a parasol."""
     if room.chance(0.3):
         some(room, freely(room, room.object("picnic_table"), quarters=range(4)), ON_TABLE, 2)
     elif room.chance(0.6):
@@ -25,7 +25,7 @@ def terrace(room: Room) -> None:
 
 
 def balcony(room: Room) -> None:
-    """Seats, a small table, plants."""
+    """Place seats, a small table and plants."""
     if room.chance(0.7) and (table := add(room, "side_table")):
         some(room, table, ON_TABLE, 2)
     for kind, probability in (("garden_chair", 0.7), ("garden_chair", 0.5), ("garden_bench", 0.3), ("chair", 0.3)):

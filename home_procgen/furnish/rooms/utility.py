@@ -1,4 +1,4 @@
-"""Garages, stores, boiler rooms, gyms."""
+"""Garages, storage rooms, boiler rooms and gyms."""
 
 from home_procgen.furnish.space.hung import hang, hang_kind, pictures, windows
 from home_procgen.furnish.space.on_top import some
@@ -9,7 +9,7 @@ ON_WASHER = (("cloth", 0.6), ("bottle", 0.5), ("iron", 0.3), ("toiletries", 0.2)
 
 
 def garage(room: Room) -> None:
-    """A car if it fits, bicycles, tools, shelves along the walls."""
+    """Place a car if it fits, bicycles, tools, and shelves along the walls."""
     if room.chance(0.8):
         freely(room, room.object("car"), quarters=range(4))
     add(room, "bicycle", 0.0, 0.6)
@@ -30,7 +30,7 @@ def garage(room: Room) -> None:
 
 
 def storage(room: Room) -> None:
-    """Racks, and what is used now and then."""
+    """Place racks and household appliances."""
     for probability in (1.0, 0.8, 0.5):
         some(room, add(room, "rack", 0.3, probability), (("tool_box", 0.3), ("cloth", 0.4), ("containers", 0.4)), 2)
     for kind, probability in (("vacuum_cleaner", 0.6), ("ironing_board", 0.4), ("ladder", 0.35), ("garage_bin", 0.4),
@@ -41,7 +41,7 @@ def storage(room: Room) -> None:
 
 
 def boiler_room(room: Room) -> None:
-    """Washing, drying, ironing."""
+    """Place a washing machine, a dryer, and laundry equipment."""
     some(room, add(room, "washer", 0.4), ON_WASHER, 2)
     some(room, add(room, "dryer", 0.4, 0.7), ON_WASHER, 1)
     for probability in (0.9, 0.5):
@@ -51,7 +51,7 @@ def boiler_room(room: Room) -> None:
 
 
 def gym(room: Room) -> None:
-    """Machines, a mirror, mats, music; sometimes a table for games."""
+    """Place machines, a mirror and a mat; sometimes a pool table."""
     windows(room, ("short_curtain", ""), 0.4)
     hang(room, room.object("tall_mirror"), 0.4)
     if room.chance(0.2):

@@ -1,1 +1,1 @@
-"""The space of a room: what stands where, and where more can stand, hang or lie."""
+"""Space of a room: occupied and reserved boxes, and placement of objects on floors, walls, ceilings and objects."""

@@ -1,4 +1,4 @@
-"""Things in corners: with two backs at two walls, or with their back across the corner."""
+"""Placement in corners: with two backs at two walls, or with the back across the corner."""
 
 from collections.abc import Callable, Iterator
 
@@ -16,7 +16,7 @@ NEAR = 1e-6
 
 
 def _corners(plan: RoomPlan) -> Iterator[tuple[Wall, int]]:
-    """Each wall, and an end of it (-1: the lower coordinate, 1: the higher) where the room ends as well."""
+    """Generate each wall with each of its ends that is a convex corner (-1: the lower coordinate, 1: the higher)."""
     for wall in plan.walls:
         for end in (-1, 1):
             along = wall.span[(end + 1) // 2]
@@ -25,7 +25,7 @@ def _corners(plan: RoomPlan) -> Iterator[tuple[Wall, int]]:
 
 
 def _turns_in(wall: Wall, along: float, other: Wall) -> bool:
-    """Whether another wall begins at the end of a wall and runs along that side of it where the room is."""
+    """Return whether another wall begins at the end of a wall and continues on the room's side of it."""
     if other.axis == wall.axis or abs(other.line - along) > NEAR:
         return False
     reach = np.subtract(other.span, wall.line) * float(wall.normal[1 - wall.axis])
@@ -33,13 +33,13 @@ def _turns_in(wall: Wall, along: float, other: Wall) -> bool:
 
 
 def corner_spots(room: Room, item: PlacedFurniture, y: float = FLOOR_TOP, gap: float = GAP) -> list[Spot]:
-    """Where a thing has its back at one wall and its left side, or its right if it is mirrored, at another.
+    """Return the corner spots of an object, with its back at one wall and its left side at another (right if mirrored).
 
     Args:
-        room: Where.
-        item: What: its model's corner is behind on the left.
+        room: The room.
+        item: The object; its model's corner is at the back left.
         y: Height of its bottom [m].
-        gap: Between it and the walls [m].
+        gap: Gap between it and the walls [m].
     """
     spots: list[Spot] = []
     inset = HALF + gap + float(item.size[0]) / 2
@@ -55,13 +55,13 @@ def corner_spots(room: Room, item: PlacedFurniture, y: float = FLOOR_TOP, gap: f
 def in_corner(
     room: Room, item: PlacedFurniture, front: float = 0.0, companions: Companions = alone, y: float = FLOOR_TOP
 ) -> PlacedFurniture | None:
-    """Stands a thing that is made for corners in one of them.
+    """Place an object made for corners in a random corner; None if it does not fit.
 
     Args:
-        room: Where.
-        item: What.
+        room: The room.
+        item: The object.
         front: Depth of the floor in front of it that stays free [m].
-        companions: Gives further things that must fit together with it.
+        companions: Returns further objects that must fit together with it.
         y: Height of its bottom [m].
     """
     spots = corner_spots(room, item, y)
@@ -72,11 +72,11 @@ def in_corner(
 def across_corner(
     room: Room, item: PlacedFurniture, companions: Companions = alone, gap: float = GAP
 ) -> PlacedFurniture | None:
-    """Stands a thing with its back across a corner, as near to both walls as its boxes allow."""
+    """Place an object with its back across a corner, as close to both walls as its boxes allow; None if none fits."""
     found = [(wall, end) for wall, end in _corners(room.plan) if wall.axis == 0]
     for index in room.rng.permutation(len(found)).tolist():
         wall, end = found[index]
-        ways = np.array([-end, float(wall.normal[1])])  # (x, z) into the room
+        ways = np.array([-end, float(wall.normal[1])])  # (x, z), into the room
         plain = turned(item, 0.0, 0.0, 0.0, float(np.arctan2(*ways)))
         boxes = hull(plain)[..., [0, 2]]
         low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
@@ -93,7 +93,7 @@ def add_corner(
     probability: float,
     how: Callable[[Room, PlacedFurniture], PlacedFurniture | None] = in_corner,
 ) -> PlacedFurniture | None:
-    """Maybe a thing of a kind in a corner."""
+    """Place an object of a kind in a corner with a probability; None if it is not placed."""
     if not room.chance(probability):
         return None
     return fit(room, kind, lambda item: how(room, item))

@@ -1,4 +1,4 @@
-"""Things on walls and below ceilings, and what belongs to doors and windows."""
+"""Objects on walls and ceilings, and fittings of doors and windows."""
 
 import numpy as np
 
@@ -10,25 +10,33 @@ from home_procgen.furnish.space.spots import GAP, HUNG, along_walls, at_wall, ba
 from home_procgen.style.kinds import models_of
 
 BESIDE_DOOR = 0.12  # [m], from the frame to a switch
-SWITCH = 1.05  # [m], above the floor
-ROD = 0.12  # [m], from the top of a window to that of its curtain
-NEAR = 0.003  # [m]: what is farther from a wall does not hang on it
-OVERHANG = 0.3  # [m], of curtains beyond a window, both sides together
+SWITCH = 1.05  # [m], height of switches above the floor
+ROD = 0.12  # [m], from the top of a window to the top of its curtain
+NEAR = 0.003  # [m], maximum deviation of a hanging object from its distance to the wall
+OVERHANG = 0.3  # [m], width of curtains beyond the window, both sides together
 
 
 def hang(room: Room, item: PlacedFurniture, y: float) -> PlacedFurniture | None:
-    """Hangs a thing on a wall at random, its bottom so high above the floor [m]."""
+    """Hang an object on a random wall, its bottom at a height above the floor [m]; None if it does not fit."""
     spots, _ = along_walls(room, item, FLOOR_TOP + y, HUNG, 0.4)
     return first(room, item, [spots[i] for i in room.rng.permutation(len(spots)).tolist()])
 
 
 def hang_kind(room: Room, kind: str, y: float, probability: float = 1.0) -> PlacedFurniture | None:
-    """Maybe a thing of a kind on a wall."""
+    """Hang an object of a kind on a wall with a probability; None if it is not placed."""
     return hang(room, room.object(kind), y) if room.chance(probability) else None
 
 
 def above(room: Room, anchor: PlacedFurniture, item: PlacedFurniture, y: float, shift: float = 0.0) -> bool:
-    """Hangs a thing on the wall behind another, so high above the floor and so far to the right of its middle [m]."""
+    """Hang an object on the wall behind another; return whether it fits.
+
+    Args:
+        room: The room.
+        anchor: The object at the wall.
+        item: The object to hang.
+        y: Height of its bottom above the floor [m].
+        shift: Offset of its middle to the right of the anchor's middle [m].
+    """
     back = (float(item.size[2] - anchor.size[2])) / 2 - GAP + HUNG
     x, z = anchor.beside(shift, back)
     spot = item.at(x, FLOOR_TOP + y, z, anchor.quarter)
@@ -36,7 +44,7 @@ def above(room: Room, anchor: PlacedFurniture, item: PlacedFurniture, y: float, 
 
 
 def _at(wall: Wall, item: PlacedFurniture) -> bool:
-    """Whether all of the back of a thing is at a wall."""
+    """Return whether the whole back of an object is at a wall."""
     if tuple(wall.normal) != FACING[item.quarter]:
         return False
     along, half = item.position[2 * wall.axis], float(item.size[0]) / 2
@@ -46,12 +54,12 @@ def _at(wall: Wall, item: PlacedFurniture) -> bool:
 
 
 def under_ceiling(room: Room, item: PlacedFurniture, x: float, z: float) -> PlacedFurniture | None:
-    """Hangs a thing from the ceiling."""
+    """Hang an object from the ceiling; None if it does not fit."""
     return place(room, item.at(x, room.height - CEILING_LOW - float(item.size[1]), z))
 
 
 def wall_behind(room: Room, opening: PlacedFurniture) -> Wall | None:
-    """The wall of a room that an opening is in."""
+    """Return the wall of a room that contains an opening; None if it is not an axis-aligned wall of the room."""
     x, z = opening.position[0], opening.position[2]
     for wall in room.plan.walls:
         off, along = abs((x, z)[1 - wall.axis] - wall.line), (x, z)[wall.axis]
@@ -61,7 +69,7 @@ def wall_behind(room: Room, opening: PlacedFurniture) -> Wall | None:
 
 
 def switches(room: Room) -> None:
-    """A switch beside each door, on the side of its handle if that is free; at least one in the room."""
+    """Place a switch beside each door, on its handle's side if possible; if none fits, place one at any wall."""
     hung = [_switch(room, door) for door in room.doors]
     if not any(hung):
         hang_kind(room, "switch", SWITCH)
@@ -77,17 +85,17 @@ def _switch(room: Room, door: PlacedFurniture) -> PlacedFurniture | None:
     low, high = wall.span[0] + HALF + float(item.size[0]), wall.span[1] - HALF - float(item.size[0])
     places = [door.position[2 * wall.axis] + side * away for side in (latch, -latch)]
     spots = at_wall(item, wall, [at for at in places if low < at < high], FLOOR_TOP + SWITCH, HUNG)
-    return first(room, item, spots)  # not before a window
+    return first(room, item, spots)  # rejects places in front of a window
 
 
 def sockets(room: Room) -> None:
-    """A few sockets near the floor."""
+    """Place up to two sockets near the floor."""
     for _ in range(int(room.rng.integers(0, 3))):
         hang(room, room.object("socket"), 0.28)
 
 
 def curtain(room: Room, window: PlacedFurniture, kind: str) -> bool:
-    """A curtain or blind at a window, as wide as that and a little more."""
+    """Place a curtain or blind at a window, a little wider than the window; return whether it fits."""
     wall = wall_behind(room, window)
     if wall is None:
         return False
@@ -110,7 +118,7 @@ def curtain(room: Room, window: PlacedFurniture, kind: str) -> bool:
 
 
 def radiator(room: Room, window: PlacedFurniture) -> bool:
-    """A radiator below a window."""
+    """Place a radiator below a window; return whether it fits."""
     wall = wall_behind(room, window)
     spot = None
     if wall is not None:
@@ -119,7 +127,13 @@ def radiator(room: Room, window: PlacedFurniture) -> bool:
 
 
 def windows(room: Room, kinds: tuple[str, ...], heated: float) -> None:
-    """Curtains or blinds, alike at all windows of a room, and radiators below some."""
+    """Place curtains or blinds of one kind at all windows of a room, and radiators below some.
+
+    Args:
+        room: The room.
+        kinds: Kinds of curtains to choose from; "" for none.
+        heated: Probability of a radiator below a window.
+    """
     if not kinds:
         return
     kind = str(room.rng.choice(kinds))
@@ -133,7 +147,7 @@ def windows(room: Room, kinds: tuple[str, ...], heated: float) -> None:
 
 
 def pictures(room: Room, most: int) -> None:
-    """Pictures and other ornaments on the walls, at the height of the eyes."""
+    """Place pictures and other ornaments on the walls at eye height."""
     for _ in range(int(room.rng.integers(0, most + 1))):
         item = room.object("picture" if room.chance(0.88) else "wall_ornament")
         hang(room, item, float(np.clip(1.6 - float(item.size[1]) / 2, 0.9, 1.5)))

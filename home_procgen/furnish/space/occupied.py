@@ -1,4 +1,4 @@
-"""Boxes of what is in a room."""
+"""Boxes of the objects in a room."""
 
 from collections.abc import Sequence
 
@@ -8,12 +8,12 @@ from jaxtyping import Float
 from home_procgen.floor_plan.placed import Box, PlacedFurniture
 from home_procgen.furnish.space.touching import touching
 
-Boxes = Float[np.ndarray, "_ 2 3"]  # any number, each time
+Boxes = Float[np.ndarray, "_ 2 3"]  # any number of boxes
 
-TOLERANCE = 0.002  # [m]: boxes that enter each other by less only touch
-FLAT = 0.012  # [m]: rugs and mats are thinner
-MOST = 110  # parts of a model that are looked at one by one
-# What other things may stand in, under or between the parts of.
+TOLERANCE = 0.002  # [m], maximum overlap of boxes that count as touching
+FLAT = 0.012  # [m], maximum thickness of rugs and mats
+MOST = 110  # maximum number of parts of a model that are tested individually
+# Families whose parts leave space for other objects in, under or between them.
 OPEN = {
     *("chair", "stool", "office_chair", "outdoor_seating", "bench", "sofa", "dining_table", "table", "game_table"),
     *("coffee_table", "side_table", "console", "desk", "dressing_table", "nightstand", "tv_stand", "shelving"),
@@ -25,36 +25,36 @@ OPEN = {
 
 
 def hull(item: PlacedFurniture) -> Boxes:
-    """The boxes that stand for a thing: one for each part, where others may come between these."""
+    """Return the collision boxes of an object: one per part for open families, else its bounding box."""
     if item.model.family in OPEN and len(item.model.parts) <= MOST:
         return item.parts
     return item.box[None]
 
 
 def is_flat(box: Box) -> bool:
-    """Whether a box is that of a rug."""
+    """Return whether a box is thin enough for a rug."""
     return float(box[1, 1]) - float(box[0, 1]) < FLAT
 
 
 def meet(boxes: Boxes, others: Boxes, tolerance: float = TOLERANCE) -> bool:
-    """Whether one of some boxes enters one of others."""
+    """Return whether any of the boxes overlaps any of the others."""
     return touching().meet(boxes, others, len(others), -np.inf, tolerance)
 
 
 def apart(item: PlacedFurniture, other: PlacedFurniture) -> bool:
-    """Whether nothing of one thing can meet the other, by the boxes around them."""
+    """Return whether the bounding boxes of two objects are disjoint."""
     (ax, ay, az), (bx, by, bz) = item.box.tolist()
     (cx, cy, cz), (dx, dy, dz) = other.box.tolist()
     return bx < cx or dx < ax or bz < cz or dz < az or by < cy or dy < ay
 
 
 def upright(box: Box) -> Box:
-    """A box of one metre's height over the same floor."""
+    """Return a box of 1 m height over the same floor area."""
     return np.array([[box[0, 0], 0.0, box[0, 2]], [box[1, 0], 1.0, box[1, 2]]])
 
 
 class Store:
-    """Boxes that only become more."""
+    """Growing array of boxes."""
 
     def __init__(self, boxes: Sequence[Box] = ()) -> None:
         self._data, self._count = np.zeros((256, 2, 3)), 0
@@ -62,11 +62,11 @@ class Store:
 
     @property
     def boxes(self) -> Boxes:
-        """All of them."""
+        """All boxes."""
         return self._data[: self._count]
 
     def add(self, boxes: Boxes) -> None:
-        """More of them."""
+        """Append boxes."""
         end = self._count + len(boxes)
         if end > len(self._data):
             more = max(end, len(self._data))
@@ -75,5 +75,5 @@ class Store:
         self._count = end
 
     def meets(self, boxes: Boxes, tolerance: float = TOLERANCE) -> bool:
-        """Whether one of some boxes enters one of these."""
+        """Return whether any of the given boxes overlaps one of the stored boxes."""
         return touching().meet(boxes, self._data, self._count, tolerance, tolerance)

@@ -1,4 +1,4 @@
-"""Things on things."""
+"""Placement of objects on other objects."""
 
 from collections.abc import Iterable
 
@@ -12,21 +12,21 @@ from home_procgen.furnish.space.tops import Top, carries, tops_of
 from home_procgen.furnish.space.turned import askew
 
 TRIES = 10
-BURNERS = (0.85, 1.02)  # [m], heights between which they are
-CASUAL = 0.35  # [rad], standard deviation of how small things are turned
+BURNERS = (0.85, 1.02)  # [m], range of the height of burners
+CASUAL = 0.35  # [rad], standard deviation of the angle of small objects
 
 
 def on_top(
     room: Room, anchor: PlacedFurniture, kind: str | PlacedFurniture, straight: bool = False, middle: bool = False
 ) -> PlacedFurniture | None:
-    """Stands a thing somewhere on another, where that is level.
+    """Place an object on a level surface of another; None if it does not fit.
 
     Args:
-        room: Where both are.
-        anchor: What carries it.
-        kind: What stands on it: a kind, or the thing itself.
-        straight: As the anchor faces, at its back.
-        middle: In its middle.
+        room: The room of both.
+        anchor: The supporting object.
+        kind: The object, or its kind.
+        straight: Face as the anchor faces, at its back.
+        middle: Try the middle of the surface first.
     """
     item = room.object(kind) if isinstance(kind, str) else kind
     for top in tops_of(anchor.model.id)[:2]:
@@ -43,7 +43,7 @@ def _on(
     own = item.size[[0, 2]] / 2
     slack = np.maximum((high - low) / 2 - 0.8 * own, 0.0)
     for k in range(TRIES):
-        # As `rng.uniform` from -slack to slack, which takes several times as long for two numbers.
+        # equals `rng.uniform(-slack, slack)`, which takes several times as long for two numbers
         shift = (2 * slack * room.rng.random(2) - slack) * (not (middle and k == 0))
         right, front = ((low + high) / 2 + shift).tolist()
         if straight and not middle:
@@ -51,7 +51,7 @@ def _on(
         x, z = anchor.beside(-right if anchor.mirrored else right, front)
         spot = item.at(x, anchor.position[1] + top.height * anchor.scale[1], z, anchor.quarter)
         spot = spot if straight else askew(spot, float(room.rng.normal(0, CASUAL)))
-        if room.solid.meets(hull(spot)):  # the usual hindrance, and the quicker test
+        if room.solid.meets(hull(spot)):  # the most frequent failure, and the cheaper test
             continue
         if carries(anchor, top, spot) and place(room, spot, views=False):
             return spot
@@ -61,7 +61,7 @@ def _on(
 def at(
     room: Room, anchor: PlacedFurniture, kind: str | PlacedFurniture, x: float, z: float, angle: float = 0.0
 ) -> PlacedFurniture | None:
-    """Stands a thing on another at a point (x, z) [m], its front towards (sin angle, cos angle)."""
+    """Place an object on another at a point (x, z) [m], its front towards (sin angle, cos angle); None if it fails."""
     item = room.object(kind) if isinstance(kind, str) else kind
     for top in tops_of(anchor.model.id)[:1]:
         spot = askew(item.at(x, anchor.position[1] + top.height * anchor.scale[1], z), angle)
@@ -71,7 +71,7 @@ def at(
 
 
 def on_burner(room: Room, stove: PlacedFurniture, kind: str) -> PlacedFurniture | None:
-    """Stands a pan or a kettle on one of the burners of a stove."""
+    """Place a pan or a kettle on a burner of a stove; None if none is free."""
     parts = stove.model.parts
     size = np.ptp(parts, axis=1)
     high = (parts[:, 0, 1] > BURNERS[0]) & (parts[:, 1, 1] < BURNERS[1]) & (size[:, [0, 2]] > 0.1).all(axis=1)
@@ -86,7 +86,7 @@ def on_burner(room: Room, stove: PlacedFurniture, kind: str) -> PlacedFurniture 
 
 
 def some(room: Room, anchor: PlacedFurniture | None, kinds: Iterable[tuple[str, float]], most: int = 5) -> None:
-    """A few of some kinds of things on another, by their odds, in any order."""
+    """Place at most `most` objects on another, in random order, each kind with its probability."""
     if anchor is None:
         return
     pairs, left = list(kinds), most

@@ -1,4 +1,4 @@
-"""A room that is being furnished: no overlaps, free passages, walkable floor."""
+"""A room under furnishing: no overlaps, free passages and walkable floor."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
@@ -16,28 +16,28 @@ from home_procgen.plan.openings.turned import TurnedWindow
 from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.style import Style
 
-ACCESS = 0.9  # [m], depth of the floor before stairs that stays free
-RUG = 0.0018  # [m], thickness of rugs: what stands on one ends this deep in it, which counts as touching
+ACCESS = 0.9  # [m], depth of the free floor in front of stairs
+RUG = 0.0018  # [m], thickness of rugs; objects on a rug overlap it by less than `TOLERANCE`, which counts as touching
 
 Companions = Callable[[PlacedFurniture], Iterable[PlacedFurniture]]
 
 
 def alone(_: PlacedFurniture) -> Iterable[PlacedFurniture]:
-    """Nothing besides the thing itself."""
+    """Return no companions."""
     return ()
 
 
 class Room:
-    """A room that is being furnished.
+    """A room under furnishing.
 
     Args:
         plan: The storey.
-        index: Which of its rooms.
-        style: Of the home.
-        stairs: The place of stairs in this room.
+        index: Index of the room in the storey.
+        style: Style of the home.
+        stairs: Place of stairs in this room; None if it has none.
 
     Attributes:
-        items: What has been placed.
+        items: Objects placed so far.
     """
 
     def __init__(self, plan: HousePlan, index: int, style: Style, stairs: Stairwell | None = None) -> None:
@@ -58,23 +58,23 @@ class Room:
         self.grid = floor_grid(self.plan, self.openings, stairs)
 
     def chance(self, probability: float) -> bool:
-        """A biased coin."""
+        """Draw True with a probability."""
         return bool(self.rng.random() < probability)
 
     def likes(self, interest: str, yes: float = 1.0, no: float = 0.0) -> bool:
-        """A coin for something that those who live here like, or do not."""
+        """Draw True with probability `yes` if the residents have an interest, else with probability `no`."""
         return self.chance(yes if interest in self.style.interests else no)
 
     def clutter(self, probability: float) -> bool:
-        """A coin for something that lies around."""
+        """Draw True with a probability that scales with the style's amount of clutter."""
         return self.chance(min(1.0, probability * self.style.clutter))
 
     def object(self, kind: str) -> PlacedFurniture:
-        """A thing of a kind at the origin, in the colours of the room."""
+        """Return an object of a kind at the origin, with the materials of the room."""
         return _thin(self.style.object(kind, self.look))
 
     def options(self, kind: str) -> Iterator[PlacedFurniture]:
-        """A thing as by `object`, then some of the smallest of the kind."""
+        """Generate an object as by `object`, then objects of the smallest models of the kind."""
         return map(_thin, self.style.options(kind, self.look))
 
     @property
@@ -83,10 +83,10 @@ class Room:
         return np.concatenate([self.solid.boxes, self.clear.boxes])
 
     def put(self, items: Sequence[PlacedFurniture], zones: Sequence[Box] = (), views: bool = True) -> bool:
-        """Places things together if they fit; `zones` must be free and stay free of furniture.
+        """Place objects together if they fit; return whether they do. `zones` must be free and stay free of furniture.
 
         Args:
-            items: The things. They are not compared with one another.
+            items: The objects. They are not tested against one another.
             zones: Free boxes [m].
             views: Keep windows clear.
         """
@@ -107,26 +107,29 @@ class Room:
         return True
 
     def on_floor(self, item: PlacedFurniture) -> bool:
-        """Whether a thing is in the way of feet."""
+        """Return whether an object is low enough to obstruct the floor."""
         return bool(item.box[0, 1] < FLOOR_TOP + 0.35)
 
     def inside(self, x: float, z: float) -> bool:
-        """Whether a point is in the plan of the room."""
+        """Return whether a point is in the plan of the room."""
         return any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.plan.rects)
 
     def _holds(self, box: Box) -> bool:
-        """Whether a box is inside the room and, if it is a rug, on no other: rugs are too thin for boxes to meet."""
+        """Return whether a box is inside the room; a rug must also be clear of walls, passages and other rugs.
+
+        Rugs have a test of their own because they are too thin for box tests.
+        """
         x, _, z = box.mean(0)
         rug = is_flat(box) and bool(box[0, 1] < FLOOR_TOP + 0.01)
         return self.inside(x, z) and not (rug and self._flat.meets(upright(box)[None]))
 
     def reserve(self, zone: Box) -> None:
-        """Keeps a space free of what comes later."""
+        """Keep a space free of later objects."""
         self.clear.add(zone[None])
 
 
 def _thin(item: PlacedFurniture) -> PlacedFurniture:
-    """Rugs and mats as thin as they must be for things to stand on them."""
+    """Scale rugs and mats to the thickness at which other objects can be placed on them."""
     if item.model.fine != "rug":
         return item
     return PlacedFurniture(

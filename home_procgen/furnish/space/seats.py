@@ -12,21 +12,21 @@ from home_procgen.furnish.space.spots import clear_of
 from home_procgen.furnish.space.tops import tops_of
 from home_procgen.furnish.space.turned import turned
 
-EACH = 0.62  # [m] of a table's side for each seat
-ROUND = 0.9  # of the box around a top: a round one fills less
-LEFT = 0.12  # of chairs that someone has just left
+EACH = 0.62  # [m], length of a table's side per seat
+ROUND = 0.9  # maximum ratio of a round top's area to its bounding rectangle
+LEFT = 0.12  # probability that a chair is pulled out, as after use
 
 
 @cache
 def is_round(model_id: str) -> bool:
-    """Whether the top of a table is round."""
+    """Return whether the top of a table is round."""
     top = tops_of(model_id)[0]
     width, depth = np.ptp(top.triangles.reshape(-1, 2), axis=0).tolist()
     return top.area < ROUND * width * depth
 
 
 def sides(table: PlacedFurniture, count: int) -> list[tuple[float, float, float]]:
-    """Where seats may be at a table: a point (x, z) of its edge [m], and the way out of it [rad]."""
+    """Return seat positions at a table: a point (x, z) of its edge [m], and the outward direction [rad]."""
     wide, deep = float(table.size[0]) / 2, float(table.size[2]) / 2
     if is_round(table.model.id):
         turns = 2 * np.pi * np.arange(count) / count
@@ -42,7 +42,7 @@ def sides(table: PlacedFurniture, count: int) -> list[tuple[float, float, float]
 
 
 def seated(room: Room, table: PlacedFurniture, chair: PlacedFurniture, count: int) -> Iterator[PlacedFurniture]:
-    """Chairs that face a table, each pulled out a little, in its own way."""
+    """Generate chairs that face a table, each pulled out and turned a little at random."""
     done: list[PlacedFurniture] = []
     for x, z, way in sides(table, count):
         left = room.rng.random() < LEFT
@@ -50,7 +50,7 @@ def seated(room: Room, table: PlacedFurniture, chair: PlacedFurniture, count: in
         turn = float(room.rng.normal(0, 0.3 if left else 0.07))
         spot: PlacedFurniture = turned(chair, 0.0, 0.0, 0.0, way + np.pi + turn)
         for shallower in (0.0, 0.1, 0.2, 0.3, 0.4):
-            spot = _pulled(spot, (x, z), way, tuck - shallower)  # keeps what has been found out about the turn
+            spot = _pulled(spot, (x, z), way, tuck - shallower)  # `at` reuses the cached shape of the turned chair
             if clear_of(spot, (table, *done)):
                 done.append(spot)
                 yield spot
@@ -58,7 +58,7 @@ def seated(room: Room, table: PlacedFurniture, chair: PlacedFurniture, count: in
 
 
 def _pulled(chair: PlacedFurniture, edge: Sequence[float], way: float, tuck: float) -> PlacedFurniture:
-    """A chair, turned as it is, before a point of an edge, its front so far below the table [m]."""
+    """Return a chair in front of a point of the edge, in its orientation, its front `tuck` below the table [m]."""
     away = float(chair.size[2]) / 2 - tuck
     x, z = edge[0] + away * np.sin(way), edge[1] + away * np.cos(way)
     return chair.at(float(x), FLOOR_TOP, float(z))

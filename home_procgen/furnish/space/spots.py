@@ -1,4 +1,4 @@
-"""Where things stand: at walls, opposite or beside others, in the middle of a room."""
+"""Placement on the floor: at walls, opposite or beside others, or in the middle of a room."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
@@ -14,27 +14,27 @@ from home_procgen.furnish.space.touching import touching
 from home_procgen.furnish.space.turned import askew
 
 GAP = 0.01  # [m], between furniture and a wall
-CORE = 3  # parts of a thing that are looked at first
-MOST = 50  # places in a room that are tried for a thing with companions
-HUNG = 0.0015  # [m], between what hangs and its wall
+CORE = 3  # number of an object's largest boxes that are tested first
+MOST = 50  # maximum number of places to try for an object with companions
+HUNG = 0.0015  # [m], between a hanging object and its wall
 
 Spot = tuple[float, float, float, int]  # x, y, z [m] and quarter turns
 Place = Callable[[PlacedFurniture], PlacedFurniture | None]
 
 
 def fit(room: Room, kind: str, place: Place) -> PlacedFurniture | None:
-    """Places the favourite of a kind, or else a small one that fits."""
+    """Place an object of the favourite model of a kind, or else of a small one that fits; None if none fits."""
     return next((placed for item in room.options(kind) if (placed := place(item))), None)
 
 
 def add(room: Room, kind: str, front: float = 0.0, probability: float = 1.0) -> PlacedFurniture | None:
-    """Maybe a thing against a wall.
+    """Place an object of a kind against a wall with a probability; None if it is not placed.
 
     Args:
-        room: Where.
-        kind: What.
+        room: The room.
+        kind: Kind of the object.
         front: Depth of the floor in front of it that stays free [m].
-        probability: Of trying at all.
+        probability: Probability of an attempt.
     """
     if not room.chance(probability):
         return None
@@ -42,7 +42,7 @@ def add(room: Room, kind: str, front: float = 0.0, probability: float = 1.0) -> 
 
 
 def zone_before(item: PlacedFurniture, depth: float) -> Box:
-    """The floor in front of a thing, as deep as said and as wide as the thing [m]."""
+    """Return the box of the floor in front of an object, of a depth and the object's width [m]."""
     x, z = item.beside(0.0, float(item.size[2]) / 2 + depth / 2)
     half = np.array([item.size[0] / 2 - 0.02, depth / 2 - 0.02])[:: 1 if item.quarter % 2 == 0 else -1]
     return np.array([[x - half[0], FLOOR_TOP + 0.03, z - half[1]], [x + half[0], 1.2, z + half[1]]])
@@ -51,14 +51,14 @@ def zone_before(item: PlacedFurniture, depth: float) -> Box:
 def place(
     room: Room, item: PlacedFurniture, front: float = 0.0, companions: Companions = alone, views: bool = True
 ) -> PlacedFurniture | None:
-    """Places a thing where it is, with its companions and a free zone in front of it."""
+    """Place an object at its position, with its companions and a free zone in front of it; None if they do not fit."""
     zones = [zone_before(item, front)] if front else []
     if companions is alone:
         return item if room.put([item], zones, views) else None
     if room.solid.meets(np.concatenate([hull(item), *(zone[None] for zone in zones)])):
         return None
     group = [item]
-    for one in companions(item):  # one by one: making them takes longer than seeing that the first is in the way
+    for one in companions(item):  # one by one: building them takes longer than a test that fails at the first
         if room.solid.meets(hull(one)) or room.clear.meets(hull(one)):
             return None
         group.append(one)
@@ -73,7 +73,7 @@ def first(
     companions: Companions = alone,
     views: bool = True,
 ) -> PlacedFurniture | None:
-    """Places a thing at the first spot where it and its companions fit."""
+    """Place an object at the first spot at which it and its companions fit; None if no spot fits."""
     if not len(spots):
         return None
     turned = {quarter: hull(item.at(0.0, 0.0, 0.0, quarter)) for quarter in {spot[3] for spot in spots}}
@@ -87,7 +87,7 @@ def first(
 
 
 def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -> list[int]:
-    """Indices of spots where the largest parts of a thing touch nothing and nothing that is kept free."""
+    """Return the indices of spots at which the largest boxes of an object overlap no solid or reserved box."""
     order = list(turned)
     cores = np.stack([_core(turned[quarter]) for quarter in order])
     at = np.array(spots)
@@ -97,19 +97,19 @@ def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -
 
 
 def _core(boxes: Boxes) -> Boxes:
-    """The largest of the boxes of a thing."""
+    """Return the `CORE` largest boxes of an object."""
     return boxes if len(boxes) == 1 else boxes[np.argsort(-(boxes[:, 1] - boxes[:, 0]).prod(axis=1))[:CORE]]
 
 
 def backed(item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP, gap: float = GAP) -> PlacedFurniture:
-    """The thing with its back to a wall, its middle at a coordinate along the wall."""
+    """Return an object with its back to a wall, its middle at a coordinate along the wall."""
     return item.at(*at_wall(item, wall, [along], y, gap)[0])
 
 
 def at_wall(
     item: PlacedFurniture, wall: Wall, along: Sequence[float], y: float = FLOOR_TOP, gap: float = GAP
 ) -> list[Spot]:
-    """Where a thing has its back to a wall, its middle at some coordinates along the wall."""
+    """Return the spots of an object with its back to a wall, its middle at the given coordinates along the wall."""
     off = wall.line + float(wall.normal[1 - wall.axis]) * (HALF + gap + float(item.size[2]) / 2)
     quarter = quarter_towards(*wall.normal)
     return [(a, y, off, quarter) if wall.axis == 0 else (off, y, a, quarter) for a in along]
@@ -118,7 +118,7 @@ def at_wall(
 def along_walls(
     room: Room, item: PlacedFurniture, y: float = FLOOR_TOP, gap: float = GAP, step: float = 0.25
 ) -> tuple[list[Spot], Bool[np.ndarray, " n"]]:
-    """Where a thing may be at the walls of a room, and which of these places are in corners."""
+    """Return the spots of an object at the walls of a room, and a mask of those in corners."""
     spots: list[Spot] = []
     corner: list[bool] = []
     for wall in room.plan.walls:
@@ -139,14 +139,14 @@ def against_wall(
     companions: Companions = alone,
     corners: float = 0.6,
 ) -> PlacedFurniture | None:
-    """Backs a thing against a wall at random, in a corner rather than elsewhere, or the other way round.
+    """Place an object with its back to a random wall, with a preference for or against corners; None without a fit.
 
     Args:
-        room: Where.
-        item: What.
+        room: The room.
+        item: The object.
         front: Depth of the floor in front of it that stays free [m].
-        companions: Gives further things that must fit together with it.
-        corners: Below 1: corners are better; above 1: worse.
+        companions: Returns further objects that must fit together with it.
+        corners: Factor on the random rank of corners; below 1, corners come earlier, above 1 later.
     """
     spots, corner = along_walls(room, item)
     order = np.argsort(room.rng.random(len(spots)) * np.where(corner, corners, 1.0), kind="stable")
@@ -160,14 +160,14 @@ def freely(
     quarters: Iterable[int] = (0, 1),
     around: float = 0.0,
 ) -> PlacedFurniture | None:
-    """Stands a thing anywhere, square to the walls.
+    """Place an object anywhere on the floor, parallel to the axes; None if it does not fit.
 
     Args:
-        room: Where.
-        item: What.
-        companions: Gives further things that must fit together with it.
-        quarters: Turns that it may have.
-        around: Width of what must be free around it, for its companions [m].
+        room: The room.
+        item: The object.
+        companions: Returns further objects that must fit together with it.
+        quarters: Allowed quarter turns.
+        around: Width of the free space around it, for its companions [m].
     """
     x, z = np.meshgrid(room.grid.x[3:-3:3], room.grid.z[3:-3:3], indexing="ij")
     points, turns = np.stack([x.ravel(), z.ravel()], axis=-1).tolist(), list(quarters)
@@ -181,11 +181,11 @@ def freely(
 
 
 def somewhere(room: Room, inset: float) -> tuple[float, float, Rect]:
-    """A point at random in one of the rectangles of a room, and that; where it is narrow, on its middle line.
+    """Return a random point in one of the rectangles of a room, and the rectangle.
 
     Args:
-        room: Where.
-        inset: Least distance to the rectangle's sides where it is wide enough [m].
+        room: The room.
+        inset: Minimum distance to the rectangle's sides [m]; a narrower rectangle has its points on the middle line.
     """
     rect = room.plan.rects[int(room.rng.integers(len(room.plan.rects)))]
     half = np.array(rect.sides) / 2
@@ -194,7 +194,7 @@ def somewhere(room: Room, inset: float) -> tuple[float, float, Rect]:
 
 
 def scattered(room: Room, kind: str, tries: int = 6) -> PlacedFurniture | None:
-    """Lets a small thing lie anywhere on the floor, turned at random."""
+    """Place a small object anywhere on the floor at a random angle; None if it does not fit."""
     for _ in range(tries):
         x, z, _ = somewhere(room, 0.3)
         item = askew(room.object(kind).at(x, FLOOR_TOP, z), float(room.rng.uniform(-np.pi, np.pi)))
@@ -204,24 +204,24 @@ def scattered(room: Room, kind: str, tries: int = 6) -> PlacedFurniture | None:
 
 
 def next_to(room: Room, anchor: PlacedFurniture, item: PlacedFurniture, side: int) -> PlacedFurniture | None:
-    """Stands a thing beside another, their backs in line: -1 on its left, 1 on its right as it faces."""
+    """Place an object beside another, their backs in line: -1 on its left, 1 on its right; None if it does not fit."""
     right = side * float(anchor.size[0] / 2 + item.size[0] / 2 + 0.03)
     x, z = anchor.beside(right, float(item.size[2] - anchor.size[2]) / 2)
     return place(room, item.at(x, FLOOR_TOP, z, anchor.quarter))
 
 
 def reach(room: Room, x: float, z: float, way: tuple[int, int], most: float = 8.0) -> float:
-    """How far one gets from a point before the room ends [m]."""
+    """Return the distance from a point to the end of the room in a direction, at most `most` [m]."""
     far = np.arange(0.0, most, 0.05)
     out = [not room.inside(x + way[0] * d, z + way[1] * d) for d in far.tolist()]
     return float(far[int(np.argmax(out))]) if any(out) else most
 
 
 def ahead(item: PlacedFurniture) -> tuple[int, int]:
-    """(x, z) that a thing faces."""
+    """Return the direction (x, z) of an object's front."""
     return FACING[item.quarter]
 
 
 def clear_of(item: PlacedFurniture, others: Iterable[PlacedFurniture]) -> bool:
-    """Whether a thing enters none of some others."""
+    """Return whether an object overlaps none of the others."""
     return not any(meet(hull(item), hull(other)) for other in others if not apart(item, other))

@@ -1,4 +1,4 @@
-"""Level surfaces of models that things can stand on, and what things stand on them with."""
+"""Level surfaces of models that support objects, and the bases of objects on them."""
 
 from functools import cache
 from typing import NamedTuple
@@ -9,10 +9,10 @@ from jaxtyping import Bool, Float
 from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.things import library_model
 
-LOWEST, SMALLEST = 0.15, 0.015  # [m] of height and [m^2]
-SOLE = 0.006  # [m]: what of a thing is lower touches what carries it
+LOWEST, SMALLEST = 0.15, 0.015  # minimum height [m] and minimum area [m^2] of a surface
+SOLE = 0.006  # [m], height above an object's lowest point below which its vertices form its base
 EDGE = 1e-6
-LEVEL, ABOVE = 1e-6, 0.004  # [m]
+LEVEL, ABOVE = 1e-6, 0.004  # [m], maximum height range of a level triangle, and height of the test for space above
 
 
 class Top(NamedTuple):
@@ -21,15 +21,15 @@ class Top(NamedTuple):
     height: float  # [m] above the model's origin
     triangles: Float[np.ndarray, "t 3 2"]  # (x, z) [m]
     area: float  # [m^2]
-    low: Float[np.ndarray, " 2"]  # least (x, z) [m]
-    high: Float[np.ndarray, " 2"]  # greatest
+    low: Float[np.ndarray, " 2"]  # minimum (x, z) [m]
+    high: Float[np.ndarray, " 2"]  # maximum (x, z) [m]
     starts: Float[np.ndarray, "2 3 t 1"]  # x and z of the triangles' corners [m]
-    ways: Float[np.ndarray, "2 3 t 1"]  # from each of them to the next [m]
+    ways: Float[np.ndarray, "2 3 t 1"]  # from each corner to the next [m]
 
 
 @cache
 def tops_of(model_id: str) -> tuple[Top, ...]:
-    """The level surfaces of a model that look up and are free above, larger ones first."""
+    """Return the upward level surfaces of a model with free space above, in descending order of area."""
     model = library_model(model_id)
     corners = model.mesh.vertices[model.mesh.faces]
     corners = corners[(np.ptp(corners[..., 1], axis=1) < LEVEL) & (corners[:, 0, 1] > LOWEST)]
@@ -49,7 +49,7 @@ def _top(height: float, triangles: Float[np.ndarray, "t 3 2"], areas: Float[np.n
 
 
 def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]) -> Bool[np.ndarray, " p"]:
-    """Whether a little above a point there is a part."""
+    """Return a mask of the points with a part right above them."""
     above = points[:, None] + (0.0, ABOVE, 0.0)
     inside = np.asarray(((above > parts[:, 0]) & (above < parts[:, 1])).all(axis=-1))
     return np.asarray(inside.any(axis=-1))
@@ -57,7 +57,7 @@ def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]
 
 @cache
 def sole_of(model_id: str) -> Float[np.ndarray, "9 3"]:
-    """Corners, middles of the sides and the middle of what a model stands on [m]."""
+    """Return the corners, the side middles and the centre of the rectangle around a model's base [m]."""
     vertices = library_model(model_id).mesh.vertices
     low = vertices[vertices[:, 1] < vertices[:, 1].min() + SOLE][:, [0, 2]]
     (x0, z0), (x1, z1) = low.min(axis=0).tolist(), low.max(axis=0).tolist()
@@ -65,14 +65,14 @@ def sole_of(model_id: str) -> Float[np.ndarray, "9 3"]:
 
 
 def carries(anchor: PlacedFurniture, top: Top, item: PlacedFurniture) -> bool:
-    """Whether all of a thing's sole is above a surface."""
+    """Return whether the whole base of an object is above a surface."""
     points = sole_of(item.model.id) @ item.linear.T + np.subtract(item.position, anchor.position)
-    # Columns of a rotation times a scale: the transpose over their squared lengths is its inverse.
+    # The transpose of a rotation times a scale, over its squared column lengths, is its inverse.
     local = points @ anchor.linear / (anchor.linear**2).sum(axis=0)
     return bool(_inside(local[:, 0], local[:, 2], top).any(axis=0).all())
 
 
 def _inside(x: Float[np.ndarray, " p"], z: Float[np.ndarray, " p"], top: Top) -> Bool[np.ndarray, "t p"]:
-    """Which points are in which triangles of a surface."""
+    """Return a mask of the points in each triangle of a surface."""
     inner = top.ways[1] * (x - top.starts[0]) - top.ways[0] * (z - top.starts[1]) >= -EDGE
     return inner[0] & inner[1] & inner[2]

@@ -1,7 +1,7 @@
-"""Which boxes enter which, in compiled code: furnishing a home asks that some thousands of times.
+"""Compiled overlap tests of boxes; furnishing a home runs some thousands of them.
 
-All arithmetic is that of the boxes' own coordinates, in the order in which NumPy would do it: whether two boxes only
-touch is decided in their last bits, and a home has to be the same wherever it is made.
+The arithmetic uses the boxes' own coordinates in NumPy's order of operations. The last bits decide whether two boxes
+only touch, and a home has to be the same on every machine.
 """
 # ruff: noqa: ANN001, ANN202  (Numba infers the types of the private functions)
 
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit, types
 
-from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.core.native.numba_cache import verify_cache
 
 _BOXES = types.Array(types.float64, 3, "A", readonly=True)  # any strides
 _ROWS = types.Array(types.float64, 2, "C", readonly=True)
@@ -22,19 +22,19 @@ _TURNS = types.Array(types.int64, 1, "C", readonly=True)
 
 
 class Touching(NamedTuple):
-    """Compiled functions."""
+    """Compiled overlap tests."""
 
-    # (boxes, others, count, margin, tolerance): whether one of some boxes enters one of the first of others; those that
-    # the box around them all enters by less than the margin are passed over
+    # (boxes, others, count, margin, tolerance): whether any box overlaps any of the first `count` others. Others
+    # are skipped if the bounding box of all boxes overlaps them by less than the margin.
     meet: Callable[..., bool]
-    # (spots, turns, cores, taken, tolerance): at which spots no box of a thing, as it is turned there, enters others
+    # (spots, turns, cores, taken, tolerance): mask of spots at which no box of the turned object overlaps `taken`
     free: Callable[..., Any]
 
 
 @cache
-@with_checked_cache
+@verify_cache
 def touching() -> Touching:
-    """The functions, compiled once for all processes."""
+    """Return the functions, compiled once for all processes."""
     return Touching(
         njit(types.boolean(_BOXES, _BOXES, types.int64, types.float64, types.float64), cache=True)(_meet),
         njit(types.boolean[::1](_ROWS, _TURNS, _CORES, _STORED, types.float64), cache=True)(_free),
@@ -53,7 +53,7 @@ def _enters(boxes, i, others, k, tolerance):
 
 @no_type_check
 def _meet(boxes, others, count, margin, tolerance):
-    high, low = np.empty(3), np.empty(3)  # of the box around, the lower corner with a minus
+    high, low = np.empty(3), np.empty(3)  # of the bounding box, the lower corner negated
     for axis in range(3):
         high[axis] = low[axis] = -np.inf
         for i in range(len(boxes)):
@@ -75,7 +75,7 @@ def _meet(boxes, others, count, margin, tolerance):
 @no_type_check
 def _free(spots, turns, cores, taken, tolerance):
     found = np.empty(len(spots), np.bool_)
-    around, boxes = np.empty((1, 2, 3)), np.empty((cores.shape[1], 2, 3))  # at the spot, less the tolerance
+    around, boxes = np.empty((1, 2, 3)), np.empty((cores.shape[1], 2, 3))  # at the spot, shrunk by the tolerance
     for s in range(len(spots)):
         for axis in range(3):
             around[0, 0, axis], around[0, 1, axis] = np.inf, -np.inf

@@ -1,1 +1,1 @@
-"""What is to be built: types of rooms, and what each type needs."""
+"""Room programs: types of rooms to build, and the requirements of each type."""

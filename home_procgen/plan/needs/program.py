@@ -1,7 +1,7 @@
-"""Which rooms a home has: numbers of storeys and rooms, and the types of those on each storey.
+"""Random room program of a home: number of storeys, number of rooms, and types of the rooms of each storey.
 
 Frequencies follow SUNCG's: 76.6, 18.6 and 4.9 % of its houses have one, two and three floors, and a floor has 8.1 rooms
-on average. Weights of the types are those of its room labels, as far as doors, halls and one kitchen a home allow.
+on average. Weights of the types follow its room labels, within the limits of doors, halls and one kitchen per home.
 """
 
 from collections.abc import Sequence
@@ -11,14 +11,14 @@ import numpy as np
 
 from home_mjx.errors import ConfigError
 
-LEVELS = (0.766, 0.186, 0.048)  # of homes with 1, 2 and 3 storeys
-# Rooms of a floor, and their weights.
+LEVELS = (0.766, 0.186, 0.048)  # probabilities of 1, 2 and 3 storeys
+# Number of rooms on a floor -> weight.
 ROOMS = {3: 3, 4: 7, 5: 10, 6: 12, 7: 14, 8: 14, 9: 13, 10: 10, 11: 7, 12: 5, 13: 3, 14: 2}
 MOST, LEAST = 14, 3
-LEAST_STAIRS = 5  # rooms of a floor that has stairs
-LARGER = 5  # numbers of rooms, from that on, that small homes of several storeys have instead
+LEAST_STAIRS = 5  # minimum number of rooms on a floor with stairs
+LARGER = 5  # range of room counts, from `LEAST_STAIRS` on, that replaces counts too small for stairs
 
-# Further rooms of a home on one floor, by weight; those that stand twice may come twice.
+# Optional rooms of one-storey homes and their weights; a type listed twice may be drawn twice.
 MORE = (
     ("Bedroom", 1.4),
     ("Bedroom", 1.0),
@@ -75,10 +75,10 @@ MORE_ABOVE = (
 
 @dataclass(frozen=True)
 class Program:
-    """What is to be built.
+    """Rooms to build.
 
     Attributes:
-        ground: Types of the rooms of the ground floor, the hall apart.
+        ground: Types of the rooms of the ground floor, without the hall.
         storeys: Number of storeys.
     """
 
@@ -87,7 +87,7 @@ class Program:
 
 
 def draw_program(rng: np.random.Generator) -> Program:
-    """A program at random.
+    """Draw a random program.
 
     Example:
         >>> program = draw_program(np.random.default_rng(3))
@@ -98,20 +98,20 @@ def draw_program(rng: np.random.Generator) -> Program:
     weights = np.array(list(ROOMS.values()), float)
     count = int(rng.choice(list(ROOMS), p=weights / weights.sum()))
     if storeys > 1 and count < LEAST_STAIRS:
-        count = LEAST_STAIRS + int(rng.integers(LARGER))  # not all of the same few rooms, or some would be alike
+        count = LEAST_STAIRS + int(rng.integers(LARGER))  # a range, so that fewer homes are alike
     return Program(ground_rooms(rng, count, storeys), storeys)
 
 
 def ground_rooms(rng: np.random.Generator, count: int, storeys: int = 1) -> tuple[str, ...]:
-    """Types of the rooms of a ground floor, the hall apart.
+    """Draw the types of the rooms of a ground floor, without the hall.
 
     Args:
         rng: Source of randomness.
-        count: Of rooms, the hall included.
-        storeys: Of the home.
+        count: Number of rooms, with the hall.
+        storeys: Number of storeys of the home.
 
     Raises:
-        ConfigError: No home is like that.
+        ConfigError: The number of rooms is out of range for the number of storeys.
     """
     if not LEAST <= count <= MOST or (storeys > 1 and count < LEAST_STAIRS):
         hint = f"A floor has {LEAST} to {MOST} rooms, one with stairs at least {LEAST_STAIRS}."
@@ -128,7 +128,7 @@ def ground_rooms(rng: np.random.Generator, count: int, storeys: int = 1) -> tupl
 
 
 def draw_more(rng: np.random.Generator, options: Sequence[tuple[str, float]], count: int) -> list[str]:
-    """Some of the options, drawn without replacement."""
+    """Draw types without replacement by weight."""
     weight = np.array([w for _, w in options])
     picks = rng.choice(len(options), size=min(count, len(options)), replace=False, p=weight / weight.sum())
     return [options[int(i)][0] for i in picks]

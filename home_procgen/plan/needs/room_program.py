@@ -1,16 +1,16 @@
-"""The size and shape that each type of room needs, and what it is for the plan."""
+"""Requirements of each type of room: size, shape, and its role in the plan."""
 
 from typing import NamedTuple
 
 
 class Want(NamedTuple):
-    """The size and shape that a type of room needs."""
+    """Size and shape that a type of room requires."""
 
-    low: float  # [m^2]
+    low: float  # [m^2], range of the area
     high: float
-    side: float  # [m], shortest side
-    aspect: float  # longest side over shortest
-    zone: float  # 0: where guests go, 1: where the family sleeps; neighbours have similar ones
+    side: float  # [m], minimum length of the shorter side
+    aspect: float  # maximum ratio of the longer to the shorter side
+    zone: float  # 0: guest area, 1: sleeping area; neighbouring rooms have similar zones
 
 
 WANTS = {
@@ -30,12 +30,12 @@ WANTS = {
     "Boiler_room": Want(3.2, 6.5, 1.6, 2.4, 0.35),
     "Entryway": Want(3.6, 7, 1.7, 2.4, 0.3),
 }
-SMALL = ("Toilet", "Storage", "Wardrobe", "Boiler_room")  # may stand before a nook of their neighbour
+SMALL = ("Toilet", "Storage", "Wardrobe", "Boiler_room")  # may have a nook of their neighbour behind them
 ROOMY = ("Living_Room", "Kitchen", "Bedroom", "Child_Room", "Guest_Room", "Office", "Dining_Room", "Gym")
 OUTDOORS = ("Balcony", "Loggia", "Terrace")
 WET = ("Bathroom", "Toilet")
 WINDOWLESS = ("Storage", "Wardrobe", "Boiler_room", *OUTDOORS)
 
-# Rooms through which others are reached, the best for that first; all others are ends of the graph of doors.
+# Types that other rooms can be reached through, in order of preference; all others are leaves of the door graph.
 LINKS = ("Hallway", "Hall", "Lobby", "Entryway", "Living_Room", "Dining_Room", "Kitchen")
-TO_PRIVATE = LINKS[:6]  # from a kitchen no door leads to a private room
+TO_PRIVATE = LINKS[:6]  # a kitchen has no door to a private room

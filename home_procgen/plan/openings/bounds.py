@@ -1,4 +1,4 @@
-"""Boxes of stairs and corners that bound the space of a room."""
+"""Boxes of stairs and cut-off corners that bound the space of a room."""
 
 from collections.abc import Iterator
 
@@ -10,18 +10,18 @@ from home_procgen.floor_plan.walls import HALF
 from home_procgen.plan.shape.cut_rooms import CutRoom, slants
 from home_procgen.plan.shape.storeys import Stairwell
 
-STRIP = 0.125  # of a corner that is cut off: so wide are the boxes that stand for it
-BESIDE = 0.5  # [m], from the edge of stairs to the places that must be reached
+STRIP = 0.125  # width of each box that approximates a cut-off corner, as a share of the corner's side
+BESIDE = 0.5  # [m], from the edge of stairs to the points that must be reachable
 
 
 def cut_off(room: RoomPlan, height: float) -> Iterator[Box]:
-    """Boxes over the corners that are cut off a room, and the walls there."""
+    """Generate boxes that cover the cut-off corners of a room and the slanted walls."""
     for (x0, z0), (x1, z1) in slants(room):
-        # The corner is where the neighbouring walls would meet: at (x0, z1) or at (x1, z0).
+        # The corner is the intersection of the neighbouring walls: (x0, z1) or (x1, z0).
         cuts = room.cuts if isinstance(room, CutRoom) else ()
         corner = next((x, z) for x, z, _ in cuts if (x, z) in ((x0, z1), (x1, z0)))
         for share in np.arange(0, 1, STRIP) + STRIP:
-            reach = 1 - share + STRIP  # of the triangle's other side, where the strip begins
+            reach = 1 - share + STRIP  # share of the triangle's other side at the start of the strip
             x = corner[0] + share * ((x1 if corner[0] == x0 else x0) - corner[0])
             z = corner[1] + reach * ((z1 if corner[1] == z0 else z0) - corner[1])
             low, high = np.sort([[corner[0], corner[1]], [x, z]], axis=0)
@@ -29,7 +29,7 @@ def cut_off(room: RoomPlan, height: float) -> Iterator[Box]:
 
 
 def column(stairs: Stairwell, before: float, height: float) -> Box:
-    """The space over a place of stairs and so far before it [m]."""
+    """Return the box of a stairwell, extended towards the hall by `before` [m]."""
     x0, z0, x1, z1 = stairs.rect
     low, high = np.array([x0, 0.0, z0]), np.array([x1, height, z1])
     for axis, way in zip((0, 2), stairs.way, strict=True):
@@ -39,7 +39,7 @@ def column(stairs: Stairwell, before: float, height: float) -> Box:
 
 
 def landings(stairs: Stairwell) -> list[tuple[float, float]]:
-    """Points before the foot and before the head of stairs."""
+    """Return the points (x, z) in front of the foot and of the head of stairs [m]."""
     middle = np.array([(stairs.rect.x0 + stairs.rect.x1) / 2, (stairs.rect.z0 + stairs.rect.z1) / 2])
     size, way = np.array(stairs.rect.sides), np.array(stairs.way, float)
     edge = middle - way * (size @ abs(way)) / 2

@@ -1,4 +1,4 @@
-"""Doors: private rooms are ends of the graph that they make, and one entrance leads into it."""
+"""Doors: private rooms are leaves of the door graph, and one entrance leads into it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,31 +17,31 @@ from home_procgen.plan.shape.cut_rooms import beside_cut
 from home_procgen.plan.shape.storeys import Stairwell, Storey
 from home_procgen.primitives.family import Furniture
 
-MORE = 0.45  # chance of a second way between common rooms
+MORE = 0.45  # probability of a second door connection between common rooms
 ENTRANCE = ("Entryway", "Hall", "Lobby", "Hallway", "Living_Room")
 PRIVATE = 10
 GRAND = ("Hallway", "Hall", "Lobby", "Living_Room", "Dining_Room")
-DOUBLE = 0.4  # chance of a double door between two of them
-STRINGERS = 0.2  # [m], by which stairs may stand out before their place
+DOUBLE = 0.4  # probability of a double door between two of them
+STRINGERS = 0.2  # [m], by which stairs may protrude from their place towards the hall
 
 
 class Models(NamedTuple):
-    """The models of a home's openings."""
+    """Models of a home's openings."""
 
     door: Furniture
-    glazed: Furniture  # of doors to balconies
+    glazed: Furniture  # of doors to outdoor rooms
     garage_door: Furniture
     entry: Furniture  # of the entrance
-    double: Furniture  # between rooms for guests, in some homes
+    double: Furniture  # of some doors between guest rooms
 
 
 def rank(kind: str) -> int:
-    """How little a room is meant to be walked through: the hall comes first."""
+    """Return the privacy rank of a room type; the hall has the lowest."""
     return LINKS.index(kind) if kind in LINKS else PRIVATE
 
 
 def walked(storey: Storey) -> tuple[RoomPlan, ...]:
-    """Rooms, the hall without the place of stairs: no door is beside these."""
+    """Return the rooms, with the stairwell removed from the hall, because no door may be next to it."""
     if storey.stairs is None and storey.well is None:
         return storey.rooms
     hall = storey.rooms[0]
@@ -50,7 +50,7 @@ def walked(storey: Storey) -> tuple[RoomPlan, ...]:
 
 @dataclass
 class DoorPlan:
-    """The doors of a storey, as they are added."""
+    """Doors of a storey under construction."""
 
     rng: np.random.Generator
     rooms: Sequence[RoomPlan]
@@ -59,11 +59,11 @@ class DoorPlan:
     stairs: Stairwell | None
 
     def kind(self, room: int) -> str:
-        """Type of a room."""
+        """Return the type of a room."""
         return self.rooms[room].type
 
     def join(self, sites: Sequence[Site]) -> bool:
-        """Adds a door at the first site that has a place for one."""
+        """Add a door at the first site with a place for one; return whether one was added."""
         for site in sites:
             if door := self.fit(site):
                 self.doors.append(door)
@@ -71,14 +71,14 @@ class DoorPlan:
         return False
 
     def fit(self, site: Site) -> Opening | None:
-        """A door in a stretch of wall, near an end of it, whose leaves and passage keep clear of other doors.
+        """Return a door near an end of a wall stretch, with leaves and passage clear of other doors; None if none fits.
 
-        It swings into the more private room, against the nearer wall; a door to the outside is shut.
+        It swings into the more private room, against the nearer wall; a door to the outside is closed.
         """
         return next((door for model in self._models(site) if (door := self._fit(site, model))), None)
 
     def _models(self, site: Site) -> Iterator[Furniture]:
-        """Those that a door may be of, the best first."""
+        """Generate the possible door models of a site, in order of preference."""
         kinds = [self.kind(room) for room in site.rooms]
         if any(kind in OUTDOORS for kind in kinds):
             yield self.models.glazed
@@ -118,7 +118,7 @@ class DoorPlan:
 
 
 def _positions(rng: np.random.Generator, span: tuple[float, float], width: float) -> Iterator[float]:
-    """Middles of an opening on a 0.1 m grid, those near an end of the wall first."""
+    """Generate centre positions of an opening on a 0.1 m grid, roughly from the ends of the wall inwards."""
     slack = span[1] - span[0] - width - 2 * MARGIN
     if slack >= -1e-9:
         low, count = span[0] + width / 2 + MARGIN, int(slack / 0.1 + 1e-6) + 1
@@ -127,7 +127,7 @@ def _positions(rng: np.random.Generator, span: tuple[float, float], width: float
 
 
 def _hands(placed: PlacedFurniture, wall: Wall, span: tuple[float, float]) -> tuple[bool, bool]:
-    """Whether to mirror a door, so that its hinge is at the nearer end of the wall; then the other way."""
+    """Return the two `mirrored` options of a door; the first puts its hinge at the nearer end of the wall."""
     hinge = placed.beside(-float(placed.size[0]) / 2, 0.0)[wall.axis]
     at = placed.position[2 * wall.axis]
     nearer_low = at - span[0] < span[1] - at
@@ -135,7 +135,7 @@ def _hands(placed: PlacedFurniture, wall: Wall, span: tuple[float, float]) -> tu
 
 
 def draw_doors(rng: np.random.Generator, storey: Storey, models: Models) -> list[Opening] | None:
-    """Doors of a storey, without the entrance; None if a room cannot be reached as it should be."""
+    """Draw the doors of a storey, without the entrance; None if a room cannot be reached as required."""
     rooms = walked(storey)
     plan = DoorPlan(rng, rooms, models, [], storey.stairs or storey.well)
     sites = inner_sites(rooms)
@@ -159,7 +159,7 @@ def _other(site: Site, room: int) -> int:
 
 
 def _join_common(plan: DoorPlan, sites: Sequence[Site], common: Sequence[int]) -> bool:
-    """A tree of doors over the common rooms from the hall on, and some more."""
+    """Connect the common rooms by a tree of doors from the hall, and some extra doors; return whether it succeeded."""
     ranked = sorted(
         (sum(rank(plan.kind(r)) for r in site.rooms) + plan.rng.uniform(0, 1.5), i, site)
         for i, site in enumerate(sites)
@@ -179,7 +179,7 @@ def _join_common(plan: DoorPlan, sites: Sequence[Site], common: Sequence[int]) -
 
 
 def draw_entrance(rng: np.random.Generator, storey: Storey, models: Models, doors: Sequence[Opening]) -> Opening | None:
-    """A shut door from outside into the entryway, the hall, or the living room; None if there is no place."""
+    """Draw a closed door from outside into the entryway, the hall or the living room; None if none fits."""
     rooms = walked(storey)
     plan = DoorPlan(rng, rooms, models, list(doors), storey.stairs or storey.well)
     able = [i for i, room in enumerate(rooms) if room.type in ENTRANCE]
@@ -193,7 +193,7 @@ def draw_entrance(rng: np.random.Generator, storey: Storey, models: Models, door
 
 
 def _of(wall: Wall, room: RoomPlan) -> bool:
-    """Whether a wall also bounds the part of a room where one walks."""
+    """Return whether a wall also bounds the walkable part of a room."""
     return any(
         other.axis == wall.axis and abs(other.line - wall.line) < 0.05 and other.span == wall.span
         for other in room.walls
@@ -203,7 +203,7 @@ def _of(wall: Wall, room: RoomPlan) -> bool:
 def garage_doors(
     rng: np.random.Generator, rooms: Sequence[RoomPlan], models: Models, taken: Sequence[Opening]
 ) -> Iterator[Opening]:
-    """A shut garage door in an outer wall of each garage that has room for one."""
+    """Generate a closed garage door in an outer wall of each garage that has space for one."""
     width = float(models.garage_door.size[0]) + 2 * MARGIN
     for room in (i for i, plan in enumerate(rooms) if plan.type == "Garage"):
         sites = [s for s in outer_sites(rooms, room) if s.span[1] - s.span[0] >= width]

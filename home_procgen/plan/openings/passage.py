@@ -1,4 +1,4 @@
-"""Whether one gets through a room: doors stand open, and their leaves are in the way."""
+"""Passability of rooms with open doors, whose leaves are obstacles."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -11,21 +11,21 @@ from home_procgen.floor_plan.walking import WalkingGrid
 from home_procgen.plan.openings.bounds import column, cut_off, landings
 from home_procgen.plan.shape.storeys import Stairwell
 
-HEIGHT = 2.5  # [m]: all walls are higher than an agent
+HEIGHT = 2.5  # [m], of boxes of walls and stairs: taller than an agent, and at most the wall height
 
 
 def is_passable(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | None = None) -> bool:
-    """Whether one gets from every door of an empty room to every other, and to nearly all of its floor."""
+    """Return whether each door of an empty room is reachable from every other, and nearly all floor from the doors."""
     return floor_grid(room, openings, stairs).stays_connected([])
 
 
 def floor_grid(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | None = None) -> WalkingGrid:
-    """The floor of an empty room.
+    """Return the walking grid of an empty room.
 
     Args:
         room: The room.
         openings: Its doors and windows.
-        stairs: The place of stairs in it.
+        stairs: The place of stairs in it; None if it has none.
     """
     parts = [part for opening in openings for part in opening.placed.parts]
     doors = [opening.placed for opening in openings if opening.is_door]
@@ -35,6 +35,6 @@ def floor_grid(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | 
 
 @lru_cache(maxsize=64)
 def bounds(room: RoomPlan, height: float, stairs: Stairwell | None) -> tuple[Box, ...]:
-    """Boxes of the walls of a room, of its place of stairs, and of corners that are cut off, of a height [m]."""
+    """Return boxes of a room's walls, its stairwell and its cut-off corners, up to a height [m]."""
     steps = [column(stairs, 0.0, height)] if stairs else []
     return (*(wall_box(wall, height) for wall in room.walls), *steps, *cut_off(room, height))

@@ -1,15 +1,15 @@
-"""Where openings may go: stretches of wall between two rooms, or between a room and the outside."""
+"""Sites of openings: stretches of wall between two rooms, or between a room and the outside."""
 
 from collections.abc import Sequence
 
 from home_procgen.floor_plan.openings import Site
 from home_procgen.floor_plan.rooms import RoomPlan, outer_spans, shared_span
 
-LEAST = 1.1  # [m], of a wall with a door
+LEAST = 1.1  # [m], minimum length of wall for a door
 
 
 def inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
-    """Where two rooms share enough of a wall for a door."""
+    """Return the stretches of wall that two rooms share and that are long enough for a door."""
     return [
         Site(wall, span, (a, b))
         for b in range(len(rooms))
@@ -21,6 +21,6 @@ def inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
 
 
 def outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[Site]:
-    """The stretches of a room's walls that no other room shares."""
+    """Return the stretches of a room's walls that no other room shares."""
     others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
     return [Site(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]

@@ -1,4 +1,4 @@
-"""Windows in walls at an angle."""
+"""Windows in slanted walls."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from home_procgen.floor_plan.rooms import RoomPlan
 from home_procgen.plan.shape.cut_rooms import slants
 from home_procgen.primitives.family import Furniture
 
-MARGIN = 0.1  # [m], of a window in a slanted wall
+MARGIN = 0.1  # [m], minimum distance between a window and the end of its slanted wall
 
 
 @dataclass(frozen=True)
 class TurnedWindow(Slanted):
-    """A window at any angle.
+    """A window at an arbitrary angle.
 
     Attributes:
-        facing: (x, z) unit direction that its front points to.
+        facing: Unit direction (x, z) of its front.
     """
 
     facing: tuple[float, float] = (0.0, 1.0)
@@ -34,7 +34,7 @@ class TurnedWindow(Slanted):
 
 
 def slanted_windows(room: int, plan: RoomPlan, model: Furniture) -> Iterator[Opening]:
-    """A window in each slanted wall that is wide enough for one."""
+    """Generate a window in each slanted wall that is wide enough."""
     for start, end in slants(plan):
         way = np.subtract(end, start)
         length = float(np.linalg.norm(way))

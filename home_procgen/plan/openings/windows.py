@@ -1,4 +1,4 @@
-"""Windows, in outer walls only."""
+"""Windows in outer walls."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,31 +11,31 @@ from home_procgen.plan.needs.room_program import WET, WINDOWLESS
 from home_procgen.plan.openings.sites import outer_sites
 from home_procgen.plan.openings.turned import slanted_windows
 from home_procgen.primitives.palette import choose
-from home_procgen.things import model_of
+from home_procgen.things import get_model
 
-SMALL = 1  # number of the model of small windows
-SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # of models that go together, narrow ones first
-EACH = 3.4  # [m] of wall for each window
-SECOND_WALL = 0.55  # chance of windows in a further wall
+SMALL = 1  # model number of small windows
+SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # sets of matching models, narrow ones first
+EACH = 3.4  # [m], length of wall per window
+SECOND_WALL = 0.55  # probability of windows in another wall
 
 
 def draw_windows(
     rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Sequence[Opening], shut: Rect | None
 ) -> list[Opening]:
-    """Windows of a storey: one at least for every habitable room where a wall allows it.
+    """Draw the windows of a storey: at least one per habitable room if a wall allows it.
 
     Args:
         rng: Source of randomness.
-        rooms: Of the storey.
-        doors: Of the storey.
-        shut: The place of stairs, whose walls have no windows: those would be in no room.
+        rooms: Rooms of the storey.
+        doors: Doors of the storey.
+        shut: Rectangle of the stairs, whose walls have no windows, as these would belong to no room; None if none.
     """
     found: list[Opening] = []
     alike = choose(SETS, rng)
     for room, plan in enumerate(rooms):
         if plan.type in WINDOWLESS or (plan.type == "Garage" and rng.random() < 0.5):
             continue
-        bays = list(slanted_windows(room, plan, model_of("window", SMALL)))
+        bays = list(slanted_windows(room, plan, get_model("window", SMALL)))
         found += bays
         count = len(bays)
         for site in sorted(outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
@@ -48,7 +48,7 @@ def draw_windows(
 
 
 def _beside(site: Site, rect: Rect) -> bool:
-    """Whether a stretch of wall bounds a rectangle."""
+    """Return whether a stretch of wall bounds a rectangle."""
     axis = site.wall.axis
     at_line = min(abs(site.wall.line - rect[1 - axis]), abs(site.wall.line - rect[3 - axis])) < 0.05
     return at_line and site.span[0] < rect[axis + 2] and site.span[1] > rect[axis]
@@ -57,12 +57,12 @@ def _beside(site: Site, rect: Rect) -> bool:
 def _fit(
     rng: np.random.Generator, site: Site, kind: str, alike: Sequence[int], taken: Sequence[Opening]
 ) -> Iterator[Opening]:
-    """Windows of one size at even distances in a stretch of wall; wet rooms and garages get small high ones."""
+    """Generate evenly spaced windows of one size in a stretch of wall; small high ones in wet rooms and garages."""
     low, high = site.span
     small = kind in (*WET, "Garage")
     count = 1 if small else max(1, round((high - low) / EACH))
     numbers = (SMALL,) if small else alike
-    models = [model_of("window", number) for number in numbers]
+    models = [get_model("window", number) for number in numbers]
     fitting = [m for m in models if m.size[0] + 2 * MARGIN <= (high - low) / count]
     if not fitting:
         return

@@ -1,1 +1,1 @@
-"""The shape of homes: rows of rooms along halls, storeys, rooms with corners cut off."""
+"""Shape of homes: rows of rooms along halls, storeys, and rooms with cut-off corners."""

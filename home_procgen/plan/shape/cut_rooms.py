@@ -1,4 +1,4 @@
-"""Rooms some of whose corners are cut off."""
+"""Rooms with cut-off corners."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,17 +13,17 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class CutRoom(RoomPlan):
-    """A room some of whose convex corners are cut off at 45 degrees.
+    """A room with convex corners cut off at 45 degrees.
 
     Attributes:
-        cuts: Corners (x, z), and how far from each its walls end [m].
+        cuts: Corners (x, z), each with the length by which its walls are shortened [m].
     """
 
     cuts: tuple[tuple[float, float, float], ...] = ()
 
     @cached_property
     def polygon(self) -> Float[np.ndarray, "n 2"]:
-        """As of `RoomPlan`, with two corners for each that is cut."""
+        """Corners as in `RoomPlan`, with two for each one that is cut."""
         corners = outline(self.rects)
         found: list[np.ndarray] = []
         for before, corner, after in zip(np.roll(corners, 1, 0), corners, np.roll(corners, -1, 0), strict=True):
@@ -34,27 +34,27 @@ class CutRoom(RoomPlan):
 
     @cached_property
     def walls(self) -> tuple[Wall, ...]:
-        """Those along the axes: nothing else is backed against a wall, or opened."""
+        """Axis-aligned walls only, because furniture and openings do not support others."""
         return tuple(Wall(a, b) for a, b in sides(self) if a[0] == b[0] or a[1] == b[1])
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Floor area [m^2]."""
         return super().area - sum(size**2 / 2 for _, _, size in self.cuts)
 
 
 def sides(room: RoomPlan) -> list[tuple[Point, Point]]:
-    """All sides of a room's outline, slanted ones too, in order [m]."""
+    """Return all sides of a room's outline in order, with slanted ones [m]."""
     corners = [(float(x), float(z)) for x, z in room.polygon]
     return list(zip(corners, corners[1:] + corners[:1], strict=True))
 
 
 def slants(room: RoomPlan) -> list[tuple[Point, Point]]:
-    """Those that are at an angle."""
+    """Return the slanted sides of a room's outline [m]."""
     return [(a, b) for a, b in sides(room) if a[0] != b[0] and a[1] != b[1]]
 
 
 def beside_cut(room: RoomPlan, wall: Wall) -> bool:
-    """Whether a wall ends where a corner is cut off, as the front of a bay does."""
+    """Return whether a wall ends at a cut-off corner, as the front of a bay does."""
     ends = [end for side in slants(room) for end in side]
     return wall.start in ends or wall.end in ends

@@ -1,4 +1,4 @@
-"""Small flats: rooms on one to three sides of the living room, which is their hall."""
+"""Small flats: rooms on one to three sides of the living room, which serves as their hall."""
 
 from collections.abc import Sequence
 
@@ -8,14 +8,14 @@ from home_procgen.floor_plan.rooms import Rect
 from home_procgen.plan.shape.rows import Cell, Row, snap, suits, widths
 from home_procgen.plan.shape.shell import CONTACT, Draft, Laid, Shell, cell_of, deal, lay_row
 
-SMALLEST, LARGEST = 16.5, 40.0  # [m^2], of the living room
-SIDES = ((0, 1), (0, -1), (1, 1))  # axis and sign of the rows: two beside its length, one at its end
-L_SHAPED = 2.2  # chance of a living room in the shape of an L, times the number of other rooms
-SIMILAR = 0.18  # of lengths of a row and of the wall before it that are made equal
+SMALLEST, LARGEST = 16.5, 40.0  # [m^2], range of the living room's area
+SIDES = ((0, 1), (0, -1), (1, 1))  # axis and sign of the rows: two along the long sides, one at the end
+L_SHAPED = 2.2  # probability of an L-shaped living room, times the number of other rooms
+SIMILAR = 0.18  # relative difference up to which a row is as long as its side of the living room
 
 
 def draw_hub(rng: np.random.Generator, types: Sequence[str]) -> Draft | None:
-    """One attempt at a flat whose rooms lie around its living room; None if it fails."""
+    """Try to draw a flat with its rooms around the living room; None if the attempt fails."""
     across = snap(rng.uniform(3.5, 6.0))
     length = snap(rng.uniform(SMALLEST, LARGEST) / across)
     if not suits("Living_Room", length, across):
@@ -41,7 +41,7 @@ def draw_hub(rng: np.random.Generator, types: Sequence[str]) -> Draft | None:
 
 
 def _corner(rng: np.random.Generator, hall: Rect, sides: Sequence[tuple[int, int]]) -> tuple[Rect, ...]:
-    """What makes the living room an L or a T: a part before a side without rooms."""
+    """Return the rectangle that makes the living room an L or a T, on a side without rooms; () if it does not fit."""
     free = [side for side in ((0, 1), (0, -1), (1, 1), (1, -1)) if side not in sides]
     axis, sign = free[int(rng.integers(len(free)))]
     length = hall[axis + 2] - hall[axis]
@@ -56,7 +56,7 @@ def _corner(rng: np.random.Generator, hall: Rect, sides: Sequence[tuple[int, int
 def _beside(
     rng: np.random.Generator, hall: Rect, side: tuple[int, int], depth: float, cells: Sequence[Cell]
 ) -> Laid | None:
-    """A row at one side of the living room, each room of which has a front on it."""
+    """Return a row on one side of the living room; None if it does not fit or a room has too short a front on it."""
     axis, sign = side
     low, high = hall[axis], hall[axis + 2]
     wanted = sum(widths(cells, depth)[0])

@@ -1,4 +1,4 @@
-"""Homes in the shape of a U or a T: on one side of the hall, the ends or the middle stand out."""
+"""U- or T-shaped homes: on one side of the hall, the ends or the middle of the row are deeper."""
 
 from collections.abc import Sequence
 
@@ -7,12 +7,12 @@ import numpy as np
 from home_procgen.plan.shape.rows import FOYER, Cell, Row, snap, widths
 from home_procgen.plan.shape.shell import STAIRS, STAIRS_WIDTH, Draft, cell_of, closed, deal, lay_rows
 
-SHALLOW, DEEP = (2.9, 3.6), (4.8, 5.8)  # [m], of rows
-U_SHAPED = 0.6  # of these homes; the others are T-shaped
+SHALLOW, DEEP = (2.9, 3.6), (4.8, 5.8)  # [m], ranges of row depths
+U_SHAPED = 0.6  # share of U-shaped homes; the others are T-shaped
 
 
 def draw_parted(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
-    """One attempt at a ground floor in the shape of a U or a T; None if it fails."""
+    """Try to draw a U- or T-shaped ground floor; None if the attempt fails."""
     across = snap(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
     deep, shallow = snap(rng.uniform(*DEEP)), snap(rng.uniform(*SHALLOW))
     depths = (deep, shallow, deep) if rng.random() < U_SHAPED else (shallow, deep, shallow)

@@ -1,4 +1,4 @@
-"""Rows of rooms along a hall: each has a front on the hall, small ones may stand before a nook of their neighbour."""
+"""Rows of rooms along a hall: each room has a front on the hall; small ones may have a neighbour's nook behind them."""
 
 import itertools
 import math
@@ -10,24 +10,24 @@ from home_procgen.floor_plan.rooms import Rect
 from home_procgen.plan.needs.room_program import ROOMY, SMALL, WANTS
 
 STEP = 0.1  # [m], grid of the wall lines
-NOOK = 1.5  # [m], least depth of a nook
-LEAST_SCALE, MOST_SCALE = 0.78, 1.3  # of widths, so that a row fills its length
-LEAST_AREA, MOST_AREA = 0.78, 1.4  # times what a type wants
-FOYER = "Foyer"  # a part of the hall that reaches to the outer wall
+NOOK = 1.5  # [m], minimum depth of a nook
+LEAST_SCALE, MOST_SCALE = 0.78, 1.3  # range of the scale of widths with which a row fills its length
+LEAST_AREA, MOST_AREA = 0.78, 1.4  # range of the area, as a factor of the type's own range
+FOYER = "Foyer"  # type of the part of the hall that reaches to the outer wall
 
 
 class Cell(NamedTuple):
-    """What stands in a row: a room, or a foyer."""
+    """A cell of a row: a room, a foyer, or stairs."""
 
     type: str
-    area: float  # [m^2]
+    area: float  # requested area [m^2]
 
 
 class Stack(NamedTuple):
     """A small room with a nook of its neighbour behind it."""
 
     host: int
-    width: float  # [m]
+    width: float  # [m], of the small room
     front: float  # [m], depth of the small room
 
 
@@ -35,7 +35,7 @@ Placed = tuple[str, tuple[Rect, ...]]
 
 
 def snap(value: float) -> float:
-    """The nearest point of the grid [m]."""
+    """Round a coordinate to the grid [m]."""
     return round(round(value / STEP) * STEP, 6)
 
 
@@ -45,13 +45,12 @@ class Row:
 
     Attributes:
         axis: 0 if its rooms follow one another along x, 1 along z.
-        sign: Of the direction across, away from the hall.
+        sign: Sign of the direction across, away from the hall.
         base: Coordinate of the hall's edge across [m].
-        low: Where it begins along its axis [m].
-        high: Where it ends.
-        depth: Across [m].
-        step: From where to where along its axis the depth is another one, and that depth; None if it is the same all
-            along.
+        low: Lower end along its axis [m].
+        high: Upper end along its axis [m].
+        depth: Extent across [m].
+        step: Start, end and depth of a range along the axis with another depth [m]; None if the depth is constant.
     """
 
     axis: int
@@ -63,33 +62,33 @@ class Row:
     step: tuple[float, float, float] | None = None
 
     def rect(self, a: float, b: float, near: float, far: float) -> Rect:
-        """The rectangle between two places along the row and two depths [m]."""
+        """Return the rectangle between two coordinates along the row and two depths [m]."""
         p, q = sorted((snap(self.base + self.sign * near), snap(self.base + self.sign * far)))
         a, b = snap(a), snap(b)
         return Rect(a, p, b, q) if self.axis == 0 else Rect(p, a, q, b)
 
     def rects(self, a: float, b: float, near: float = 0.0) -> tuple[Rect, ...]:
-        """The rectangles between two places along the row, from a depth on to the row's end [m]."""
+        """Return the rectangles between two coordinates along the row, from a depth to the row's outer edge [m]."""
         return tuple(self.rect(low, high, near, depth) for low, high, depth in self._parts(a, b))
 
     def _parts(self, a: float, b: float) -> Iterator[tuple[float, float, float]]:
-        """The parts of a range with one depth each."""
+        """Generate the parts of a range as start, end and depth [m]; each part has one depth."""
         start, end, depth = self.step or (self.high, self.high, self.depth)
         for low, high, deep in ((-math.inf, start, self.depth), (start, end, depth), (end, math.inf, self.depth)):
             if min(b, high) - max(a, low) > STEP / 2:
                 yield max(a, low), min(b, high), deep
 
     def least_depth(self, a: float, b: float) -> float:
-        """Between two places along it [m]."""
+        """Return the minimum depth between two coordinates along the row [m]."""
         return min(depth for _, _, depth in self._parts(a, b))
 
     def with_ends(self, low: float, high: float) -> "Row":
-        """The same row between other ends [m]."""
+        """Return the same row with other ends [m]."""
         return replace(self, low=low, high=high)
 
 
 def suits(kind: str, width: float, depth: float) -> bool:
-    """Whether a rectangle serves as a room of a type [m]."""
+    """Return whether a rectangle satisfies the requirements of a room type [m]."""
     if kind == FOYER:
         return width > 1.3
     want, (short, long) = WANTS[kind], sorted((width, depth))
@@ -101,9 +100,9 @@ def suits(kind: str, width: float, depth: float) -> bool:
 
 
 def widths(cells: Sequence[Cell], depth: float) -> tuple[list[float], Mapping[int, Stack]]:
-    """The widths that cells of a row want [m], and which stand before a nook of which neighbour."""
+    """Return the widths of a row's cells [m], and the stacks of small rooms by cell index."""
     stacks = _stacks(cells, depth)
-    backs = {stack.host: stack.width * (depth - stack.front) for stack in stacks.values()}  # one each
+    backs = {stack.host: stack.width * (depth - stack.front) for stack in stacks.values()}  # each host has at most one
     found = []
     for i, cell in enumerate(cells):
         side = 1.5 if cell.type == FOYER else WANTS[cell.type].side
@@ -128,11 +127,11 @@ def _stacks(cells: Sequence[Cell], depth: float) -> dict[int, Stack]:
 
 
 def lay(row: Row, cells: Sequence[Cell]) -> list[Placed] | None:
-    """The rooms of a row, from its low to its high end; None if they do not fill it as rooms should.
+    """Place the cells in a row from its lower to its upper end; None if they violate the limits of scale or of rooms.
 
     Args:
-        row: Where.
-        cells: What, in order.
+        row: The row.
+        cells: Its cells in order.
     """
     if not cells:
         return [] if row.high - row.low < STEP else None

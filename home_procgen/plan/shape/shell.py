@@ -1,7 +1,7 @@
-"""The outline of a home: a hall, rows of rooms along it, and a block at its end. All storeys share it.
+"""Outline of a home: a hall, rows of rooms along it, and a block at its end. All storeys share it.
 
-Lengths are drawn from the rooms of the ground floor. Coordinates are local: the hall runs along x from 0, with one row
-on either side; a wing has a hall along z that begins between two rooms of the row on the side of growing z.
+Lengths result from the rooms of the ground floor. Coordinates are local: the hall runs along x from 0, with one row
+on either side. A wing has a hall along z that begins between two rooms of the row at greater z.
 """
 
 from collections.abc import Iterable, Sequence
@@ -13,25 +13,25 @@ from home_procgen.floor_plan.rooms import Rect
 from home_procgen.plan.needs.room_program import SMALL, WANTS
 from home_procgen.plan.shape.rows import FOYER, Cell, Placed, Row, lay, snap, suits, widths
 
-CONTACT = 1.3  # [m], of every room with the hall, for its door
-STAIRS_WIDTH = 2.2  # [m], between the middles of the walls beside stairs
+CONTACT = 1.3  # [m], minimum wall that each room shares with the hall, for its door
+STAIRS_WIDTH = 2.2  # [m], between the centre-lines of the walls beside stairs
 STAIRS = "Stairs"
-STEPPED = 0.45  # chance of a facade with a step
-SIMILAR = 0.22  # of lengths of two rows that are made equal
+STEPPED = 0.45  # probability of a stepped facade
+SIMILAR = 0.22  # relative difference below which two rows are made equally long
 
 
 @dataclass(frozen=True)
 class Shell:
-    """What the storeys of a home share.
+    """Shape that the storeys of a home share.
 
     Attributes:
-        hall: Rectangles of the hall or, in small flats, of the living room that is in its place.
-        rows: Of rooms.
-        reach: Along which part of its axis each row has the hall before it [m].
-        block: The room at the end of the hall; None if there is none.
-        rests: What is left beyond the ends of halls, and the row whose last room takes it.
-        stairs: The place of the stairs, a part of the hall; None if there are none.
-        stairs_row: The row that it is in.
+        hall: Rectangles of the hall or, in small flats, of the living room that replaces it.
+        rows: Rows of rooms.
+        reach: Interval of its axis in which each row borders the hall [m].
+        block: Rectangle of the room at the end of the hall; None if there is none.
+        rests: Rectangles beyond the ends of halls, each with the index of the row whose last room includes it.
+        stairs: Rectangle of the stairs, a part of the hall; None if there are none.
+        stairs_row: Index of the row with the stairs; -1 if none.
     """
 
     hall: tuple[Rect, ...]
@@ -45,24 +45,24 @@ class Shell:
 
 @dataclass(frozen=True)
 class Draft:
-    """A storey in local coordinates: the hall first."""
+    """A storey in local coordinates; `rooms` are those besides the hall."""
 
     shell: Shell
     rooms: tuple[Placed, ...]
 
 
 def cell_of(rng: np.random.Generator, kind: str) -> Cell:
-    """A room of a type with an area that it may want."""
+    """Return a room of a type with a random area in its range."""
     return Cell(kind, _between(rng, WANTS[kind].low, WANTS[kind].high))
 
 
 def _between(rng: np.random.Generator, low: float, high: float) -> float:
-    """As `rng.uniform`, which takes several times as long for one number: a plan takes many attempts."""
+    """Return a uniform random number; `rng.uniform` takes several times as long, and plans take many attempts."""
     return low + (high - low) * rng.random()
 
 
 def deal(rng: np.random.Generator, cells: Sequence[Cell], depths: Sequence[float]) -> list[list[Cell]] | None:
-    """Cells in rows of about the same length; None if one fits nowhere. Small ones come beside others."""
+    """Distribute cells over rows of similar length; None if one fits no row. Small cells come next to others."""
     rows: list[list[Cell]] = [[] for _ in depths]
     length = [0.0 for _ in depths]
     for cell in sorted((c for c in cells if c.type not in SMALL), key=lambda c: -c.area):
@@ -83,7 +83,7 @@ def deal(rng: np.random.Generator, cells: Sequence[Cell], depths: Sequence[float
 
 
 def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
-    """One attempt at a ground floor with one hall; None if it fails."""
+    """Try to draw a ground floor with one hall; None if the attempt fails."""
     across = snap(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
     depths = [snap(rng.uniform(3.4, 4.8)), snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.5, 4.2))]
     cells, block = _take_block(rng, [cell_of(rng, kind) for kind in types], across, depths)
@@ -105,7 +105,7 @@ def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) 
 def _take_block(
     rng: np.random.Generator, cells: list[Cell], across: float, depths: Sequence[float]
 ) -> tuple[list[Cell], tuple[Cell, Rect] | None]:
-    """Puts the living room or the garage across the end of the hall, where it fits."""
+    """Move the living room or the garage to a block across the end of the hall, if it fits there."""
     for kind, odds in (("Living_Room", 0.5), ("Garage", 0.5)):
         cell = next((cell for cell in cells if cell.type == kind), None)
         if cell is None or rng.random() > odds:
@@ -120,7 +120,7 @@ def _take_block(
 
 
 def _lengths(rows: Sequence[Sequence[Cell]], depths: Sequence[float]) -> list[float]:
-    """What rows want, equal where they are similar [m]."""
+    """Return the length of each row from the widths of its cells; similar lengths are made equal [m]."""
     plain = [[c for c in row if c.type != STAIRS] for row in rows]
     length = [sum(widths(row, d)[0]) if row else 0.0 for row, d in zip(plain, depths, strict=True)]
     length = [x + STAIRS_WIDTH * any(c.type == STAIRS for c in row) for x, row in zip(length, rows, strict=True)]
@@ -130,7 +130,7 @@ def _lengths(rows: Sequence[Sequence[Cell]], depths: Sequence[float]) -> list[fl
 
 
 def _step(rng: np.random.Generator, length: float, depth: float) -> tuple[float, float, float] | None:
-    """Where the facade steps forwards or back, sometimes: at one end of the row, or in its middle."""
+    """Draw a step of the facade, forwards or back, at one end of the row or in its middle; None if there is none."""
     if rng.random() > STEPPED or length < 6:
         return None
     shift = float(rng.choice([-1, 1])) * rng.uniform(0.5, 1.3)
@@ -139,11 +139,11 @@ def _step(rng: np.random.Generator, length: float, depth: float) -> tuple[float,
     return snap(start), snap(end), snap(max(depth + shift, 2.6))
 
 
-Laid = tuple[Row, list[Placed], Rect | None]  # the row, its rooms, and the place of stairs in it
+Laid = tuple[Row, list[Placed], Rect | None]  # the row, its rooms, and the rectangle of its stairs if any
 
 
 def lay_row(row: Row, cells: Sequence[Cell]) -> Laid | None:
-    """A row, with stairs where a cell says so; its step is moved to a wall between rooms."""
+    """Place the rooms and stairs of a row; None if they do not fit. Its step is moved to a wall between rooms."""
     index = next((i for i, cell in enumerate(cells) if cell.type == STAIRS), None)
     if index is None:
         plain = row if row.step is None else replace(row, step=None)
@@ -166,7 +166,7 @@ def lay_row(row: Row, cells: Sequence[Cell]) -> Laid | None:
 
 
 def lay_rows(pairs: Iterable[tuple[Row, Sequence[Cell]]]) -> list[Laid] | None:
-    """Several rows; None at the first that cannot be laid."""
+    """Place several rows; None if one of them cannot be placed."""
     found = []
     for row, cells in pairs:
         laid = lay_row(row, cells)
@@ -188,7 +188,7 @@ def _with_step(row: Row, rooms: Sequence[Placed]) -> Row:
 
 
 def needed(laid: Laid) -> float:
-    """How far along a row its hall has to go, so that every room has a front on it, and stairs all of theirs [m]."""
+    """Return the coordinate up to which a row needs the hall: a front for every room, the full width of stairs [m]."""
     row, rooms, stairs = laid
     fronts = [min(rects[0][row.axis] + CONTACT, row.high) for _, rects in rooms]
     return max([*fronts, *([] if stairs is None else [stairs[row.axis + 2]])])
@@ -201,14 +201,17 @@ def closed(
     end: float,
     block: tuple[Cell, Rect] | None,
 ) -> Draft:
-    """The storey of rows along one hall, which ends where its last rooms are reached, or goes on to the outer wall.
+    """Complete the storey of rows along one hall.
+
+    The hall ends at the front of its last room, and the last room of a row includes the remaining rectangle.
+    Otherwise the hall extends to the outer wall.
 
     Args:
         rng: Source of randomness.
-        known: The rows, as `lay_rows` gives them.
+        known: The rows from `lay_rows`.
         across: Width of the hall [m].
-        end: Where the longest row ends [m].
-        block: The room before the other end of the hall, and its place.
+        end: Upper end of the longest row [m].
+        block: The room at the other end of the hall, and its rectangle; None if there is none.
     """
     rows = [row for row, _, _ in known]
     stop = snap(max(needed(one) for one in known))

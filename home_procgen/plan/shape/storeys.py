@@ -1,4 +1,4 @@
-"""The storeys of a home: the ground floor, and further ones in the same shell, all turned in some direction."""
+"""Storeys of a home: the ground floor, and upper ones in the same shell, all rotated and mirrored alike."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,21 +14,21 @@ from home_procgen.plan.shape.rows import FOYER, Placed, Row, lay, suits
 from home_procgen.plan.shape.shell import Draft, Shell, cell_of, draw_straight
 from home_procgen.plan.shape.wing import draw_winged
 
-TRIES = 60  # of filling a part of a row
-CONTACT = 1.2  # [m], least of a room with the hall
-TINY = 0.25  # [m]: shorter walls are no walls
-WINGED_FROM, PARTED_FROM = 8, 7  # rooms on a floor
-WINGED, PARTED = 0.4, 0.45  # of attempts at floors of so many rooms
+TRIES = 60  # maximum attempts to fill a part of a row
+CONTACT = 1.2  # [m], minimum wall that a room of an upper floor shares with the hall
+TINY = 0.25  # [m], minimum length of a wall
+WINGED_FROM, PARTED_FROM = 8, 7  # minimum number of rooms on a floor
+WINGED, PARTED = 0.4, 0.45  # probabilities of these shapes on floors with enough rooms
 
 
 @dataclass(frozen=True)
 class Stairwell:
-    """The place of stairs that turn back, open towards the hall.
+    """Place of U-shaped stairs, open towards the hall.
 
     Attributes:
-        rect: Between the middles of its walls, and the edge of the hall [m].
-        way: (x, z) unit direction from the hall into it.
-        left: Whether they go up on the left, and come back on the right.
+        rect: Rectangle between the centre-lines of its walls and the edge of the hall [m].
+        way: Unit direction (x, z) from the hall into it.
+        left: Whether the stairs go up on the left and return on the right.
     """
 
     rect: Rect
@@ -37,19 +37,19 @@ class Stairwell:
 
     @property
     def area(self) -> float:
-        """[m^2]."""
+        """Area [m^2]."""
         width, depth = self.rect.sides
         return width * depth
 
 
 @dataclass(frozen=True)
 class Storey:
-    """Rooms of one floor; the first is the hall, or the living room in its place.
+    """Rooms of one floor; the first is the hall, or the living room that replaces it.
 
     Attributes:
         rooms: The rooms.
         stairs: Stairs that begin here; the hall includes their place.
-        well: Stairs that end here: there the hall has no floor.
+        well: Stairs that end here; the hall has no floor there.
     """
 
     rooms: tuple[RoomPlan, ...]
@@ -58,7 +58,7 @@ class Storey:
 
 
 def draw_storeys(rng: np.random.Generator, program: Program) -> tuple[Storey, ...] | None:
-    """One attempt at the storeys of a home; None if it fails."""
+    """Try to draw the storeys of a home; None if the attempt fails."""
     draft = _draw_ground(rng, program)
     if draft is None:
         return None
@@ -84,7 +84,7 @@ def _draw_ground(rng: np.random.Generator, program: Program) -> Draft | None:
 
 
 def _draw_upper(rng: np.random.Generator, shell: Shell) -> Draft | None:
-    """Other rooms in the same shell."""
+    """Try to draw an upper storey with other rooms in the same shell; None if the attempt fails."""
     pool = [*ABOVE, *draw_more(rng, MORE_ABOVE, len(MORE_ABOVE))]
     found: list[Placed] = []
     for number, row in enumerate(shell.rows):
@@ -118,7 +118,7 @@ def _segments(shell: Shell, number: int, row: Row) -> list[tuple[float, float]]:
 def _fill(rng: np.random.Generator, row: Row, pool: Sequence[str], reach: tuple[float, float]) -> list[Placed] | None:
     for _ in range(TRIES):
         count = int(rng.integers(1, 1 + max(1, min(len(pool), round((row.high - row.low) / 2.0)))))
-        # Those that come first in the pool are wanted most.
+        # Types early in the pool have priority.
         order = np.argsort(np.arange(len(pool)) * 0.35 + rng.exponential(2.0, len(pool)))[:count]
         kinds = [pool[int(i)] for i in order]
         kinds.sort(key=lambda kind: WANTS[kind].zone + rng.uniform(-0.3, 0.3))
@@ -143,7 +143,7 @@ def _of_block(rng: np.random.Generator, block: Rect, pool: Sequence[str]) -> str
 def _placed(
     drafts: Sequence[Draft], turn: int, mirrored: bool, origin: np.ndarray, rng: np.random.Generator
 ) -> tuple[Storey, ...] | None:
-    """The storeys in the plan of the file; None if rooms overlap or have no simple outline."""
+    """Transform the storeys to world coordinates; None if rooms overlap or have no simple outline."""
     every = [rect for draft in drafts for _, rects in draft.rooms for rect in rects] + list(drafts[0].shell.hall)
     moved = np.array([_turned(rect, turn, mirrored) for rect in every])
     shift = np.round(origin - moved[:, :2].min(0), 6)
@@ -184,7 +184,7 @@ def _turned(rect: Rect, turn: int, mirrored: bool, keep: bool = False) -> Rect:
     x0, z0, x1, z1 = rect
     if mirrored:
         x0, x1 = (-x0, -x1) if keep else (-x1, -x0)
-    for _ in range(turn):  # a quarter: (x, z) becomes (-z, x)
+    for _ in range(turn):  # a quarter turn maps (x, z) to (-z, x)
         x0, z0, x1, z1 = (-z0, x0, -z1, x1) if keep else (-z1, x0, -z0, x1)
     return Rect(x0, z0, x1, z1)
 
@@ -201,9 +201,9 @@ def _rooms(
 
 
 def is_simple(room: RoomPlan) -> bool:
-    """Whether the outline of a room is one loop around all of it, without tiny walls."""
+    """Return whether a room's outline is one loop around its whole area, without walls shorter than `TINY`."""
     corners = [(x, z) for x, z in room.polygon.tolist()]
-    if len(set(corners)) < len(corners):  # a loop around one of several parts, again and again
+    if len(set(corners)) < len(corners):  # `outline` has followed a loop around one of several parts repeatedly
         return False
     area = abs(sum(a * d - c * b for (a, b), (c, d) in zip(corners, corners[1:] + corners[:1], strict=True))) / 2
     return bool(abs(area - room.area) < 1e-3 and min(wall.length for wall in room.walls) > TINY)

@@ -11,7 +11,7 @@ from home_procgen.plan.shape.shell import STAIRS, STAIRS_WIDTH, Draft, Laid, She
 
 
 def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
-    """One attempt at a ground floor in the shape of an L or a T; None if it fails."""
+    """Try to draw an L- or T-shaped ground floor; None if the attempt fails."""
     across, aside = (snap(rng.uniform(1.3, 1.7)) for _ in range(2))
     depths = [snap(rng.uniform(3.4, 4.6)), snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.6, 4.4))]
     wings = [snap(rng.uniform(3.0, 4.4)) for _ in range(2)]
@@ -48,7 +48,7 @@ def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
 
 
 def _joined(known: Sequence[Laid], across: float, gap: tuple[float, float]) -> Draft:
-    """The storey of the rows along both halls; each hall ends where its last rooms are reached."""
+    """Return the storey of the rows along both halls; each hall ends at the front of its last room."""
     ends = [max(needed(one) for one in known if one[0].axis == axis) for axis in (0, 1)]
     right, top = snap(max(ends[0], gap[1])), snap(ends[1])
     hall = (Rect(0.0, 0.0, right, across), Rect(gap[0], across, gap[1], top))

@@ -7,9 +7,9 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, disc, front, legs
-from home_procgen.things.parts import front_part, marked, panel
+from home_procgen.things.parts import assign_part, front_part, panel
 
 
 def fridge(width: float = 0.6, height: float = 1.85, split: float = 0.7, slot: str = "steel") -> Iterator[Solid]:
@@ -37,7 +37,7 @@ def side_by_side(width: float = 0.92, height: float = 1.8, dispenser: bool = Tru
         tap = [rounded("black", (0.2, 0.36, 0.03), (-width / 4, 0.95, 0.335), 0.012, 1)]
         tap.append(box("screen", (0.14, 0.06, 0.006), (-width / 4, 1.22, 0.352)))
         tap.append(rounded("chrome", (0.05, 0.06, 0.03), (-width / 4, 1.12, 0.345), 0.008, 1))
-        yield from marked(leaves[0].part, tap)
+        yield from assign_part(leaves[0].part, tap)
 
 
 def retro(height: float = 1.5) -> Iterator[Solid]:
@@ -73,7 +73,7 @@ def mini() -> Iterator[Solid]:
     fixed = [rounded("gray", (0.03, 0.16, 0.03), (0.21, 0.55, 0.25), 0.01, 1)]
     for x, y, slot in ((-0.1, 0.6, "red"), (0.02, 0.5, "yellow"), (-0.06, 0.42, "blue")):
         fixed.append(disc(slot, 0.022, 0.012, (x, y, 0.247), 14))
-    yield from marked(door.part, [*fixed, box("paper", (0.1, 0.14, 0.004), (-0.12, 0.36, 0.25))])
+    yield from assign_part(door.part, [*fixed, box("paper", (0.1, 0.14, 0.004), (-0.12, 0.36, 0.25))])
 
 
 def wine_cooler() -> Iterator[Solid]:
@@ -103,7 +103,7 @@ def wine_cooler() -> Iterator[Solid]:
         door.append(box("steel", (0.035, 1.18, 0.03), (s * 0.255, 0.04, 0.255)))
         door.append(box("steel", (0.48, 0.04, 0.03), (0.0, 0.04 + 1.14 * (s + 1) / 2, 0.255)))
     frame = front_part("left", (-0.2725, 0.04, 0.27), (0.545, 1.18))
-    yield from marked(frame, [*door, rod("chrome", (0.22, 0.5, 0.3), (0.22, 0.9, 0.3), 0.009)])
+    yield from assign_part(frame, [*door, rod("chrome", (0.22, 0.5, 0.3), (0.22, 0.9, 0.3), 0.009)])
 
 
 def integrated(width: float = 0.6, height: float = 1.98) -> Iterator[Solid]:
@@ -138,7 +138,7 @@ def display(width: float = 0.7, height: float = 1.95) -> Iterator[Solid]:
         door.append(box("steel", (0.04, height - 0.2, 0.03), (s * (width - 0.1) / 2, 0.1, 0.3)))
     door.append(rod("chrome", (x, 0.7, 0.35), (x, 1.4, 0.35), 0.012))
     door += [rod("chrome", (x, y, 0.3), (x, y, 0.35), 0.008, sides=6) for y in (0.76, 1.34)]
-    yield from marked(front_part("left", (0.03 - width / 2, 0.1, 0.315), (width - 0.06, height - 0.2)), door)
+    yield from assign_part(front_part("left", (0.03 - width / 2, 0.1, 0.315), (width - 0.06, height - 0.2)), door)
 
 
 def ice_box(width: float = 0.66, height: float = 1.4) -> Iterator[Solid]:
@@ -151,7 +151,7 @@ def ice_box(width: float = 0.66, height: float = 1.4) -> Iterator[Solid]:
         for up in (0.15, 0.85):
             door.append(rounded("brass", (0.07, 0.03, 0.008), (x - 0.12, y + up * h - 0.015, 0.273), 0.003, 1))
         door.append(rounded("brass", (0.05, 0.08, 0.02), (x + 0.13, y + h / 2 - 0.04, 0.275), 0.008, 1))
-        yield from marked(door[0].part, door)
+        yield from assign_part(door[0].part, door)
 
 
 def twin(width: float = 0.96, height: float = 1.86) -> Iterator[Solid]:
@@ -169,7 +169,7 @@ def twin(width: float = 0.96, height: float = 1.86) -> Iterator[Solid]:
     for k, slot in enumerate(("blue", "green", "orange", "gray")):
         at = (width / 4 + 0.045 * (-1) ** k, 1.27 + 0.09 * (k // 2), 0.3275)
         shown.append(box(slot, (0.07, 0.05, 0.002), at))
-    yield from marked(leaf[0].part, shown)
+    yield from assign_part(leaf[0].part, shown)
 
 
 FRIDGES = (
@@ -179,4 +179,4 @@ FRIDGES = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("refrigerator", "refrigerator", FRIDGES),)
+FAMILIES = (FurnitureFamily("refrigerator", "refrigerator", FRIDGES),)

@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet, spline
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
 
 
@@ -157,6 +157,6 @@ COFFEES = tuple(design(coffee, kind=kind) for kind in ("filter", "espresso", "ca
 
 
 FAMILIES = (
-    Family("coffee_machine", "coffee_machine", COFFEES),
-    Family("kettle", "kettle", KETTLES),
+    FurnitureFamily("coffee_machine", "coffee_machine", COFFEES),
+    FurnitureFamily("kettle", "kettle", KETTLES),
 )

@@ -10,7 +10,7 @@ from home_procgen.shapes.groups import mirrored
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
 from home_procgen.things.parts import panel
 
@@ -117,6 +117,6 @@ MIXERS = tuple(design(processor, kind=kind) for kind in ("blender", "mixer", "ch
 
 
 FAMILIES = (
-    Family("food_processor", "food_processor", (*MIXERS, design(air_fryer))),
-    Family("water_dispenser", "water_dispenser", (design(dispenser),)),
+    FurnitureFamily("food_processor", "food_processor", (*MIXERS, design(air_fryer))),
+    FurnitureFamily("water_dispenser", "water_dispenser", (design(dispenser),)),
 )

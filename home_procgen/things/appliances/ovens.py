@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import rod
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
 from home_procgen.things.parts import panel
 
@@ -49,8 +49,10 @@ def toaster(kind: str = "round", slots_: int = 2) -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
+    FurnitureFamily(
         "microwave", "microwave", (design(microwave), design(microwave, kind="dials"), design(microwave, kind="retro"))
     ),
-    Family("toaster", "toaster", (design(toaster), design(toaster, kind="box"), design(toaster, slots_=4, kind="box"))),
+    FurnitureFamily(
+        "toaster", "toaster", (design(toaster), design(toaster, kind="box"), design(toaster, slots_=4, kind="box"))
+    ),
 )

@@ -6,9 +6,9 @@ from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, rod
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import disc, placed_front
-from home_procgen.things.parts import front_part, lid_part, marked, panel
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import disc, lay_towards_front
+from home_procgen.things.parts import assign_part, front_part, lid_part, panel
 
 
 def dishwasher(open_: bool = False) -> Iterator[Solid]:
@@ -20,7 +20,7 @@ def dishwasher(open_: bool = False) -> Iterator[Solid]:
     yield rounded("black", (0.595, 0.1, 0.035), (0.0, 0.745, 0.262), 0.008, 1)
     grip = [rod("chrome", (-0.24, 0.69, 0.31), (0.24, 0.69, 0.31), 0.01)]
     grip += [rod("chrome", (s * 0.22, 0.69, 0.27), (s * 0.22, 0.69, 0.31), 0.007) for s in (-1, 1)]
-    yield from marked(door.part, grip)
+    yield from assign_part(door.part, grip)
     for i in range(5):
         yield disc("chrome", 0.009, 0.01, (0.1 + 0.035 * i, 0.795, 0.277), 10)
     yield box("screen", (0.12, 0.035, 0.004), (-0.12, 0.778, 0.281))
@@ -30,7 +30,9 @@ def washer(kind: str = "front") -> Iterator[Solid]:
     """Build a washing machine, front-loading with a round window or top-loading."""
     if kind == "top":
         yield rounded("white", (0.58, 0.84, 0.6), (0.0, 0.02, 0.0), 0.02, 2)
-        yield from marked(lid_part(0.88, -0.15), [rounded("white", (0.5, 0.02, 0.42), (0.0, 0.86, 0.06), 0.008, 1)])
+        yield from assign_part(
+            lid_part(0.88, -0.15), [rounded("white", (0.5, 0.02, 0.42), (0.0, 0.86, 0.06), 0.008, 1)]
+        )
         yield prism("gray", [(-0.3, 0.0), (-0.16, 0.0), (-0.22, 0.16), (-0.3, 0.16)], 0.58, (0.0, 0.86, 0.0), "side")
         for i in range(4):
             yield ball("chrome", 0.025, (-0.18 + 0.12 * i, 0.94, -0.185), 10, 6)
@@ -45,8 +47,8 @@ def washer(kind: str = "front") -> Iterator[Solid]:
             steps=2,
         )
     ]
-    door = placed_front([*window, *rim], (0.0, 0.44, 0.25))
-    yield from marked(front_part("left", (-0.21, 0.23, 0.25), (0.42, 0.42)), door)
+    door = lay_towards_front([*window, *rim], (0.0, 0.44, 0.25))
+    yield from assign_part(front_part("left", (-0.21, 0.23, 0.25), (0.42, 0.42)), door)
     yield rounded("gray", (0.57, 0.11, 0.02), (0.0, 0.72, 0.248), 0.006, 1)
     yield rounded("white", (0.18, 0.09, 0.02), (-0.18, 0.73, 0.253), 0.006, 1)
     yield disc("chrome", 0.036, 0.035, (0.05, 0.775, 0.256), 20)
@@ -57,7 +59,7 @@ def washer(kind: str = "front") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("dishwasher", "dishwasher", (design(dishwasher),)),
-    Family("washer", "washer", (design(washer), design(washer, kind="top"), design(washer, kind="black"))),
-    Family("dryer", "dryer", (design(washer, kind="black"),)),
+    FurnitureFamily("dishwasher", "dishwasher", (design(dishwasher),)),
+    FurnitureFamily("washer", "washer", (design(washer), design(washer, kind="top"), design(washer, kind="black"))),
+    FurnitureFamily("dryer", "dryer", (design(washer, kind="black"),)),
 )

@@ -8,7 +8,7 @@ from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import rod
 from home_procgen.things.bath.bowls import tub
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import doors, drawers, legs
 from home_procgen.things.kitchen.taps import tap
 
@@ -81,4 +81,4 @@ def basin(kind: str = "pedestal", width: float = 0.58) -> Iterator[Solid]:
 BASINS = tuple(design(basin, kind=kind) for kind in ("pedestal", "bowl", "vanity", "double", "hung", "slab"))
 
 
-FAMILIES = (Family("basin", "sink", BASINS),)
+FAMILIES = (FurnitureFamily("basin", "sink", BASINS),)

@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet, loop
 from home_procgen.shapes.rounded import ball, between_loops, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.bath.bowls import tub
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
 from home_procgen.things.kitchen.taps import tap
 
@@ -159,4 +159,4 @@ TUBS = (
 )
 
 
-FAMILIES = (Family("bathtub", "bathtub", TUBS),)
+FAMILIES = (FurnitureFamily("bathtub", "bathtub", TUBS),)

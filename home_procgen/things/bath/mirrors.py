@@ -10,7 +10,7 @@ from home_procgen.shapes.curves import loop
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.parts import panel
 
 
@@ -132,4 +132,4 @@ MIRRORS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("mirror", "mirror", MIRRORS),)
+FAMILIES = (FurnitureFamily("mirror", "mirror", MIRRORS),)

@@ -10,8 +10,8 @@ from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, design, kinds_of
-from home_procgen.things.joinery import case, disc, legs
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
+from home_procgen.things.joinery import disc, legs, open_case
 
 
 def _roll(x: float, y: float, z: float) -> Solid:
@@ -44,7 +44,7 @@ def _paper_basket() -> Iterator[Solid]:
         yield _roll(0.065 * np.cos(a + 1), 0.114, 0.065 * np.sin(a + 1))
 
 
-def _lying(x: float, y: float, z: float) -> Solid:
+def _horizontal_roll(x: float, y: float, z: float) -> Solid:
     """Build a roll whose axis points along x, with its centre at (x, y, z) [m]."""
     return move(rotate(_roll(0.0, -0.05, 0.0), 2, np.pi / 2), (x, y, z))
 
@@ -52,7 +52,7 @@ def _lying(x: float, y: float, z: float) -> Solid:
 def _paper_covered() -> Iterator[Solid]:
     """Build a toilet paper roll under a bent lid."""
     yield rounded("steel", (0.15, 0.15, 0.01), (0.0, 0.04, -0.065), 0.004, 1)
-    yield _lying(0.0, 0.09, 0.0)
+    yield _horizontal_roll(0.0, 0.09, 0.0)
     lid = [(-0.065, 0.178), (0.01, 0.17), (0.06, 0.13), (0.068, 0.1), (0.064, 0.1), (0.056, 0.127), (0.008, 0.164)]
     yield prism("steel", fillet([*lid, (-0.065, 0.172)], 0.01, 3, True), 0.14, (0.0, 0.0, 0.0), "side")
     for s in (-1, 1):
@@ -66,7 +66,7 @@ def _paper_shelf() -> Iterator[Solid]:
     for s in (-1, 1):
         yield prism("wood", [(-0.06, 0.02), (0.02, 0.02), (0.03, 0.13), (-0.06, 0.13)], 0.014, (s * 0.08, 0, 0), "side")
     yield rod("brass", (-0.08, 0.06, 0.0), (0.08, 0.06, 0.0), 0.008)
-    yield _lying(0.0, 0.06, 0.0)
+    yield _horizontal_roll(0.0, 0.06, 0.0)
 
 
 def _paper_rope() -> Iterator[Solid]:
@@ -75,7 +75,7 @@ def _paper_rope() -> Iterator[Solid]:
     yield move(rotate(knob, 0, np.pi / 2), (0.0, 0.26, -0.06))
     loop = [(0.0, 0.25, -0.02), (-0.075, 0.06, 0.0), (0.075, 0.06, 0.0), (0.0, 0.25, -0.02)]
     yield tube("cream", fillet(loop, 0.02), 0.005, 6)
-    yield _lying(0.0, 0.06, 0.0)
+    yield _horizontal_roll(0.0, 0.06, 0.0)
 
 
 def _paper_double() -> Iterator[Solid]:
@@ -85,7 +85,7 @@ def _paper_double() -> Iterator[Solid]:
         yield rod("iron", (x, 0.09, -0.064), (x, 0.09, 0.0), 0.007)
     yield rod("iron", (-0.14, 0.09, 0.0), (0.14, 0.09, 0.0), 0.007)
     for s in (-1, 1):
-        yield _lying(0.065 * s, 0.09, 0.0)
+        yield _horizontal_roll(0.065 * s, 0.09, 0.0)
 
 
 def _paper_spindle() -> Iterator[Solid]:
@@ -112,7 +112,7 @@ def _paper_cage() -> Iterator[Solid]:
 
 def _paper_box() -> Iterator[Solid]:
     """Build an open box on legs with toilet paper rolls inside and one on a side peg."""
-    yield from case("paint", 0.2, 0.5, 0.16, (0.16, 0.32), (0.0, 0.04, 0.0), (), "paint")
+    yield from open_case("paint", 0.2, 0.5, 0.16, (0.16, 0.32), (0.0, 0.04, 0.0), (), "paint")
     yield from legs("paint", 0.2, 0.16, 0.04, "square", 0.025)
     for k in range(3):
         yield move(rotate(_roll(0.0, -0.05, 0.0), 0, np.pi / 2), (0.0, 0.116 + 0.16 * k, 0.02))
@@ -151,7 +151,7 @@ def soap_dish() -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("toilet_paper", "toilet_paper", kinds_of(paper, *_PAPER_KINDS)),
-    Family("soap_dispenser", "soap_dispenser", kinds_of(soap, "pump", "foam")),
-    Family("soap_dish", "soap_dish", (design(soap_dish),)),
+    FurnitureFamily("toilet_paper", "toilet_paper", design_kinds(paper, *_PAPER_KINDS)),
+    FurnitureFamily("soap_dispenser", "soap_dispenser", design_kinds(soap, "pump", "foam")),
+    FurnitureFamily("soap_dish", "soap_dish", (design(soap_dish),)),
 )

@@ -11,7 +11,7 @@ from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, tube
 from home_procgen.things.bath.bowls import tub
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]:
@@ -51,7 +51,7 @@ def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]
     )
 
 
-_TOP = 2.0  # [m], height of a cabin's walls
+_CABIN_HEIGHT = 2.0  # [m], height of a cabin's walls
 
 
 def _tray(size: float) -> Iterator[Solid]:
@@ -70,7 +70,7 @@ def _round_cabin(size: float) -> Iterator[Solid]:
         return -half + 0.98 * size * np.cos(a), 0.1 + 1.88 * v, -half + 0.98 * size * np.sin(a)
 
     yield surface("glass", pane, 14, 1, 0.008)
-    for y in (0.11, _TOP - 0.03):
+    for y in (0.11, _CABIN_HEIGHT - 0.03):
         yield tube(
             "chrome",
             [
@@ -85,20 +85,20 @@ def _square_cabin(size: float) -> Iterator[Solid]:
     half = size / 2
     yield from _tray(size)
     for x in (-half + 0.012, half - 0.012):
-        yield rounded("chrome", (0.024, _TOP - 0.1, 0.024), (x, 0.1, half - 0.012), 0.004, 1)
-    yield rounded("chrome", (0.024, _TOP - 0.1, 0.024), (half - 0.012, 0.1, -half + 0.012), 0.004, 1)
-    yield box("glass", (size - 0.05, _TOP - 0.14, 0.008), (0.0, 0.12, half - 0.012))
-    yield box("glass", (0.008, _TOP - 0.14, size - 0.05), (half - 0.012, 0.12, 0.0))
-    yield rounded("chrome", (size, 0.03, 0.024), (0.0, _TOP - 0.03, half - 0.012), 0.004, 1)
-    yield rounded("chrome", (0.024, 0.03, size), (half - 0.012, _TOP - 0.03, 0.0), 0.004, 1)
+        yield rounded("chrome", (0.024, _CABIN_HEIGHT - 0.1, 0.024), (x, 0.1, half - 0.012), 0.004, 1)
+    yield rounded("chrome", (0.024, _CABIN_HEIGHT - 0.1, 0.024), (half - 0.012, 0.1, -half + 0.012), 0.004, 1)
+    yield box("glass", (size - 0.05, _CABIN_HEIGHT - 0.14, 0.008), (0.0, 0.12, half - 0.012))
+    yield box("glass", (0.008, _CABIN_HEIGHT - 0.14, size - 0.05), (half - 0.012, 0.12, 0.0))
+    yield rounded("chrome", (size, 0.03, 0.024), (0.0, _CABIN_HEIGHT - 0.03, half - 0.012), 0.004, 1)
+    yield rounded("chrome", (0.024, 0.03, size), (half - 0.012, _CABIN_HEIGHT - 0.03, 0.0), 0.004, 1)
     yield rod("chrome", (0.05, 0.9, half + 0.02), (0.05, 1.2, half + 0.02), 0.008)
 
 
 def _screen(size: float) -> Iterator[Solid]:
     half = size / 2
     yield from _tray(size)
-    yield box("glass", (0.01, _TOP - 0.1, size - 0.02), (half - 0.02, 0.1, 0.0))
-    yield rod("chrome", (half - 0.02, _TOP, half - 0.05), (-half + 0.02, _TOP, half - 0.05), 0.009)
+    yield box("glass", (0.01, _CABIN_HEIGHT - 0.1, size - 0.02), (half - 0.02, 0.1, 0.0))
+    yield rod("chrome", (half - 0.02, _CABIN_HEIGHT, half - 0.05), (-half + 0.02, _CABIN_HEIGHT, half - 0.05), 0.009)
     yield rounded("chrome", (0.02, 0.02, size), (half - 0.02, 0.1, 0.0), 0.004, 1)
 
 
@@ -108,7 +108,11 @@ def _curtained(size: float) -> Iterator[Solid]:
     yield tube(
         "chrome",
         fillet(
-            [(-half + 0.02, _TOP, half - 0.04), (half - 0.04, _TOP, half - 0.04), (half - 0.04, _TOP, -half + 0.02)],
+            [
+                (-half + 0.02, _CABIN_HEIGHT, half - 0.04),
+                (half - 0.04, _CABIN_HEIGHT, half - 0.04),
+                (half - 0.04, _CABIN_HEIGHT, -half + 0.02),
+            ],
             0.12,
             5,
         ),
@@ -158,4 +162,4 @@ def shower(kind: str = "square", size: float = 0.9) -> Iterator[Solid]:
 SHOWERS = tuple(design(shower, kind=kind) for kind in ("square", "round", "screen", "curtain", "blocks"))
 
 
-FAMILIES = (Family("shower", "shower", SHOWERS),)
+FAMILIES = (FurnitureFamily("shower", "shower", SHOWERS),)

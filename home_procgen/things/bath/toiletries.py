@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import corners
 
 
@@ -112,8 +112,8 @@ def dryer() -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("toiletries", "toiletries", kinds_of(toiletries, "bottles", "brushes", "tray", "caddy")),
-    Family("plunger", "toilet_plunger", kinds_of(plunger, "plunger", "brush")),
-    Family("scale", "weight_scale", (design(scale),)),
-    Family("hair_dryer", "hair_dryer", (design(dryer),)),
+    FurnitureFamily("toiletries", "toiletries", design_kinds(toiletries, "bottles", "brushes", "tray", "caddy")),
+    FurnitureFamily("plunger", "toilet_plunger", design_kinds(plunger, "plunger", "brush")),
+    FurnitureFamily("scale", "weight_scale", (design(scale),)),
+    FurnitureFamily("hair_dryer", "hair_dryer", (design(dryer),)),
 )

@@ -10,9 +10,9 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import between_loops, rounded
 from home_procgen.shapes.sweep import prism, rod, tube
 from home_procgen.things.bath.bowls import tub
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.kitchen.taps import tap
-from home_procgen.things.parts import lid_part, marked
+from home_procgen.things.parts import assign_part, lid_part
 
 
 def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[Solid]:
@@ -21,7 +21,7 @@ def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[S
     if lid == "down":
         # A tank that overhangs the back of the lid blocks its hinge, so the lid is fixed.
         part = lid_part(y + 0.026, z - 0.215) if free else None
-        yield from marked(part, [prism("ceramic", loop(0.37, 0.43, 28, 2.3), 0.026, (0.0, y, z), "top")])
+        yield from assign_part(part, [prism("ceramic", loop(0.37, 0.43, 28, 2.3), 0.026, (0.0, y, z), "top")])
         return
     yield between_loops("ceramic", [outer[0], outer[1], inner[1], inner[0]], closed=True)
     upright = rotate(prism("ceramic", loop(0.36, 0.42, 28, 2.3), 0.018, (0.0, 0.0, 0.2), "top"), 0, -np.pi / 2 - 0.12)
@@ -126,4 +126,4 @@ TOILETS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("toilet", "toilet", TOILETS),)
+FAMILIES = (FurnitureFamily("toilet", "toilet", TOILETS),)

@@ -11,11 +11,11 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import sheet
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc
 
 
-def draped(slot: str, width: float, x: float, y: float, z: float, front: float, back: float) -> Solid:
+def drape_towel(slot: str, width: float, x: float, y: float, z: float, front: float, back: float) -> Solid:
     """Build a towel folded over a bar along x at height y [m]."""
     path = [
         (z + 0.018, y - front),
@@ -36,7 +36,7 @@ def _towel_bar(kind: str) -> Iterator[Solid]:
     for k in range(1 if kind == "bar" else 2):
         y, z = 0.5 + 0.1 * k, -0.01 + 0.0 * k if kind == "bar" else 0.05 - 0.06 * k
         yield rod("chrome", (-0.3, y, z), (0.3, y, z), 0.009)
-        yield draped(f"towel_{k}" if k else "towel", 0.4 - 0.06 * k, 0.04 * k, y, z, 0.42, 0.36)
+        yield drape_towel(f"towel_{k}" if k else "towel", 0.4 - 0.06 * k, 0.04 * k, y, z, 0.42, 0.36)
     for s in (-1, 1):
         yield rounded("chrome", (0.045, 0.15, 0.012), (s * 0.3, 0.48, -0.08), 0.005, 1)
         for k in range(1 if kind == "bar" else 2):
@@ -57,7 +57,7 @@ def _heated() -> Iterator[Solid]:
                 (0.25, 0.06 + 0.37 * group + 0.05 * i, 0.01),
                 0.012,
             )
-    yield draped("towel", 0.4, 0.0, 0.97, 0.03, 0.4, 0.3)
+    yield drape_towel("towel", 0.4, 0.0, 0.97, 0.03, 0.4, 0.3)
 
 
 def _ladder() -> Iterator[Solid]:
@@ -68,7 +68,7 @@ def _ladder() -> Iterator[Solid]:
         w, z = 0.24 - 0.04 * y / 1.6, 0.16 - 0.32 * y / 1.6
         yield rod("wood", (-w, y, z), (w, y, z), 0.014)
         if i in (2, 4):
-            yield draped(f"towel_{i}", 0.34, 0.0, y, z, 0.3, 0.2)
+            yield drape_towel(f"towel_{i}", 0.34, 0.0, y, z, 0.3, 0.2)
 
 
 def _stand() -> Iterator[Solid]:
@@ -77,8 +77,8 @@ def _stand() -> Iterator[Solid]:
         yield rod("brass", (s * 0.3, 0.01, 0.0), (s * 0.3, 0.85, 0.0), 0.012)
     for y, z in ((0.83, 0.0), (0.62, 0.07), (0.4, -0.07)):
         yield rod("brass", (-0.3, y, z), (0.3, y, z), 0.01)
-    yield draped("towel", 0.42, 0.0, 0.83, 0.0, 0.42, 0.36)
-    yield draped("towel_1", 0.3, 0.08, 0.62, 0.07, 0.3, 0.2)
+    yield drape_towel("towel", 0.42, 0.0, 0.83, 0.0, 0.42, 0.36)
+    yield drape_towel("towel_1", 0.3, 0.08, 0.62, 0.07, 0.3, 0.2)
     for s in (-1, 1):
         for y, z in ((0.62, 0.07), (0.4, -0.07)):
             yield rod("brass", (s * 0.3, y, 0.0), (s * 0.3, y, z), 0.008)
@@ -99,7 +99,7 @@ def _shelved() -> Iterator[Solid]:
         (0.17, 0.59, -0.095),
     )
     yield rod("chrome", (-0.3, 0.45, 0.08), (0.3, 0.45, 0.08), 0.008)
-    yield draped("towel_1", 0.36, 0.05, 0.45, 0.08, 0.4, 0.34)
+    yield drape_towel("towel_1", 0.36, 0.05, 0.45, 0.08, 0.4, 0.34)
 
 
 def _swinging() -> Iterator[Solid]:
@@ -110,7 +110,7 @@ def _swinging() -> Iterator[Solid]:
         y = 0.43 + 0.07 * k
         end = (0.4 * np.sin(turn), y, -0.18 + 0.4 * np.cos(turn))
         yield rod("chrome", (0.0, y, -0.18), end, 0.008)
-        towel = (rotate(draped(f"towel_{k}", 0.24, 0.0, 0.0, 0.0, 0.3, 0.26), 1, turn - np.pi / 2),)
+        towel = (rotate(drape_towel(f"towel_{k}", 0.24, 0.0, 0.0, 0.0, 0.3, 0.26), 1, turn - np.pi / 2),)
         yield from (move(p, (0.24 * np.sin(turn), y, -0.18 + 0.24 * np.cos(turn))) for p in towel)
 
 
@@ -154,7 +154,7 @@ def _pole() -> Iterator[Solid]:
             ),
             0.008,
         )
-        yield draped(f"towel_{k}", 0.2, s * 0.17, y, 0.0, 0.34, 0.28)
+        yield drape_towel(f"towel_{k}", 0.2, s * 0.17, y, 0.0, 0.34, 0.28)
 
 
 def _warmer() -> Iterator[Solid]:
@@ -164,7 +164,7 @@ def _warmer() -> Iterator[Solid]:
         for s in (-1, 1):
             yield rod("chrome", (s * 0.22, y, -0.05), (s * 0.22, y, 0.02), 0.008)
         yield tube("chrome", [(-0.25, y, 0.02), (0.25, y, 0.02)], 0.01, 10)
-    yield draped("towel", 0.4, 0.0, 0.75, 0.02, 0.38, 0.3)
+    yield drape_towel("towel", 0.4, 0.0, 0.75, 0.02, 0.38, 0.3)
     yield disc("blue", 0.008, 0.004, (0.2, 0.05, -0.05), 12)
 
 
@@ -196,7 +196,7 @@ def towel_hook(kind: str = "ring") -> Iterator[Solid]:
         yield rounded("chrome", (0.05, 0.05, 0.02), (0.0, 0.4, -0.05), 0.008, 2)
         yield rod("chrome", (0.0, 0.425, -0.045), (0.0, 0.425, -0.01), 0.008)
         yield ring("chrome", 0.08, 0.012, (0.0, 0.34, -0.005), 2, 24)
-        yield draped("towel", 0.13, 0.0, 0.265, -0.005, 0.26, 0.2)
+        yield drape_towel("towel", 0.13, 0.0, 0.265, -0.005, 0.26, 0.2)
         return
     yield rounded("wood", (0.4, 0.07, 0.018), (0.0, 0.62, -0.06), 0.006, 1)
     for i in range(3):
@@ -221,7 +221,7 @@ def _strap() -> Iterator[Solid]:
     yield tube(
         "leather", fillet([(0.0, 0.53, -0.01), (-0.05, 0.36, 0.0), (0.05, 0.36, 0.0), (0.0, 0.53, -0.01)], 0.03), 0.007
     )
-    yield draped("towel", 0.09, 0.0, 0.36, 0.0, 0.3, 0.26)
+    yield drape_towel("towel", 0.09, 0.0, 0.36, 0.0, 0.3, 0.26)
 
 
 def _knobs() -> Iterator[Solid]:
@@ -248,7 +248,7 @@ def _frame() -> Iterator[Solid]:
         yield box("black", (0.22, 0.014, 0.014), (0.0, y, 0.0))
     for s in (-1, 1):
         yield box("black", (0.014, 0.196, 0.014), (s * 0.103, 0.254, 0.0))
-    yield draped("towel", 0.17, 0.0, 0.25, 0.0, 0.24, 0.2)
+    yield drape_towel("towel", 0.17, 0.0, 0.25, 0.0, 0.24, 0.2)
 
 
 def _arm() -> Iterator[Solid]:
@@ -256,7 +256,7 @@ def _arm() -> Iterator[Solid]:
     yield disc("chrome", 0.03, 0.012, (-0.14, 0.42, -0.06), 20)
     yield tube("chrome", fillet([(-0.14, 0.42, -0.05), (-0.14, 0.42, 0.02), (0.16, 0.42, 0.02)], 0.02), 0.009)
     yield ball("chrome", 0.014, (0.165, 0.42, 0.02), 12, 6)
-    yield draped("towel", 0.2, 0.02, 0.42, 0.02, 0.36, 0.3)
+    yield drape_towel("towel", 0.2, 0.02, 0.42, 0.02, 0.36, 0.3)
 
 
 def _branch() -> Iterator[Solid]:
@@ -279,6 +279,6 @@ _HOOKS = {"strap": _strap, "knobs": _knobs, "frame": _frame, "arm": _arm, "branc
 RACKS = ("bar", "heated", "ladder", "stand", "double", "shelf", "swing", "rolls", "pole", "plate")
 
 FAMILIES = (
-    Family("towel_rack", "towel_rack", kinds_of(towel_rack, *RACKS)),
-    Family("towel_hanger", "towel_hanger", kinds_of(towel_hook, "ring", "hooks", "robe", *_HOOKS)),
+    FurnitureFamily("towel_rack", "towel_rack", design_kinds(towel_rack, *RACKS)),
+    FurnitureFamily("towel_hanger", "towel_hanger", design_kinds(towel_hook, "ring", "hooks", "robe", *_HOOKS)),
 )

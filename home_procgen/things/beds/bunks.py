@@ -9,14 +9,14 @@ from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
 from home_procgen.things.beds.bedding import bedding
-from home_procgen.things.beds.rails import LENGTH
-from home_procgen.things.family import Family, design
+from home_procgen.things.beds.rails import MATTRESS_LENGTH
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers
 
 
 def bunk(width: float = 0.95, slide: bool = False, desk: bool = False) -> Iterator[Solid]:
     """Build a bunk bed with a ladder and guard rails; optionally a desk below, or a slide."""
-    x, z = width / 2 + 0.02, LENGTH / 2 + 0.02
+    x, z = width / 2 + 0.02, MATTRESS_LENGTH / 2 + 0.02
     for sx in (-x, x):
         for sz in (-z, z):
             yield beam("wood", (sx, 0.0, sz), (sx, 1.72, sz), 0.07)
@@ -26,7 +26,7 @@ def bunk(width: float = 0.95, slide: bool = False, desk: bool = False) -> Iterat
         for y in (0.32, 1.28, 1.5, 1.68):
             yield beam("wood", (-x, y, sz), (x, y, sz), 0.025, 0.09)
     yield box("wood", (width, 0.03, 2 * z - 0.04), (0.0, 1.28, 0.0))
-    yield from bedding(width - 0.06, LENGTH - 0.04, 1.31, "made", 1, 0.13, seed=8)
+    yield from bedding(width - 0.06, MATTRESS_LENGTH - 0.04, 1.31, "made", 1, 0.13, seed=8)
     if desk:
         yield rounded("wood_1", (width, 0.03, 1.3), (-0.1, 0.72, -0.3), 0.008, 1)
         yield from (move(p, (0.0, 0.0, 0.8)) for p in drawers("wood_1", 0.7, 0.9, (-0.35, 0.1, 0.0), 1, 3, opens=0.15))
@@ -35,7 +35,7 @@ def bunk(width: float = 0.95, slide: bool = False, desk: bool = False) -> Iterat
         for sx in (-x, x):
             yield beam("wood", (sx, 0.32, -z), (sx, 0.32, z), 0.025, 0.12)
         yield box("wood", (width, 0.03, 2 * z - 0.04), (0.0, 0.3, 0.0))
-        yield from bedding(width - 0.06, LENGTH - 0.04, 0.33, "rumpled", 1, 0.13, seed=9)
+        yield from bedding(width - 0.06, MATTRESS_LENGTH - 0.04, 0.33, "rumpled", 1, 0.13, seed=9)
     if slide:
         yield surface(
             "bright", lambda u, v: (x + 0.03 + 1.35 * u, 1.3 * (1 - u) ** 1.25 + 0.02, z - 0.45 + 0.4 * v), 12, 3, 0.02
@@ -63,4 +63,4 @@ def bunk(width: float = 0.95, slide: bool = False, desk: bool = False) -> Iterat
 BUNKS = (design(bunk), design(bunk, desk=True), design(bunk, slide=True))
 
 
-FAMILIES = (Family("bunker_bed", "bunker_bed", BUNKS),)
+FAMILIES = (FurnitureFamily("bunker_bed", "bunker_bed", BUNKS),)

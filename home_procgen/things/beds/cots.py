@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def crib(width: float = 0.66, length: float = 1.26, kind: str = "bars") -> Iterator[Solid]:
@@ -80,4 +80,4 @@ def cradle() -> Iterator[Solid]:
 COTS = (design(crib), design(crib, kind="sleigh"), design(cradle), design(crib, width=0.72, length=1.4))
 
 
-FAMILIES = (Family("baby_bed", "baby_bed", COTS),)
+FAMILIES = (FurnitureFamily("baby_bed", "baby_bed", COTS),)

@@ -11,15 +11,15 @@ from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam
 from home_procgen.things.beds.bedding import Cover, bedding
 from home_procgen.things.beds.frames import futon_floor, iron, platform, sleigh, upholstered
-from home_procgen.things.beds.rails import LENGTH, rails
-from home_procgen.things.family import Family, design
+from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers
 
 
 def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, canopy: bool = True) -> Iterator[Solid]:
     """Build a four-poster bed with rails above and drapes at the head."""
     yield from rails(width, 0.26, 0.42)
-    x, z = width / 2 + 0.02, LENGTH / 2 + 0.02
+    x, z = width / 2 + 0.02, MATTRESS_LENGTH / 2 + 0.02
     for sx in (-x, x):
         for sz in (-z, z):
             shape = [(0.045, 0.0), (0.05, 0.45), (0.028, 0.55), (0.04, 0.9), (0.028, 1.5), (0.03, 2.02)]
@@ -28,7 +28,7 @@ def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, can
         yield beam("wood", (s * x, 2.04, -z), (s * x, 2.04, z), 0.05)
         yield beam("wood", (-x, 2.04, s * z), (x, 2.04, s * z), 0.05)
     yield rounded("wood", (width, 0.7, 0.04), (0.0, 0.42, -z), 0.01, 1)
-    yield from bedding(width, LENGTH, 0.37, cover, pillows)
+    yield from bedding(width, MATTRESS_LENGTH, 0.37, cover, pillows)
     if canopy:
         for s in (-1, 1):
             yield surface(
@@ -42,8 +42,8 @@ def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, can
 
 def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) -> Iterator[Solid]:
     """Build a box bed with drawers below and shelves in its headboard."""
-    yield rounded("wood", (width + 0.06, 0.36, LENGTH + 0.06), (0.0, 0.02, 0.0), 0.01, 1)
-    yield box("black", (width - 0.1, 0.03, LENGTH - 0.1))
+    yield rounded("wood", (width + 0.06, 0.36, MATTRESS_LENGTH + 0.06), (0.0, 0.02, 0.0), 0.01, 1)
+    yield box("black", (width - 0.1, 0.03, MATTRESS_LENGTH - 0.1))
     yield from (
         rotate(p, 1, np.pi / 2)
         for p in drawers("wood_1", 1.5, 0.28, (-0.75, 0.06, width / 2 + 0.03), 2, 1, "flat", ("chrome", "bar"))
@@ -52,7 +52,7 @@ def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) 
         rotate(p, 1, -np.pi / 2)
         for p in drawers("wood_1", 1.5, 0.28, (-0.75, 0.06, width / 2 + 0.03), 2, 1, "flat", ("chrome", "bar"))
     )
-    z = -LENGTH / 2 - 0.13
+    z = -MATTRESS_LENGTH / 2 - 0.13
     for y in (0.02, 0.6, 1.0):
         yield box("wood", (width + 0.06, 0.025, 0.22), (0.0, y, z))
     for x in (-0.5, 0.0, 0.5):
@@ -60,7 +60,7 @@ def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) 
     yield box("wood_1", (width + 0.04, 1.0, 0.015), (0.0, 0.02, z - 0.1))
     for i in range(6):
         yield box(f"cover_{i + 1}", (0.03, 0.22, 0.15), (-0.6 + 0.034 * i, 0.625, z + 0.01))
-    yield from bedding(width, LENGTH, 0.36, cover, pillows)
+    yield from bedding(width, MATTRESS_LENGTH, 0.36, cover, pillows)
 
 
 def round_bed(radius: float = 1.05) -> Iterator[Solid]:
@@ -101,4 +101,4 @@ DOUBLE = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("double_bed", "double_bed", DOUBLE),)
+FAMILIES = (FurnitureFamily("double_bed", "double_bed", DOUBLE),)

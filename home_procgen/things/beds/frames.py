@@ -10,7 +10,7 @@ from home_procgen.shapes.groups import mirrored
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.beds.bedding import Cover, bedding
-from home_procgen.things.beds.rails import LENGTH, rails
+from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
 from home_procgen.things.joinery import LegKind, legs
 
 
@@ -18,10 +18,10 @@ def platform(
     width: float = 1.6, cover: Cover = "made", kind: LegKind = "taper", head: str = "panel", pillows: int = 2
 ) -> Iterator[Solid]:
     """Build a low frame on legs with a plain, slatted or caned headboard."""
-    yield from legs("wood", width + 0.04, LENGTH, 0.2, kind, 0.06)
+    yield from legs("wood", width + 0.04, MATTRESS_LENGTH, 0.2, kind, 0.06)
     yield from rails(width, 0.18, 0.34)
-    yield from bedding(width, LENGTH, 0.29, cover, pillows)
-    z = -LENGTH / 2 - 0.045
+    yield from bedding(width, MATTRESS_LENGTH, 0.29, cover, pillows)
+    z = -MATTRESS_LENGTH / 2 - 0.045
     if head == "panel":
         yield rounded("wood", (width + 0.08, 0.75, 0.035), (0.0, 0.18, z), 0.012, 2)
     elif head == "slats":
@@ -40,12 +40,12 @@ def platform(
 
 def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted", pillows: int = 2) -> Iterator[Solid]:
     """Build a padded frame with a tall tufted, channelled or winged headboard."""
-    yield from legs("wood", width, LENGTH, 0.1, "block", 0.07)
-    z = -LENGTH / 2 - 0.07
+    yield from legs("wood", width, MATTRESS_LENGTH, 0.1, "block", 0.07)
+    z = -MATTRESS_LENGTH / 2 - 0.07
     for s in (-1, 1):
-        yield rounded("upholstery", (0.07, 0.26, LENGTH + 0.1), (s * (width / 2 + 0.03), 0.1, 0.0), 0.03, 2)
-    yield rounded("upholstery", (width + 0.13, 0.26, 0.07), (0.0, 0.1, LENGTH / 2 + 0.03), 0.03, 2)
-    yield box("black", (width, 0.04, LENGTH), (0.0, 0.22, 0.0))
+        yield rounded("upholstery", (0.07, 0.26, MATTRESS_LENGTH + 0.1), (s * (width / 2 + 0.03), 0.1, 0.0), 0.03, 2)
+    yield rounded("upholstery", (width + 0.13, 0.26, 0.07), (0.0, 0.1, MATTRESS_LENGTH / 2 + 0.03), 0.03, 2)
+    yield box("black", (width, 0.04, MATTRESS_LENGTH), (0.0, 0.22, 0.0))
     yield rounded("upholstery", (width + 0.14, 1.05, 0.1), (0.0, 0.1, z), 0.04, 2)
     if head == "tufted":
         for row in range(3):
@@ -65,13 +65,13 @@ def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted
     else:
         yield soft("upholstery", (width, 0.6, 0.08), (0.0, 0.48, z + 0.05), 9.0, 6)
         yield from mirrored([rounded("upholstery", (0.08, 1.05, 0.3), (width / 2 + 0.06, 0.1, z + 0.12), 0.035, 2)])
-    yield from bedding(width, LENGTH, 0.26, cover, pillows, 0.24)
+    yield from bedding(width, MATTRESS_LENGTH, 0.26, cover, pillows, 0.24)
 
 
 def sleigh(width: float = 1.6, cover: Cover = "made", pillows: int = 2) -> Iterator[Solid]:
     """Build a sleigh bed with scrolled head and foot boards."""
     yield from rails(width, 0.16, 0.38)
-    for z, high, out in ((-LENGTH / 2 - 0.06, 1.1, -1), (LENGTH / 2 + 0.06, 0.72, 1)):
+    for z, high, out in ((-MATTRESS_LENGTH / 2 - 0.06, 1.1, -1), (MATTRESS_LENGTH / 2 + 0.06, 0.72, 1)):
         profile = fillet(
             [(z, 0.06), (z - 0.03 * out, 0.55 * high), (z + 0.02 * out, high - 0.05), (z + 0.14 * out, high)], 0.2, 5
         )
@@ -83,12 +83,12 @@ def sleigh(width: float = 1.6, cover: Cover = "made", pillows: int = 2) -> Itera
         for s in (-1, 1):
             yield prism("wood", outline, 0.05, (s * (width / 2 + 0.06), 0.0, 0.0), "side")
             yield box("wood", (0.09, 0.1, 0.09), (s * (width / 2 + 0.03), 0.0, z))
-    yield from bedding(width, LENGTH, 0.33, cover, pillows)
+    yield from bedding(width, MATTRESS_LENGTH, 0.33, cover, pillows)
 
 
 def iron(width: float = 1.5, cover: Cover = "throw", pillows: int = 2) -> Iterator[Solid]:
     """Build an iron bed with arched bars between posts with brass balls."""
-    for z, high in ((-LENGTH / 2 - 0.03, 1.12), (LENGTH / 2 + 0.03, 0.8)):
+    for z, high in ((-MATTRESS_LENGTH / 2 - 0.03, 1.12), (MATTRESS_LENGTH / 2 + 0.03, 0.8)):
         for s in (-1, 1):
             yield rod("iron", (s * width / 2, 0.0, z), (s * width / 2, high - 0.12, z), 0.018)
             yield ball("brass", 0.032, (s * width / 2, high - 0.1, z), 12, 8)
@@ -105,15 +105,19 @@ def iron(width: float = 1.5, cover: Cover = "throw", pillows: int = 2) -> Iterat
                 sides=6,
             )
     for s in (-1, 1):
-        yield beam("iron", (s * width / 2, 0.3, -LENGTH / 2), (s * width / 2, 0.3, LENGTH / 2), 0.03, 0.05)
-    yield box("iron", (width - 0.02, 0.02, LENGTH), (0.0, 0.29, 0.0))
-    yield from bedding(width - 0.04, LENGTH, 0.31, cover, pillows)
+        yield beam(
+            "iron", (s * width / 2, 0.3, -MATTRESS_LENGTH / 2), (s * width / 2, 0.3, MATTRESS_LENGTH / 2), 0.03, 0.05
+        )
+    yield box("iron", (width - 0.02, 0.02, MATTRESS_LENGTH), (0.0, 0.29, 0.0))
+    yield from bedding(width - 0.04, MATTRESS_LENGTH, 0.31, cover, pillows)
 
 
 def futon_floor(width: float = 1.4, cover: Cover = "rumpled", pillows: int = 2) -> Iterator[Solid]:
     """Build a mattress on a very low slatted frame."""
     for x in np.linspace(-width / 2 - 0.08, width / 2 + 0.08, 4):
-        yield box("wood", (0.08, 0.1, LENGTH + 0.24), (float(x), 0.0, 0.0))
+        yield box("wood", (0.08, 0.1, MATTRESS_LENGTH + 0.24), (float(x), 0.0, 0.0))
     for i in range(13):
-        yield rounded("wood", (width + 0.3, 0.025, 0.1), (0.0, 0.1, (i - 6) * (LENGTH + 0.12) / 12.5), 0.006, 1)
-    yield from bedding(width, LENGTH, 0.125, cover, pillows, 0.16)
+        yield rounded(
+            "wood", (width + 0.3, 0.025, 0.1), (0.0, 0.1, (i - 6) * (MATTRESS_LENGTH + 0.12) / 12.5), 0.006, 1
+        )
+    yield from bedding(width, MATTRESS_LENGTH, 0.125, cover, pillows, 0.16)

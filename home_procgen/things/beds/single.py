@@ -11,33 +11,33 @@ from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import beam, prism, rod
 from home_procgen.things.beds.bedding import Cover, bedding
 from home_procgen.things.beds.frames import futon_floor, iron, platform, sleigh, upholstered
-from home_procgen.things.beds.rails import LENGTH, rails
-from home_procgen.things.family import Family, design
+from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers, roller
 
 
 def captain(width: float = 0.9, cover: Cover = "made") -> Iterator[Solid]:
     """Build a three-sided board bed with drawers, for a wall."""
-    yield rounded("wood", (width + 0.06, 0.38, LENGTH + 0.06), (0.0, 0.0, 0.0), 0.01, 1)
+    yield rounded("wood", (width + 0.06, 0.38, MATTRESS_LENGTH + 0.06), (0.0, 0.0, 0.0), 0.01, 1)
     yield from (
         rotate(p, 1, np.pi / 2)
         for p in drawers("wood_1", 1.9, 0.3, (-0.95, 0.05, width / 2 + 0.03), 3, 1, "flat", ("brass", "knob"))
     )
-    for z, high in ((-LENGTH / 2 - 0.04, 0.92), (LENGTH / 2 + 0.04, 0.62)):
+    for z, high in ((-MATTRESS_LENGTH / 2 - 0.04, 0.92), (MATTRESS_LENGTH / 2 + 0.04, 0.62)):
         yield rounded("wood", (width + 0.08, high, 0.03), (0.0, 0.0, z), 0.01, 1)
-    yield rounded("wood", (0.03, 0.72, LENGTH + 0.08), (-width / 2 - 0.035, 0.0, 0.0), 0.01, 1)
-    yield from bedding(width, LENGTH, 0.38, cover, 1, 0.18, seed=4)
+    yield rounded("wood", (0.03, 0.72, MATTRESS_LENGTH + 0.08), (-width / 2 - 0.035, 0.0, 0.0), 0.01, 1)
+    yield from bedding(width, MATTRESS_LENGTH, 0.38, cover, 1, 0.18, seed=4)
 
 
 def day_bed(width: float = 0.9) -> Iterator[Solid]:
     """Build a day bed with spindle rails on three sides and pillows along the wall."""
-    for x, z, w in ((-width / 2 - 0.02, 0.0, LENGTH),):
+    for x, z, w in ((-width / 2 - 0.02, 0.0, MATTRESS_LENGTH),):
         yield beam("wood", (x, 0.85, -w / 2), (x, 0.85, w / 2), 0.04)
         for i in range(16):
             zz = (i - 7.5) * w / 16
             yield rod("wood", (x, 0.3, zz + z), (x, 0.84, zz + z), 0.01, sides=6)
     for s in (-1, 1):
-        z = s * (LENGTH / 2 + 0.02)
+        z = s * (MATTRESS_LENGTH / 2 + 0.02)
         yield beam("wood", (-width / 2, 0.72, z), (width / 2, 0.72, z), 0.04)
         for i in range(7):
             x = (i - 3) * width / 7.5
@@ -47,7 +47,7 @@ def day_bed(width: float = 0.9) -> Iterator[Solid]:
                 "wood", [(0.02, 0.0), (0.03, 0.3), (0.022, 0.6), (0.03, 0.74), (0.02, 0.8)], (x, 0.0, z), 10, 2
             )
     yield from rails(width, 0.2, 0.36)
-    yield from bedding(width, LENGTH, 0.31, "throw", 1, 0.18)
+    yield from bedding(width, MATTRESS_LENGTH, 0.31, "throw", 1, 0.18)
     for z in (-0.3, 0.25, 0.75):
         piece = rotate(soft("patterned", (0.5, 0.44, 0.16), (0.0, 0.0, 0.0), 3.0, 5), 1, np.pi / 2)
         piece = rotate(piece, 2, 0.25)
@@ -84,7 +84,7 @@ def car_bed(width: float = 0.9) -> Iterator[Solid]:
 
 def house_bed(width: float = 0.9) -> Iterator[Solid]:
     """Build a child's bed in a house-shaped frame."""
-    x, z = width / 2 + 0.02, LENGTH / 2 + 0.02
+    x, z = width / 2 + 0.02, MATTRESS_LENGTH / 2 + 0.02
     for sz in (-z, 0.0, z):
         yield beam("wood", (-x, 1.25, sz), (0.02, 1.68, sz), 0.045)
         yield beam("wood", (x, 1.25, sz), (-0.02, 1.68, sz), 0.045)
@@ -97,7 +97,7 @@ def house_bed(width: float = 0.9) -> Iterator[Solid]:
     for i in range(9):
         yield rod("wood", (-x, 0.3, (i - 4) * 0.22), (-x, 0.6, (i - 4) * 0.22), 0.012, sides=6)
     yield beam("wood", (-x, 0.6, -z), (-x, 0.6, z), 0.04)
-    yield from bedding(width, LENGTH, 0.24, "made", 1, 0.14, seed=7)
+    yield from bedding(width, MATTRESS_LENGTH, 0.24, "made", 1, 0.14, seed=7)
 
 
 SINGLE = (
@@ -109,4 +109,4 @@ SINGLE = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("single_bed", "single_bed", SINGLE),)
+FAMILIES = (FurnitureFamily("single_bed", "single_bed", SINGLE),)

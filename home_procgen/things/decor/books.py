@@ -9,7 +9,7 @@ from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import book_row
 
 
@@ -117,15 +117,15 @@ def magazines(kind: str = "fan") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
+    FurnitureFamily(
         "books",
         "books",
         (
-            *kinds_of(books, "row", "pile", "ends"),
+            *design_kinds(books, "row", "pile", "ends"),
             design(books, kind="row", seed=5),
             design(books, kind="pile", seed=6),
         ),
     ),
-    Family("book", "book", kinds_of(books, "single", "open")),
-    Family("magazines", "magazines", kinds_of(magazines, "fan", "rack")),
+    FurnitureFamily("book", "book", design_kinds(books, "single", "open")),
+    FurnitureFamily("magazines", "magazines", design_kinds(magazines, "fan", "rack")),
 )

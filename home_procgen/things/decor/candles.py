@@ -8,7 +8,7 @@ from home_procgen.shapes.curves import spline
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners
 
 
@@ -82,4 +82,6 @@ def candles(kind: str = "pillar") -> Iterator[Solid]:
     yield from _CANDLES_KINDS[kind]()
 
 
-FAMILIES = (Family("candle", "candle", kinds_of(candles, "pillar", "stick", "arms", "jars", "lantern", "tapers")),)
+FAMILIES = (
+    FurnitureFamily("candle", "candle", design_kinds(candles, "pillar", "stick", "arms", "jars", "lantern", "tapers")),
+)

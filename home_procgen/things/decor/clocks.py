@@ -10,7 +10,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc
 
 
@@ -125,5 +125,7 @@ def clock(kind: str = "round") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("wall_clock", "clock", kinds_of(clock, "round", "sun", "square", "pendulum", "cuckoo", "balls", "hexagon")),
+    FurnitureFamily(
+        "wall_clock", "clock", design_kinds(clock, "round", "sun", "square", "pendulum", "cuckoo", "balls", "hexagon")
+    ),
 )

@@ -11,7 +11,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners
 
 
@@ -84,7 +84,7 @@ def _rings() -> Iterator[Solid]:
 
 
 def _bird() -> Iterator[Solid]:
-    yield foot(0.05)
+    yield base_plate(0.05)
     yield rod("brass", (0.0, 0.01, 0.0), (0.0, 0.12, 0.0), 0.004, sides=6)
     yield tube(
         "glaze",
@@ -100,7 +100,7 @@ def _bird() -> Iterator[Solid]:
 
 
 def _dancers() -> Iterator[Solid]:
-    yield foot(0.08)
+    yield base_plate(0.08)
     for s in (-1, 1):
         yield tube(
             "iron",
@@ -159,14 +159,14 @@ def figure(kind: str = "cat") -> Iterator[Solid]:
     yield from _FIGURE_KINDS[kind]()
 
 
-def foot(radius: float) -> Solid:
+def base_plate(radius: float) -> Solid:
     """Build a round base plate for an ornament."""
     return turned("black", [(radius, 0.0), (radius, 0.012), (0.8 * radius, 0.018)], sides=20, steps=1)
 
 
-FIGURES = kinds_of(
+FIGURES = design_kinds(
     figure, "cat", "bust", "horse", "elephant", "obelisk", "seated", "ring", "bird", "dancers", "globe", "ship"
 )
 
 
-FAMILIES = (Family("figure", "trinket", FIGURES),)
+FAMILIES = (FurnitureFamily("figure", "trinket", FIGURES),)

@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import beam, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners, disc
 
 
@@ -161,6 +161,6 @@ def ornament(kind: str = "bowl") -> Iterator[Solid]:
 STANDING = ("bowl", "box", "jar", "trophy", "lantern", "globe", "hourglass", "letters")
 
 FAMILIES = (
-    Family("ornament", "decoration", kinds_of(ornament, *STANDING)),
-    Family("wall_ornament", "decoration", kinds_of(ornament, "wreath", "plates")),
+    FurnitureFamily("ornament", "decoration", design_kinds(ornament, *STANDING)),
+    FurnitureFamily("wall_ornament", "decoration", design_kinds(ornament, "wreath", "plates")),
 )

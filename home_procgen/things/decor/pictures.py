@@ -9,7 +9,7 @@ from home_procgen.primitives.solids import Solid, box, move, picture_uv, rotate
 from home_procgen.shapes.curves import loop
 from home_procgen.shapes.rounded import ball, between_loops, rounded
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def picture(
@@ -128,6 +128,6 @@ PICTURES = (
 
 
 FAMILIES = (
-    Family("picture", "picture_frame", PICTURES),
-    Family("photo", "picture_frame", (design(easel), design(easel, width=0.24, height=0.18))),
+    FurnitureFamily("picture", "picture_frame", PICTURES),
+    FurnitureFamily("photo", "picture_frame", (design(easel), design(easel, width=0.24, height=0.18))),
 )

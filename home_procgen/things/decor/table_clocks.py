@@ -10,8 +10,8 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.decor.clocks import face, pendulum_clock
-from home_procgen.things.family import Family, kinds_of
-from home_procgen.things.joinery import bow, corners, disc
+from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.joinery import bow_handle, corners, disc
 
 
 def _alarm() -> Iterator[Solid]:
@@ -67,7 +67,7 @@ def _carriage() -> Iterator[Solid]:
     yield box("glass", (0.082, 0.136, 0.002), (0.0, 0.015, 0.04))
     yield box("brass", (0.05, 0.1, 0.05), (0.0, 0.016, -0.01))
     yield from face(0.036, 0.105, 0.015)
-    yield bow("brass", 0.04, (0.16, 0.2), 0.0, 0.015, 0.005)
+    yield bow_handle("brass", 0.04, (0.16, 0.2), 0.0, 0.015, 0.005)
 
 
 def _dome() -> Iterator[Solid]:
@@ -95,6 +95,8 @@ def clock(kind: str = "alarm") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("table_clock", "clock", kinds_of(clock, "alarm", "mantel", "digital", "flip", "carriage", "dome")),
-    Family("tall_clock", "clock", kinds_of(clock, "tall")),
+    FurnitureFamily(
+        "table_clock", "clock", design_kinds(clock, "alarm", "mantel", "digital", "flip", "carriage", "dome")
+    ),
+    FurnitureFamily("tall_clock", "clock", design_kinds(clock, "tall")),
 )

@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.rounded import ball, between_loops
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 VASE_SHAPES = {
     "amphora": [(0.05, 0.0), (0.1, 0.12), (0.11, 0.2), (0.05, 0.3), (0.045, 0.34), (0.07, 0.37)],
@@ -123,4 +123,4 @@ VASES = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("vase", "vase", VASES),)
+FAMILIES = (FurnitureFamily("vase", "vase", VASES),)

@@ -7,7 +7,7 @@ from home_procgen.shapes.curves import fillet, spline
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc, roller
 
 
@@ -73,7 +73,7 @@ def iron() -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("vacuum_cleaner", "vacuum_cleaner", kinds_of(vacuum, "canister", "upright", "robot")),
-    Family("ironing_board", "ironing_board", (design(ironing),)),
-    Family("iron", "iron", (design(iron),)),
+    FurnitureFamily("vacuum_cleaner", "vacuum_cleaner", design_kinds(vacuum, "canister", "upright", "robot")),
+    FurnitureFamily("ironing_board", "ironing_board", (design(ironing),)),
+    FurnitureFamily("iron", "iron", (design(iron),)),
 )

@@ -9,7 +9,7 @@ from home_procgen.shapes.groups import around
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc
 
 
@@ -47,6 +47,6 @@ def camera(kind: str = "camera") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("headphones", "headphones_on_stand", (design(headphones),)),
-    Family("tripod", "tripod", kinds_of(camera, "telescope")),
+    FurnitureFamily("headphones", "headphones_on_stand", (design(headphones),)),
+    FurnitureFamily("tripod", "tripod", design_kinds(camera, "telescope")),
 )

@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _dial_telephone() -> Iterator[Solid]:
@@ -81,7 +81,7 @@ def slab(kind: str = "phone") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("telephone", "telephone", kinds_of(telephone, "dial", "cordless", "desk")),
-    Family("cellphone", "cellphone", kinds_of(slab, "phone")),
-    Family("ipad", "ipad", kinds_of(slab, "tablet")),
+    FurnitureFamily("telephone", "telephone", design_kinds(telephone, "dial", "cordless", "desk")),
+    FurnitureFamily("cellphone", "cellphone", design_kinds(slab, "phone")),
+    FurnitureFamily("ipad", "ipad", design_kinds(slab, "tablet")),
 )

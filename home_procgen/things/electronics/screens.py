@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import beam, ring
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc
 
 
@@ -49,7 +49,7 @@ def computer(kind: str = "desk") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("laptop", "laptop", (design(laptop), design(laptop, open_=2.1, width=0.3))),
-    Family("computer", "computer", kinds_of(computer, "desk", "all")),
-    Family("computer_tower", "computer", kinds_of(computer, "tower")),
+    FurnitureFamily("laptop", "laptop", (design(laptop), design(laptop, open_=2.1, width=0.3))),
+    FurnitureFamily("computer", "computer", design_kinds(computer, "desk", "all")),
+    FurnitureFamily("computer_tower", "computer", design_kinds(computer, "tower")),
 )

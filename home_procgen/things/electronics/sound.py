@@ -10,8 +10,8 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import shade, turned
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
-from home_procgen.things.joinery import bow, disc
+from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.joinery import bow_handle, disc
 
 
 def _cone(r: float, x: float, y: float, z: float) -> Iterator[Solid]:
@@ -50,7 +50,7 @@ def _radio() -> Iterator[Solid]:
         yield box("brown", (0.006, 0.12, 0.006), (-0.13 + 0.015 * i, 0.05, 0.067))
     for y in (0.07, 0.14):
         yield disc("brass", 0.02, 0.018, (0.1, y, 0.066), 16)
-    yield bow("brass", 0.12, (0.2, 0.26), 0.0, 0.03, 0.006, 6)
+    yield bow_handle("brass", 0.12, (0.2, 0.26), 0.0, 0.03, 0.006, 6)
     yield rod("chrome", (0.15, 0.2, -0.04), (0.24, 0.42, -0.04), 0.002, sides=5)
 
 
@@ -86,7 +86,7 @@ def _boom_box() -> Iterator[Solid]:
     for k in range(6):
         yield rounded("gray", (0.016, 0.014, 0.02), (-0.05 + 0.02 * k, 0.21, 0.03), 0.003, 1)
     yield box("cream", (0.16, 0.02, 0.004), (0.0, 0.16, 0.06))
-    yield bow("chrome", 0.2, (0.18, 0.28), 0.0, 0.04, 0.009)
+    yield bow_handle("chrome", 0.2, (0.18, 0.28), 0.0, 0.04, 0.009)
 
 
 def _horn() -> Iterator[Solid]:
@@ -159,9 +159,11 @@ def console(kind: str = "upright") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("floor_speaker", "loudspeaker", kinds_of(speaker, "tower", "flat", "pillar")),
-    Family("speaker", "loudspeaker", kinds_of(speaker, "small", "bar", "ball", "radio", "smart", "boom", "horn")),
-    Family("stereo_set", "stereo_set", kinds_of(stereo, "rack", "turntable")),
-    Family("playstation", "playstation", kinds_of(console, "upright")),
-    Family("xbox", "xbox", kinds_of(console, "flat")),
+    FurnitureFamily("floor_speaker", "loudspeaker", design_kinds(speaker, "tower", "flat", "pillar")),
+    FurnitureFamily(
+        "speaker", "loudspeaker", design_kinds(speaker, "small", "bar", "ball", "radio", "smart", "boom", "horn")
+    ),
+    FurnitureFamily("stereo_set", "stereo_set", design_kinds(stereo, "rack", "turntable")),
+    FurnitureFamily("playstation", "playstation", design_kinds(console, "upright")),
+    FurnitureFamily("xbox", "xbox", design_kinds(console, "flat")),
 )

@@ -9,10 +9,10 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import bow, disc
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import bow_handle, disc
 
-LOW = 0.08  # [m], height of a screen above its support
+SCREEN_CLEARANCE = 0.08  # [m], height of a screen above its support
 
 
 def _panel(width: float, low: float) -> Iterator[Solid]:
@@ -27,23 +27,23 @@ def _panel(width: float, low: float) -> Iterator[Solid]:
 
 
 def _feet(width: float) -> Iterator[Solid]:
-    yield from _panel(width, LOW)
+    yield from _panel(width, SCREEN_CLEARANCE)
     for s in (-1, 1):
         yield beam("black", (s * 0.34 * width, 0.012, -0.11), (s * 0.34 * width, 0.012, 0.11), 0.022, 0.02)
-        yield beam("black", (s * 0.34 * width, 0.015, 0.0), (s * 0.34 * width, LOW + 0.02, 0.0), 0.022)
+        yield beam("black", (s * 0.34 * width, 0.015, 0.0), (s * 0.34 * width, SCREEN_CLEARANCE + 0.02, 0.0), 0.022)
 
 
 def _plate(width: float) -> Iterator[Solid]:
-    yield from _panel(width, LOW)
+    yield from _panel(width, SCREEN_CLEARANCE)
     yield rounded("chrome", (0.42 * width, 0.014, 0.24), (0.0, 0.0, 0.0), 0.005, 1)
     yield rounded("chrome", (0.07, 0.1, 0.03), (0.0, 0.01, -0.015), 0.008, 1)
 
 
 def _splayed(width: float) -> Iterator[Solid]:
-    yield from _panel(width, LOW)
+    yield from _panel(width, SCREEN_CLEARANCE)
     for s in (-1, 1):
         for z in (-0.12, 0.12):
-            yield rod("chrome", (s * 0.3 * width, LOW + 0.01, 0.0), (s * 0.36 * width, 0.006, z), 0.008)
+            yield rod("chrome", (s * 0.3 * width, SCREEN_CLEARANCE + 0.01, 0.0), (s * 0.36 * width, 0.006, z), 0.008)
 
 
 def _curved(width: float) -> Iterator[Solid]:
@@ -53,7 +53,7 @@ def _curved(width: float) -> Iterator[Solid]:
             slot,
             lambda u, v, k=share, z=z: (
                 k * (u - 0.5) * width,
-                LOW + (0.5 + k * (v - 0.5)) * high,
+                SCREEN_CLEARANCE + (0.5 + k * (v - 0.5)) * high,
                 z + bend * (2 * u - 1) ** 2,
             ),
             16,
@@ -62,7 +62,7 @@ def _curved(width: float) -> Iterator[Solid]:
         )
     arc = [(s * 0.28 * width, 0.012, 0.1 - 0.16 * (1 - s**2)) for s in np.linspace(-1, 1, 9)]
     yield tube("chrome", arc, 0.012)
-    yield beam("chrome", (0.0, 0.012, -0.06), (0.0, LOW + 0.1, -0.02), 0.06, 0.015)
+    yield beam("chrome", (0.0, 0.012, -0.06), (0.0, SCREEN_CLEARANCE + 0.1, -0.02), 0.06, 0.015)
 
 
 def _sound_foot(width: float) -> Iterator[Solid]:
@@ -94,7 +94,7 @@ def _portable(width: float) -> Iterator[Solid]:
         yield box("black", (0.004, 0.04, 0.006), (0.16, y - 0.02, 0.179))
     for i in range(6):
         yield box("black", (0.07, 0.005, 0.003), (0.16, 0.09 + 0.016 * i, 0.158))
-    yield bow("chrome", 0.16, (0.37, 0.45), 0.0, 0.04, 0.008)
+    yield bow_handle("chrome", 0.16, (0.37, 0.45), 0.0, 0.04, 0.008)
     for x in (-0.18, 0.18):
         yield cylinder("black", 0.02, 0.05, (x, 0.0, 0.06), sides=12)
         yield cylinder("black", 0.02, 0.05, (x, 0.0, -0.06), sides=12)
@@ -143,14 +143,17 @@ def television(width: float = 1.1, kind: str = "feet") -> Iterator[Solid]:
     yield from _KINDS[kind](width)
 
 
-STANDING = (
+STANDING_TELEVISIONS = (
     design(television), design(television, kind="plate", width=0.95), design(television, kind="tube"),
     design(television, kind="splayed", width=1.2), design(television, kind="curved", width=1.15),
     design(television, kind="bar", width=1.0), design(television, kind="portable"),
 )  # fmt: skip
-HUNG = (
+WALL_TELEVISIONS = (
     design(television, kind="wall"), design(television, kind="wall", width=1.4),
     design(television, kind="framed", width=1.2), design(television, kind="arm", width=1.0),
 )  # fmt: skip
 
-FAMILIES = (Family("television", "television", STANDING), Family("wall_television", "television", HUNG))
+FAMILIES = (
+    FurnitureFamily("television", "television", STANDING_TELEVISIONS),
+    FurnitureFamily("wall_television", "television", WALL_TELEVISIONS),
+)

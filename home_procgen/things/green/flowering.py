@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import spline
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import rod, sweep, tube
-from home_procgen.things.green.pots import GOLDEN, pot
+from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
 
 
 def cactus(kind: str = "clay", arms: int = 2) -> Iterator[Solid]:
@@ -54,7 +54,7 @@ def succulents() -> Iterator[Solid]:
                 0.06 - 0.0018 * i,
                 0.024,
                 ((k - 1) * 0.1, 0.09 + 0.001 * i, 0.0),
-                GOLDEN * i,
+                GOLDEN_ANGLE * i,
                 0.3 + 0.065 * i,
                 0.3,
                 1.4,
@@ -66,7 +66,7 @@ def orchid(kind: str = "cylinder", stems: int = 2) -> Iterator[Solid]:
     """Build an orchid with bent stems and flowers above broad leaves."""
     yield from pot(kind, 0.07, 0.12)
     for i in range(6):
-        yield leaf("leaf", 0.2, 0.06, (0.0, 0.1, 0.0), GOLDEN * i, 0.6, 1.0, 1.2, 4)
+        yield leaf("leaf", 0.2, 0.06, (0.0, 0.1, 0.0), GOLDEN_ANGLE * i, 0.6, 1.0, 1.2, 4)
     for k in range(stems):
         s = (-1) ** k
         path = spline([(0.0, 0.1, 0.0), (0.02 * s, 0.36, 0.02), (0.08 * s, 0.48, 0.05), (0.2 * s, 0.46, 0.1)], 4)
@@ -92,7 +92,7 @@ def flowers(kind: str = "round", count: int = 14) -> Iterator[Solid]:
     """Build a bush of flowers in a pot."""
     yield from pot(kind, 0.11, 0.17)
     for i in range(count):
-        a, r = GOLDEN * i, 0.035 * np.sqrt(i)
+        a, r = GOLDEN_ANGLE * i, 0.035 * np.sqrt(i)
         x, z, y = r * np.cos(a), r * np.sin(a), 0.34 - 0.5 * r
         yield rod("leaf", (0.3 * x, 0.14, 0.3 * z), (x, y, z), 0.003, sides=4)
         yield leaf("leaf", 0.11, 0.05, (0.4 * x, 0.18, 0.4 * z), a + 0.7, 0.8, 0.9, pieces=3)

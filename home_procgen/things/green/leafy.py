@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import spline
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import prism, tube
-from home_procgen.things.green.pots import GOLDEN, pot
+from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
 
 
 def rosette(
@@ -31,7 +31,7 @@ def rosette(
             long * (0.6 + 0.4 * share),
             wide,
             (0.0, 0.85 * high, 0.0),
-            GOLDEN * i,
+            GOLDEN_ANGLE * i,
             rise - 0.7 * (1 - share) + 0.1,
             droop * (0.7 + 0.5 * (1 - share)),
             pieces=5,
@@ -42,7 +42,7 @@ def snake(kind: str = "square", count: int = 12) -> Iterator[Solid]:
     """Build a snake plant with stiff upright blades."""
     yield from pot(kind, 0.14, 0.26)
     for i in range(count):
-        a, r = GOLDEN * i, 0.018 * np.sqrt(i)
+        a, r = GOLDEN_ANGLE * i, 0.018 * np.sqrt(i)
         yield leaf("leaf", 0.5 + 0.04 * (i % 4) * 2, 0.065, (r * np.cos(a), 0.22, r * np.sin(a)), a, 1.5, 0.12, 0.7, 5)
 
 
@@ -78,7 +78,7 @@ def tree(
                 size * (1.1 - 0.4 * t),
                 0.5 * size,
                 (float(at[0]), float(at[1]), float(at[2])),
-                GOLDEN * i + k,
+                GOLDEN_ANGLE * i + k,
                 0.55,
                 0.9,
                 1.1,
@@ -94,7 +94,7 @@ def palm(kind: str = "round", fronds: int = 11, height: float = 0.9) -> Iterator
     ]
     yield turned("bark", rings, sides=10, steps=1)
     for i in range(fronds):
-        yaw, long, up = GOLDEN * i, 0.75, 1.15 - 0.06 * (i % 5)
+        yaw, long, up = GOLDEN_ANGLE * i, 0.75, 1.15 - 0.06 * (i % 5)
         t = np.linspace(0, 1, 9)
         pitch = up - 1.7 * t
         out, rise = np.cumsum(np.cos(pitch)) * long / 9, np.cumsum(np.sin(pitch)) * long / 9
@@ -116,7 +116,7 @@ def monstera(kind: str = "cylinder", count: int = 13) -> Iterator[Solid]:
     notch = 1 - 0.34 * (np.cos(9 * angle) > 0.72) * (np.abs(np.sin(angle)) > 0.3)
     outline = np.stack([0.62 * np.cos(angle) * notch, np.sin(angle) * notch * (1 - 0.25 * (np.sin(angle) < -0.9))], -1)
     for i in range(count):
-        yaw, high = GOLDEN * i, 0.5 + 0.035 * i
+        yaw, high = GOLDEN_ANGLE * i, 0.5 + 0.035 * i
         x, z = 0.3 * np.sin(yaw) * (1 - 0.02 * i), 0.3 * np.cos(yaw) * (1 - 0.02 * i)
         yield tube("leaf", spline([(0.0, 0.25, 0.0), (0.4 * x, 0.8 * high, 0.4 * z), (x, high + 0.1, z)], 3), 0.007, 5)
         size = 0.17 - 0.004 * i

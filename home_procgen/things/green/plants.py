@@ -1,6 +1,6 @@
 """Families of all plants."""
 
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.green.flowering import cactus, flowers, orchid, succulents
 from home_procgen.things.green.leafy import monstera, palm, rosette, snake, tree
 from home_procgen.things.green.shaped import bamboo, bonsai, herbs, topiary
@@ -14,7 +14,7 @@ PLANTS = (
     design(palm, kind="basket", fronds=9, height=0.5),
 )  # fmt: skip
 
-SMALL = (
+SMALL_PLANTS = (
     design(cactus), design(succulents), design(orchid), design(flowers), design(herbs), design(bonsai),
     design(cactus, arms=0, kind="round"), design(rosette, kind="round", count=18, long=0.22, wide=0.05, radius=0.07),
     design(snake, count=7, kind="clay"), design(flowers, kind="clay", count=9),
@@ -22,7 +22,7 @@ SMALL = (
 
 
 FAMILIES = (
-    Family("plant", "plant", PLANTS),
-    Family("small_plant", "plant", SMALL),
-    Family("hanging_plant", "plant", (design(hanging), design(hanging, kind="basket"))),
+    FurnitureFamily("plant", "plant", PLANTS),
+    FurnitureFamily("small_plant", "plant", SMALL_PLANTS),
+    FurnitureFamily("hanging_plant", "plant", (design(hanging), design(hanging, kind="basket"))),
 )

@@ -7,7 +7,7 @@ from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.things.joinery import legs
 
-GOLDEN = 2.399963  # [rad], golden angle between successive leaves
+GOLDEN_ANGLE = 2.399963  # [rad], golden angle between successive leaves
 
 
 def pot(kind: str = "clay", radius: float = 0.15, height: float = 0.26) -> Iterator[Solid]:

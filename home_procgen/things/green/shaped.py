@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.green.pots import GOLDEN, pot
+from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
 
 
 def topiary(kind: str = "square", balls: int = 2) -> Iterator[Solid]:
@@ -23,7 +23,7 @@ def topiary(kind: str = "square", balls: int = 2) -> Iterator[Solid]:
         for i in range(90 - 25 * k):
             t = 1 - 2 * (i + 0.5) / (90 - 25 * k)
             r = np.sqrt(1 - t * t)
-            a = GOLDEN * i
+            a = GOLDEN_ANGLE * i
             yield leaf(
                 "leaf",
                 0.07,
@@ -40,7 +40,7 @@ def bamboo(kind: str = "cylinder") -> Iterator[Solid]:
     """Build jointed bamboo canes in a pot of stones."""
     yield from pot(kind, 0.14, 0.3)
     for i in range(7):
-        a, r = GOLDEN * i, 0.03 * np.sqrt(i)
+        a, r = GOLDEN_ANGLE * i, 0.03 * np.sqrt(i)
         x, z, top = r * np.cos(a), r * np.sin(a), 1.5 - 0.12 * i
         yield rod("leaf_1", (x, 0.26, z), (1.5 * x, top, 1.5 * z), 0.012, 0.009)
         for k in range(4):
@@ -55,7 +55,7 @@ def bamboo(kind: str = "cylinder") -> Iterator[Solid]:
                 )
         for k in range(7):
             y = top - 0.09 * k
-            yield leaf("leaf", 0.24, 0.035, (1.5 * x, y, 1.5 * z), GOLDEN * (i + 5 * k), 0.5, 1.0, 0.8, 3)
+            yield leaf("leaf", 0.24, 0.035, (1.5 * x, y, 1.5 * z), GOLDEN_ANGLE * (i + 5 * k), 0.5, 1.0, 0.8, 3)
 
 
 def herbs() -> Iterator[Solid]:
@@ -65,7 +65,7 @@ def herbs() -> Iterator[Solid]:
         x = (k - 1) * 0.13
         yield turned("terracotta", [(0.04, 0.02), (0.052, 0.1), (0.058, 0.1), (0.058, 0.115)], (x, 0.0, 0.0), 16, 1)
         for i in range(16):
-            a, r = GOLDEN * i, 0.011 * np.sqrt(i)
+            a, r = GOLDEN_ANGLE * i, 0.011 * np.sqrt(i)
             wide = (0.012, 0.035, 0.02)[k]
             yield leaf("leaf", 0.11 - 0.01 * k, wide, (x + r * np.cos(a), 0.11, r * np.sin(a)), a, 1.2, 0.8, pieces=3)
 
@@ -84,7 +84,7 @@ def bonsai() -> Iterator[Solid]:
         yield rod("bark", (0.0, y - 0.05, 0.0), (x, y, z), 0.007)
         yield ball("leaf_1", (r, 0.4 * r, 0.8 * r), (x, y, z), 12, 6)
         for i in range(30):
-            a, d = GOLDEN * i, r * np.sqrt(i / 30)
+            a, d = GOLDEN_ANGLE * i, r * np.sqrt(i / 30)
             yield leaf(
                 "leaf",
                 0.03,

@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import spline
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.green.pots import GOLDEN, pot
+from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
 
 
 def hanging(kind: str = "round") -> Iterator[Solid]:
@@ -20,7 +20,7 @@ def hanging(kind: str = "round") -> Iterator[Solid]:
         a = 2 * np.pi * i / 4
         yield rod("cream", (0.13 * np.cos(a), 0.78, 0.13 * np.sin(a)), (0.0, 1.3, 0.0), 0.004, sides=5)
     for i in range(9):
-        a = GOLDEN * i
+        a = GOLDEN_ANGLE * i
         c, s = np.cos(a), np.sin(a)
         drop = 0.62 - 0.06 * (i % 5)
         path = spline(
@@ -45,7 +45,7 @@ def trailing(kind: str = "cylinder") -> Iterator[Solid]:
     for piece in pot(kind, 0.12, 0.18):
         yield move(piece, (0.0, 0.55, 0.0))
     for i in range(10):
-        a = GOLDEN * i
+        a = GOLDEN_ANGLE * i
         c, s = np.cos(a), np.sin(a)
         path = spline(
             [

@@ -9,11 +9,11 @@ from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import rod
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import case, doors, drawers
-from home_procgen.things.kitchen.cases import DEPTH, FACE, WORKTOP, body, worktop
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import doors, drawers, open_case
+from home_procgen.things.kitchen.cases import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT, base_body, worktop
 
-REACH = 0.45  # [m], travel of drawers
+DRAWER_TRAVEL = 0.45  # [m], travel of drawers
 
 
 def base_unit(
@@ -25,22 +25,34 @@ def base_unit(
     top: str = "stone",
 ) -> Iterator[Solid]:
     """Build a base cabinet with doors, with drawers, or with a drawer above doors."""
-    yield from body(width)
-    high, x = WORKTOP - 0.15, 0.003 - width / 2
+    yield from base_body(width)
+    high, x = WORKTOP_HEIGHT - 0.15, 0.003 - width / 2
     if rows == 1:
-        yield from drawers("paint", width - 0.006, 0.16, (x, WORKTOP - 0.205, FACE), count, 1, style, grip, opens=REACH)
-        yield from doors("paint", width - 0.006, high - 0.165, (x, 0.105, FACE), count, style, grip, 0.8)
+        yield from drawers(
+            "paint",
+            width - 0.006,
+            0.16,
+            (x, WORKTOP_HEIGHT - 0.205, FRONT_Z),
+            count,
+            1,
+            style,
+            grip,
+            opens=DRAWER_TRAVEL,
+        )
+        yield from doors("paint", width - 0.006, high - 0.165, (x, 0.105, FRONT_Z), count, style, grip, 0.8)
     elif rows:
-        yield from drawers("paint", width - 0.006, high, (x, 0.105, FACE), 1, rows, style, grip, True, REACH)
+        yield from drawers("paint", width - 0.006, high, (x, 0.105, FRONT_Z), 1, rows, style, grip, True, DRAWER_TRAVEL)
     else:
-        yield from doors("paint", width - 0.006, high, (x, 0.105, FACE), count, style, grip, 0.85)
+        yield from doors("paint", width - 0.006, high, (x, 0.105, FRONT_Z), count, style, grip, 0.85)
     yield worktop(width, top)
 
 
 def open_unit(width: float = 0.4) -> Iterator[Solid]:
     """Build open base shelves with bowls and jars."""
-    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
-    yield from case("wood", width, WORKTOP - 0.14, DEPTH - 0.04, (0.24, 0.48), (0.0, 0.1, -0.02), (), "wood")
+    yield box("black", (width, 0.1, BASE_DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield from open_case(
+        "wood", width, WORKTOP_HEIGHT - 0.14, BASE_DEPTH - 0.04, (0.24, 0.48), (0.0, 0.1, -0.02), (), "wood"
+    )
     for k, y in enumerate((0.12, 0.36, 0.6)):
         for i in range(2):
             yield vessel(
@@ -51,12 +63,23 @@ def open_unit(width: float = 0.4) -> Iterator[Solid]:
 
 def curtained(width: float = 0.8) -> Iterator[Solid]:
     """Build a base cabinet with a curtain on a rod instead of doors."""
-    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
-    yield from case("paint", width, WORKTOP - 0.14, DEPTH - 0.06, (0.36,), (0.0, 0.1, -0.03), (), "paint")
-    yield rod("chrome", (-width / 2, WORKTOP - 0.08, FACE + 0.01), (width / 2, WORKTOP - 0.08, FACE + 0.01), 0.007)
+    yield box("black", (width, 0.1, BASE_DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield from open_case(
+        "paint", width, WORKTOP_HEIGHT - 0.14, BASE_DEPTH - 0.06, (0.36,), (0.0, 0.1, -0.03), (), "paint"
+    )
+    yield rod(
+        "chrome",
+        (-width / 2, WORKTOP_HEIGHT - 0.08, FRONT_Z + 0.01),
+        (width / 2, WORKTOP_HEIGHT - 0.08, FRONT_Z + 0.01),
+        0.007,
+    )
     yield surface(
         "patterned",
-        lambda u, v: ((u - 0.5) * (width - 0.03), 0.1 + (WORKTOP - 0.18) * v, FACE + 0.012 + 0.014 * np.sin(34 * u)),
+        lambda u, v: (
+            (u - 0.5) * (width - 0.03),
+            0.1 + (WORKTOP_HEIGHT - 0.18) * v,
+            FRONT_Z + 0.012 + 0.014 * np.sin(34 * u),
+        ),
         60,
         2,
         0.005,
@@ -67,12 +90,12 @@ def curtained(width: float = 0.8) -> Iterator[Solid]:
 def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
     """Build a kitchen island with drawers, an overhanging top and towel rails."""
     yield box("black", (width - 0.1, 0.1, depth - 0.4))
-    yield box("paint", (width - 0.06, WORKTOP - 0.14, depth - 0.36), (0.0, 0.1, 0.0))
-    yield rounded("stone", (width, 0.045, depth), (0.0, WORKTOP - 0.04, 0.05), 0.01, 2)
+    yield box("paint", (width - 0.06, WORKTOP_HEIGHT - 0.14, depth - 0.36), (0.0, 0.1, 0.0))
+    yield rounded("stone", (width, 0.045, depth), (0.0, WORKTOP_HEIGHT - 0.04, 0.05), 0.01, 2)
     yield from drawers(
         "paint",
         width - 0.07,
-        WORKTOP - 0.16,
+        WORKTOP_HEIGHT - 0.16,
         (0.035 - width / 2, 0.11, (depth - 0.36) / 2),
         3,
         2,
@@ -81,17 +104,17 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
         opens=0.12,  # [m], limited by the posts of the top
     )
     for s in (-1, 1):
-        yield rounded("wood", (0.06, WORKTOP - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1)
+        yield rounded("wood", (0.06, WORKTOP_HEIGHT - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1)
         yield rod("brass", (s * (width / 2 - 0.02), 0.7, -0.2), (s * (width / 2 - 0.02), 0.7, 0.2), 0.008)
 
 
 def pantry(width: float = 0.6, height: float = 2.1, style: str = "shaker") -> Iterator[Solid]:
     """Build a tall cupboard of kitchen cabinet depth."""
-    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
-    yield box("paint", (width, height - 0.1, DEPTH - 0.04), (0.0, 0.1, -0.02))
-    yield from doors("paint", width - 0.006, 1.2, (0.003 - width / 2, 0.105, FACE), 1, style, ("brass", "bar"), 0.8)
+    yield box("black", (width, 0.1, BASE_DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, height - 0.1, BASE_DEPTH - 0.04), (0.0, 0.1, -0.02))
+    yield from doors("paint", width - 0.006, 1.2, (0.003 - width / 2, 0.105, FRONT_Z), 1, style, ("brass", "bar"), 0.8)
     yield from doors(
-        "paint", width - 0.006, height - 1.32, (0.003 - width / 2, 1.31, FACE), 1, style, ("brass", "bar"), 0.2
+        "paint", width - 0.006, height - 1.32, (0.003 - width / 2, 1.31, FRONT_Z), 1, style, ("brass", "bar"), 0.2
     )
 
 
@@ -105,4 +128,4 @@ BASES = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("kitchen_cabinet", "kitchen_cabinet", BASES),)
+FAMILIES = (FurnitureFamily("kitchen_cabinet", "kitchen_cabinet", BASES),)

@@ -8,8 +8,8 @@ from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism, ring
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import case, disc, doors, front
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import disc, doors, front, open_case
 from home_procgen.things.kitchen.wall_units import bifold, crossed, plate_rack, rounded_end, sliding_panes, tambour
 
 
@@ -44,7 +44,7 @@ def hanging(
 
 def hanging_open(width: float = 0.6, height: float = 0.68) -> Iterator[Solid]:
     """Build open wall shelves with crockery and hooks with cups below."""
-    yield from case("wood", width, height - 0.08, 0.32, (0.3,), (0.0, 0.08, 0.0), (), "wood")
+    yield from open_case("wood", width, height - 0.08, 0.32, (0.3,), (0.0, 0.08, 0.0), (), "wood")
     for i in range(7):
         yield disc("crockery", 0.1, 0.01, (-0.2 + 0.03 * i, 0.205, -0.05 + 0.02 * i), 18)
     for i in range(3):
@@ -77,7 +77,7 @@ def flap(width: float = 0.9, height: float = 0.4) -> Iterator[Solid]:
     yield from front("paint", size, corner, "grooves", ("chrome", "bar", 0.5, 0.12), False, "top")
 
 
-WALL = (
+WALL_CABINETS = (
     design(hanging), design(hanging, width=0.8, count=2, style="shaker", grip=("brass", "knob")),
     design(hanging, width=0.8, count=2, style="glass"), design(hanging_open), design(corner_hanging), design(flap),
     design(hanging, width=0.4, style="raised", grip=("brass", "knob")),
@@ -85,4 +85,4 @@ WALL = (
     design(plate_rack), design(sliding_panes), design(rounded_end), design(crossed),
 )  # fmt: skip
 
-FAMILIES = (Family("hanging_cabinet", "hanging_kitchen_cabinet", WALL),)
+FAMILIES = (FurnitureFamily("hanging_cabinet", "hanging_kitchen_cabinet", WALL_CABINETS),)

@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import between_loops, rounded
 from home_procgen.shapes.sweep import beam, prism, ring, rod
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc, front
 
 
@@ -144,8 +144,8 @@ HOODS = (
     design(hood, kind="slanted"),
     design(hood, kind="box"),
     design(hood, kind="mantel", width=0.9),
-    *kinds_of(hood, "drum", "slab", "pyramid", "visor", "dome"),
+    *design_kinds(hood, "drum", "slab", "pyramid", "visor", "dome"),
 )
 
 
-FAMILIES = (Family("range_hood", "range_hood", HOODS),)
+FAMILIES = (FurnitureFamily("range_hood", "range_hood", HOODS),)

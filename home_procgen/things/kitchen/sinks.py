@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.rounded import rounded
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import BOARD, doors
-from home_procgen.things.kitchen.cases import DEPTH, FACE, WORKTOP
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import BOARD_THICKNESS, doors
+from home_procgen.things.kitchen.cases import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT
 from home_procgen.things.kitchen.taps import tap
 
 
@@ -24,21 +24,31 @@ def basin(
 
 def _frame_top(width: float, hole: tuple[float, float], x: float, slot: str) -> Iterator[Solid]:
     """Build a worktop around a hole centred at x."""
-    y, (w, d) = WORKTOP - 0.04, hole
+    y, (w, d) = WORKTOP_HEIGHT - 0.04, hole
     left, right = x - w / 2 + width / 2, width / 2 - x - w / 2
-    yield rounded(slot, (left, 0.04, DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
-    yield rounded(slot, (right, 0.04, DEPTH), (width / 2 - right / 2, y, 0.0), 0.006, 1)
+    yield rounded(slot, (left, 0.04, BASE_DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
+    yield rounded(slot, (right, 0.04, BASE_DEPTH), (width / 2 - right / 2, y, 0.0), 0.006, 1)
     for s in (-1, 1):
-        yield rounded(slot, (w, 0.04, (DEPTH - d) / 2), (x, y, s * (DEPTH + d) / 4), 0.006, 1)
+        yield rounded(slot, (w, 0.04, (BASE_DEPTH - d) / 2), (x, y, s * (BASE_DEPTH + d) / 4), 0.006, 1)
 
 
 def _hollow_body(width: float) -> Iterator[Solid]:
-    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("black", (width, 0.1, BASE_DEPTH - 0.12), (0.0, 0.0, -0.05))
     for s in (-1, 1):
-        yield box("paint", (BOARD, WORKTOP - 0.14, DEPTH - 0.04), (s * (width - BOARD) / 2, 0.1, -0.02))
-    yield box("paint", (width, WORKTOP - 0.14, BOARD), (0.0, 0.1, BOARD - DEPTH / 2 + 0.01))
-    yield box("paint", (width - 2 * BOARD, BOARD, DEPTH - 0.06), (0.0, 0.1, -0.01))
-    yield box("paint", (width - 2 * BOARD, 0.1, BOARD), (0.0, WORKTOP - 0.14, FACE - BOARD / 2))
+        yield box(
+            "paint",
+            (BOARD_THICKNESS, WORKTOP_HEIGHT - 0.14, BASE_DEPTH - 0.04),
+            (s * (width - BOARD_THICKNESS) / 2, 0.1, -0.02),
+        )
+    yield box(
+        "paint", (width, WORKTOP_HEIGHT - 0.14, BOARD_THICKNESS), (0.0, 0.1, BOARD_THICKNESS - BASE_DEPTH / 2 + 0.01)
+    )
+    yield box("paint", (width - 2 * BOARD_THICKNESS, BOARD_THICKNESS, BASE_DEPTH - 0.06), (0.0, 0.1, -0.01))
+    yield box(
+        "paint",
+        (width - 2 * BOARD_THICKNESS, 0.1, BOARD_THICKNESS),
+        (0.0, WORKTOP_HEIGHT - 0.14, FRONT_Z - BOARD_THICKNESS / 2),
+    )
 
 
 def sink_unit(width: float = 0.8, bowls: int = 1, kind: str = "arc", slot: str = "steel") -> Iterator[Solid]:
@@ -48,13 +58,13 @@ def sink_unit(width: float = 0.8, bowls: int = 1, kind: str = "arc", slot: str =
     yield from _frame_top(width, (wide, 0.42), 0.0, "stone")
     for i in range(bowls):
         step = wide / bowls
-        yield from basin(slot, step - 0.06, 0.36, 0.16, ((i - (bowls - 1) / 2) * step, WORKTOP - 0.004, 0.0))
-    yield from tap(0.0, WORKTOP, -0.24, kind)
+        yield from basin(slot, step - 0.06, 0.36, 0.16, ((i - (bowls - 1) / 2) * step, WORKTOP_HEIGHT - 0.004, 0.0))
+    yield from tap(0.0, WORKTOP_HEIGHT, -0.24, kind)
     yield from doors(
         "paint",
         width - 0.006,
-        WORKTOP - 0.15,
-        (0.003 - width / 2, 0.105, FACE),
+        WORKTOP_HEIGHT - 0.15,
+        (0.003 - width / 2, 0.105, FRONT_Z),
         2,
         "flat" if bowls == 1 else "shaker",
         ("chrome", "bar"),
@@ -64,27 +74,34 @@ def sink_unit(width: float = 0.8, bowls: int = 1, kind: str = "arc", slot: str =
 
 def farmhouse_sink(width: float = 0.8) -> Iterator[Solid]:
     """Build a deep white apron-front sink under a bridge tap."""
-    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
-    yield box("paint", (width, 0.5, DEPTH - 0.04), (0.0, 0.1, -0.02))
+    yield box("black", (width, 0.1, BASE_DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, 0.5, BASE_DEPTH - 0.04), (0.0, 0.1, -0.02))
     yield from doors(
-        "paint", width - 0.006, 0.49, (0.003 - width / 2, 0.105, FACE), 2, "shaker", ("brass", "knob"), 0.85
+        "paint", width - 0.006, 0.49, (0.003 - width / 2, 0.105, FRONT_Z), 2, "shaker", ("brass", "knob"), 0.85
     )
-    yield box("stone", (width, 0.04, 0.14), (0.0, WORKTOP - 0.04, -0.23))
-    yield box("paint", (width, WORKTOP - 0.64, 0.1), (0.0, 0.6, -0.25))
-    yield from basin("ceramic", width - 0.1, 0.38, 0.24, (0.0, WORKTOP - 0.006, 0.075), 0.045)
-    yield from tap(0.0, WORKTOP, -0.22, "bridge")
+    yield box("stone", (width, 0.04, 0.14), (0.0, WORKTOP_HEIGHT - 0.04, -0.23))
+    yield box("paint", (width, WORKTOP_HEIGHT - 0.64, 0.1), (0.0, 0.6, -0.25))
+    yield from basin("ceramic", width - 0.1, 0.38, 0.24, (0.0, WORKTOP_HEIGHT - 0.006, 0.075), 0.045)
+    yield from tap(0.0, WORKTOP_HEIGHT, -0.22, "bridge")
 
 
 def drainer_sink(width: float = 1.0) -> Iterator[Solid]:
     """Build a sink beside a ribbed drainer of pressed steel."""
     yield from _hollow_body(width)
     yield from _frame_top(width, (0.42, 0.42), -0.22, "steel")
-    yield from basin("steel", 0.36, 0.36, 0.17, (-0.22, WORKTOP - 0.002, 0.0))
+    yield from basin("steel", 0.36, 0.36, 0.17, (-0.22, WORKTOP_HEIGHT - 0.002, 0.0))
     for i in range(8):
-        yield rounded("steel", (0.36, 0.008, 0.018), (0.24, WORKTOP - 0.003, -0.19 + 0.054 * i), 0.004, 1)
-    yield from tap(-0.22, WORKTOP, -0.24, "lever")
+        yield rounded("steel", (0.36, 0.008, 0.018), (0.24, WORKTOP_HEIGHT - 0.003, -0.19 + 0.054 * i), 0.004, 1)
+    yield from tap(-0.22, WORKTOP_HEIGHT, -0.24, "lever")
     yield from doors(
-        "paint", width - 0.006, WORKTOP - 0.15, (0.003 - width / 2, 0.105, FACE), 2, "flat", ("chrome", "bar"), 0.85
+        "paint",
+        width - 0.006,
+        WORKTOP_HEIGHT - 0.15,
+        (0.003 - width / 2, 0.105, FRONT_Z),
+        2,
+        "flat",
+        ("chrome", "bar"),
+        0.85,
     )
 
 
@@ -97,4 +114,4 @@ SINKS = (
 )
 
 
-FAMILIES = (Family("kitchen_sink", "sink", SINKS),)
+FAMILIES = (FurnitureFamily("kitchen_sink", "sink", SINKS),)

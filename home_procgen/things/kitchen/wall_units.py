@@ -8,33 +8,33 @@ from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.joinery import BOARD, case, front
-from home_procgen.things.parts import marked
+from home_procgen.things.joinery import BOARD_THICKNESS, front, open_case
+from home_procgen.things.parts import assign_part
 
-DEEP = 0.32  # [m], depth of wall cabinets
+WALL_UNIT_DEPTH = 0.32  # [m], depth of wall cabinets
 
 
 def bifold(width: float = 0.8, height: float = 0.68) -> Iterator[Solid]:
     """Build a wall cabinet with two lift-up flaps, one above the other, with grip rails."""
-    yield rounded("paint", (width, height, DEEP - 0.02), (0.0, 0.0, -0.01), 0.006, 1)
+    yield rounded("paint", (width, height, WALL_UNIT_DEPTH - 0.02), (0.0, 0.0, -0.01), 0.006, 1)
     for k in (0, 1):
         at = (0.003 - width / 2, 0.003 + k * height / 2, 0.145)
         leaf = list(front("paint", (width - 0.006, height / 2 - 0.006), at, "raised", opens="top"))
         for x in (-0.25, 0.25):
             leaf.append(rod("chrome", (x, at[1] + 0.05, 0.16), (x, at[1] + 0.05, 0.195), 0.005, sides=6))
         leaf.append(rod("chrome", (-0.3, at[1] + 0.05, 0.195), (0.3, at[1] + 0.05, 0.195), 0.007))
-        yield from marked(leaf[0].part, leaf)
+        yield from assign_part(leaf[0].part, leaf)
 
 
 def tambour(width: float = 0.6, height: float = 0.7) -> Iterator[Solid]:
     """Build a wall cabinet with a half-open roll-up shutter of slats."""
-    yield from case("wood", width, height, DEEP, (0.36,), (0.0, 0.0, 0.0), (), "wood")
+    yield from open_case("wood", width, height, WALL_UNIT_DEPTH, (0.36,), (0.0, 0.0, 0.0), (), "wood")
     for i in range(11):
         yield rounded("paint", (width - 0.05, 0.026, 0.014), (0.0, height - 0.06 - 0.03 * i, 0.145), 0.005, 1)
     yield rounded("chrome", (width - 0.05, 0.02, 0.03), (0.0, height - 0.4, 0.15), 0.006, 1)
     for i in range(3):
         jar = [(0.045, 0.0), (0.05, 0.02), (0.05, 0.12), (0.03, 0.14), (0.03, 0.16)]
-        yield turned("glaze", jar, ((i - 1) * 0.16, BOARD, 0.0), 14, 1)
+        yield turned("glaze", jar, ((i - 1) * 0.16, BOARD_THICKNESS, 0.0), 14, 1)
 
 
 def plate_rack(width: float = 0.7, height: float = 0.6) -> Iterator[Solid]:
@@ -58,7 +58,7 @@ def plate_rack(width: float = 0.7, height: float = 0.6) -> Iterator[Solid]:
 
 def sliding_panes(width: float = 0.9, height: float = 0.5) -> Iterator[Solid]:
     """Build a wall cabinet with two overlapping glass panes before crockery."""
-    yield from case("wood", width, height, DEEP, (0.23,), (0.0, 0.0, 0.0), (0.5,), "wood")
+    yield from open_case("wood", width, height, WALL_UNIT_DEPTH, (0.23,), (0.0, 0.0, 0.0), (0.5,), "wood")
     for s in (-1, 1):
         yield box("glass", (width / 2 + 0.02, height - 0.05, 0.006), (s * (width / 4 - 0.02), 0.022, 0.14 + 0.006 * s))
         yield rounded("chrome", (0.03, 0.06, 0.008), (s * (width / 2 - 0.06), 0.2, 0.15 + 0.006 * s), 0.003, 1)
@@ -72,13 +72,13 @@ def rounded_end(width: float = 0.34, height: float = 0.68) -> Iterator[Solid]:
     """Build quarter-round open end shelves with jars."""
     turn = np.linspace(0.0, np.pi / 2, 10)
     outline = [
-        (-width / 2, -DEEP / 2),
-        *zip(width * np.cos(turn) - width / 2, DEEP * np.sin(turn) - DEEP / 2, strict=True),
+        (-width / 2, -WALL_UNIT_DEPTH / 2),
+        *zip(width * np.cos(turn) - width / 2, WALL_UNIT_DEPTH * np.sin(turn) - WALL_UNIT_DEPTH / 2, strict=True),
     ]
     for y in (0.0, 0.22, 0.44, height - 0.02):
         yield prism("wood", [(float(x), float(z)) for x, z in outline], 0.02, (0.0, y, 0.0), "top")
-    yield box("wood", (0.016, height, DEEP), (0.008 - width / 2, 0.0, 0.0))
-    yield box("wood", (width - 0.016, height, 0.012), (0.008, 0.0, 0.006 - DEEP / 2))
+    yield box("wood", (0.016, height, WALL_UNIT_DEPTH), (0.008 - width / 2, 0.0, 0.0))
+    yield box("wood", (width - 0.016, height, 0.012), (0.008, 0.0, 0.006 - WALL_UNIT_DEPTH / 2))
     for k, y in enumerate((0.02, 0.24, 0.46)):
         for i in range(2 - k % 2):
             body = [(0.04, 0.0), (0.045, 0.03), (0.04, 0.1), (0.02, 0.12)]
@@ -87,13 +87,13 @@ def rounded_end(width: float = 0.34, height: float = 0.68) -> Iterator[Solid]:
 
 def crossed(width: float = 0.6, height: float = 0.6) -> Iterator[Solid]:
     """Build a cross of boards with wine bottles above a row of drawers."""
-    yield from case("wood", width, height, DEEP, (0.15,), (0.0, 0.0, 0.0), (), "wood")
+    yield from open_case("wood", width, height, WALL_UNIT_DEPTH, (0.15,), (0.0, 0.0, 0.0), (), "wood")
     for s in (-1, 1):
         yield beam(
             "wood", (-s * (width / 2 - 0.03), 0.18, 0.0), (s * (width / 2 - 0.03), height - 0.03, 0.0), 0.28, 0.016
         )
     for i in range(3):
-        at = ((i - 1.5) * (width - 0.05) / 3, 0.022, DEEP / 2 - 0.03)
+        at = ((i - 1.5) * (width - 0.05) / 3, 0.022, WALL_UNIT_DEPTH / 2 - 0.03)
         yield from front("paint", ((width - 0.06) / 3, 0.125), at, "flat", ("brass", "knob", 0.5, 0.5), opens=0.22)
     for x, y in ((-0.07, 0.2), (0.03, 0.2), (-0.22, 0.3), (0.2, 0.3), (0.0, 0.44), (0.07, 0.47), (-0.22, 0.4)):
         bottle = [(x, y + 0.04, -0.13), (x, y + 0.04, 0.05), (x, y + 0.04, 0.09), (x, y + 0.04, 0.15)]

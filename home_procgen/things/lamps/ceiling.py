@@ -9,7 +9,7 @@ from home_procgen.shapes.groups import Piece, moved, turned_about
 from home_procgen.shapes.revolve import shade, turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import rod
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.lamps.bulbs import bulb
 
 
@@ -68,7 +68,7 @@ def ceiling(kind: str = "bowl") -> Iterator[Piece]:
     yield from _CEILING_KINDS[kind]()
 
 
-CEILING = kinds_of(ceiling, "bowl", "square", "disc", "rail", "cluster")
+CEILING = design_kinds(ceiling, "bowl", "square", "disc", "rail", "cluster")
 
 
-FAMILIES = (Family("ceiling_lamp", "chandelier", CEILING),)
+FAMILIES = (FurnitureFamily("ceiling_lamp", "chandelier", CEILING),)

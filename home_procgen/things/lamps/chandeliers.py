@@ -11,7 +11,7 @@ from home_procgen.shapes.groups import Piece
 from home_procgen.shapes.revolve import shade, turned
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import beam, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.lamps.bulbs import bulb
 
 
@@ -68,7 +68,7 @@ def chandelier(kind: str = "arms", drop: float = 0.9, count: int = 6) -> Iterato
             yield ball("glass", (0.014, 0.03, 0.014), (0.32 * c, 0.15, 0.32 * s), 6, 4)
 
 
-CHANDELIERS = kinds_of(chandelier, "arms", "crystal", "wheel", "branches", "row", "shades")
+CHANDELIERS = design_kinds(chandelier, "arms", "crystal", "wheel", "branches", "row", "shades")
 
 
-FAMILIES = (Family("chandelier", "chandelier", CHANDELIERS),)
+FAMILIES = (FurnitureFamily("chandelier", "chandelier", CHANDELIERS),)

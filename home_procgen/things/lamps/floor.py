@@ -12,7 +12,7 @@ from home_procgen.shapes.groups import Piece, around, moved, turned_about
 from home_procgen.shapes.revolve import shade, turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import foot_plate
 from home_procgen.things.lamps.bulbs import bulb
 
@@ -166,9 +166,9 @@ def floor_lamp(kind: str = "pole") -> Iterator[Piece]:
     yield from _FLOOR_LAMP_KINDS[kind]()
 
 
-FLOOR = kinds_of(
+FLOOR = design_kinds(
     floor_lamp, "pole", "tripod", "arc", "torch", "tray", "paper", "spots", "reading", "cones", "basket", "urn"
 )
 
 
-FAMILIES = (Family("floor_lamp", "floor_lamp", FLOOR),)
+FAMILIES = (FurnitureFamily("floor_lamp", "floor_lamp", FLOOR),)

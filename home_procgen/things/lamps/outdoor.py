@@ -10,7 +10,7 @@ from home_procgen.shapes.groups import Piece
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import ring, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.lamps.bulbs import bulb
 
 
@@ -53,4 +53,6 @@ def outdoor(kind: str = "post") -> Iterator[Piece]:
     yield from _OUTDOOR_KINDS[kind]()
 
 
-FAMILIES = (Family("outdoor_lamp", "outdoor_lamp", kinds_of(outdoor, "post", "double", "bollard", "ball")),)
+FAMILIES = (
+    FurnitureFamily("outdoor_lamp", "outdoor_lamp", design_kinds(outdoor, "post", "double", "bollard", "ball")),
+)

@@ -10,7 +10,7 @@ from home_procgen.shapes.groups import Piece
 from home_procgen.shapes.revolve import shade, turned
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import beam, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners
 from home_procgen.things.lamps.bulbs import bulb
 
@@ -144,7 +144,9 @@ def pendant(kind: str = "dome", drop: float = 0.75) -> Iterator[Piece]:
     yield from _PENDANT_KINDS[kind]()
 
 
-PENDANTS = kinds_of(pendant, "dome", "globe", "drum", "cone", "cage", "basket", "lantern", "artichoke", "paper", "ring")
+PENDANTS = design_kinds(
+    pendant, "dome", "globe", "drum", "cone", "cage", "basket", "lantern", "artichoke", "paper", "ring"
+)
 
 
-FAMILIES = (Family("pendant", "chandelier", PENDANTS),)
+FAMILIES = (FurnitureFamily("pendant", "chandelier", PENDANTS),)

@@ -11,7 +11,7 @@ from home_procgen.shapes.groups import Piece, around, turned_about
 from home_procgen.shapes.revolve import shade, turned
 from home_procgen.shapes.rounded import ball, between_loops, rounded
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import foot_plate
 from home_procgen.things.lamps.bulbs import bulb
 
@@ -146,8 +146,8 @@ TABLE = (
     design(table_lamp), design(table_lamp, foot="urn", top="empire"),
     design(table_lamp, foot="column", top="drum", high=0.34), design(table_lamp, foot="tripod", top="cone"),
     design(table_lamp, foot="cube", top="drum"), design(table_lamp, foot="beads", top="bell"),
-    design(table_lamp, foot="bottle", top="pleated"), *kinds_of(desk_lamp, "arm", "banker", "mushroom", "ball", "tube"),
+    design(table_lamp, foot="bottle", top="pleated"), *design_kinds(desk_lamp, "arm", "banker", "mushroom", "ball", "tube"),
 )  # fmt: skip
 
 
-FAMILIES = (Family("table_lamp", "table_lamp", TABLE),)
+FAMILIES = (FurnitureFamily("table_lamp", "table_lamp", TABLE),)

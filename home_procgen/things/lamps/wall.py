@@ -12,11 +12,11 @@ from home_procgen.shapes.groups import Piece
 from home_procgen.shapes.revolve import shade, turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc
 from home_procgen.things.lamps.bulbs import bulb
 
-_BACK = -0.09  # [m], z of the wall surface
+_WALL_Z = -0.09  # [m], z of the wall surface
 
 
 def _cone_wall_lamp() -> Iterator[Piece]:
@@ -27,8 +27,8 @@ def _cone_wall_lamp() -> Iterator[Piece]:
 
 def _on_arms(kind: str) -> Iterator[Piece]:
     for x in (0.0,) if kind == "shade" else (-0.09, 0.09):
-        yield rounded("brass", (0.07, 0.12, 0.015), (0.0, 0.06, _BACK), 0.006, 2)
-        yield tube("brass", fillet([(0.0, 0.11, _BACK), (x, 0.06, 0.0), (x, 0.13, 0.0)], 0.05, 4), 0.007)
+        yield rounded("brass", (0.07, 0.12, 0.015), (0.0, 0.06, _WALL_Z), 0.006, 2)
+        yield tube("brass", fillet([(0.0, 0.11, _WALL_Z), (x, 0.06, 0.0), (x, 0.13, 0.0)], 0.05, 4), 0.007)
         yield turned("brass", [(0.01, 0.12), (0.03, 0.13), (0.03, 0.14)], (x, 0.0, 0.0), 14, 1)
         yield cylinder("cream", 0.012, 0.07, (x, 0.13, 0.0), sides=10)
         yield from bulb(0.22, 25.0, x, 0.0, 0.018)
@@ -37,7 +37,7 @@ def _on_arms(kind: str) -> Iterator[Piece]:
 
 
 def _bulkhead() -> Iterator[Piece]:
-    yield disc("white", 0.12, 0.03, (0.0, 0.12, _BACK), 26)
+    yield disc("white", 0.12, 0.03, (0.0, 0.12, _WALL_Z), 26)
     yield ball("opal", (0.1, 0.1, 0.07), (0.0, 0.12, -0.055), 20, 12)
     for t in (-0.05, 0.05):
         yield tube(
@@ -80,8 +80,8 @@ def _picture() -> Iterator[Piece]:
 
 
 def _globe_wall_lamp() -> Iterator[Piece]:
-    yield disc("brass", 0.055, 0.015, (0.0, 0.16, _BACK), 20)
-    yield tube("brass", fillet([(0.0, 0.16, _BACK), (0.0, 0.16, 0.0), (0.0, 0.11, 0.0)], 0.03), 0.008)
+    yield disc("brass", 0.055, 0.015, (0.0, 0.16, _WALL_Z), 20)
+    yield tube("brass", fillet([(0.0, 0.16, _WALL_Z), (0.0, 0.16, 0.0), (0.0, 0.11, 0.0)], 0.03), 0.008)
     yield ball("opal", 0.07, (0.0, 0.07, 0.0), 20, 12)
     yield Bulb((0.0, -0.03, 0.02), 40.0)
 
@@ -132,9 +132,9 @@ def wall_lamp(kind: str = "cone") -> Iterator[Piece]:
     yield from _WALL_LAMP_KINDS[kind]()
 
 
-WALL = kinds_of(
+WALL_LAMPS = design_kinds(
     wall_lamp, "cone", "shade", "candles", "bulkhead", "swing", "half", "picture", "globe", "lantern", "tube", "block"
 )
 
 
-FAMILIES = (Family("wall_lamp", "wall_lamp", WALL),)
+FAMILIES = (FurnitureFamily("wall_lamp", "wall_lamp", WALL_LAMPS),)

@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import beam, prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners
 from home_procgen.things.leisure.machines import bike, cross, rower, treadmill
 
@@ -141,9 +141,11 @@ def gym(kind: str = "treadmill") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
+    FurnitureFamily(
         "gym",
         "gym_equipment",
-        kinds_of(gym, "treadmill", "bench", "bike", "rower", "dumbbells", "mat", "bag", "cross", "rack", "kettlebells"),
+        design_kinds(
+            gym, "treadmill", "bench", "bike", "rower", "dumbbells", "mat", "bag", "cross", "rack", "kettlebells"
+        ),
     ),
 )

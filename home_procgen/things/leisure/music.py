@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet, spline
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
 
 
@@ -121,7 +121,7 @@ def microphone() -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("guitar", "guitar", (design(guitar), design(guitar, kind="electric"))),
-    Family("drumset", "drumset", (design(drums),)),
-    Family("microphone", "microphone", (design(microphone),)),
+    FurnitureFamily("guitar", "guitar", (design(guitar), design(guitar, kind="electric"))),
+    FurnitureFamily("drumset", "drumset", (design(drums),)),
+    FurnitureFamily("microphone", "microphone", (design(microphone),)),
 )

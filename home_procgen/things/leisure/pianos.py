@@ -7,7 +7,7 @@ from home_procgen.shapes.curves import spline
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import beam, prism, rod
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def keys(width: float, y: float, z: float, deep: float = 0.14) -> Iterator[Solid]:
@@ -88,6 +88,6 @@ def piano(kind: str = "upright") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("piano", "piano", (design(piano), design(piano, kind="grand"))),
-    Family("keyboard", "keyboard", (design(piano, kind="electric"),)),
+    FurnitureFamily("piano", "piano", (design(piano), design(piano, kind="grand"))),
+    FurnitureFamily("keyboard", "keyboard", (design(piano, kind="electric"),)),
 )

@@ -7,15 +7,15 @@ import numpy as np
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism
-from home_procgen.things.family import Family, design
-from home_procgen.things.openings.frames import DEEP
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.openings.frames import FRAME_DEPTH
 
 
 def garage(width: float = 2.5, height: float = 2.15, lift: float = 1.0, style: str = "panels") -> Iterator[Solid]:
     """Build a frame and a sectional door; `lift` 0 is closed, 1 is open and flat below the ceiling, towards -z."""
     for s in (-1, 1):
-        yield box("white", (0.06, height, DEEP), (s * (width - 0.06) / 2, 0.0, 0.0))
-    yield box("white", (width - 0.12, 0.06, DEEP), (0.0, height - 0.06, 0.0))
+        yield box("white", (0.06, height, FRAME_DEPTH), (s * (width - 0.06) / 2, 0.0, 0.0))
+    yield box("white", (width - 0.12, 0.06, FRAME_DEPTH), (0.0, height - 0.06, 0.0))
     pivot = (0.0, height - 0.1, -0.08)
     for piece in _sections(width - 0.14, height - 0.12, style):
         yield rotate(piece, 0, lift * np.pi / 2, pivot)
@@ -66,8 +66,8 @@ def arch(width: float = 1.2, height: float = 2.2, kind: str = "round") -> Iterat
 
 
 FAMILIES = (
-    Family(
+    FurnitureFamily(
         "garage_door", "garage_door", (design(garage), design(garage, style="glass", width=2.6)), {"lift": 0.0}, False
     ),
-    Family("arch", "arch", (design(arch), design(arch, kind="square")), None, False),
+    FurnitureFamily("arch", "arch", (design(arch), design(arch, kind="square")), None, False),
 )

@@ -8,16 +8,16 @@ from home_procgen.primitives.solids import Solid, move, rotate
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import rod
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import disc, placed_front
-from home_procgen.things.openings.frames import DEEP, JAMB, frame
-from home_procgen.things.openings.leaves import LEAF, leaf
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import disc, lay_towards_front
+from home_procgen.things.openings.frames import FRAME_DEPTH, JAMB_WIDTH, frame
+from home_procgen.things.openings.leaves import LEAF_THICKNESS, leaf
 
 
 def _handles(x: float, kind: str, direction: float) -> Iterator[Solid]:
     """Build handles on both sides of a leaf around z = 0, about 1 m above its foot."""
     for s in (-1, 1):
-        z = s * (LEAF / 2)
+        z = s * (LEAF_THICKNESS / 2)
         if kind == "lever":
             yield rounded("chrome", (0.035, 0.14, 0.01), (x, 0.93, z + s * 0.005), 0.004, 1)
             yield rod("chrome", (x, 1.02, z), (x, 1.02, z + s * 0.045), 0.008)
@@ -27,9 +27,12 @@ def _handles(x: float, kind: str, direction: float) -> Iterator[Solid]:
                 "brass", [(0.026, 0.0), (0.012, 0.008), (0.012, 0.03), (0.028, 0.045), (0.02, 0.062)], sides=14, steps=2
             )
             yield from (
-                placed_front([knob], (x, 1.02, LEAF / 2))
+                lay_towards_front([knob], (x, 1.02, LEAF_THICKNESS / 2))
                 if s > 0
-                else (rotate(p, 1, np.pi, (x, 1.02, 0.0)) for p in placed_front([knob], (x, 1.02, LEAF / 2)))
+                else (
+                    rotate(p, 1, np.pi, (x, 1.02, 0.0))
+                    for p in lay_towards_front([knob], (x, 1.02, LEAF_THICKNESS / 2))
+                )
             )
         else:
             for y in (0.88, 1.22):
@@ -56,15 +59,15 @@ def door(
         entry: Make a front door with a letter slot, a knocker and a spy-hole.
     """
     yield from frame(width, height)
-    pivot = (JAMB - width / 2, 0.0, -DEEP / 2)
-    wide, high = width - 2 * JAMB - 0.006, height - JAMB - 0.04
+    pivot = (JAMB_WIDTH - width / 2, 0.0, -FRAME_DEPTH / 2)
+    wide, high = width - 2 * JAMB_WIDTH - 0.006, height - JAMB_WIDTH - 0.04
     pieces = [*leaf(wide, high, style), *_handles(wide / 2 - 0.06, grip, -1.0)]
     if entry:
         for s in (-1, 1):
-            pieces.append(rounded("brass", (0.26, 0.05, 0.01), (0.0, 0.75, s * (LEAF / 2 + 0.01)), 0.004, 1))
-            pieces.append(disc("brass", 0.012, 0.012, (0.0, 1.52, s * (LEAF / 2 + 0.004) - 0.006), 12))
+            pieces.append(rounded("brass", (0.26, 0.05, 0.01), (0.0, 0.75, s * (LEAF_THICKNESS / 2 + 0.01)), 0.004, 1))
+            pieces.append(disc("brass", 0.012, 0.012, (0.0, 1.52, s * (LEAF_THICKNESS / 2 + 0.004) - 0.006), 12))
     for piece in pieces:
-        yield rotate(move(piece, (0.0, 0.035, -DEEP / 2 + LEAF / 2)), 1, angle, pivot)
+        yield rotate(move(piece, (0.0, 0.035, -FRAME_DEPTH / 2 + LEAF_THICKNESS / 2)), 1, angle, pivot)
 
 
 def double_door(
@@ -72,11 +75,11 @@ def double_door(
 ) -> Iterator[Solid]:
     """Build a frame with two leaves that swing to -z."""
     yield from frame(width, height)
-    wide, high = (width - 2 * JAMB) / 2 - 0.005, height - JAMB - 0.04
+    wide, high = (width - 2 * JAMB_WIDTH) / 2 - 0.005, height - JAMB_WIDTH - 0.04
     for s in (-1, 1):
-        pivot = (s * (width / 2 - JAMB), 0.0, -DEEP / 2)
+        pivot = (s * (width / 2 - JAMB_WIDTH), 0.0, -FRAME_DEPTH / 2)
         for piece in [*leaf(wide, high, style), *_handles(-s * (wide / 2 - 0.06), "lever", float(s))]:
-            shut = move(piece, (s * (wide / 2 + 0.0035), 0.035, -DEEP / 2 + LEAF / 2))
+            shut = move(piece, (s * (wide / 2 + 0.0035), 0.035, -FRAME_DEPTH / 2 + LEAF_THICKNESS / 2))
             yield rotate(shut, 1, -s * angle, pivot)
 
 
@@ -96,9 +99,9 @@ ENTRIES = (
 
 
 FAMILIES = (
-    Family("door", "door", DOORS, {"angle": 0.0}, False),
-    Family("entry_door", "door", ENTRIES, {"angle": 0.0}, False),
-    Family(
+    FurnitureFamily("door", "door", DOORS, {"angle": 0.0}, False),
+    FurnitureFamily("entry_door", "door", ENTRIES, {"angle": 0.0}, False),
+    FurnitureFamily(
         "double_door",
         "door",
         (design(double_door), design(double_door, style="glazed", width=1.6), design(double_door, style="panels")),

@@ -11,111 +11,115 @@ from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import beam, prism, ring, tube
 from home_procgen.things.joinery import disc
 
-LEAF = 0.04  # [m], thickness of a door's leaf
+LEAF_THICKNESS = 0.04  # [m], thickness of a door's leaf
 
-RAIL = 0.11  # [m], width of the rails around a pane
+RAIL_WIDTH = 0.11  # [m], width of the rails around a pane
 
 
 def _panelled(columns: int, rows: int, width: float, height: float) -> Iterator[Solid]:
-    yield box("wood_1", (width, height, LEAF))
+    yield box("wood_1", (width, height, LEAF_THICKNESS))
     wide = (width - 0.1 * (columns + 1)) / columns
     for i in range(columns):
         for j in range(rows):
             low = 0.14 if j == 0 else 0.14 + 0.4 * height
             high = 0.36 * height if j == 0 and rows > 1 else height - low - 0.12
             x = (i - (columns - 1) / 2) * (wide + 0.1)
-            yield rounded("wood_1", (wide, high, LEAF + 0.014), (x, low, 0.0), 0.007, 1)
+            yield rounded("wood_1", (wide, high, LEAF_THICKNESS + 0.014), (x, low, 0.0), 0.007, 1)
 
 
 def _pointed(width: float, height: float) -> Iterator[Solid]:
-    yield box("wood_1", (width, height, LEAF))
+    yield box("wood_1", (width, height, LEAF_THICKNESS))
     wide, low = width - 0.1 * 2, 0.14
     high = height - low - 0.12
     outline = [(-wide / 2, low), (wide / 2, low), (wide / 2, low + 0.8 * high), (0.0, low + high)]
     shape = fillet([*outline, (-wide / 2, low + 0.8 * high)], 0.2, 5, True)
-    yield prism("wood_1", shape, LEAF + 0.014, (0.0, 0.0, 0.0))
+    yield prism("wood_1", shape, LEAF_THICKNESS + 0.014, (0.0, 0.0, 0.0))
 
 
 def _glazed(low: float, width: float, height: float) -> Iterator[Solid]:
     for s in (-1, 1):
-        yield box("wood_1", (RAIL, height, LEAF), (s * (width - RAIL) / 2, 0.0, 0.0))
-    for y, high in ((0.0, low), (height - RAIL, RAIL)):
-        yield box("wood_1", (width - 2 * RAIL, high, LEAF), (0.0, y, 0.0))
-    yield box("glass", (width - 2 * RAIL, height - low - RAIL, 0.008), (0.0, low, 0.0))
+        yield box("wood_1", (RAIL_WIDTH, height, LEAF_THICKNESS), (s * (width - RAIL_WIDTH) / 2, 0.0, 0.0))
+    for y, high in ((0.0, low), (height - RAIL_WIDTH, RAIL_WIDTH)):
+        yield box("wood_1", (width - 2 * RAIL_WIDTH, high, LEAF_THICKNESS), (0.0, y, 0.0))
+    yield box("glass", (width - 2 * RAIL_WIDTH, height - low - RAIL_WIDTH, 0.008), (0.0, low, 0.0))
 
 
 def _half_glazed(width: float, height: float) -> Iterator[Solid]:
     yield from _glazed(0.95, width, height)
-    yield rounded("wood_1", (width - 0.3, 0.95 - 0.3, LEAF + 0.014), (0.0, 0.16, 0.0), 0.007, 1)
+    yield rounded("wood_1", (width - 0.3, 0.95 - 0.3, LEAF_THICKNESS + 0.014), (0.0, 0.16, 0.0), 0.007, 1)
 
 
 def _lattice(width: float, height: float) -> Iterator[Solid]:
     low = 0.2
     yield from _glazed(low, width, height)
-    inner, tall = width - 2 * RAIL, height - low - RAIL
+    inner, tall = width - 2 * RAIL_WIDTH, height - low - RAIL_WIDTH
     for i in range(1, 3):
-        yield box("wood_1", (0.022, tall, LEAF - 0.008), ((i / 3 - 0.5) * inner, low, 0.0))
+        yield box("wood_1", (0.022, tall, LEAF_THICKNESS - 0.008), ((i / 3 - 0.5) * inner, low, 0.0))
     for j in range(1, 5):
         for i in range(3):
             at = (((i + 0.5) / 3 - 0.5) * inner, low + j * tall / 5, 0.0)
-            yield box("wood_1", (inner / 3 - 0.024, 0.022, LEAF - 0.008), at)
+            yield box("wood_1", (inner / 3 - 0.024, 0.022, LEAF_THICKNESS - 0.008), at)
 
 
 def _boards(width: float, height: float) -> Iterator[Solid]:
     for i in range(6):
         at = ((i - 2.5) * width / 6, 0.0, 0.0)
-        yield rounded("wood_1", (width / 6 - 0.002, height, LEAF - 0.008), at, 0.005, 1)
+        yield rounded("wood_1", (width / 6 - 0.002, height, LEAF_THICKNESS - 0.008), at, 0.005, 1)
     for s in (-1, 1):
-        z = s * (LEAF / 2 - 0.001)
+        z = s * (LEAF_THICKNESS / 2 - 0.001)
         for y in (0.2, height - 0.35):
             yield box("wood_1", (width - 0.06, 0.12, 0.018), (0.0, y, z))
         yield beam("wood_1", (-width / 2 + 0.12, 0.34, z), (width / 2 - 0.12, height - 0.37, z), 0.016, 0.1)
 
 
 def _flat(width: float, height: float) -> Iterator[Solid]:
-    yield box("wood_1", (width, height, LEAF))
+    yield box("wood_1", (width, height, LEAF_THICKNESS))
 
 
 def _lined(width: float, height: float) -> Iterator[Solid]:
     yield from _flat(width, height)
     for s in (-1, 1):
         for k in range(1, 5):
-            yield box("chrome", (width - 0.04, 0.012, 0.004), (0.0, k * height / 5, s * (LEAF / 2 + 0.001)))
+            yield box("chrome", (width - 0.04, 0.012, 0.004), (0.0, k * height / 5, s * (LEAF_THICKNESS / 2 + 0.001)))
 
 
 def _porthole(width: float, height: float) -> Iterator[Solid]:
     yield from _flat(width, height)
     for s in (-1, 1):
-        yield ring("chrome", 0.17, 0.03, (0.0, 1.55, s * LEAF / 2), 2, 24)
-        yield disc("glass", 0.165, 0.006, (0.0, 1.55, s * (LEAF / 2 + 0.002) - 0.003), 24)
+        yield ring("chrome", 0.17, 0.03, (0.0, 1.55, s * LEAF_THICKNESS / 2), 2, 24)
+        yield disc("glass", 0.165, 0.006, (0.0, 1.55, s * (LEAF_THICKNESS / 2 + 0.002) - 0.003), 24)
 
 
 def _louvred(width: float, height: float) -> Iterator[Solid]:
     for s in (-1, 1):
-        yield box("wood_1", (RAIL, height, LEAF), (s * (width - RAIL) / 2, 0.0, 0.0))
-    for y, high in ((0.0, 0.2), (0.95, RAIL), (height - RAIL, RAIL)):
-        yield box("wood_1", (width - 2 * RAIL, high, LEAF), (0.0, y, 0.0))
-    for low, top in ((0.2, 0.95), (0.95 + RAIL, height - RAIL)):
+        yield box("wood_1", (RAIL_WIDTH, height, LEAF_THICKNESS), (s * (width - RAIL_WIDTH) / 2, 0.0, 0.0))
+    for y, high in ((0.0, 0.2), (0.95, RAIL_WIDTH), (height - RAIL_WIDTH, RAIL_WIDTH)):
+        yield box("wood_1", (width - 2 * RAIL_WIDTH, high, LEAF_THICKNESS), (0.0, y, 0.0))
+    for low, top in ((0.2, 0.95), (0.95 + RAIL_WIDTH, height - RAIL_WIDTH)):
         for k in range(int((top - low) / 0.045)):
             y = low + 0.008 + 0.045 * k
-            yield rotate(box("wood_1", (width - 2 * RAIL, 0.04, 0.008), (0.0, y, 0.0)), 0, 0.5, (0.0, y + 0.02, 0.0))
+            yield rotate(
+                box("wood_1", (width - 2 * RAIL_WIDTH, 0.04, 0.008), (0.0, y, 0.0)), 0, 0.5, (0.0, y + 0.02, 0.0)
+            )
 
 
 def _ladder(width: float, height: float) -> Iterator[Solid]:
     """Build a leaf with five panels, one above the other."""
-    yield box("wood_1", (width, height, LEAF))
+    yield box("wood_1", (width, height, LEAF_THICKNESS))
     high = (height - 0.2 - 0.09 * 5) / 5
     for k in range(5):
-        yield rounded("wood_1", (width - 0.2, high, LEAF + 0.014), (0.0, 0.16 + k * (high + 0.09), 0.0), 0.012, 2)
+        yield rounded(
+            "wood_1", (width - 0.2, high, LEAF_THICKNESS + 0.014), (0.0, 0.16 + k * (high + 0.09), 0.0), 0.012, 2
+        )
 
 
 def _oval(width: float, height: float) -> Iterator[Solid]:
     """Build a leaf with an oval pane in a moulded rim above a panel."""
-    yield box("wood_1", (width, height, LEAF))
-    yield rounded("wood_1", (width - 0.24, 0.5, LEAF + 0.014), (0.0, 0.14, 0.0), 0.012, 2)
+    yield box("wood_1", (width, height, LEAF_THICKNESS))
+    yield rounded("wood_1", (width - 0.24, 0.5, LEAF_THICKNESS + 0.014), (0.0, 0.14, 0.0), 0.012, 2)
     outline = loop(0.36, 0.9, 28)
     for s in (-1, 1):
-        z = s * (LEAF / 2 + 0.002)
+        z = s * (LEAF_THICKNESS / 2 + 0.002)
         path = np.insert(outline + np.array([0.0, 1.35]), 2, z, axis=1)
         yield tube("wood_1", path, 0.016, 8, closed=True)
         yield prism("glass", outline, 0.004, (0.0, 1.35, z))
@@ -123,11 +127,11 @@ def _oval(width: float, height: float) -> Iterator[Solid]:
 
 def _chevron(width: float, height: float) -> Iterator[Solid]:
     """Build a leaf of boards that meet at an angle along the centre line."""
-    yield box("wood_1", (width, height, LEAF - 0.012))
+    yield box("wood_1", (width, height, LEAF_THICKNESS - 0.012))
     count = int(height / 0.16)
     for side in (-1, 1):
         for s in (-1, 1):
-            z = s * (LEAF / 2 - 0.006)
+            z = s * (LEAF_THICKNESS / 2 - 0.006)
             for k in range(count - 1):
                 y = 0.1 + 0.16 * k
                 a, b = (side * 0.012, y, z), (side * (width / 2 - 0.05), y + 0.2, z)

@@ -7,7 +7,7 @@ import numpy as np
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import beam, prism
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def window(
@@ -125,4 +125,4 @@ WINDOWS = (
 _GLASS = {"color": "color", "color_1": "glass"}
 
 
-FAMILIES = (Family("window", "window", WINDOWS, None, False, _GLASS),)
+FAMILIES = (FurnitureFamily("window", "window", WINDOWS, None, False, _GLASS),)

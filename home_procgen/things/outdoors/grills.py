@@ -8,15 +8,15 @@ from home_procgen.shapes.groups import around
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, rod
-from home_procgen.things.joinery import bow, corners, disc
-from home_procgen.things.parts import lid_part, marked, panel
+from home_procgen.things.joinery import bow_handle, corners, disc
+from home_procgen.things.parts import assign_part, lid_part, panel
 
 
 def round_grill() -> Iterator[Solid]:
     """Build a round grill on three legs."""
     yield turned("iron", [(0.05, 0.5), (0.22, 0.56), (0.28, 0.7)], sides=26, steps=3)
     yield turned("iron", [(0.285, 0.71), (0.24, 0.84), (0.1, 0.92), (0.01, 0.93)], sides=26, steps=3)
-    yield bow("wood", 0.06, (0.92, 0.97), 0.0, 0.02, 0.012)
+    yield bow_handle("wood", 0.06, (0.92, 0.97), 0.0, 0.02, 0.012)
     yield from around([rod("iron", (0.0, 0.0, 0.32), (0.0, 0.58, 0.16), 0.013)], 3)
     yield cylinder("gray", 0.15, 0.012, (0.0, 0.2, 0.0), sides=22)
 
@@ -32,7 +32,7 @@ def gas_grill() -> Iterator[Solid]:
     lid = [(-0.25, 0.0), (0.25, 0.0), (0.2, 0.2), (-0.05, 0.26), (-0.22, 0.2)]
     hood = [prism("black", fillet(lid, 0.07, 4, True), 0.76, (0.0, 0.89, 0.0), "side")]
     hood.append(rod("chrome", (-0.28, 1.0, 0.28), (0.28, 1.0, 0.28), 0.014))
-    yield from marked(lid_part(0.91, -0.23), hood)
+    yield from assign_part(lid_part(0.91, -0.23), hood)
     for i in range(4):
         yield disc("chrome", 0.03, 0.03, ((i - 1.5) * 0.17, 0.81, 0.25), 18)
     for x, z in corners(0.66, 0.36):

@@ -10,8 +10,8 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.family import Family, kinds_of
-from home_procgen.things.joinery import bow
+from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.joinery import bow_handle
 from home_procgen.things.vehicles.wheels import wheel
 
 
@@ -51,7 +51,7 @@ def _mower() -> Iterator[Solid]:
 def _tool_box() -> Iterator[Solid]:
     yield rounded("red", (0.46, 0.18, 0.22), (0.0, 0.0, 0.0), 0.012, 2)
     yield rounded("black", (0.47, 0.05, 0.23), (0.0, 0.17, 0.0), 0.012, 2)
-    yield bow("black", 0.12, (0.21, 0.28), 0.0, 0.04, 0.012)
+    yield bow_handle("black", 0.12, (0.21, 0.28), 0.0, 0.04, 0.012)
     for s in (-1, 1):
         yield rounded("chrome", (0.04, 0.06, 0.01), (s * 0.14, 0.14, 0.115), 0.003, 1)
 
@@ -123,9 +123,9 @@ def tools(kind: str = "ladder") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("ladder", "ladder", kinds_of(tools, "ladder", "long")),
-    Family("lawn_mower", "lawn_mower", kinds_of(tools, "mower")),
-    Family("tool_box", "household_appliance", kinds_of(tools, "box", "paint")),
-    Family("helmet", "helmet", kinds_of(tools, "helmet")),
-    Family("barrow", "cart", kinds_of(tools, "barrow")),
+    FurnitureFamily("ladder", "ladder", design_kinds(tools, "ladder", "long")),
+    FurnitureFamily("lawn_mower", "lawn_mower", design_kinds(tools, "mower")),
+    FurnitureFamily("tool_box", "household_appliance", design_kinds(tools, "box", "paint")),
+    FurnitureFamily("helmet", "helmet", design_kinds(tools, "helmet")),
+    FurnitureFamily("barrow", "cart", design_kinds(tools, "barrow")),
 )

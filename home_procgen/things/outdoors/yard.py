@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, ring, rod
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc
 from home_procgen.things.outdoors.grills import gas_grill, round_grill, stone_grill
 
@@ -124,10 +124,10 @@ def garden(kind: str = "kettle") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("grill", "grill", kinds_of(garden, "kettle", "gas", "stone")),
-    Family("parasol", "umbrella", kinds_of(garden, "parasol", "beach")),
-    Family("pool", "pool", kinds_of(garden, "pool")),
-    Family("mailbox", "mailbox", kinds_of(garden, "letter")),
-    Family("wall_mailbox", "mailbox", kinds_of(garden, "box")),
-    Family("hoop", "basketball_hoop", kinds_of(garden, "hoop")),
+    FurnitureFamily("grill", "grill", design_kinds(garden, "kettle", "gas", "stone")),
+    FurnitureFamily("parasol", "umbrella", design_kinds(garden, "parasol", "beach")),
+    FurnitureFamily("pool", "pool", design_kinds(garden, "pool")),
+    FurnitureFamily("mailbox", "mailbox", design_kinds(garden, "letter")),
+    FurnitureFamily("wall_mailbox", "mailbox", design_kinds(garden, "box")),
+    FurnitureFamily("hoop", "basketball_hoop", design_kinds(garden, "hoop")),
 )

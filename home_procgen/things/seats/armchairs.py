@@ -11,7 +11,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, pillow, rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import band, beam, prism, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
 
 
@@ -77,10 +77,10 @@ def track_arm(width: float = 0.84, kind: LegKind = "block") -> Iterator[Solid]:
     yield from mirrored([rounded("upholstery", (0.14, 0.5, 0.84), ((width - 0.14) / 2, 0.11, 0.0), 0.03, 2)])
     yield rounded("upholstery", (width - 0.2, 0.7, 0.16), (0.0, 0.11, -0.34), 0.04, 2)
     yield soft("upholstery_1", (width - 0.29, 0.17, 0.66), (0.0, 0.29, 0.1), 7.0, 6)
-    yield _leaning(width)
+    yield _back_cushion(width)
 
 
-def _leaning(width: float) -> Solid:
+def _back_cushion(width: float) -> Solid:
     cushion = rotate(pillow("upholstery_1", (width - 0.3, 0.19, 0.46), (0.0, -0.095, 0.0)), 0, np.pi / 2 - 0.22)
     return move(cushion, (0.0, 0.66, -0.19))
 
@@ -229,4 +229,4 @@ ARMCHAIRS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("armchair", "armchair", ARMCHAIRS),)
+FAMILIES = (FurnitureFamily("armchair", "armchair", ARMCHAIRS),)

@@ -9,9 +9,9 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.groups import mirrored
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import beam, prism, sweep, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
-from home_procgen.things.parts import lid_part, marked
+from home_procgen.things.parts import assign_part, lid_part
 from home_procgen.things.seats.patio import park_bench
 
 
@@ -70,7 +70,7 @@ def chest_bench(width: float = 1.1, style: str = "panels", back: bool = False) -
             yield box("black", (0.1, 0.025, 0.01), ((i - 1) * width / 3, 0.28, 0.222))
     lid = [rounded("wood_1", (width + 0.03, 0.03, 0.45), (0.0, 0.41, 0.0), 0.01, 1)]
     lid.append(soft("textile", (width - 0.04, 0.07, 0.4), (0.0, 0.435, 0.01), 12.0, 6))
-    yield from marked(None if back else lid_part(0.44, -0.225), lid)
+    yield from assign_part(None if back else lid_part(0.44, -0.225), lid)
     if back:
         yield prism(
             "wood",
@@ -92,6 +92,6 @@ CHESTS = (design(chest_bench), design(chest_bench, style="baskets"), design(ches
 
 
 FAMILIES = (
-    Family("bench", "bench_chair", BENCHES),
-    Family("storage_bench", "storage_bench", CHESTS),
+    FurnitureFamily("bench", "bench_chair", BENCHES),
+    FurnitureFamily("storage_bench", "storage_bench", CHESTS),
 )

@@ -10,10 +10,10 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import band, beam, prism, ring, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, legs
 
-SEAT = 0.45  # [m], height of the seat
+SEAT_HEIGHT = 0.45  # [m], height of the seat
 
 
 def _posts(
@@ -22,18 +22,18 @@ def _posts(
     """Build front legs, and back legs that continue as reclined posts above the seat."""
     x, z = (width - bar) / 2, (depth - bar) / 2
     for side in (-x, x):
-        yield beam(material, (side, 0.0, z), (side, SEAT - 0.02, z), bar)
-        yield beam(material, (side, 0.0, -z - 0.03), (side, SEAT, -z), bar)
-        yield beam(material, (side, SEAT - 0.01, -z), (side, top, -z - lean), bar, 0.8 * bar)
+        yield beam(material, (side, 0.0, z), (side, SEAT_HEIGHT - 0.02, z), bar)
+        yield beam(material, (side, 0.0, -z - 0.03), (side, SEAT_HEIGHT, -z), bar)
+        yield beam(material, (side, SEAT_HEIGHT - 0.01, -z), (side, top, -z - lean), bar, 0.8 * bar)
 
 
 def ladder_back(width: float = 0.44, depth: float = 0.44, top: float = 0.95, slats: int = 4) -> Iterator[Solid]:
     """Build a ladder-back chair with curved slats, a rush seat and stretchers."""
     yield from _posts("wood", width, depth, top)
-    yield soft("cane", (width - 0.01, 0.05, depth), (0.0, SEAT - 0.04, 0.0), 9.0, 4)
+    yield soft("cane", (width - 0.01, 0.05, depth), (0.0, SEAT_HEIGHT - 0.04, 0.0), 9.0, 4)
     for i in range(slats):
         share = (i + 1) / slats
-        y, z = SEAT + share * (top - SEAT) - 0.05, 0.018 - depth / 2 - 0.1 * share
+        y, z = SEAT_HEIGHT + share * (top - SEAT_HEIGHT) - 0.05, 0.018 - depth / 2 - 0.1 * share
         path = [(x, y, z - 0.03 * (1 - (2 * x / width) ** 2)) for x in np.linspace(-1, 1, 7) * (width - 0.04) / 2]
         yield band("wood", path, 0.016, 0.055)
     for side in (-1, 1):
@@ -45,19 +45,25 @@ def ladder_back(width: float = 0.44, depth: float = 0.44, top: float = 0.95, sla
 
 def windsor(width: float = 0.46, top: float = 0.98, spindles: int = 7) -> Iterator[Solid]:
     """Build a Windsor chair: a saddle seat on splayed turned legs, with spindles inside a bent hoop."""
-    yield soft("wood", (width, 0.045, 0.44), (0.0, SEAT - 0.045, 0.0), 4.0, 6)
+    yield soft("wood", (width, 0.045, 0.44), (0.0, SEAT_HEIGHT - 0.045, 0.0), 4.0, 6)
     for x, z in corners(0.28, 0.28):
-        yield rod("wood", (1.45 * x, 0.0, 1.45 * z), (x, SEAT - 0.02, z), 0.012, 0.019, 10)
+        yield rod("wood", (1.45 * x, 0.0, 1.45 * z), (x, SEAT_HEIGHT - 0.02, z), 0.012, 0.019, 10)
     for x in (-0.17, 0.17):
         yield rod("wood", (x, 0.2, -0.17), (x, 0.2, 0.17), 0.011)
     yield rod("wood", (-0.17, 0.2, 0.0), (0.17, 0.2, 0.0), 0.011)
-    bow = arc(1.0, 0.0, np.pi, 14) * (0.21, top - SEAT - 0.08) + (0.0, 0.06)
+    bow = arc(1.0, 0.0, np.pi, 14) * (0.21, top - SEAT_HEIGHT - 0.08) + (0.0, 0.06)
     hoop = [(0.19, 0.0), *map(tuple, bow), (-0.19, 0.0)]
-    lean = [(x, SEAT - 0.02 + y, -0.17 - 0.2 * y) for x, y in hoop]
+    lean = [(x, SEAT_HEIGHT - 0.02 + y, -0.17 - 0.2 * y) for x, y in hoop]
     yield tube("wood", lean, 0.012)
     for s in np.linspace(-1, 1, spindles + 2)[1:-1]:
-        high = top - SEAT - 0.03 - (1 - np.sqrt(1 - (0.9 * s) ** 2)) * (top - SEAT - 0.1)
-        yield rod("wood", (0.15 * s, SEAT - 0.02, -0.17), (0.19 * s, SEAT + high, -0.17 - 0.2 * high), 0.006, sides=6)
+        high = top - SEAT_HEIGHT - 0.03 - (1 - np.sqrt(1 - (0.9 * s) ** 2)) * (top - SEAT_HEIGHT - 0.1)
+        yield rod(
+            "wood",
+            (0.15 * s, SEAT_HEIGHT - 0.02, -0.17),
+            (0.19 * s, SEAT_HEIGHT + high, -0.17 - 0.2 * high),
+            0.006,
+            sides=6,
+        )
 
 
 def parsons(width: float = 0.48, top: float = 1.0) -> Iterator[Solid]:
@@ -121,29 +127,31 @@ def cantilever(width: float = 0.46) -> Iterator[Solid]:
 
 def wishbone(width: float = 0.54) -> Iterator[Solid]:
     """Build a chair with a round top rail on curved back legs and a Y-shaped splat."""
-    yield rounded("cane", (0.48, 0.035, 0.42), (0.0, SEAT - 0.03, 0.02), 0.015, 2)
+    yield rounded("cane", (0.48, 0.035, 0.42), (0.0, SEAT_HEIGHT - 0.03, 0.02), 0.015, 2)
     rail = [(a, 0.75, b - 0.05) for a, b in arc(1.0, np.pi * 1.02, np.pi * 1.98, 14) * (width / 2, 0.2)]
     rail = [(a, 0.72 + 0.04 * np.sin(np.pi * i / 14), b) for i, (a, _, b) in enumerate(rail)]
     yield tube("wood", rail, 0.014)
     for s in (-1, 1):
-        yield rod("wood", (s * 0.22, 0.0, 0.2), (s * 0.21, SEAT, 0.2), 0.013, 0.018, 10)
-        yield tube("wood", spline([(s * 0.2, 0.0, -0.22), (s * 0.19, SEAT, -0.17), (s * 0.24, 0.73, -0.12)], 5), 0.017)
+        yield rod("wood", (s * 0.22, 0.0, 0.2), (s * 0.21, SEAT_HEIGHT, 0.2), 0.013, 0.018, 10)
+        yield tube(
+            "wood", spline([(s * 0.2, 0.0, -0.22), (s * 0.19, SEAT_HEIGHT, -0.17), (s * 0.24, 0.73, -0.12)], 5), 0.017
+        )
         yield beam("wood", (0.0, 0.56, -0.205), (s * 0.07, 0.74, -0.245), 0.03, 0.01)
         yield beam("wood", (s * 0.21, 0.41, -0.18), (s * 0.21, 0.41, 0.2), 0.02, 0.03)
-    yield beam("wood", (0.0, SEAT - 0.02, -0.18), (0.0, 0.57, -0.207), 0.035, 0.01)
+    yield beam("wood", (0.0, SEAT_HEIGHT - 0.02, -0.18), (0.0, 0.57, -0.207), 0.035, 0.01)
 
 
 def bentwood(width: float = 0.42) -> Iterator[Solid]:
     """Build a café chair: a round seat, two nested back hoops and a ring between the legs."""
-    yield cylinder("wood", width / 2, 0.03, (0.0, SEAT - 0.03, 0.0), sides=24)
-    yield cylinder("cane", 0.17, 0.008, (0.0, SEAT - 0.004, 0.0), sides=24)
+    yield cylinder("wood", width / 2, 0.03, (0.0, SEAT_HEIGHT - 0.03, 0.0), sides=24)
+    yield cylinder("cane", 0.17, 0.008, (0.0, SEAT_HEIGHT - 0.004, 0.0), sides=24)
     yield ring("wood", 0.165, 0.018, (0.0, 0.22, 0.0), 1, 24)
     for x, z in ((-0.15, 0.13), (0.15, 0.13)):
-        yield rod("wood", (1.15 * x, 0.0, 1.25 * z), (x, SEAT - 0.02, z), 0.011, 0.016, 10)
+        yield rod("wood", (1.15 * x, 0.0, 1.25 * z), (x, SEAT_HEIGHT - 0.02, z), 0.011, 0.016, 10)
     for half, top, bar in ((0.18, 0.88, 0.014), (0.11, 0.78, 0.011)):
         hoop = spline(
             [
-                (half, SEAT - 0.02, -0.13),
+                (half, SEAT_HEIGHT - 0.02, -0.13),
                 (half * 1.1, 0.66, -0.18),
                 (0.62 * half, top - 0.02, -0.24),
                 (0.0, top, -0.25),
@@ -153,7 +161,7 @@ def bentwood(width: float = 0.42) -> Iterator[Solid]:
         path = np.concatenate([hoop, hoop[-2::-1] * (-1, 1, 1)])
         yield tube("wood", path, bar)
     for s in (-1, 1):
-        yield rod("wood", (s * 0.19, 0.0, -0.2), (s * 0.17, SEAT, -0.12), 0.011, 0.015, 10)
+        yield rod("wood", (s * 0.19, 0.0, -0.2), (s * 0.17, SEAT_HEIGHT, -0.12), 0.011, 0.015, 10)
 
 
 def folding(width: float = 0.44) -> Iterator[Solid]:
@@ -161,9 +169,9 @@ def folding(width: float = 0.44) -> Iterator[Solid]:
     for s in (-1, 1):
         x = s * width / 2
         yield beam("wood_1", (x, 0.0, 0.22), (x, 0.82, -0.24), 0.02, 0.035)
-        yield beam("wood_1", (x - s * 0.024, 0.0, -0.2), (x - s * 0.024, SEAT, 0.2), 0.02, 0.035)
+        yield beam("wood_1", (x - s * 0.024, 0.0, -0.2), (x - s * 0.024, SEAT_HEIGHT, 0.2), 0.02, 0.035)
     for i in range(6):
-        yield rounded("wood", (width + 0.02, 0.014, 0.055), (0.0, SEAT, -0.17 + 0.068 * i), 0.006, 1)
+        yield rounded("wood", (width + 0.02, 0.014, 0.055), (0.0, SEAT_HEIGHT, -0.17 + 0.068 * i), 0.006, 1)
     for y in (0.66, 0.73, 0.8):
         z = 0.22 - 0.46 * y / 0.82 + 0.01
         yield beam("wood", (-width / 2, y - 0.02, z), (width / 2, y - 0.02, z), 0.012, 0.05)
@@ -173,9 +181,9 @@ def folding(width: float = 0.44) -> Iterator[Solid]:
 
 def medallion(width: float = 0.5) -> Iterator[Solid]:
     """Build a chair with an oval padded back in a carved frame, on turned legs."""
-    yield from legs("wood", 0.48, 0.46, SEAT - 0.1, "turned", 0.055)
-    yield rounded("wood", (width, 0.06, 0.48), (0.0, SEAT - 0.11, 0.0), 0.02, 2)
-    yield soft("patterned", (width - 0.03, 0.11, 0.45), (0.0, SEAT - 0.06, 0.01), 5.0, 6)
+    yield from legs("wood", 0.48, 0.46, SEAT_HEIGHT - 0.1, "turned", 0.055)
+    yield rounded("wood", (width, 0.06, 0.48), (0.0, SEAT_HEIGHT - 0.11, 0.0), 0.02, 2)
+    yield soft("patterned", (width - 0.03, 0.11, 0.45), (0.0, SEAT_HEIGHT - 0.06, 0.01), 5.0, 6)
     frame = [(x, 0.76 + y, -0.245 - 0.12 * y) for x, y in loop(0.42, 0.46, 20)]
     yield tube("wood", frame, 0.02, 8, closed=True)
     oval = [(x, y) for x, y in loop(0.39, 0.43, 20)]
@@ -186,14 +194,14 @@ def medallion(width: float = 0.5) -> Iterator[Solid]:
 
 def industrial(width: float = 0.42) -> Iterator[Solid]:
     """Build a pressed sheet metal chair with splayed legs."""
-    yield rounded("paint", (0.36, 0.025, 0.36), (0.0, SEAT - 0.025, 0.0), 0.01, 2)
-    yield rounded("paint", (0.37, 0.05, 0.37), (0.0, SEAT - 0.07, 0.0), 0.01, 1)
+    yield rounded("paint", (0.36, 0.025, 0.36), (0.0, SEAT_HEIGHT - 0.025, 0.0), 0.01, 2)
+    yield rounded("paint", (0.37, 0.05, 0.37), (0.0, SEAT_HEIGHT - 0.07, 0.0), 0.01, 1)
     for x, z in corners(0.32, 0.32):
-        yield beam("paint", (1.35 * x, 0.0, 1.35 * z), (x, SEAT - 0.02, z), 0.035)
-    hoop = [(s * 0.17, SEAT - 0.05, -0.16) for s in (-1,)]
-    top = fillet([hoop[0], (-0.18, 0.84, -0.24), (0.18, 0.84, -0.24), (0.17, SEAT - 0.05, -0.16)], 0.09, 4)
+        yield beam("paint", (1.35 * x, 0.0, 1.35 * z), (x, SEAT_HEIGHT - 0.02, z), 0.035)
+    hoop = [(s * 0.17, SEAT_HEIGHT - 0.05, -0.16) for s in (-1,)]
+    top = fillet([hoop[0], (-0.18, 0.84, -0.24), (0.18, 0.84, -0.24), (0.17, SEAT_HEIGHT - 0.05, -0.16)], 0.09, 4)
     yield tube("paint", top, 0.012)
-    yield beam("paint", (0.0, SEAT - 0.04, -0.17), (0.0, 0.83, -0.235), 0.12, 0.006)
+    yield beam("paint", (0.0, SEAT_HEIGHT - 0.04, -0.17), (0.0, 0.83, -0.235), 0.12, 0.006)
     for a, b in (((-1, -1), (1, 1)), ((-1, 1), (1, -1))):
         yield beam("paint", (0.19 * a[0], 0.16, 0.19 * a[1]), (0.19 * b[0], 0.16, 0.19 * b[1]), 0.02, 0.006)
 
@@ -246,4 +254,4 @@ CHAIRS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("chair", "chair", CHAIRS),)
+FAMILIES = (FurnitureFamily("chair", "chair", CHAIRS),)

@@ -11,7 +11,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import band, beam, ring, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def _star(material: str, reach: float = 0.3, casters: bool = True) -> Iterator[Solid]:
@@ -175,4 +175,4 @@ OFFICE = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("office_chair", "office_chair", OFFICE),)
+FAMILIES = (FurnitureFamily("office_chair", "office_chair", OFFICE),)

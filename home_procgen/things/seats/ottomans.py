@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
 
 
@@ -104,4 +104,4 @@ OTTOMANS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("ottoman", "ottoman", OTTOMANS),)
+FAMILIES = (FurnitureFamily("ottoman", "ottoman", OTTOMANS),)

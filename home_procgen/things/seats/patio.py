@@ -10,9 +10,9 @@ from home_procgen.shapes.groups import mirrored
 from home_procgen.shapes.rounded import pillow, rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, roller
-from home_procgen.things.seats.sofas import standing
+from home_procgen.things.seats.sofas import upright_pillow
 
 
 def park_bench(width: float = 1.5) -> Iterator[Solid]:
@@ -73,7 +73,7 @@ def wicker_chair(seats: int = 1) -> Iterator[Solid]:
     for i in range(seats):
         x = (i - (seats - 1) / 2) * 0.52
         yield soft("textile", (0.5 + 0.1 * (seats == 1), 0.12, 0.6), (x, 0.31, 0.04), 6.0, 5)
-        yield standing("textile_1", (0.46, 0.42, 0.14), (x, 0.42, -0.2), 0.3)
+        yield upright_pillow("textile_1", (0.46, 0.42, 0.14), (x, 0.42, -0.2), 0.3)
 
 
 def sunbed(width: float = 0.66) -> Iterator[Solid]:
@@ -162,4 +162,4 @@ GARDEN = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("outdoor_seating", "outdoor_seating", GARDEN),)
+FAMILIES = (FurnitureFamily("outdoor_seating", "outdoor_seating", GARDEN),)

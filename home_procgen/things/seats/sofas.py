@@ -10,11 +10,11 @@ from home_procgen.shapes.groups import mirrored
 from home_procgen.shapes.rounded import ball, pillow, rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, sweep, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
 
 
-def standing(material: str, size: tuple[float, float, float], at: Vector, lean: float = 0.25) -> Solid:
+def upright_pillow(material: str, size: tuple[float, float, float], at: Vector, lean: float = 0.25) -> Solid:
     """Build a pillow on its edge at `at` [m], tilted back by `lean` [rad]."""
     upright = rotate(pillow(material, (size[0], size[2], size[1]), (0.0, -size[2] / 2, 0.0), 6), 0, np.pi / 2 - lean)
     lift = np.asarray(at) - (0.0, float(upright.box[0, 1]), 0.0)
@@ -50,8 +50,8 @@ def track(
     yield from _seats(inner, seats, 0.7, 0.09)
     yield from _rests(inner, seats, -0.2)
     if throw:
-        yield standing("patterned", (0.42, 0.42, 0.15), (0.5 * inner - 0.24, 0.46, -0.02), 0.35)
-        yield standing("patterned_1", (0.4, 0.4, 0.15), (0.24 - 0.5 * inner, 0.46, -0.02), 0.35)
+        yield upright_pillow("patterned", (0.42, 0.42, 0.15), (0.5 * inner - 0.24, 0.46, -0.02), 0.35)
+        yield upright_pillow("patterned_1", (0.4, 0.4, 0.15), (0.24 - 0.5 * inner, 0.46, -0.02), 0.35)
 
 
 def chesterfield(width: float = 2.1) -> Iterator[Solid]:
@@ -113,8 +113,8 @@ def sectional(width: float = 2.5, chaise: float = 0.75) -> Iterator[Solid]:
         )
     yield soft("upholstery_1", (0.75, 0.16, 0.75 + chaise), (left + 0.0, 0.29, 0.09 + chaise / 2), 12.0, 6)
     for i in range(3):
-        yield standing("upholstery_1", (0.66, 0.46, 0.2), ((i - 1) * (width - 0.5) / 3, 0.44, -0.15), 0.25)
-    yield standing("patterned", (0.42, 0.42, 0.15), (left, 0.44, 0.02), 0.4)
+        yield upright_pillow("upholstery_1", (0.66, 0.46, 0.2), ((i - 1) * (width - 0.5) / 3, 0.44, -0.15), 0.25)
+    yield upright_pillow("patterned", (0.42, 0.42, 0.15), (left, 0.44, 0.02), 0.4)
 
 
 def corner(size: float = 2.3) -> Iterator[Solid]:
@@ -131,8 +131,10 @@ def corner(size: float = 2.3) -> Iterator[Solid]:
             yield soft(
                 "upholstery_1", (0.64, 0.13, seat - 0.006), (0.53 - mid, 0.33, 0.2 - mid + (i + 0.5) * seat), 8.0, 5
             )
-            yield standing("upholstery_1", (0.6, 0.38, 0.18), (0.2 - mid + (i + 0.5) * seat, 0.45, 0.26 - mid), 0.2)
-    turned = standing("patterned", (0.5, 0.4, 0.16), (0.0, 0.45, 0.0), 0.25)
+            yield upright_pillow(
+                "upholstery_1", (0.6, 0.38, 0.18), (0.2 - mid + (i + 0.5) * seat, 0.45, 0.26 - mid), 0.2
+            )
+    turned = upright_pillow("patterned", (0.5, 0.4, 0.16), (0.0, 0.45, 0.0), 0.25)
     turned = rotate(turned, 1, np.pi / 2)
     yield move(turned, (0.28 - mid, 0.0, 0.4))
 
@@ -236,7 +238,7 @@ def modular(seats: int = 3) -> Iterator[Solid]:
         yield soft("upholstery", (wide - 0.008, 0.4, 0.86), (x, 0.02, 0.0), 7.0, 6)
         if i < seats - 1:
             yield soft("upholstery", (wide - 0.02, 0.5, 0.26), (x, 0.26, -0.32), 5.0, 6)
-            yield standing("upholstery_1", (0.56, 0.42, 0.2), (x, 0.4, -0.08), 0.3)
+            yield upright_pillow("upholstery_1", (0.56, 0.42, 0.2), (x, 0.4, -0.08), 0.3)
     yield soft("upholstery", (0.24, 0.46, 0.8), (-(seats - 1) / 2 * wide - 0.33, 0.22, 0.02), 5.0, 5)
 
 
@@ -246,4 +248,4 @@ SOFAS = (
     design(track, width=1.7, seats=2, kind="taper", arm=0.1, throw=False), design(corner), design(chaise_longue),
     design(track, width=2.3, seats=2, kind="sled", arm=0.22),
 )  # fmt: skip
-FAMILIES = (Family("sofa", "sofa", SOFAS),)
+FAMILIES = (FurnitureFamily("sofa", "sofa", SOFAS),)

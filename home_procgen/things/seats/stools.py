@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import ring, rod
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, foot_plate
 
 
@@ -56,4 +56,4 @@ STOOLS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("stool", "chair", STOOLS),)
+FAMILIES = (FurnitureFamily("stool", "chair", STOOLS),)

@@ -9,12 +9,12 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import beam, prism, rod
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import book_row, case, disc, doors, foot_plate
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import book_row, disc, doors, foot_plate, open_case
 from home_procgen.things.parts import panel
 
 
-def filled(width: float, bottom: float, height: float, z: float, seed: int, x: float = 0.0) -> Iterator[Solid]:
+def shelf_contents(width: float, bottom: float, height: float, z: float, seed: int, x: float = 0.0) -> Iterator[Solid]:
     """Build random contents of a shelf section centred at x: books, a basket, a vase, a pile or a plant."""
     rng = np.random.default_rng(seed)
     kind = int(rng.integers(0, 6))
@@ -48,7 +48,7 @@ def bookcase(
     """Build an open case full of books and ornaments."""
     pitch = (height - 0.08) / (shelves + 1)
     yield box("wood", (width - 0.02, 0.06, depth - 0.04), (0.0, 0.0, -0.01))
-    yield from case(
+    yield from open_case(
         "wood",
         width,
         height - 0.06,
@@ -61,7 +61,7 @@ def bookcase(
     for row in range(shelves + 1):
         for column in range(columns):
             x = (column + 0.5) / columns * width - width / 2
-            yield from filled(
+            yield from shelf_contents(
                 width / columns - 0.05, 0.081 + row * pitch, pitch - 0.03, 0.0, seed * 31 + row * 7 + column, x
             )
 
@@ -73,7 +73,9 @@ def glazed(width: float = 1.0, height: float = 2.0, depth: float = 0.36) -> Iter
     yield from doors(
         "wood_1", width - 0.01, 0.58, (0.005 - width / 2, 0.08, depth / 2 - 0.02), 2, "raised", ("brass", "knob")
     )
-    yield from case("wood", width, height - 0.7, depth - 0.06, (0.32, 0.64, 0.96), (0.0, 0.68, -0.03), (0.5,), "wood_1")
+    yield from open_case(
+        "wood", width, height - 0.7, depth - 0.06, (0.32, 0.64, 0.96), (0.0, 0.68, -0.03), (0.5,), "wood_1"
+    )
     for row in range(4):
         for s in (-1, 1):
             yield from book_row(
@@ -92,7 +94,7 @@ def ladder(width: float = 0.7, height: float = 1.8) -> Iterator[Solid]:
         deep = 0.42 - 0.065 * i
         z = 0.24 - 0.41 * y / height - deep / 2 + 0.05
         yield box("wood_1", (width - 0.03, 0.02, deep), (0.0, y, z))
-        yield from filled(width - 0.08, y + 0.02, 0.3, z, 40 + i)
+        yield from shelf_contents(width - 0.08, y + 0.02, 0.3, z, 40 + i)
 
 
 def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
@@ -113,7 +115,7 @@ def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
                 knob = disc("brass", 0.012, 0.02, (x + 0.12, y + 0.16, 0.19), 10)
                 yield from panel("left", box("wood_1", (0.322, 0.324, 0.02), (x, y + 0.001, 0.18)), knob)
             else:
-                yield from filled(0.32, y, 0.3, 0.0, 5 * i + 11 * j, x)
+                yield from shelf_contents(0.32, y, 0.3, 0.0, 5 * i + 11 * j, x)
 
 
 def zigzag(width: float = 0.8, height: float = 1.7) -> Iterator[Solid]:
@@ -124,7 +126,7 @@ def zigzag(width: float = 0.8, height: float = 1.7) -> Iterator[Solid]:
         if i < 5:
             s = 1 if i % 2 else -1
             yield box("wood_1", (0.022, (height - 0.02) / 5 - 0.02, 0.28), (s * width / 2 - s * 0.16, y + 0.022, 0.0))
-            yield from filled(width - 0.4, y + 0.022, 0.28, 0.0, 70 + i, -s * 0.1)
+            yield from shelf_contents(width - 0.4, y + 0.022, 0.28, 0.0, 70 + i, -s * 0.1)
 
 
 def pipes(width: float = 1.0, height: float = 1.9) -> Iterator[Solid]:
@@ -137,7 +139,7 @@ def pipes(width: float = 1.0, height: float = 1.9) -> Iterator[Solid]:
     for i in range(5):
         y = 0.12 + 0.4 * i
         yield rounded("wood", (width, 0.03, 0.3), (0.0, y, 0.0), 0.006, 1)
-        yield from filled(width - 0.24, y + 0.03, 0.34, 0.0, 90 + i)
+        yield from shelf_contents(width - 0.24, y + 0.03, 0.34, 0.0, 90 + i)
 
 
 def revolving(height: float = 1.3) -> Iterator[Solid]:
@@ -191,4 +193,4 @@ BOOKSHELVES = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("bookshelf", "bookshelf", BOOKSHELVES),)
+FAMILIES = (FurnitureFamily("bookshelf", "bookshelf", BOOKSHELVES),)

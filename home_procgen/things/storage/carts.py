@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, disc, roller
 from home_procgen.things.parts import panel
 
@@ -108,6 +108,6 @@ def safe(height: float = 0.5) -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("cart", "cart", (design(tea_trolley), design(bar_trolley), design(basket_trolley))),
-    Family("safe", "safe", (design(safe), design(safe, height=0.8))),
+    FurnitureFamily("cart", "cart", (design(tea_trolley), design(bar_trolley), design(basket_trolley))),
+    FurnitureFamily("safe", "safe", (design(safe), design(safe, height=0.8))),
 )

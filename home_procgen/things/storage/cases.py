@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism, rod
-from home_procgen.things.joinery import BOARD, body, legs
+from home_procgen.things.joinery import BOARD_THICKNESS, cabinet_body, legs
 
 
 def carcass(
@@ -22,8 +22,10 @@ def carcass(
         yield box("black" if overhang == 0 else wood, (width - 0.04, foot, depth - 0.08), (0.0, 0.0, -0.02))
     else:
         yield from legs(wood, width - 0.04, depth - 0.04, foot, kind, 0.05)  # type: ignore[arg-type]
-    yield body(wood, width, height - foot - BOARD, depth, (0.0, foot, 0.0))
-    yield rounded(wood, (width + overhang, BOARD, depth + overhang), (0.0, height - BOARD, 0.0), 0.007, 1)
+    yield cabinet_body(wood, width, height - foot - BOARD_THICKNESS, depth, (0.0, foot, 0.0))
+    yield rounded(
+        wood, (width + overhang, BOARD_THICKNESS, depth + overhang), (0.0, height - BOARD_THICKNESS, 0.0), 0.007, 1
+    )
 
 
 def garment(slot: str, x: float, y: float, long: float) -> Iterator[Solid]:

@@ -8,8 +8,8 @@ from home_procgen.primitives.solids import Solid, Vector, box
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism, tube
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import BOARD, case, drawers, legs
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import BOARD_THICKNESS, drawers, legs, open_case
 from home_procgen.things.parts import panel
 from home_procgen.things.storage.cases import carcass
 
@@ -33,7 +33,7 @@ def dresser(
         "wood_1",
         width - 0.02,
         height - low - 0.03,
-        (0.01 - width / 2, low + 0.005, depth / 2 - BOARD),
+        (0.01 - width / 2, low + 0.005, depth / 2 - BOARD_THICKNESS),
         columns,
         rows,
         style,
@@ -76,7 +76,7 @@ def _pull(at: Vector) -> Iterator[Solid]:
 
 def basket_chest(width: float = 0.9, height: float = 0.9, depth: float = 0.4) -> Iterator[Solid]:
     """Build a frame with woven baskets as drawers."""
-    yield from case("wood", width, height - 0.06, depth, (0.28, 0.56), (0.0, 0.06, 0.0), (0.5,), "wood_1")
+    yield from open_case("wood", width, height - 0.06, depth, (0.28, 0.56), (0.0, 0.06, 0.0), (0.5,), "wood_1")
     yield from legs("wood", width, depth, 0.07, "block", 0.05)
     for row in range(3):
         for s in (-1, 1):
@@ -92,7 +92,7 @@ def apothecary(width: float = 0.95, height: float = 1.05, depth: float = 0.36) -
         "wood_1",
         width - 0.02,
         height - 0.14,
-        (0.01 - width / 2, 0.105, depth / 2 - BOARD),
+        (0.01 - width / 2, 0.105, depth / 2 - BOARD_THICKNESS),
         4,
         5,
         "flat",
@@ -119,4 +119,4 @@ DRESSERS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("dresser", "dresser", DRESSERS),)
+FAMILIES = (FurnitureFamily("dresser", "dresser", DRESSERS),)

@@ -10,7 +10,7 @@ from home_procgen.shapes.groups import around
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import beam, prism, ring, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.storage.cases import garment
 
 
@@ -215,4 +215,4 @@ HANGERS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("hanger", "hanger", HANGERS),)
+FAMILIES = (FurnitureFamily("hanger", "hanger", HANGERS),)

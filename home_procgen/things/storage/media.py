@@ -7,8 +7,8 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism, rod
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import BOARD, book_row, case, corners, drawers, front, legs
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import BOARD_THICKNESS, book_row, corners, drawers, front, legs, open_case
 
 
 def tv_low(
@@ -20,8 +20,8 @@ def tv_low(
         yield box("black", (width - 0.06, foot, depth - 0.08), (0.0, 0.0, -0.02))
     else:
         yield from legs("wood", width - 0.1, depth - 0.04, foot, kind, 0.05)  # type: ignore[arg-type]
-    z, high = depth / 2 - BOARD, height - foot - 0.03
-    yield from case(
+    z, high = depth / 2 - BOARD_THICKNESS, height - foot - 0.03
+    yield from open_case(
         "wood",
         width,
         height - foot,
@@ -64,7 +64,7 @@ def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
     """Build a low TV stand with a shelf tower at each end and a bridge above."""
     yield from tv_low(width, 0.48, 0.42, "doors", "plinth")
     for s in (-1, 1):
-        yield from case(
+        yield from open_case(
             "wood", 0.42, height - 0.48, 0.32, (0.36, 0.72, 1.06), (s * (width / 2 - 0.21), 0.48, -0.05), (), "wood_1"
         )
         yield from book_row(s * (width / 2 - 0.21) - 0.17, 0.86, 0.32, 0.28, -0.05, 4 + s)
@@ -131,7 +131,7 @@ def cubes(width: float = 1.2) -> Iterator[Solid]:
     third = width / 3
     for i, high in enumerate((0.38, 0.5, 0.38)):
         x = (i - 1) * third
-        yield from case("wood" if i != 1 else "paint", third - 0.004, high, 0.4, (), (x, 0.03, 0.0), (), "wood_1")
+        yield from open_case("wood" if i != 1 else "paint", third - 0.004, high, 0.4, (), (x, 0.03, 0.0), (), "wood_1")
         for s in (-1, 1):
             yield cylinder("black", 0.02, 0.03, (x + s * (third / 2 - 0.05), 0.0, 0.14), sides=12)
             yield cylinder("black", 0.02, 0.03, (x + s * (third / 2 - 0.05), 0.0, -0.14), sides=12)
@@ -149,4 +149,4 @@ MEDIA = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("tv_stand", "tv_stand", MEDIA),)
+FAMILIES = (FurnitureFamily("tv_stand", "tv_stand", MEDIA),)

@@ -9,9 +9,9 @@ from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, disc, drawers, legs
-from home_procgen.things.parts import QUARTER, marked
+from home_procgen.things.parts import QUARTER_TURN, assign_part
 from home_procgen.things.storage.dressers import dresser
 
 
@@ -70,7 +70,7 @@ def round_stand(radius: float = 0.22, height: float = 0.55) -> Iterator[Solid]:
         staves.append(rod("wood_1", (x, 0.07, z), (x, height - 0.05, z), 0.012, sides=6))
     grip = rod("brass", (0.03, 0.3, radius + 0.02), (0.03, 0.42, radius + 0.02), 0.006)
     hinge = (float(x), 0.07, float(z))  # [m], at the last stave, the leftmost one
-    yield from marked(Part("door", "hinge", (0.0, -1.0, 0.0), hinge, QUARTER), [*staves, grip])
+    yield from assign_part(Part("door", "hinge", (0.0, -1.0, 0.0), hinge, QUARTER_TURN), [*staves, grip])
 
 
 def crate_stand() -> Iterator[Solid]:
@@ -129,4 +129,4 @@ STANDS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("nightstand", "stand", STANDS),)
+FAMILIES = (FurnitureFamily("nightstand", "stand", STANDS),)

@@ -8,9 +8,9 @@ from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import beam, prism, ring, rod, tube
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import case, corners
-from home_procgen.things.storage.bookshelves import filled, zigzag
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import corners, open_case
+from home_procgen.things.storage.bookshelves import shelf_contents, zigzag
 
 
 def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Iterator[Solid]:
@@ -18,7 +18,7 @@ def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Ite
     for i in range(count):
         y = 0.36 * i + 0.12
         yield rounded("wood", (width, 0.026, 0.22), (0.0, y, 0.0), 0.006, 1)
-        yield from filled(width - 0.1, y + 0.026, 0.27, 0.0, 130 + 3 * i + count)
+        yield from shelf_contents(width - 0.1, y + 0.026, 0.27, 0.0, 130 + 3 * i + count)
         for s in (-1, 1):
             x = s * (width / 2 - 0.12)
             if kind == "bracket":
@@ -33,8 +33,8 @@ def wall_cubes(count: int = 3) -> Iterator[Solid]:
     """Build open wall boxes at different heights."""
     for i in range(count):
         x, y = (i - (count - 1) / 2) * 0.42, 0.14 * (i % 2)
-        yield from case("wood", 0.34, 0.34, 0.22, (), (x, y, 0.0), (), "wood_1")
-        yield from filled(0.28, y + 0.02, 0.29, 0.0, 200 + i, x)
+        yield from open_case("wood", 0.34, 0.34, 0.22, (), (x, y, 0.0), (), "wood_1")
+        yield from shelf_contents(0.28, y + 0.02, 0.29, 0.0, 200 + i, x)
 
 
 def metal_rack(width: float = 0.9, height: float = 1.8, depth: float = 0.42) -> Iterator[Solid]:
@@ -139,4 +139,4 @@ SHELVING = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("shelving", "shelving", SHELVING),)
+FAMILIES = (FurnitureFamily("shelving", "shelving", SHELVING),)

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import beam, rod
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import HandleKind, case, doors, drawers
-from home_procgen.things.parts import marked, panel, parts_of
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import HandleKind, doors, drawers, open_case
+from home_procgen.things.parts import assign_part, collect_parts, panel
 from home_procgen.things.storage.cases import carcass
 from home_procgen.things.textiles.wear import shoe
 
@@ -42,15 +42,15 @@ def louvred(width: float = 0.8, height: float = 0.95) -> Iterator[Solid]:
     corner = (0.01 - width / 2, 0.105, 0.15)
     leaves = list(doors("wood_1", width - 0.02, height - 0.13, corner, 2, "shaker", ("brass", "knob")))
     yield from leaves
-    for s, part in zip((-1, 1), parts_of(leaves), strict=True):
+    for s, part in zip((-1, 1), collect_parts(leaves), strict=True):
         for i in range(12):
             louvre = box("wood_1", (width / 2 - 0.15, 0.035, 0.02), (s * width / 4, 0.18 + 0.055 * i, 0.166))
-            yield from marked(part, [louvre])
+            yield from assign_part(part, [louvre])
 
 
 def cubbies(width: float = 0.9) -> Iterator[Solid]:
     """Build a grid of open boxes, some with shoes, below a bench."""
-    yield from case("wood", width, 0.46, 0.34, (0.22,), (0.0, 0.02, 0.0), (0.25, 0.5, 0.75), "wood_1")
+    yield from open_case("wood", width, 0.46, 0.34, (0.22,), (0.0, 0.02, 0.0), (0.25, 0.5, 0.75), "wood_1")
     yield soft("textile", (width, 0.07, 0.34), (0.0, 0.475, 0.0), 9.0, 6)
     for i, (column, y) in enumerate(((0, 0.04), (1, 0.26), (2, 0.04), (3, 0.26))):
         x = (column - 1.5) * width / 4
@@ -104,4 +104,4 @@ SHOE_CABINETS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("shoes_cabinet", "shoes_cabinet", SHOE_CABINETS),)
+FAMILIES = (FurnitureFamily("shoes_cabinet", "shoes_cabinet", SHOE_CABINETS),)

@@ -9,9 +9,9 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import beam, prism, rod
-from home_procgen.things.family import Family, design
-from home_procgen.things.joinery import BOARD, body, case, corners, disc, doors, drawers
-from home_procgen.things.parts import marked, parts_of
+from home_procgen.things.family import FurnitureFamily, design
+from home_procgen.things.joinery import BOARD_THICKNESS, cabinet_body, corners, disc, doors, drawers, open_case
+from home_procgen.things.parts import assign_part, collect_parts
 from home_procgen.things.storage.cases import carcass, garment
 
 
@@ -26,7 +26,7 @@ def wardrobe(
 ) -> Iterator[Solid]:
     """Build a wardrobe with doors over the whole face or above drawers."""
     yield from carcass(width, height, depth)
-    rise, z = 0.07 + 0.24 * (low > 0) * max(low, 1), depth / 2 - BOARD
+    rise, z = 0.07 + 0.24 * (low > 0) * max(low, 1), depth / 2 - BOARD_THICKNESS
     if low:
         yield from drawers(
             "wood_1",
@@ -38,19 +38,19 @@ def wardrobe(
             style if style in ("flat", "raised") else "flat",
             opens=depth - 0.12,
         )
-    high = height - rise - BOARD - 0.005
+    high = height - rise - BOARD_THICKNESS - 0.005
     leaves = list(doors("wood_1", width - 0.01, high, (0.005 - width / 2, rise, z), count, style, up=0.45))
     yield from leaves
     if mirror:
         wide = width / count
         x = 0.0 if count % 2 else wide / 2
         pane = box("mirror", (wide - 0.1, height - rise - 0.2, 0.008), (x, rise + 0.08, depth / 2 + 0.003))
-        yield from marked(parts_of(leaves)[count // 2], [pane])
+        yield from assign_part(collect_parts(leaves)[count // 2], [pane])
 
 
 def sliding(width: float = 1.8, height: float = 2.1, depth: float = 0.62) -> Iterator[Solid]:
     """Build a wardrobe with two overlapping sliding panels on rails, one of them a mirror."""
-    yield from case("wood", width, height, depth, (), (0.0, 0.0, 0.0), (0.5,), "wood")
+    yield from open_case("wood", width, height, depth, (), (0.0, 0.0, 0.0), (0.5,), "wood")
     panel = width / 2 + 0.02
     for i, slot in enumerate(("wood_1", "mirror")):
         x, z = (-1) ** (i + 1) * (width / 4 - 0.01), depth / 2 - 0.02 - 0.035 * i
@@ -65,7 +65,7 @@ def armoire(width: float = 1.1, height: float = 2.05, depth: float = 0.6) -> Ite
     for x, z in corners(width - 0.1, depth - 0.1):
         yield turned("wood", [(0.03, 0.0), (0.055, 0.04), (0.035, 0.09)], (x, 0.0, z), 12, 2)
     yield rounded("wood", (width + 0.04, 0.08, depth + 0.03), (0.0, 0.08, 0.0), 0.02, 2)
-    yield body("wood", width, height - 0.3, depth, (0.0, 0.15, 0.0))
+    yield cabinet_body("wood", width, height - 0.3, depth, (0.0, 0.15, 0.0))
     for k, grow in enumerate((0.02, 0.06, 0.12)):
         yield rounded("wood", (width + grow, 0.045, depth + grow), (0.0, height - 0.16 + 0.04 * k, 0.0), 0.012, 1)
     yield prism(
@@ -74,19 +74,19 @@ def armoire(width: float = 1.1, height: float = 2.05, depth: float = 0.6) -> Ite
         0.03,
         (0.0, height - 0.04, depth / 2 - 0.03),
     )
-    corner, size = (0.05 - width / 2, 0.38, depth / 2 - BOARD), (width - 0.1, height - 0.56)
+    corner, size = (0.05 - width / 2, 0.38, depth / 2 - BOARD_THICKNESS), (width - 0.1, height - 0.56)
     leaves = list(doors("wood_1", *size, corner, 2, "shaker", ("brass", "knob")))
     yield from leaves
-    corner = (0.05 - width / 2, 0.17, depth / 2 - BOARD)
+    corner = (0.05 - width / 2, 0.17, depth / 2 - BOARD_THICKNESS)
     yield from drawers("wood_1", width - 0.1, 0.2, corner, 2, 1, "raised", ("brass", "ring"), opens=0.45)
-    for s, part in zip((-1, 1), parts_of(leaves), strict=True):
+    for s, part in zip((-1, 1), collect_parts(leaves), strict=True):
         arch = fillet([(-0.14, 0.0), (0.14, 0.0), (0.14, 0.7), (0.0, 0.86), (-0.14, 0.7)], 0.09, 4, True)
-        yield from marked(part, [prism("wood_1", arch, 0.014, (s * (width - 0.1) / 4, 0.55, depth / 2 - 0.004))])
+        yield from assign_part(part, [prism("wood_1", arch, 0.014, (s * (width - 0.1) / 4, 0.55, depth / 2 - 0.004))])
 
 
 def open_wardrobe(width: float = 1.2, height: float = 1.95, depth: float = 0.5) -> Iterator[Solid]:
     """Build rails with clothes between shelves."""
-    yield from case("wood", width, height, depth, (0.3, height - 0.36), (0.0, 0.0, 0.0), (), "wood_1")
+    yield from open_case("wood", width, height, depth, (0.3, height - 0.36), (0.0, 0.0, 0.0), (), "wood_1")
     yield rod("chrome", (0.02 - width / 2, height - 0.45, 0.0), (width / 2 - 0.02, height - 0.45, 0.0), 0.012)
     rng = np.random.default_rng(5)
     for i in range(11):
@@ -122,12 +122,26 @@ def cupboard_top(width: float = 1.0, height: float = 2.0, depth: float = 0.42) -
     """Build a dresser: glazed doors with plates above, solid doors below."""
     yield from carcass(width, 0.86, depth, 0.07, "plinth", "wood", 0.03)
     yield from doors(
-        "wood_1", width - 0.02, 0.52, (0.01 - width / 2, 0.08, depth / 2 - BOARD), 2, "shaker", ("brass", "knob"), 0.8
+        "wood_1",
+        width - 0.02,
+        0.52,
+        (0.01 - width / 2, 0.08, depth / 2 - BOARD_THICKNESS),
+        2,
+        "shaker",
+        ("brass", "knob"),
+        0.8,
     )
     yield from drawers(
-        "wood_1", width - 0.02, 0.2, (0.01 - width / 2, 0.62, depth / 2 - BOARD), 2, 1, "flat", ("brass", "cup")
+        "wood_1",
+        width - 0.02,
+        0.2,
+        (0.01 - width / 2, 0.62, depth / 2 - BOARD_THICKNESS),
+        2,
+        1,
+        "flat",
+        ("brass", "cup"),
     )
-    yield from case("wood", width - 0.04, height - 0.88, 0.28, (0.34, 0.7), (0.0, 0.86, -0.06), (), "wood_1")
+    yield from open_case("wood", width - 0.04, height - 0.88, 0.28, (0.34, 0.7), (0.0, 0.86, -0.06), (), "wood_1")
     for row in range(3):
         for i in range(3):
             yield disc("crockery", 0.1, 0.012, (-0.3 + 0.3 * i, 1.0 + 0.35 * row, -0.16), 20)
@@ -145,4 +159,4 @@ WARDROBES = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("wardrobe", "wardrobe_cabinet", WARDROBES),)
+FAMILIES = (FurnitureFamily("wardrobe", "wardrobe_cabinet", WARDROBES),)

@@ -10,9 +10,9 @@ from home_procgen.shapes.groups import around
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import band, beam, prism, ring, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, drawers, legs
-from home_procgen.things.parts import lid_part, marked
+from home_procgen.things.parts import assign_part, lid_part
 from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_legs, pedestal, top, wire_base
 
 
@@ -81,10 +81,10 @@ def chest(width: float = 1.0, depth: float = 0.55) -> Iterator[Solid]:
     """Build an old trunk with iron bands."""
     yield rounded("wood", (width, 0.3, depth), (0.0, 0.03, 0.0), 0.015, 1)
     lid = lid_part(0.33, -depth / 2 - 0.01)
-    yield from marked(lid, [rounded("wood", (width + 0.02, 0.12, depth + 0.02), (0.0, 0.33, 0.0), 0.04, 3)])
+    yield from assign_part(lid, [rounded("wood", (width + 0.02, 0.12, depth + 0.02), (0.0, 0.33, 0.0), 0.04, 3)])
     for x in (-0.34, 0.0, 0.34):
         yield box("iron", (0.05, 0.31, depth + 0.012), (x * width, 0.026, 0.0))
-        yield from marked(lid, [rounded("iron", (0.05, 0.13, depth + 0.03), (x * width, 0.327, 0.0), 0.04, 3)])
+        yield from assign_part(lid, [rounded("iron", (0.05, 0.13, depth + 0.03), (x * width, 0.327, 0.0), 0.04, 3)])
     yield box("brass", (0.09, 0.1, 0.02), (0.0, 0.27, depth / 2 + 0.006))
     for s in (-1, 1):
         yield ring("iron", 0.05, 0.014, (s * (width / 2 + 0.012), 0.2, 0.0), 0, 12)
@@ -256,7 +256,7 @@ COFFEE = (
     design(round_coffee, base="wire", width=0.75), design(tray_table), design(x_coffee), design(oval_coffee),
     design(lift_box), design(glass_top, shape="round", width=0.85, depth=0.85),
 )  # fmt: skip
-SIDE = (
+SIDE_TABLES = (
     design(side_column),
     design(c_table),
     design(garden_stool),
@@ -267,7 +267,7 @@ SIDE = (
 CONSOLES = (design(console), design(console, base="turned", width=1.2), design(demilune))
 
 FAMILIES = (
-    Family("coffee_table", "coffee_table", COFFEE),
-    Family("side_table", "coffee_table", SIDE),
-    Family("console", "coffee_table", CONSOLES),
+    FurnitureFamily("coffee_table", "coffee_table", COFFEE),
+    FurnitureFamily("side_table", "coffee_table", SIDE_TABLES),
+    FurnitureFamily("console", "coffee_table", CONSOLES),
 )

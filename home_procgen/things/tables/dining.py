@@ -10,11 +10,11 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.groups import around, mirrored
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, legs
 from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_legs, panels, pedestal, top, trestle
 
-HEIGHT = 0.75  # [m], height of dining tables
+TABLE_HEIGHT = 0.75  # [m], height of dining tables
 
 
 def farmhouse(width: float = 1.6, depth: float = 0.9, kind: LegKind = "turned") -> Iterator[Solid]:
@@ -24,88 +24,90 @@ def farmhouse(width: float = 1.6, depth: float = 0.9, kind: LegKind = "turned") 
         yield rounded(
             "wood_1",
             (width - 0.16, 0.03, depth / count - 0.002),
-            (0.0, HEIGHT - 0.03, (i - 2) * depth / count),
+            (0.0, TABLE_HEIGHT - 0.03, (i - 2) * depth / count),
             0.006,
             1,
         )
-    yield from mirrored([rounded("wood_1", (0.08, 0.03, depth), (width / 2 - 0.04, HEIGHT - 0.03, 0.0), 0.006, 1)])
-    yield from four_legs(width, depth, HEIGHT - 0.03, kind, 0.09)
+    yield from mirrored(
+        [rounded("wood_1", (0.08, 0.03, depth), (width / 2 - 0.04, TABLE_HEIGHT - 0.03, 0.0), 0.006, 1)]
+    )
+    yield from four_legs(width, depth, TABLE_HEIGHT - 0.03, kind, 0.09)
 
 
 def slim(width: float = 1.4, depth: float = 0.8, kind: LegKind = "taper", shape: TopKind = "board") -> Iterator[Solid]:
     """Build a thin top on light legs."""
-    yield from top("wood_1", width, depth, HEIGHT, shape, 0.026)
+    yield from top("wood_1", width, depth, TABLE_HEIGHT, shape, 0.026)
     inside = 0.7 if shape == "round" else 1.0
-    yield from four_legs(inside * width - 0.1, inside * depth - 0.06, HEIGHT - 0.026, kind, 0.05, 0.06)
+    yield from four_legs(inside * width - 0.1, inside * depth - 0.06, TABLE_HEIGHT - 0.026, kind, 0.05, 0.06)
 
 
 def trestle_table(width: float = 1.8, depth: float = 0.9) -> Iterator[Solid]:
     """Build a thick top on trestles."""
-    yield from top("wood", width, depth, HEIGHT, "board", 0.05)
-    yield from trestle(width, depth, HEIGHT - 0.05)
+    yield from top("wood", width, depth, TABLE_HEIGHT, "board", 0.05)
+    yield from trestle(width, depth, TABLE_HEIGHT - 0.05)
 
 
 def steel_frame(width: float = 1.7, depth: float = 0.9) -> Iterator[Solid]:
     """Build a thick wooden top on crossed steel ends."""
-    yield from top("wood_1", width, depth, HEIGHT, "board", 0.045)
-    yield from crossed(width, depth, HEIGHT - 0.045)
+    yield from top("wood_1", width, depth, TABLE_HEIGHT, "board", 0.045)
+    yield from crossed(width, depth, TABLE_HEIGHT - 0.045)
 
 
 def tulip(radius: float = 0.55, material: str = "marble") -> Iterator[Solid]:
     """Build a round top on one flared foot."""
-    yield from top(material, 2 * radius, 2 * radius, HEIGHT, "round", 0.025)
-    yield from pedestal(radius, HEIGHT - 0.025, "white")
+    yield from top(material, 2 * radius, 2 * radius, TABLE_HEIGHT, "round", 0.025)
+    yield from pedestal(radius, TABLE_HEIGHT - 0.025, "white")
 
 
 def claw_foot(width: float = 1.15) -> Iterator[Solid]:
     """Build a round wooden top on a turned column with four feet."""
-    yield from top("wood", width, width, HEIGHT, "round", 0.03)
-    yield cylinder("wood", 0.25, 0.03, (0.0, HEIGHT - 0.06, 0.0), sides=24)
-    yield from pedestal(width / 2, HEIGHT - 0.06, "wood", 4)
+    yield from top("wood", width, width, TABLE_HEIGHT, "round", 0.03)
+    yield cylinder("wood", 0.25, 0.03, (0.0, TABLE_HEIGHT - 0.06, 0.0), sides=24)
+    yield from pedestal(width / 2, TABLE_HEIGHT - 0.06, "wood", 4)
 
 
 def double_pedestal(width: float = 1.9, depth: float = 1.0) -> Iterator[Solid]:
     """Build an oval top on two columns."""
-    yield from top("wood", width, depth, HEIGHT, "oval", 0.035)
-    yield box("wood", (width - 0.6, 0.06, 0.1), (0.0, HEIGHT - 0.095, 0.0))
+    yield from top("wood", width, depth, TABLE_HEIGHT, "oval", 0.035)
+    yield box("wood", (width - 0.6, 0.06, 0.1), (0.0, TABLE_HEIGHT - 0.095, 0.0))
     for x in (-0.42, 0.42):
-        yield from (move(p, (x, 0.0, 0.0)) for p in pedestal(0.48, HEIGHT - 0.09, "wood", 3))
+        yield from (move(p, (x, 0.0, 0.0)) for p in pedestal(0.48, TABLE_HEIGHT - 0.09, "wood", 3))
 
 
 def panel_table(width: float = 1.6, depth: float = 0.85) -> Iterator[Solid]:
     """Build a top between two full ends."""
-    yield from top("wood", width, depth, HEIGHT, "board", 0.04)
-    yield from panels(width, depth, HEIGHT - 0.04)
+    yield from top("wood", width, depth, TABLE_HEIGHT, "board", 0.04)
+    yield from panels(width, depth, TABLE_HEIGHT - 0.04)
 
 
 def glass_dining(width: float = 1.5, depth: float = 0.9) -> Iterator[Solid]:
     """Build a glass plate on two steel loops."""
-    yield from top("glass", width, depth, HEIGHT, "board", 0.014)
+    yield from top("glass", width, depth, TABLE_HEIGHT, "board", 0.014)
     for x in (-0.4, 0.4):
         path = fillet(
-            [(x, 0.012, -0.34), (x, HEIGHT - 0.026, -0.28), (x, HEIGHT - 0.026, 0.28), (x, 0.012, 0.34)],
+            [(x, 0.012, -0.34), (x, TABLE_HEIGHT - 0.026, -0.28), (x, TABLE_HEIGHT - 0.026, 0.28), (x, 0.012, 0.34)],
             0.06,
             closed=True,
         )
         yield tube("chrome", path, 0.014, 8, closed=True)
     yield rod("chrome", (-0.4, 0.012, 0.0), (0.4, 0.012, 0.0), 0.012)
     for x, z in corners(0.8, 0.4):
-        yield cylinder("chrome", 0.02, 0.01, (x, HEIGHT - 0.024, z), sides=10)
+        yield cylinder("chrome", 0.02, 0.01, (x, TABLE_HEIGHT - 0.024, z), sides=10)
 
 
 def slatted_drum(width: float = 1.2) -> Iterator[Solid]:
     """Build a round top on a ring of slats."""
-    yield from top("wood", width, width, HEIGHT, "round", 0.035)
-    yield from drum_base(0.3, HEIGHT - 0.03)
+    yield from top("wood", width, width, TABLE_HEIGHT, "round", 0.035)
+    yield from drum_base(0.3, TABLE_HEIGHT - 0.03)
 
 
 def drop_leaf(width: float = 1.0, depth: float = 0.9) -> Iterator[Solid]:
     """Build a narrow drop-leaf table, one leaf up on a gate leg and one hanging."""
-    yield from top("wood", 0.42, depth, HEIGHT, "board", 0.024)
-    yield rounded("wood", (0.4, 0.024, depth), (0.415, HEIGHT - 0.024, 0.0), 0.008, 1)
-    yield rounded("wood", (0.024, 0.42, depth), (-0.225, HEIGHT - 0.45, 0.0), 0.008, 1)
-    yield from four_legs(0.44, depth - 0.06, HEIGHT - 0.024, "turned", 0.055)
-    yield from (move(p, (0.48, 0.0, 0.0)) for p in legs("wood", 0.05, 0.05, HEIGHT - 0.024, "turned", 0.05))
+    yield from top("wood", 0.42, depth, TABLE_HEIGHT, "board", 0.024)
+    yield rounded("wood", (0.4, 0.024, depth), (0.415, TABLE_HEIGHT - 0.024, 0.0), 0.008, 1)
+    yield rounded("wood", (0.024, 0.42, depth), (-0.225, TABLE_HEIGHT - 0.45, 0.0), 0.008, 1)
+    yield from four_legs(0.44, depth - 0.06, TABLE_HEIGHT - 0.024, "turned", 0.055)
+    yield from (move(p, (0.48, 0.0, 0.0)) for p in legs("wood", 0.05, 0.05, TABLE_HEIGHT - 0.024, "turned", 0.05))
     yield beam("wood", (0.15, 0.16, 0.0), (0.48, 0.16, 0.0), 0.03)
 
 
@@ -117,10 +119,10 @@ def live_edge(width: float = 1.8, depth: float = 0.9) -> Iterator[Solid]:
         *zip(t * width / 2, -depth / 2 + wave, strict=True),
         *zip(t[::-1] * width / 2, depth / 2 + 0.04 * np.cos(6 * t[::-1]), strict=True),
     ]
-    yield prism("wood", outline, 0.06, (0.0, HEIGHT - 0.06, 0.0), "top")
+    yield prism("wood", outline, 0.06, (0.0, TABLE_HEIGHT - 0.06, 0.0), "top")
     for s in (-1, 1):
         x = s * (width / 2 - 0.3)
-        path = [(x, HEIGHT - 0.06, -0.3), (x, 0.02, -0.34), (x, 0.02, 0.34), (x, HEIGHT - 0.06, 0.3)]
+        path = [(x, TABLE_HEIGHT - 0.06, -0.3), (x, 0.02, -0.34), (x, 0.02, 0.34), (x, TABLE_HEIGHT - 0.06, 0.3)]
         for a, b in itertools.pairwise(path):
             yield beam("iron", a, b, 0.08, 0.03)
 
@@ -213,14 +215,14 @@ DINING = (
     design(drop_leaf), design(slim, width=1.2, depth=1.2, kind="splay", shape="round"),
     design(farmhouse, kind="block", width=1.8),
 )  # fmt: skip
-SMALL = (
+SMALL_TABLES = (
     design(bistro), design(bistro, shape="board", width=0.7), design(folding_table),
     design(slim, width=0.8, depth=0.8, kind="square"), design(bistro, height=1.05, width=0.6),
 )  # fmt: skip
 GAMES = (design(billiards), design(ping_pong), design(foosball))
 
 FAMILIES = (
-    Family("dining_table", "dining_table", DINING),
-    Family("table", "table", SMALL),
-    Family("game_table", "game_table", GAMES),
+    FurnitureFamily("dining_table", "dining_table", DINING),
+    FurnitureFamily("table", "table", SMALL_TABLES),
+    FurnitureFamily("game_table", "game_table", GAMES),
 )

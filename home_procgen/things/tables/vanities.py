@@ -10,7 +10,7 @@ from home_procgen.shapes.groups import mirrored
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, drawers, legs
 from home_procgen.things.tables.bases import top
 
@@ -106,4 +106,4 @@ VANITIES = (
 )
 
 
-FAMILIES = (Family("dressing_table", "dressing_table", VANITIES),)
+FAMILIES = (FurnitureFamily("dressing_table", "dressing_table", VANITIES),)

@@ -8,7 +8,7 @@ from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _jars() -> Iterator[Solid]:
@@ -77,4 +77,4 @@ def containers(kind: str = "jars") -> Iterator[Solid]:
     yield from _CONTAINERS_KINDS[kind]()
 
 
-FAMILIES = (Family("containers", "containers", kinds_of(containers, "jars", "tins", "spices", "bread")),)
+FAMILIES = (FurnitureFamily("containers", "containers", design_kinds(containers, "jars", "tins", "spices", "bread")),)

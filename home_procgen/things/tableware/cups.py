@@ -7,7 +7,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _ear(slot: str, radius: float, low: float, high: float, bar: float = 0.005) -> Solid:
@@ -106,9 +106,9 @@ def cup(kind: str = "mug") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
+    FurnitureFamily(
         "cup",
         "cup",
-        kinds_of(cup, "mug", "tea", "enamel", "bowl", "footed", "travel", "espresso", "stack", "hex", "pens"),
+        design_kinds(cup, "mug", "tea", "enamel", "bowl", "footed", "travel", "espresso", "stack", "hex", "pens"),
     ),
 )

@@ -8,7 +8,7 @@ from home_procgen.primitives.solids import Solid, box, cylinder, rotate
 from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def knives(kind: str = "block") -> Iterator[Solid]:
@@ -123,7 +123,7 @@ def utensils(kind: str = "jar") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("knife_rack", "knife_rack", kinds_of(knives, "block", "holder", "bar")),
-    Family("cutting_board", "cutting_board", kinds_of(board, "plain", "vegetables", "stand")),
-    Family("utensil_holder", "utensil_holder", kinds_of(utensils, "jar", "rail")),
+    FurnitureFamily("knife_rack", "knife_rack", design_kinds(knives, "block", "holder", "bar")),
+    FurnitureFamily("cutting_board", "cutting_board", design_kinds(board, "plain", "vegetables", "stand")),
+    FurnitureFamily("utensil_holder", "utensil_holder", design_kinds(utensils, "jar", "rail")),
 )

@@ -8,7 +8,7 @@ from home_procgen.primitives.solids import Solid, cylinder, rotate
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import leaf
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def cake(kind: str = "whole") -> Iterator[Solid]:
@@ -108,7 +108,7 @@ def meal(kind: str = "pizza") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("cake", "cake", kinds_of(cake, "whole", "muffins", "bell")),
-    Family("bread", "bread", kinds_of(bread, "loaf", "rolls")),
-    Family("food", "food", kinds_of(meal, "pizza", "salad", "sushi")),
+    FurnitureFamily("cake", "cake", design_kinds(cake, "whole", "muffins", "bell")),
+    FurnitureFamily("bread", "bread", design_kinds(bread, "loaf", "rolls")),
+    FurnitureFamily("food", "food", design_kinds(meal, "pizza", "salad", "sushi")),
 )

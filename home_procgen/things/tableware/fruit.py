@@ -8,7 +8,7 @@ from home_procgen.primitives.solids import Solid, cylinder
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def fruit(kind: str = "bowl") -> Iterator[Solid]:
@@ -54,4 +54,4 @@ def fruit(kind: str = "bowl") -> Iterator[Solid]:
         yield tube("yellow", path, [0.006, 0.015, 0.018, 0.018, 0.018, 0.014, 0.005], 8)
 
 
-FAMILIES = (Family("fruit_bowl", "fruit_bowl", kinds_of(fruit, "bowl", "basket", "stand", "wire")),)
+FAMILIES = (FurnitureFamily("fruit_bowl", "fruit_bowl", design_kinds(fruit, "bowl", "basket", "stand", "wire")),)

@@ -9,7 +9,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 PROFILES = {  # kind -> (radius, height) [m]
     "wine": [
@@ -149,6 +149,6 @@ def bottle(kind: str = "wine") -> Iterator[Solid]:
 GLASSES = ("wine", "flute", "tumbler", "highball", "goblet", "martini", "snifter", "coupe", "shot", "mug")
 
 FAMILIES = (
-    Family("glass", "glass", kinds_of(glass, *GLASSES)),
-    Family("bottle", "bottle", kinds_of(bottle, "wine", "water", "oil", "milk", "jar")),
+    FurnitureFamily("glass", "glass", design_kinds(glass, *GLASSES)),
+    FurnitureFamily("bottle", "bottle", design_kinds(bottle, "wine", "water", "oil", "milk", "jar")),
 )

@@ -6,7 +6,7 @@ from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet, spline
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.sweep import prism, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _pitcher() -> Iterator[Solid]:
@@ -81,6 +81,6 @@ def teapot(kind: str = "round") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("jug", "jug", kinds_of(jug, "pitcher", "carafe", "thermos")),
-    Family("teapot", "teapot", kinds_of(teapot, "round", "tall", "glass")),
+    FurnitureFamily("jug", "jug", design_kinds(jug, "pitcher", "carafe", "thermos")),
+    FurnitureFamily("teapot", "teapot", design_kinds(teapot, "round", "tall", "glass")),
 )

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.sweep import tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def mortar() -> Iterator[Solid]:
@@ -16,4 +16,4 @@ def mortar() -> Iterator[Solid]:
     yield tube("stone", [(0.0, 0.045, 0.0), (0.03, 0.09, 0.01), (0.075, 0.15, 0.02)], [0.02, 0.013, 0.018], 10)
 
 
-FAMILIES = (Family("mortar", "mortar_and_pestle", (design(mortar),)),)
+FAMILIES = (FurnitureFamily("mortar", "mortar_and_pestle", (design(mortar),)),)

@@ -7,7 +7,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _frying_pan() -> Iterator[Solid]:
@@ -66,4 +66,4 @@ def pan(kind: str = "frying") -> Iterator[Solid]:
     yield from _PAN_KINDS[kind]()
 
 
-FAMILIES = (Family("pan", "pan", kinds_of(pan, "frying", "pot", "wok", "casserole")),)
+FAMILIES = (FurnitureFamily("pan", "pan", design_kinds(pan, "frying", "pot", "wok", "casserole")),)

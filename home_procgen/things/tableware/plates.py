@@ -7,7 +7,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import prism, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 
 
 def _stack_plates() -> Iterator[Solid]:
@@ -110,6 +110,6 @@ def setting(mat: str = "round") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("plates", "plates", kinds_of(plates, "stack", "bowls", "rack", "platter", "set")),
-    Family("place_setting", "place_setting", (design(setting), design(setting, mat="cloth"))),
+    FurnitureFamily("plates", "plates", design_kinds(plates, "stack", "bowls", "rack", "platter", "set")),
+    FurnitureFamily("place_setting", "place_setting", (design(setting), design(setting, mat="cloth"))),
 )

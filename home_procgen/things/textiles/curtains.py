@@ -8,10 +8,10 @@ from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
-def _fall(
+def _folded_cloth(
     slot: str,
     left: float,
     right: float,
@@ -56,7 +56,9 @@ def drapes(
     for s in (-1, 1):
         inner, outer = s * width / 2 * (1 - 2 * open_) if not tied else s * 0.04, s * width / 2
         left, right = min(inner, outer), max(inner, outer)
-        yield _fall("curtain", left, right, height - 0.05, 0.01, 5 if not tied else 7, 0.035, 0.62 if tied else 0.0, s)
+        yield _folded_cloth(
+            "curtain", left, right, height - 0.05, 0.01, 5 if not tied else 7, 0.035, 0.62 if tied else 0.0, s
+        )
         if tied:
             yield tube(
                 "brass",
@@ -69,20 +71,22 @@ def drapes(
                 6,
             )
     if sheers:
-        yield _fall("sheer", -width / 2 + 0.02, width / 2 - 0.02, height - 0.05, 0.02, 11, 0.018)
+        yield _folded_cloth("sheer", -width / 2 + 0.02, width / 2 - 0.02, height - 0.05, 0.02, 11, 0.018)
 
 
 def portiere(width: float = 1.0, height: float = 2.1) -> Iterator[Solid]:
     """Build one length of cloth drawn to one side."""
     yield from _pole(width, height - 0.03, "iron", "block")
-    yield _fall("curtain", -width / 2, -0.05, height - 0.05, 0.01, 6, 0.04)
+    yield _folded_cloth("curtain", -width / 2, -0.05, height - 0.05, 0.01, 6, 0.04)
 
 
 def cafe(width: float = 1.3, height: float = 0.75) -> Iterator[Solid]:
     """Build short curtains on a rod across the lower half of a window."""
     yield from _pole(width, height - 0.02, "brass", "ball")
     for s in (-1, 1):
-        yield _fall("curtain", min(s * 0.03, s * width / 2), max(s * 0.03, s * width / 2), height - 0.04, 0.0, 6, 0.022)
+        yield _folded_cloth(
+            "curtain", min(s * 0.03, s * width / 2), max(s * 0.03, s * width / 2), height - 0.04, 0.0, 6, 0.022
+        )
 
 
 def valance(width: float = 1.7, height: float = 1.6) -> Iterator[Solid]:
@@ -98,7 +102,7 @@ def valance(width: float = 1.7, height: float = 1.6) -> Iterator[Solid]:
     )
     for s in (-1, 1):
         inner, outer = s * width * 0.26, s * width / 2
-        yield _fall("curtain", min(inner, outer), max(inner, outer), height - 0.08, 0.0, 5, 0.03)
+        yield _folded_cloth("curtain", min(inner, outer), max(inner, outer), height - 0.08, 0.0, 5, 0.03)
 
 
 def roman(width: float = 1.2, height: float = 1.5, drawn: float = 0.55) -> Iterator[Solid]:
@@ -161,4 +165,4 @@ CURTAINS = (
 )  # fmt: skip
 
 
-FAMILIES = (Family("curtain", "curtain", CURTAINS),)
+FAMILIES = (FurnitureFamily("curtain", "curtain", CURTAINS),)

@@ -7,7 +7,7 @@ import numpy as np
 from home_procgen.primitives.solids import Solid, rotate
 from home_procgen.shapes.rounded import ball, between_loops, pillow
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
 def _square() -> Iterator[Solid]:
@@ -70,4 +70,4 @@ def cushion(kind: str = "square") -> Iterator[Solid]:
 PILLOWS = tuple(design(cushion, kind=kind) for kind in ("square", "oblong", "roll", "ball", "heart", "pile"))
 
 
-FAMILIES = (Family("pillow", "pillow", PILLOWS),)
+FAMILIES = (FurnitureFamily("pillow", "pillow", PILLOWS),)

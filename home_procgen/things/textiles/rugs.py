@@ -8,10 +8,10 @@ import numpy as np
 from home_procgen.primitives.solids import Solid, cylinder, lathe
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import prism, rod
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 
 
-def _once(piece: Solid) -> Solid:
+def _map_texture_once(piece: Solid) -> Solid:
     """Map the texture exactly once onto the upper side of a piece."""
     low, high = piece.box[:, [0, 2]]
     uv = (piece.vertices[piece.faces][..., [0, 2]] - low) / (high - low)
@@ -20,7 +20,7 @@ def _once(piece: Solid) -> Solid:
 
 def rug(width: float = 2.0, depth: float = 1.4, fringe: bool = False) -> Iterator[Solid]:
     """Build a woven rug with optional fringes at its short ends."""
-    yield _once(rounded("carpet", (width, 0.01, depth), (0.0, 0.0, 0.0), 0.004, 2))
+    yield _map_texture_once(rounded("carpet", (width, 0.01, depth), (0.0, 0.0, 0.0), 0.004, 2))
     if fringe:
         for s in (-1, 1):
             for i in range(int(depth / 0.03)):
@@ -37,7 +37,7 @@ def rug(width: float = 2.0, depth: float = 1.4, fringe: bool = False) -> Iterato
 def round_rug(radius: float = 0.8, braided: bool = False) -> Iterator[Solid]:
     """Build a round rug, plain or braided."""
     if not braided:
-        yield _once(cylinder("carpet_round", radius, 0.01, sides=48))
+        yield _map_texture_once(cylinder("carpet_round", radius, 0.01, sides=48))
         return
     for i in range(9):
         yield _flat_ring(f"textile_{i % 4}", radius * i / 9, radius * (i + 1) / 9 - 0.004)
@@ -87,7 +87,7 @@ def tasselled(width: float = 1.9, depth: float = 1.3) -> Iterator[Solid]:
         for a, b in (((0.0, cut), (cut, 0.0)) if k % 2 == 0 else ((cut, 0.0), (0.0, cut)))
     ]
     yield prism("textile", outline, 0.008, plane="top")
-    yield _once(prism("carpet", [(0.9 * x, 0.88 * z) for x, z in outline], 0.004, (0.0, 0.008, 0.0), "top"))
+    yield _map_texture_once(prism("carpet", [(0.9 * x, 0.88 * z) for x, z in outline], 0.004, (0.0, 0.008, 0.0), "top"))
     for x, z in outline:
         yield rod("cream", (0.99 * x, 0.006, 0.99 * z), (1.06 * x, 0.006, 1.07 * z), 0.005, 0.002, 6)
 
@@ -121,6 +121,6 @@ MATS = tuple(design(mat, kind=kind) for kind in ("bath", "door", "half"))
 
 
 FAMILIES = (
-    Family("rug", "rug", RUGS),
-    Family("mat", "rug", MATS),
+    FurnitureFamily("rug", "rug", RUGS),
+    FurnitureFamily("mat", "rug", MATS),
 )

@@ -10,7 +10,7 @@ from home_procgen.shapes.groups import moved, turned_about
 from home_procgen.shapes.rounded import soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, sweep, tube
-from home_procgen.things.family import Family, design
+from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.textiles.footwear import ballerinas, clogs, high_tops, rain_boots, sandals
 from home_procgen.things.textiles.soles import SOLE
 
@@ -117,6 +117,6 @@ SHOES = (
 
 
 FAMILIES = (
-    Family("shoes", "shoes", SHOES),
-    Family("cloth", "cloth", (design(folded), design(heap), design(folded, count=5))),
+    FurnitureFamily("shoes", "shoes", SHOES),
+    FurnitureFamily("cloth", "cloth", (design(folded), design(heap), design(folded, count=5))),
 )

@@ -9,8 +9,8 @@ from home_procgen.shapes.curves import fillet, loop, star
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, between_loops, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
-from home_procgen.things.joinery import bow, corners, disc
+from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.joinery import bow_handle, corners, disc
 
 
 def _laundry() -> Iterator[Solid]:
@@ -33,7 +33,7 @@ def _laundry() -> Iterator[Solid]:
 def _hamper() -> Iterator[Solid]:
     yield vessel("cane", [(0.2, 0.0), (0.23, 0.3), (0.21, 0.6)], 0.012, sides=26, steps=2)
     yield turned("cane", [(0.225, 0.6), (0.22, 0.63), (0.08, 0.67), (0.02, 0.675)], sides=26, steps=2)
-    yield bow("leather", 0.05, (0.66, 0.71), 0.0, 0.02, 0.008, 6)
+    yield bow_handle("leather", 0.05, (0.66, 0.71), 0.0, 0.02, 0.008, 6)
 
 
 def _logs() -> Iterator[Solid]:
@@ -155,4 +155,4 @@ def basket(kind: str = "laundry") -> Iterator[Solid]:
 
 KINDS = ("laundry", "hamper", "logs", "umbrellas", "crate", "wires", "belly", "sack")
 
-FAMILIES = (Family("basket", "household_appliance", kinds_of(basket, *KINDS)),)
+FAMILIES = (FurnitureFamily("basket", "household_appliance", design_kinds(basket, *KINDS)),)

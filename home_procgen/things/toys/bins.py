@@ -9,15 +9,15 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
-from home_procgen.things.parts import lid_part, marked
+from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.parts import assign_part, lid_part
 
 
 def _pedal() -> Iterator[Solid]:
     yield turned("steel", [(0.15, 0.0), (0.15, 0.56)], sides=28, steps=1)
     yield turned("black", [(0.155, 0.0), (0.155, 0.03)], sides=28, steps=1)
     lid = turned("steel", [(0.155, 0.56), (0.15, 0.6), (0.08, 0.64), (0.02, 0.645)], sides=28, steps=2)
-    yield from marked(lid_part(0.56, -0.155), [lid])
+    yield from assign_part(lid_part(0.56, -0.155), [lid])
     yield rounded("black", (0.07, 0.02, 0.06), (0.0, 0.01, 0.17), 0.006, 1)
 
 
@@ -59,7 +59,7 @@ def _two() -> Iterator[Solid]:
     for s, slot in ((-1, "green"), (1, "blue")):
         yield rounded("gray", (0.24, 0.5, 0.34), (s * 0.125, 0.01, 0.0), 0.02, 2)
         lid = rounded(slot, (0.235, 0.04, 0.34), (s * 0.125, 0.51, 0.0), 0.016, 2)
-        yield from marked(lid_part(0.51, -0.17, s * 0.125), [lid])
+        yield from assign_part(lid_part(0.51, -0.17, s * 0.125), [lid])
         yield box(slot, (0.1, 0.1, 0.004), (s * 0.125, 0.22, 0.17))
 
 
@@ -89,7 +89,7 @@ def _paper() -> Iterator[Solid]:
 def _tall_pedal() -> Iterator[Solid]:
     yield rounded("steel", (0.3, 0.56, 0.24), (0.0, 0.03, 0.0), 0.03, 3)
     yield rounded("black", (0.31, 0.04, 0.25), (0.0, 0.0, 0.0), 0.01, 1)
-    yield from marked(lid_part(0.595, -0.13), [rounded("steel", (0.31, 0.05, 0.26), (0.0, 0.595, 0.0), 0.022, 3)])
+    yield from assign_part(lid_part(0.595, -0.13), [rounded("steel", (0.31, 0.05, 0.26), (0.0, 0.595, 0.0), 0.022, 3)])
     yield rounded("black", (0.14, 0.014, 0.06), (0.0, 0.012, 0.14), 0.005, 1)
 
 
@@ -111,7 +111,7 @@ def _bag() -> Iterator[Solid]:
         corners = [(-0.16, y, -0.13), (0.16, y, -0.13), (0.16, y, 0.13), (-0.16, y, 0.13)]
         yield tube("iron", fillet(corners, 0.03, 2, True), 0.008, 6, closed=True)
     yield vessel("black", [(0.07, 0.1), (0.125, 0.2), (0.12, 0.45), (0.15, 0.64)], 0.004, sides=14, steps=2)
-    yield from marked(lid_part(0.655, -0.15), [rounded("plastic", (0.36, 0.02, 0.3), (0.0, 0.655, 0.0), 0.008, 2)])
+    yield from assign_part(lid_part(0.655, -0.15), [rounded("plastic", (0.36, 0.02, 0.3), (0.0, 0.655, 0.0), 0.008, 2)])
 
 
 _BIN_KINDS = {
@@ -135,4 +135,4 @@ def bin_(kind: str = "pedal") -> Iterator[Solid]:
 
 KINDS = ("pedal", "wire", "woven", "swing", "two", "barrel", "paper", "tall", "dome", "bag")
 
-FAMILIES = (Family("trash_can", "trash_can", kinds_of(bin_, *KINDS)),)
+FAMILIES = (FurnitureFamily("trash_can", "trash_can", design_kinds(bin_, *KINDS)),)

@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned, vessel
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _cat() -> Iterator[Solid]:
@@ -140,8 +140,8 @@ def fish(kind: str = "tank") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("pet", "pet", kinds_of(pet, "cat", "dog", "basket")),
-    Family("bird_cage", "pet", kinds_of(pet, "cage")),
-    Family("fish_tank", "fish_tank", kinds_of(fish, "tank")),
-    Family("fishbowl", "fishbowl", kinds_of(fish, "bowl")),
+    FurnitureFamily("pet", "pet", design_kinds(pet, "cat", "dog", "basket")),
+    FurnitureFamily("bird_cage", "pet", design_kinds(pet, "cage")),
+    FurnitureFamily("fish_tank", "fish_tank", design_kinds(fish, "tank")),
+    FurnitureFamily("fishbowl", "fishbowl", design_kinds(fish, "bowl")),
 )

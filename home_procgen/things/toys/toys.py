@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.toys.balls import ball_pit
 from home_procgen.things.toys.baskets import basket
 from home_procgen.things.toys.playthings import blocks, teddy, toy_car, train
@@ -98,21 +98,21 @@ def chess() -> Iterator[Solid]:
 
 
 SMALL_TOYS = (
-    design(teddy), design(blocks), design(train), *kinds_of(toy_car, "car", "lorry", "fire"),
-    *kinds_of(ball_pit, "ball", "rings", "xylophone", "robot"), design(teddy, slot="white", ears="long"),
+    design(teddy), design(blocks), design(train), *design_kinds(toy_car, "car", "lorry", "fire"),
+    *design_kinds(ball_pit, "ball", "rings", "xylophone", "robot"), design(teddy, slot="white", ears="long"),
 )  # fmt: skip
 
 LARGE_TOYS = (
     design(rocking_horse),
     design(doll_house),
     design(play_tent),
-    *kinds_of(ball_pit, "playpen"),
-    *kinds_of(basket, "chest"),
+    *design_kinds(ball_pit, "playpen"),
+    *design_kinds(basket, "chest"),
 )
 
 
 FAMILIES = (
-    Family("toy", "toy", SMALL_TOYS),
-    Family("large_toy", "toy", LARGE_TOYS),
-    Family("chessboard", "chessboard", (design(chess),)),
+    FurnitureFamily("toy", "toy", SMALL_TOYS),
+    FurnitureFamily("large_toy", "toy", LARGE_TOYS),
+    FurnitureFamily("chessboard", "chessboard", (design(chess),)),
 )

@@ -8,7 +8,7 @@ from home_procgen.primitives.solids import Solid, move, rotate
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import beam, prism
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.vehicles.wheels import wheel
 
 
@@ -99,4 +99,4 @@ def car(kind: str = "saloon") -> Iterator[Solid]:
         yield from (move(rotate(p, 1, np.pi / 2), (0.0, 0.9, -half - 0.12)) for p in wheel(0.0, 0.0, 0.0, 0.33, 0.2))
 
 
-FAMILIES = (Family("car", "car", kinds_of(car, "saloon", "hatch", "jeep", "van")),)
+FAMILIES = (FurnitureFamily("car", "car", design_kinds(car, "saloon", "hatch", "jeep", "van")),)

@@ -6,7 +6,7 @@ from home_procgen.primitives.solids import Solid, rotate
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import ball, rounded, soft
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.vehicles.wheels import wheel
 
 
@@ -127,7 +127,7 @@ def bicycle(kind: str = "bike") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("motorcycle", "motorcycle", kinds_of(motorcycle, "road", "scooter")),
-    Family("bicycle", "bicycle", kinds_of(bicycle, "bike")),
-    Family("tricycle", "tricycle", kinds_of(bicycle, "tricycle")),
+    FurnitureFamily("motorcycle", "motorcycle", design_kinds(motorcycle, "road", "scooter")),
+    FurnitureFamily("bicycle", "bicycle", design_kinds(bicycle, "bike")),
+    FurnitureFamily("tricycle", "tricycle", design_kinds(bicycle, "tricycle")),
 )

@@ -6,7 +6,7 @@ from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import fillet, spline
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners, disc
 
 
@@ -55,6 +55,6 @@ def cooler(kind: str = "split") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("air_conditioner", "air_conditioner", kinds_of(cooler, "split", "mobile")),
-    Family("window_cooler", "air_conditioner", kinds_of(cooler, "window")),
+    FurnitureFamily("air_conditioner", "air_conditioner", design_kinds(cooler, "split", "mobile")),
+    FurnitureFamily("window_cooler", "air_conditioner", design_kinds(cooler, "window")),
 )

@@ -11,7 +11,7 @@ from home_procgen.shapes.groups import around
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc
 
 
@@ -103,7 +103,7 @@ def whiteboard() -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("ceiling_fan", "ceiling_fan", kinds_of(fan, "ceiling", "ceiling_wood")),
-    Family("stand_fan", "pedestal_fan", kinds_of(fan, "stand", "table")),
-    Family("whiteboard", "whiteboard", (design(whiteboard),)),
+    FurnitureFamily("ceiling_fan", "ceiling_fan", design_kinds(fan, "ceiling", "ceiling_wood")),
+    FurnitureFamily("stand_fan", "pedestal_fan", design_kinds(fan, "stand", "table")),
+    FurnitureFamily("whiteboard", "whiteboard", (design(whiteboard),)),
 )

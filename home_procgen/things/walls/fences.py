@@ -8,9 +8,9 @@ from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
-HIGH = 1.0  # [m], height of a rail
+RAIL_HEIGHT = 1.0  # [m], height of a rail
 
 
 def _planks(kind: str, width: float) -> Iterator[Solid]:
@@ -56,7 +56,7 @@ def _bars(width: float) -> Iterator[Solid]:
 def _panes(width: float) -> Iterator[Solid]:
     for s in (-1, 1):
         yield box("glass", (width / 2 - 0.07, 0.8, 0.012), (s * (width / 4 - 0.0), 0.1, 0.0))
-    yield rounded("chrome", (0.045, HIGH, 0.045), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded("chrome", (0.045, RAIL_HEIGHT, 0.045), (0.0, 0.0, 0.0), 0.006, 1)
 
 
 def _ropes(width: float) -> Iterator[Solid]:
@@ -76,12 +76,12 @@ _BETWEEN_POSTS = {"balusters": _balusters, "bars": _bars, "glass": _panes, "rope
 def _railing(kind: str, width: float) -> Iterator[Solid]:
     for x in (-width / 2 + 0.03, width / 2 - 0.03):
         if kind == "balusters":
-            yield rounded("wood", (0.09, HIGH + 0.06, 0.09), (x, 0.0, 0.0), 0.012, 1)
-            yield ball("wood", 0.055, (x, HIGH + 0.1, 0.0), 14, 8)
+            yield rounded("wood", (0.09, RAIL_HEIGHT + 0.06, 0.09), (x, 0.0, 0.0), 0.012, 1)
+            yield ball("wood", 0.055, (x, RAIL_HEIGHT + 0.1, 0.0), 14, 8)
         else:
-            yield rounded("chrome" if kind != "bars" else "iron", (0.045, HIGH, 0.045), (x, 0.0, 0.0), 0.006, 1)
+            yield rounded("chrome" if kind != "bars" else "iron", (0.045, RAIL_HEIGHT, 0.045), (x, 0.0, 0.0), 0.006, 1)
     rail = "wood" if kind in ("balusters", "ropes") else "chrome" if kind == "glass" else "iron"
-    yield tube(rail, [(-width / 2, HIGH, 0.0), (width / 2, HIGH, 0.0)], 0.028, 12)
+    yield tube(rail, [(-width / 2, RAIL_HEIGHT, 0.0), (width / 2, RAIL_HEIGHT, 0.0)], 0.028, 12)
     yield from _BETWEEN_POSTS[kind](width)
 
 
@@ -125,6 +125,6 @@ def column(kind: str = "round", height: float = 2.6) -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("fence", "fence", kinds_of(fence, "balusters", "bars", "glass", "ropes", "pickets", "boards")),
-    Family("column", "column", kinds_of(column, "round", "fluted", "square")),
+    FurnitureFamily("fence", "fence", design_kinds(fence, "balusters", "bars", "glass", "ropes", "pickets", "boards")),
+    FurnitureFamily("column", "column", design_kinds(column, "round", "fluted", "square")),
 )

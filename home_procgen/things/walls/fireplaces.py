@@ -6,7 +6,7 @@ from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.revolve import turned
 from home_procgen.shapes.rounded import rounded, soft
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners
 
 
@@ -61,4 +61,4 @@ def fireplace(kind: str = "mantel") -> Iterator[Solid]:
         )
 
 
-FAMILIES = (Family("fireplace", "fireplace", kinds_of(fireplace, "mantel", "brick", "stove", "slot")),)
+FAMILIES = (FurnitureFamily("fireplace", "fireplace", design_kinds(fireplace, "mantel", "brick", "stove", "slot")),)

@@ -8,7 +8,7 @@ import numpy as np
 from home_procgen.primitives.solids import Solid, box, cylinder, rotate
 from home_procgen.shapes.rounded import ball, rounded
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import Family, design, kinds_of
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc
 
 
@@ -130,15 +130,15 @@ def radiator(kind: str = "panel", width: float = 1.0, height: float = 0.6) -> It
 
 
 FAMILIES = (
-    Family(
+    FurnitureFamily(
         "radiator",
         "heater",
         (
-            *kinds_of(radiator, "panel", "columns", "double", "convector"),
+            *design_kinds(radiator, "panel", "columns", "double", "convector"),
             design(radiator, width=0.6),
             design(radiator, kind="columns", width=0.6, height=0.8),
-            *kinds_of(radiator, "smooth", "tubes", "baseboard", "electric"),
+            *design_kinds(radiator, "smooth", "tubes", "baseboard", "electric"),
         ),
     ),
-    Family("oil_heater", "heater", kinds_of(radiator, "oil", "fan")),
+    FurnitureFamily("oil_heater", "heater", design_kinds(radiator, "oil", "fan")),
 )

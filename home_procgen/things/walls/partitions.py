@@ -8,7 +8,7 @@ import numpy as np
 from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import ring
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _folding_screen(kind: str) -> Iterator[Solid]:
@@ -65,4 +65,4 @@ def screen(kind: str = "folding") -> Iterator[Solid]:
     yield from _SCREEN_KINDS[kind]()
 
 
-FAMILIES = (Family("screen", "partition", kinds_of(screen, "folding", "slats", "paper", "rings", "cane")),)
+FAMILIES = (FurnitureFamily("screen", "partition", design_kinds(screen, "folding", "slats", "paper", "rings", "cane")),)

@@ -6,7 +6,7 @@ from functools import partial
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.rounded import rounded
 from home_procgen.shapes.sweep import ring
-from home_procgen.things.family import Family, kinds_of
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc
 
 
@@ -69,7 +69,7 @@ def _chargers() -> Iterator[Solid]:
         yield box("black", (0.006, 0.014, 0.002), (x, 0.034, 0.0015))
 
 
-_WIDE = {"double": 0.15, "sockets": 0.15, "triple": 0.222, "three_sockets": 0.222, "chargers": 0.15}
+_PLATE_WIDTHS = {"double": 0.15, "sockets": 0.15, "triple": 0.222, "three_sockets": 0.222, "chargers": 0.15}
 _KINDS: dict[str, Callable[[], Iterator[Solid]]] = {
     "switch": partial(_rockers, 1), "double": partial(_rockers, 2), "triple": partial(_rockers, 3), "dimmer": _dimmer,
     "thermostat": _thermostat, "toggle": _toggle, "turning": _turning, "touch": _touch,
@@ -81,13 +81,15 @@ _KINDS: dict[str, Callable[[], Iterator[Solid]]] = {
 def switch(kind: str = "switch") -> Iterator[Solid]:
     """Build switches, a dimmer, a thermostat, or sockets and chargers, on a plate."""
     if kind != "turning":
-        yield rounded("white", (_WIDE.get(kind, 0.082), 0.082, 0.01), (0.0, 0.0, -0.003), 0.004, 2)
+        yield rounded("white", (_PLATE_WIDTHS.get(kind, 0.082), 0.082, 0.01), (0.0, 0.0, -0.003), 0.004, 2)
     yield from _KINDS[kind]()
 
 
 SWITCHES = ("switch", "double", "dimmer", "thermostat", "triple", "toggle", "turning", "touch")
 
 FAMILIES = (
-    Family("switch", "switch", kinds_of(switch, *SWITCHES)),
-    Family("socket", "switch", kinds_of(switch, "socket", "sockets", "earthed", "three_sockets", "chargers")),
+    FurnitureFamily("switch", "switch", design_kinds(switch, *SWITCHES)),
+    FurnitureFamily(
+        "socket", "switch", design_kinds(switch, "socket", "sockets", "earthed", "three_sockets", "chargers")
+    ),
 )

@@ -10,9 +10,9 @@ from scenes import HEAD, open_air, scene_of
 
 from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.auralization.stream import sound_frame
+from home_mjx.audio_jax.auralization.stream import convolve_clip_frame
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source, is_indoors
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, is_indoors
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 
@@ -29,7 +29,7 @@ def hear(scene, source, listener, quat=HEAD, key=KEY, config=BINAURAL, exclude=-
 
 
 def _response(scene, source, listener, quat, key, exclude, config):
-    return impulse_response(scene, Source(source), Listener(listener, quat, exclude), key, config)
+    return impulse_response(scene, SoundSource(source), Listener(listener, quat, exclude), key, config)
 
 
 _run = jax.jit(_response, static_argnums=6)
@@ -54,7 +54,7 @@ def test_heads_whose_quaternion_is_not_of_unit_length_are_refused_and_inside_jit
     source, ears = jnp.zeros(3), jnp.array([1.0, 2.0, 9.0])
     for quat in (1.05 * HEAD, 0 * HEAD, jnp.nan * HEAD):
         with pytest.raises(ConfigError, match="a listener's quaternion must have unit length, got"):
-            impulse_response(open_air(), Source(source), Listener(ears, quat), KEY, BINAURAL)
+            impulse_response(open_air(), SoundSource(source), Listener(ears, quat), KEY, BINAURAL)
     for quat in (1.05 * HEAD, 0 * HEAD):
         assert not hear(open_air(), source, ears, quat).any()
     assert hear(open_air(), source, ears, 1.001 * HEAD).any()
@@ -160,8 +160,8 @@ def test_a_step_over_different_houses_in_one_batch():
     def step(house, source, listener, key, old):
         pos, quat = bank.physics.body_pos[house], bank.physics.body_quat[house]
         scene = make_scene(bank, house, pos, quat, jnp.zeros((0, 3)), jnp.zeros((0, 4)))
-        new = impulse_response(scene, Source(source), Listener(listener, HEAD), key, BINAURAL)
-        return new, sound_frame(clip, jnp.int32(7000), old, new, BINAURAL)
+        new = impulse_response(scene, SoundSource(source), Listener(listener, HEAD), key, BINAURAL)
+        return new, convolve_clip_frame(clip, jnp.int32(7000), old, new, BINAURAL)
 
     house = jnp.array([0, 1, 0, 1], jnp.int32)
     source = jnp.float32([[-1, -1, 1.2], [-2, -1, 1.2], [1.5, 1, 1], [2, 1, 1]])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.io import wavfile
 
-from home_mjx.audio_jax import AudioConfig, recorded_clip
+from home_mjx.audio_jax import AudioConfig, read_clip
 from home_mjx.errors import ConfigError, MissingFileError
 
 CONFIG = AudioConfig()
@@ -22,7 +22,7 @@ def test_a_recording_at_our_rate_is_only_scaled(tmp_path, caplog):
     path, samples = tmp_path / "tone.wav", tone(CONFIG.sample_rate).astype(np.float32)
     wavfile.write(path, CONFIG.sample_rate, samples)
     with caplog.at_level(logging.INFO):
-        clip = recorded_clip(path, CONFIG)
+        clip = read_clip(path, CONFIG)
     assert clip.dtype == np.float32
     np.testing.assert_allclose(clip, samples * (0.1 / np.sqrt(np.mean(samples**2))), atol=1e-5)
     assert not caplog.records
@@ -37,7 +37,7 @@ def test_another_rate_is_resampled_and_said(tmp_path, caplog, kind):
         coded = path.with_suffix(".flac")
         subprocess.run([imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-i", path, coded], check=True)
         path = coded
-    clip = recorded_clip(path, CONFIG)
+    clip = read_clip(path, CONFIG)
     assert "resampled from 44100 to 16000 Hz" in caplog.text
     assert abs(len(clip) - CONFIG.sample_rate) <= 1
     inside = slice(200, -200)
@@ -47,14 +47,14 @@ def test_another_rate_is_resampled_and_said(tmp_path, caplog, kind):
 
 def test_files_that_are_no_sound_are_refused(tmp_path):
     with pytest.raises(MissingFileError, match="no such recording"):
-        recorded_clip(tmp_path / "none.wav", CONFIG)
+        read_clip(tmp_path / "none.wav", CONFIG)
     path = tmp_path / "words.wav"
     path.write_bytes(b"RIFF no sound at all" * 20)
     with pytest.raises(ConfigError, match=r"cannot be read: .*Use a WAV or FLAC file"):
-        recorded_clip(path, CONFIG)
+        read_clip(path, CONFIG)
     path.write_bytes(b"")
     with pytest.raises(ConfigError, match="cannot be read"):
-        recorded_clip(path, CONFIG)
+        read_clip(path, CONFIG)
 
 
 @pytest.mark.parametrize(
@@ -71,4 +71,4 @@ def test_signals_that_cannot_sound_are_refused(tmp_path, samples, message):
     path = tmp_path / "clip.wav"
     wavfile.write(path, 16000, samples.astype(np.float32))
     with pytest.raises(ConfigError, match=message):
-        recorded_clip(path, CONFIG)
+        read_clip(path, CONFIG)

@@ -5,7 +5,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax import AudioConfig, Sounds, faded_frame, given_off, loudness, sound_frame
+from home_mjx.audio_jax import (
+    AudioConfig,
+    SoundSources,
+    convolve_clip_frame,
+    convolve_frame,
+    emitted_signal,
+    schedule_gain,
+)
 
 RATE = 16000
 CONFIG = AudioConfig(response_seconds=0.1)
@@ -24,7 +31,7 @@ def by_hand(time: int, every: float, lasts: float) -> float | None:
 @pytest.mark.parametrize(("every", "lasts"), [(np.inf, np.inf), (1.0, 0.25), (3.0, 1.0), (np.inf, 0.5)])
 def test_sources_sound_when_they_should(every: float, lasts: float):
     time = np.arange(-3 * RATE, 6 * RATE, 97, dtype=np.int32)
-    found = np.asarray(loudness(jnp.asarray(time), jnp.float32(every), jnp.float32(lasts), RATE))
+    found = np.asarray(schedule_gain(jnp.asarray(time), jnp.float32(every), jnp.float32(lasts), RATE))
     expected = [by_hand(int(t), every, lasts) for t in time]
     for value, wanted in zip(found.tolist(), expected, strict=True):
         assert 0 <= value <= 1 if wanted is None else value == wanted
@@ -32,31 +39,31 @@ def test_sources_sound_when_they_should(every: float, lasts: float):
 
 def test_sounds_begin_and_end_without_a_click():
     time = jnp.arange(2 * RATE)
-    found = np.asarray(loudness(time, jnp.float32(1.0), jnp.float32(0.5), RATE))
+    found = np.asarray(schedule_gain(time, jnp.float32(1.0), jnp.float32(0.5), RATE))
     assert np.abs(np.diff(found)).max() <= 1 / (0.005 * RATE) + 1e-6
     assert found.max() == 1
 
 
-def sources(rng: np.random.Generator) -> tuple[jax.Array, Sounds, jax.Array]:
+def sources(rng: np.random.Generator) -> tuple[jax.Array, SoundSources, jax.Array]:
     never = jnp.full(3, jnp.inf)
-    sounds = Sounds(
+    sounds = SoundSources(
         pos=jnp.zeros((3, 3)),
         body=jnp.full(3, -1),
         clip=jnp.array([0, 1, -1]),
         gain=jnp.array([1.0, 0.5, 1.0]),
-        every=never,
-        lasts=never,
+        period=never,
+        duration=never,
     )
     return jnp.asarray(rng.normal(size=(2, 700)), jnp.float32), sounds, jnp.array([0, 1, -1])
 
 
 def test_each_source_plays_its_own_clip_as_loud_as_it_should(rng: np.random.Generator):
     clips, sounds, row = sources(rng)
-    left = given_off(clips, sounds, row, jnp.int32(300), jnp.int32(300), CONFIG)
+    left = emitted_signal(clips, sounds, row, jnp.int32(300), jnp.int32(300), CONFIG)
     response = jnp.asarray(rng.normal(size=(2, CONFIG.response_length)), jnp.float32)
     for number, gain in ((0, 1.0), (1, 0.5)):
-        heard = faded_frame(left[number], response, response, CONFIG)
-        alone = sound_frame(clips[number], jnp.int32(300), response, response, CONFIG)
+        heard = convolve_frame(left[number], response, response, CONFIG)
+        alone = convolve_clip_frame(clips[number], jnp.int32(300), response, response, CONFIG)
         np.testing.assert_allclose(heard, gain * alone, atol=1e-4)
     np.testing.assert_array_equal(left[2], 0)
 
@@ -64,13 +71,13 @@ def test_each_source_plays_its_own_clip_as_loud_as_it_should(rng: np.random.Gene
 def test_a_sound_that_plays_once_is_followed_by_its_own_tail_alone(rng: np.random.Generator):
     """The second frame of a pulse of one frame is what the response still holds of it."""
     _, sounds, _ = sources(rng)
-    once = jax.tree.map(lambda x: x[:1], sounds).replace(lasts=jnp.array([CONFIG.frame / RATE]))
+    once = jax.tree.map(lambda x: x[:1], sounds).replace(duration=jnp.array([CONFIG.frame / RATE]))
     pulse = jnp.zeros((2, CONFIG.response_length)).at[:, 800].set(1.0)
     frames = []
     for number in range(3):
         time = jnp.int32(number * CONFIG.frame)
-        left = given_off(jnp.ones((1, 700)), once, jnp.array([0]), time, time, CONFIG)
-        frames.append(np.asarray(faded_frame(left[0], pulse, pulse, CONFIG))[0])
+        left = emitted_signal(jnp.ones((1, 700)), once, jnp.array([0]), time, time, CONFIG)
+        frames.append(np.asarray(convolve_frame(left[0], pulse, pulse, CONFIG))[0])
     heard = np.concatenate(frames)
     ramp = round(0.005 * RATE)
     assert np.abs(heard[:800]).max() < 1e-5

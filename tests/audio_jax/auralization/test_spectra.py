@@ -8,7 +8,7 @@ import pytest
 import scipy.signal
 
 from home_mjx.audio_jax import log_mel, stft_magnitude
-from home_mjx.audio_jax.auralization.spectra import LEAST, NUM_MELS, mel_filters, spectrum_shape
+from home_mjx.audio_jax.auralization.spectra import MIN_MEL_LEVEL, NUM_MELS, mel_filters, spectrum_shape
 from home_mjx.errors import ConfigError
 
 
@@ -61,7 +61,7 @@ def test_loudness_is_in_decibels_and_silence_at_the_floor():
     sound = np.sin(2 * np.pi * 440 * np.arange(1600) / 16000)
     loud, quiet = (log_mel(stft_magnitude(jnp.asarray(g * sound, jnp.float32), 16000), 16000) for g in (1, 0.1))
     assert float(loud.max() - quiet.max()) == pytest.approx(20, abs=0.01)
-    assert float(log_mel(stft_magnitude(jnp.zeros(1600), 16000), 16000).max()) == LEAST
+    assert float(log_mel(stft_magnitude(jnp.zeros(1600), 16000), 16000).max()) == MIN_MEL_LEVEL
 
 
 def test_a_sound_shorter_than_a_window_is_refused():

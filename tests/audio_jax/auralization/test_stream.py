@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.auralization.stream import sound_frame
+from home_mjx.audio_jax.auralization.stream import convolve_clip_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 
 CONFIG = AudioConfig(response_seconds=0.2)
@@ -15,9 +15,9 @@ CONFIG = AudioConfig(response_seconds=0.2)
 
 @pytest.fixture(scope="module")
 def frame():
-    """`sound_frame`, compiled, under strict promotion."""
+    """`convolve_clip_frame`, compiled, under strict promotion."""
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        compiled = jax.jit(lambda *args: sound_frame(*args, CONFIG))
+        compiled = jax.jit(lambda *args: convolve_clip_frame(*args, CONFIG))
         zeros = jnp.zeros((2, CONFIG.response_length))
         compiled(jnp.zeros(5000), jnp.int32(0), zeros, zeros)
     return compiled
@@ -56,12 +56,12 @@ def test_phase_is_taken_modulo_the_clip_and_may_be_batched(rng):
     clip = jnp.asarray(rng.normal(size=3000), jnp.float32)
     response = random_response(rng)
     phases = jnp.array([100, 100 + 3000 * 400000], jnp.int32)
-    both = jax.jit(jax.vmap(lambda p: sound_frame(clip, p, response, response, CONFIG)))(phases)
+    both = jax.jit(jax.vmap(lambda p: convolve_clip_frame(clip, p, response, response, CONFIG)))(phases)
     np.testing.assert_allclose(both[0], both[1], atol=1e-6)
 
 
 def test_a_clip_shorter_than_the_response_still_loops(rng):
     clip = jnp.asarray(rng.normal(size=10), jnp.float32)
     pulse = jnp.zeros((2, CONFIG.response_length)).at[:, 25].set(1.0)
-    heard = sound_frame(clip, jnp.int32(0), pulse, pulse, CONFIG)
+    heard = convolve_clip_frame(clip, jnp.int32(0), pulse, pulse, CONFIG)
     np.testing.assert_allclose(heard[0], np.asarray(clip)[(np.arange(CONFIG.frame) - 25) % 10], atol=1e-5)

@@ -61,7 +61,7 @@ def test_presets():
     for name in PRESETS:  # each is to be had with late sound that has been baked
         assert audio_preset(name, late="baked").reflection_order == 1
     assert audio_preset("balanced", num_edges=0) == AudioConfig(**{**PRESETS["balanced"], "num_edges": 0})
-    with pytest.raises(ConfigError, match="Did you mean `fast`"):
+    with pytest.raises(ConfigError, match="Did you mean `kernels`"):
         audio_preset("fats")
     with pytest.raises(ConfigError, match="num_rays"):
         audio_preset("fast", num_rays=0)

@@ -4,8 +4,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.base.delays import HALF_WIDTH, at_twice_the_rate, delay_kernel, windowed_sinc
-from home_mjx.audio_jax.base.shapes import octave_shapes, shapes
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, delay_kernel, upsample_twice, windowed_sinc
+from home_mjx.audio_jax.base.shapes import filter_basis, octave_filters_at_knots
 from home_mjx.schema.compiled import BANDS
 
 RATE = 16000
@@ -13,7 +13,7 @@ RATE = 16000
 
 def spectrum(weight: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     """Of sums of the kernels."""
-    kernel = weight @ shapes(RATE).kernel
+    kernel = weight @ filter_basis(RATE).kernel
     time = (np.arange(kernel.shape[-1]) - HALF_WIDTH) / RATE
     return kernel @ np.exp(-2j * np.pi * time[:, None] * frequency)
 
@@ -26,14 +26,14 @@ def octave_energy(response: np.ndarray, frequency: np.ndarray) -> np.ndarray:
 
 def test_together_they_change_nothing():
     frequency = np.linspace(30, 7000, 200)
-    np.testing.assert_allclose(spectrum(np.ones(shapes(RATE).frequency.size), frequency), 1, atol=1e-4)
+    np.testing.assert_allclose(spectrum(np.ones(filter_basis(RATE).frequency.size), frequency), 1, atol=1e-4)
 
 
 def test_reflections_off_materials_have_their_gains(rng):
     """One or two surfaces whose absorption rises or falls by about 0.1 per octave: centres and energies of octaves."""
     absorption = np.clip(rng.uniform(0.05, 0.6, (60, 2, 1)) + np.cumsum(rng.normal(0, 0.08, (60, 2, 7)), -1), 0.01, 0.9)
     gain = np.sqrt(np.prod(1 - absorption, axis=1))
-    weight = np.real(np.asarray(octave_shapes(jnp.asarray(gain, jnp.float32), RATE)))
+    weight = np.real(np.asarray(octave_filters_at_knots(jnp.asarray(gain, jnp.float32), RATE)))
     level = 20 * np.log10(np.abs(spectrum(weight, np.array(BANDS[:6]))) / gain[:, :6])
     assert np.max(np.abs(level)) < 0.1
     frequency = np.geomspace(BANDS[0] / 2**0.5, 7000, 700)
@@ -45,7 +45,7 @@ def test_reflections_off_materials_have_their_gains(rng):
 def test_they_are_causal():
     """But for the band limit's look ahead, whatever the gains."""
     gain = jnp.asarray([[1.0, 0.5, 0.9, 0.3, 0.6, 0.2, 0.4]])
-    kernel = np.real(np.asarray(octave_shapes(gain, RATE)))[0] @ shapes(RATE).kernel
+    kernel = np.real(np.asarray(octave_filters_at_knots(gain, RATE)))[0] @ filter_basis(RATE).kernel
     assert np.sum(kernel[:HALF_WIDTH] ** 2) < 0.02 * np.sum(kernel**2)
     assert kernel.size == HALF_WIDTH * 2 + round(0.032 * RATE)
 
@@ -64,4 +64,4 @@ def test_twice_the_rate(rng):
     signal = rng.normal(size=50)
     place = np.arange(100)[:, None] / 2 - np.arange(50)[None]
     exact = windowed_sinc(place) @ signal
-    np.testing.assert_allclose(at_twice_the_rate(jnp.asarray(signal, jnp.float32)), exact, atol=1e-5)
+    np.testing.assert_allclose(upsample_twice(jnp.asarray(signal, jnp.float32)), exact, atol=1e-5)

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.geometry.images import Mirrors, find_images, nearest_mirrors
-from home_mjx.audio_jax.propagation.mirrored import names_of
+from home_mjx.audio_jax.geometry.images import Mirrors, find_image_sources, select_nearest_mirrors
+from home_mjx.audio_jax.propagation.mirrored import path_names
 
 
 def mirrors(center, normal, u, v) -> Mirrors:
@@ -62,7 +62,7 @@ def brute_force(m: Mirrors, source, listener, order) -> list[tuple[float, np.nda
     return found
 
 
-find = jax.jit(find_images, static_argnames="highest")
+find = jax.jit(find_image_sources, static_argnames="max_order")
 
 
 @pytest.mark.parametrize(("highest", "count"), [(1, 6), (2, 24), (3, 62)])
@@ -101,10 +101,10 @@ def test_any_rectangles_as_by_brute_force(seed, order):
 def test_the_mirrors_that_are_kept_are_the_nearest():
     """Those over which the way is shortest, in a long room: not its far end."""
     room = box((20.0, 4.0, 3.0))
-    kept = nearest_mirrors(room, jnp.float32([-8, 0, 0]), jnp.float32([-7, 1, 0.2]), 5)
+    kept = select_nearest_mirrors(room, jnp.float32([-8, 0, 0]), jnp.float32([-7, 1, 0.2]), 5)
     assert 10.0 not in np.asarray(kept.center)[:, 0]
     assert np.all(kept.valid)
-    behind = nearest_mirrors(room, jnp.float32([30, 0, 0]), jnp.float32([31, 0, 0]), 6)
+    behind = select_nearest_mirrors(room, jnp.float32([30, 0, 0]), jnp.float32([31, 0, 0]), 6)
     assert int(behind.valid.sum()) == 5  # the back of the near end says nothing
 
 
@@ -112,9 +112,9 @@ def test_names_stay_while_source_and_listener_move():
     """Each of the 24 reflections in a box has a name of its own, the same after both have moved by 0.1 m."""
     room = box((4.0, 5.0, 2.7))
     places = jnp.array([[0.3, 1.2, 0.2], [-1.1, -0.7, 0.4]])
-    found = [find_images(room, *(places + step), 2) for step in (0.0, 0.1)]
+    found = [find_image_sources(room, *(places + step), 2) for step in (0.0, 0.1)]
     there = [np.isfinite(np.asarray(f.length)) for f in found]
-    before, after = (np.asarray(names_of(f)) for f in found)
+    before, after = (np.asarray(path_names(f)) for f in found)
     assert there[0].sum() == 24
     assert len(set(before[there[0]])) == 24
     same = there[0] & there[1]

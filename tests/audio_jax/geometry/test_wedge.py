@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import hankel1, modfresnelm
 
-from home_mjx.audio_jax.geometry.wedge import Bend, diffracted, second_edge, transition
+from home_mjx.audio_jax.geometry.wedge import WedgeGeometry, diffracted_pressure, second_edge_factor, transition
 
 QUARTER = np.exp(0.25j * np.pi)
 
@@ -41,12 +41,12 @@ def half_plane(k, near, far, face, there) -> complex:
     return image(there - face) + image(there + face)
 
 
-def one(*fields) -> Bend:
-    return Bend(*(jnp.full(1, x, jnp.float32) for x in fields))
+def one(*fields) -> WedgeGeometry:
+    return WedgeGeometry(*(jnp.full(1, x, jnp.float32) for x in fields))
 
 
 def gain(bend, k) -> complex:
-    return complex(diffracted(bend, jnp.full(1, k, jnp.float32))[0, 0])
+    return complex(diffracted_pressure(bend, jnp.full(1, k, jnp.float32))[0, 0])
 
 
 @pytest.mark.parametrize("frequency", [125, 1000, 4000])
@@ -98,6 +98,6 @@ def test_transition_function(x):
 
 
 def test_a_second_edge_takes_more_the_more_it_turns():
-    taken = second_edge(jnp.radians(jnp.float32([0, 10, 40, 80])), jnp.ones(4), jnp.full(1, 20.0))[:, 0]
+    taken = second_edge_factor(jnp.radians(jnp.float32([0, 10, 40, 80])), jnp.ones(4), jnp.full(1, 20.0))[:, 0]
     assert float(taken[0]) == pytest.approx(1, abs=1e-3)
     assert np.all(np.diff(taken) < 0)

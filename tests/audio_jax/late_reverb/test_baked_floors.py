@@ -20,7 +20,7 @@ def test_a_floor_lets_through_what_its_loss_says():
     above = Storey([RoomOutline("Bedroom", [(0, 0), (3, 0), (3, 4), (0, 4)])])
     house = stacked([below, above])
     compiled = compile_house(house, metadata_of(house))
-    field = bake_house(compiled, BakeOptions(size=2.0, rays=300, bounces=60))
+    field = bake_house(compiled, BakeOptions(cell_size=2.0, rays=300, max_bounces=60))
     loss = transmission_loss_table()["wood_joist_floor"]
     wanted = 12 / 4 * 10 ** (-loss / 10)
     found = field.wall.astype(float)[0, 1]

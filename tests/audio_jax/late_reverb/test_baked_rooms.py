@@ -16,19 +16,19 @@ from home_mjx.audio_jax import (
     AudioConfig,
     BakeOptions,
     Listener,
-    Source,
-    baked_sound,
+    SoundSource,
     early_paths,
-    first_order,
+    first_order_directivity,
     impulse_response,
+    lookup_late_sound,
     survey_room,
 )
 from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.late_reverb.bake.bake import bake_house, open_scene
-from home_mjx.audio_jax.late_reverb.bake.fit import Tally
-from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stacked
-from home_mjx.audio_jax.late_reverb.trace.cells import divide
+from home_mjx.audio_jax.late_reverb.bake.bake import bake_house, make_open_scene
+from home_mjx.audio_jax.late_reverb.bake.fit import Accumulator
+from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stack_fields
+from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
@@ -42,8 +42,8 @@ MID = 3  # 1 kHz
 
 def scene_with(house: CompiledHouse, field: LateField) -> Scene:
     bank = HouseBank.from_compiled([house])
-    rows = house.doors.rows(bank.spec.num_doors, bank.spec.num_slides)
-    return open_scene(bank.replace(late=stacked([field], [rows])), 0)
+    rows = house.doors.bank_rows(bank.spec.num_doors, bank.spec.num_slides)
+    return make_open_scene(bank.replace(late=stack_fields([field], [rows])), 0)
 
 
 def baked(house: CompiledHouse, options: BakeOptions) -> Scene:
@@ -53,8 +53,8 @@ def baked(house: CompiledHouse, options: BakeOptions) -> Scene:
 @jax.jit
 def whole_energy(scene: Scene, source: jax.Array, listener: jax.Array) -> jax.Array:
     """Histogram (k, 7) of early paths and the baked field together."""
-    paths = early_paths(scene, Source(source), Listener(listener, HEAD), CONFIG)
-    late = baked_sound(scene, source, listener, CONFIG).energy
+    paths = early_paths(scene, SoundSource(source), Listener(listener, HEAD), CONFIG)
+    late = lookup_late_sound(scene, source, listener, CONFIG).energy
     return late.at[(paths.distance / METRES).astype(jnp.int32)].add(paths.gain**2, mode="drop")
 
 
@@ -72,7 +72,7 @@ def means(energy: np.ndarray, read) -> np.ndarray:
 @pytest.fixture(scope="module")
 def uneven() -> tuple[rooms.KnownRoom, Scene]:
     room = rooms.uneven()
-    return room, baked(room.house, BakeOptions(size=1.5, rays=400, bounces=120))
+    return room, baked(room.house, BakeOptions(cell_size=1.5, rays=400, max_bounces=120))
 
 
 def test_an_uneven_room_decays_as_it_should(uneven):
@@ -90,11 +90,13 @@ def test_an_uneven_room_decays_as_it_should(uneven):
 def even():
     """A room, and what is heard in it of a narrow source, 1 kHz over time at one of the listeners."""
     room = rooms.even()
-    scene = baked(room.house, BakeOptions(size=1.5, rays=400, bounces=80))
+    scene = baked(room.house, BakeOptions(cell_size=1.5, rays=400, max_bounces=80))
 
     @jax.jit
     def hear(quat, place):
-        source = Source(jnp.asarray(room.source, jnp.float32), quat=quat, directivity=first_order(0.5, 2.0))
+        source = SoundSource(
+            jnp.asarray(room.source, jnp.float32), quat=quat, directivity=first_order_directivity(0.5, 2.0)
+        )
         return late_energy(scene, source, Listener(place, HEAD), jax.random.key(0), CONFIG)[:, 0, MID]
 
     return room, hear
@@ -126,17 +128,17 @@ def test_what_is_read_is_as_early_as_what_rays_gave(monkeypatch):
     half a bin, 2 ms, late: EDT of a room of 0.25 s was 5 % long.
     """
     found = {}
-    add = Tally.add
+    add = Accumulator.add
 
     def keep(tally, octave, heard, flown):
         found[octave] = heard
         add(tally, octave, heard, flown)
 
-    monkeypatch.setattr(Tally, "add", keep)
+    monkeypatch.setattr(Accumulator, "add", keep)
     house = shoebox((6.0, 5.0, 3.0), absorption=0.5)
-    scene = baked(house, BakeOptions(size=1.5, rays=100, bounces=40))
-    middle = jnp.asarray(divide(house, 1.5).center, jnp.float32)
-    read = jax.vmap(jax.vmap(lambda a, b: baked_sound(scene, a, b, CONFIG).energy[:, MID], (None, 0)), (0, None))
+    scene = baked(house, BakeOptions(cell_size=1.5, rays=100, max_bounces=40))
+    middle = jnp.asarray(divide_rooms(house, 1.5).center, jnp.float32)
+    read = jax.vmap(jax.vmap(lambda a, b: lookup_late_sound(scene, a, b, CONFIG).energy[:, MID], (None, 0)), (0, None))
     ours, exact = np.asarray(jax.jit(read)(middle, middle)), found[MID]
     times = [(x.sum(axis=(0, 1)) @ np.arange(x.shape[2])) / x.sum() for x in (ours, exact)]
     assert 1000 * DT * (times[0] - times[1]) == pytest.approx(0, abs=0.5)
@@ -145,7 +147,7 @@ def test_what_is_read_is_as_early_as_what_rays_gave(monkeypatch):
 def test_source_and_listener_may_change_places(uneven):
     scene = uneven[1]
     here, there = jnp.float32([-2.0, 1.0, 1.2]), jnp.float32([1.5, -0.7, 1.7])
-    run = jax.jit(lambda a, b: baked_sound(scene, a, b, CONFIG).energy)
+    run = jax.jit(lambda a, b: lookup_late_sound(scene, a, b, CONFIG).energy)
     np.testing.assert_allclose(run(here, there), run(there, here), rtol=1e-4, atol=1e-9)
 
 
@@ -154,7 +156,7 @@ def test_steps_are_smooth(uneven):
     scene = uneven[1]
     path = jnp.stack([jnp.linspace(-2.8, 2.8, 113), jnp.full(113, 0.3), jnp.full(113, 1.5)], axis=1)
     source = jnp.float32([2.0, -1.5, 1.0])
-    walk = jax.jit(jax.vmap(lambda p: jnp.sum(baked_sound(scene, source, p, CONFIG).energy, axis=0)))
+    walk = jax.jit(jax.vmap(lambda p: jnp.sum(lookup_late_sound(scene, source, p, CONFIG).energy, axis=0)))
     level = 10 * np.log10(np.asarray(walk(path)))
     assert np.max(np.abs(np.diff(level, axis=0))) < 0.3
 
@@ -166,9 +168,11 @@ def test_a_field_is_small(uneven):
 def test_a_waveform_has_the_energy_of_the_field(uneven):
     """From 60 ms on, when first reflections are over; of white sound, so each octave counts by its width."""
     scene, config = uneven[1], AudioConfig(late="baked", receiver="omni", response_seconds=2.0)
-    source, listener = Source(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
+    source, listener = SoundSource(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
     response = jax.jit(impulse_response, static_argnums=4)(scene, source, listener, jax.random.key(0), config)
-    energy = np.asarray(jax.jit(baked_sound, static_argnums=3)(scene, source.pos, listener.pos, config).energy)[15:]
+    energy = np.asarray(jax.jit(lookup_late_sound, static_argnums=3)(scene, source.pos, listener.pos, config).energy)[
+        15:
+    ]
     width = octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1)
     heard = (np.asarray(response)[:, 15 * config.bin_samples :] ** 2).sum(axis=1)
     np.testing.assert_allclose(10 * np.log10(heard / (energy @ width).sum()), 0, atol=0.5)
@@ -178,17 +182,17 @@ def test_a_waveform_has_the_energy_of_the_field(uneven):
 def test_a_survey_reads_the_baked_field(uneven):
     """T30 of a waveform as that of the field's energies; a figure of eight hears a third of what is everywhere."""
     scene, config = uneven[1], AudioConfig(late="baked", response_seconds=2.0)
-    source, listener = Source(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
+    source, listener = SoundSource(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
     found = jax.jit(survey_room, static_argnums=4)(scene, source, listener, jax.random.key(0), config)
     energy = np.asarray(whole_energy(scene, source.pos, listener.pos)).T
-    np.testing.assert_allclose(found.measures.t30[1:], [t30(band, DT) for band in energy[1:]], rtol=0.08)
+    np.testing.assert_allclose(found.parameters.t30[1:], [t30(band, DT) for band in energy[1:]], rtol=0.08)
     assert np.all(np.abs(np.asarray(found.lateral_fraction) - 1 / 3) < 0.2)
 
 
 def test_a_bank_without_baked_sound_is_refused():
-    scene = open_scene(HouseBank.from_compiled([shoebox()]), 0)
+    scene = make_open_scene(HouseBank.from_compiled([shoebox()]), 0)
     with pytest.raises(ConfigError, match="add_bakes"):
-        baked_sound(scene, jnp.zeros(3), jnp.ones(3), CONFIG)
+        lookup_late_sound(scene, jnp.zeros(3), jnp.ones(3), CONFIG)
 
 
 @pytest.mark.parametrize("loss", [15, 30, 40])
@@ -221,7 +225,9 @@ def test_where_nothing_gets_through_nothing_is_heard(sealed):
 @pytest.fixture(scope="module")
 def sealed() -> tuple[Scene, jax.Array, list]:
     """Two rooms 4 x 5 x 3 m of absorption 0.1, a wall of 15 dB between them."""
-    scene = baked(two_rooms(absorption=0.1, transmission=10**-1.5), BakeOptions(size=2.0, rays=150, bounces=100))
+    scene = baked(
+        two_rooms(absorption=0.1, transmission=10**-1.5), BakeOptions(cell_size=2.0, rays=150, max_bounces=100)
+    )
     places = np.array([[-3.3, 1.0, 1.2], [-1.2, -1.5, 1.7], [-2.0, 1.9, 2.2], [-3.5, -1.8, 0.8]], np.float32)
     return scene, jnp.float32([-2.6, -0.4, 1.4]), [list(places), list(places * np.array([-1, 1, 1], np.float32))]
 
@@ -231,7 +237,7 @@ def coupled():
     """Two rooms and a doorway, with what is baked for them, and the truth."""
     room = rooms.coupled()
     truth = fly(room.blocks, room.source, room.listeners, 2.0, particles=60_000, radius=0.5)
-    return room, baked(room.house, BakeOptions(size=0.8, rays=400, bounces=150)), truth
+    return room, baked(room.house, BakeOptions(cell_size=0.8, rays=400, max_bounces=150)), truth
 
 
 @pytest.mark.slow
@@ -254,7 +260,7 @@ def test_sound_in_the_other_room_comes_out_of_the_doorway(coupled):
     for place, way, energy in zip(room.listeners[3:], -truth.way[3:].sum(axis=1), truth.energy[3:], strict=True):
         source, ear = (jnp.asarray(x, jnp.float32) for x in (room.source, place))
         whole, bins = first_span(scene, source, ear)
-        first, last = np.asarray(baked_sound(scene, source, ear, CONFIG).comes_from)[[0, -1]]
+        first, last = np.asarray(lookup_late_sound(scene, source, ear, CONFIG).arrival_direction)[[0, -1]]
         assert np.linalg.norm(last) < 0.2
         door, away = doorway_from(place)
         exact = way[bins].sum(axis=0) / energy[:, bins].sum()
@@ -271,7 +277,10 @@ def test_sound_in_the_other_room_comes_out_of_the_doorway(coupled):
 def test_so_does_what_is_baked_far_behind_the_doorway(coupled):
     room, scene, _ = coupled
     source, ear = (jnp.asarray(x, jnp.float32) for x in (room.source, room.listeners[-1]))
-    first, (door, away) = baked_sound(scene, source, ear, CONFIG).comes_from[0], doorway_from(room.listeners[-1])
+    first, (door, away) = (
+        lookup_late_sound(scene, source, ear, CONFIG).arrival_direction[0],
+        doorway_from(room.listeners[-1]),
+    )
     assert away > 3
     assert first @ door > 0.05
     assert first @ door / np.linalg.norm(first) > 0.7
@@ -285,13 +294,13 @@ def doorway_from(place: np.ndarray) -> tuple[np.ndarray, float]:
 
 def first_span(scene: Scene, source: jax.Array, ear: jax.Array) -> tuple[np.ndarray, slice]:
     """Mean direction of all but the direct sound in the first span, and its bins."""
-    late = baked_sound(scene, source, ear, CONFIG)
-    paths = early_paths(scene, Source(source), Listener(ear, HEAD), CONFIG)
-    share, energy = np.asarray(late.span)[:, 0], np.asarray(late.energy).sum(axis=1)
+    late = lookup_late_sound(scene, source, ear, CONFIG)
+    paths = early_paths(scene, SoundSource(source), Listener(ear, HEAD), CONFIG)
+    share, energy = np.asarray(late.span_share)[:, 0], np.asarray(late.energy).sum(axis=1)
     bins = np.flatnonzero(share > 0.01)
     whole, at = slice(int(bins[0]), int(bins[-1]) + 1), (np.asarray(paths.distance) / METRES).astype(int)
     inside = (at >= whole.start) & (at < whole.stop) & (np.arange(at.size) > 0)
     power = (np.asarray(paths.gain) ** 2).sum(axis=1)[inside]
     baked_power = energy @ share
-    flow = np.asarray(late.comes_from)[0] * baked_power + power @ np.asarray(paths.direction)[inside]
+    flow = np.asarray(late.arrival_direction)[0] * baked_power + power @ np.asarray(paths.direction)[inside]
     return flow / (baked_power + power.sum()), whole

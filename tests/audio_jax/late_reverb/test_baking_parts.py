@@ -9,32 +9,40 @@ import pytest
 from acoustic_rooms import coupled
 from handmade import shoebox
 
-from home_mjx.audio_jax.late_reverb.bake.fit import Tally, alike, apart, neighbours
-from home_mjx.audio_jax.late_reverb.lookup.reading import _delayed
-from home_mjx.audio_jax.late_reverb.lookup.spans import BINS, FINE, KNOTS, SPANS, at_knots, between, span_of
-from home_mjx.audio_jax.late_reverb.trace.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
-from home_mjx.audio_jax.late_reverb.trace.split import share_out
+from home_mjx.audio_jax.late_reverb.bake.fit import Accumulator, factor_hidden_pairs, smooth_octaves, weigh_cells
+from home_mjx.audio_jax.late_reverb.lookup.reading import _delay
+from home_mjx.audio_jax.late_reverb.lookup.spans import (
+    FINE_BINS,
+    KNOT_BINS,
+    NUM_BINS,
+    SPAN_STARTS,
+    fit_knots,
+    knot_weights,
+    span_index,
+)
+from home_mjx.audio_jax.late_reverb.trace.cells import CELL_CEILING_GAP, CELL_FLOOR_GAP, MAX_CELLS, divide_rooms
+from home_mjx.audio_jax.late_reverb.trace.split import resample_rays
 
 
 def test_cells_fill_the_rooms():
-    cells = divide(shoebox((6.0, 5.0, 3.0)), 1.0)
+    cells = divide_rooms(shoebox((6.0, 5.0, 3.0)), 1.0)
     assert len(cells.room) == 30
-    height = 3.0 - FROM_FLOOR - FROM_CEILING
+    height = 3.0 - CELL_FLOOR_GAP - CELL_CEILING_GAP
     assert cells.volume.sum() == pytest.approx(30 * height, rel=0.05)
     np.testing.assert_allclose(cells.volume, height, rtol=0.15)
     assert np.array_equal(np.unique(cells.lookup[cells.lookup >= 0]), np.arange(30))
 
 
 def test_no_cell_lies_in_two_rooms_and_there_are_never_too_many():
-    cells = divide(coupled().house, 1.0)
+    cells = divide_rooms(coupled().house, 1.0)
     assert set(cells.room[cells.center[:, 0] < 6]) == {0}
     assert set(cells.room[cells.center[:, 0] > 6]) == {1}
-    assert len(divide(shoebox((12.0, 12.0, 3.0)), 0.4).room) <= MOST_CELLS
+    assert len(divide_rooms(shoebox((12.0, 12.0, 3.0)), 0.4).room) <= MAX_CELLS
 
 
-def exponentials(rates: np.ndarray, flown: int, bins: int = 400) -> Tally:
+def exponentials(rates: np.ndarray, flown: int, bins: int = 400) -> Accumulator:
     """A tally of one room of four cells that hear a decay per octave, only as long as rays flew."""
-    tally = Tally(np.zeros(4, int), np.zeros((4, 4)), len(rates), bins, 1.0)
+    tally = Accumulator(np.zeros(4, int), np.zeros((4, 4)), len(rates), bins, 1.0)
     for octave, rate in enumerate(rates):
         decay = np.exp(-rate * np.arange(bins)) * (np.arange(bins) < flown)
         tally.add(octave, np.tile(decay, (4, 4, 1)), float(flown))
@@ -44,13 +52,13 @@ def exponentials(rates: np.ndarray, flown: int, bins: int = 400) -> Tally:
 def test_a_decay_goes_on_beyond_the_traced_time():
     rates = np.array([0.02, 0.05])
     level, shape = exponentials(rates, flown=150).finish()
-    assert level.shape == (4, 4, len(SPANS), 2)
-    spans = [*SPANS, 400]
+    assert level.shape == (4, 4, len(SPAN_STARTS), 2)
+    spans = [*SPAN_STARTS, 400]
     for band, rate in enumerate(rates):
         exact = [np.exp(-rate * np.arange(a, b)).sum() for a, b in pairwise(spans)]
         np.testing.assert_allclose(np.exp(level[0, 3, :, band]), exact, rtol=0.01)
-        late = shape[0, 0, band, SPANS[-1] :]
-        np.testing.assert_allclose(late, np.exp(-rate * np.arange(SPANS[-1], 400)) / exact[-1], rtol=0.01)
+        late = shape[0, 0, band, SPAN_STARTS[-1] :]
+        np.testing.assert_allclose(late, np.exp(-rate * np.arange(SPAN_STARTS[-1], 400)) / exact[-1], rtol=0.01)
 
 
 def test_a_late_slope_is_as_loud_as_between_its_own_cells():
@@ -59,42 +67,42 @@ def test_a_late_slope_is_as_loud_as_between_its_own_cells():
     When all that is later than 56 ms was one span the slow slope was as loud everywhere: 1.9 dB off here, and in
     coupled rooms T30 was 4 to 10 % long.
     """
-    time, near = np.arange(BINS), np.array([1.0, 1.0, 2.0, 2.0])
+    time, near = np.arange(NUM_BINS), np.array([1.0, 1.0, 2.0, 2.0])
     decay = np.exp(-0.22 * time) + 0.003 * np.outer(near, near)[:, :, None] * np.exp(-0.045 * time)
-    tally = Tally(np.zeros(4, int), np.zeros((4, 4)), 1, BINS, 1.0)
-    tally.add(0, decay, float(BINS))
+    tally = Accumulator(np.zeros(4, int), np.zeros((4, 4)), 1, NUM_BINS, 1.0)
+    tally.add(0, decay, float(NUM_BINS))
     level, shape = tally.finish()
-    read = np.exp(level[..., span_of(BINS), 0]) * shape[0, 0, 0]
-    late = slice(2 * FINE, 200)
+    read = np.exp(level[..., span_index(NUM_BINS), 0]) * shape[0, 0, 0]
+    late = slice(2 * FINE_BINS, 200)
     error = 10 * np.log10(read[..., late].sum(axis=2) / decay[..., late].sum(axis=2))
     np.testing.assert_allclose(error, 0, atol=0.5)
 
 
 def test_each_span_of_a_shape_holds_one():
     _, shape = exponentials(np.array([0.03]), flown=200).finish()
-    np.testing.assert_allclose(np.add.reduceat(shape[0, 0, 0], SPANS), 1, rtol=1e-6)
+    np.testing.assert_allclose(np.add.reduceat(shape[0, 0, 0], SPAN_STARTS), 1, rtol=1e-6)
 
 
 def test_knots_give_back_two_slopes():
     """A bend at -20 dB: between knots within 0.2 dB, and every span holds 1."""
-    time = np.arange(BINS)
+    time = np.arange(NUM_BINS)
     decay = np.exp(-0.06 * time) + 0.01 * np.exp(-0.012 * time)
-    spans = np.add.reduceat(decay, SPANS)
-    decay /= np.repeat(spans, np.diff([*SPANS, BINS]))
-    read = np.exp(between(BINS) @ at_knots(decay))
-    np.testing.assert_allclose(np.add.reduceat(read, SPANS), 1, rtol=1e-6)
-    np.testing.assert_allclose(10 * np.log10(read / decay)[FINE:], 0, atol=0.2)
-    assert len(KNOTS) < 48
+    spans = np.add.reduceat(decay, SPAN_STARTS)
+    decay /= np.repeat(spans, np.diff([*SPAN_STARTS, NUM_BINS]))
+    read = np.exp(knot_weights(NUM_BINS) @ fit_knots(decay))
+    np.testing.assert_allclose(np.add.reduceat(read, SPAN_STARTS), 1, rtol=1e-6)
+    np.testing.assert_allclose(10 * np.log10(read / decay)[FINE_BINS:], 0, atol=0.2)
+    assert len(KNOT_BINS) < 48
 
 
 def test_the_last_slope_goes_on_after_the_last_knot():
-    read = np.exp(between(700) @ at_knots(np.exp(-0.02 * np.arange(BINS))))
+    read = np.exp(knot_weights(700) @ fit_knots(np.exp(-0.02 * np.arange(NUM_BINS))))
     np.testing.assert_allclose(read[650] / read[550], np.exp(-2), rtol=0.03)
 
 
 def test_arrivals_count_from_the_first_possible_one():
     """What comes 30 bins late between cells 30 bins apart is in the first span."""
-    tally = Tally(np.zeros(2, int), np.array([[0.0, 30.0], [30.0, 0.0]]), 1, 100, 1.0)
+    tally = Accumulator(np.zeros(2, int), np.array([[0.0, 30.0], [30.0, 0.0]]), 1, 100, 1.0)
     heard = np.zeros((2, 2, 100))
     heard[0, 1, 31] = 5.0
     tally.add(0, heard, 100.0)
@@ -109,14 +117,14 @@ def test_splitting_keeps_the_energy_of_each_room():
     energy = jnp.asarray(rng.random(350) * np.where(np.asarray(room) == 1, 0.05, 1.0), jnp.float32)
 
     def left(key: jax.Array) -> tuple[jax.Array, jax.Array]:
-        pick, new = share_out(energy, room, octave, 2, key)
+        pick, new = resample_rays(energy, room, octave, 2, key)
         return jnp.zeros(350).at[pick].add(new), jnp.mean(room[pick] == 1)
 
     after, share = jax.vmap(left)(jax.random.split(jax.random.key(1), 4000))
     np.testing.assert_allclose(after.mean(axis=0), energy, atol=0.02)
     assert float(share.mean()) > 3 * float(energy[room == 1].sum() / energy.sum())
     assert np.array_equal(
-        np.asarray(octave)[np.asarray(share_out(energy, room, octave, 2, jax.random.key(2))[0])], octave
+        np.asarray(octave)[np.asarray(resample_rays(energy, room, octave, 2, jax.random.key(2))[0])], octave
     )
 
 
@@ -129,13 +137,13 @@ def test_rooms_apart_are_smoothed_without_losing_energy():
     noisy = exact * rng.exponential(size=exact.shape)
     noisy = (noisy + noisy.swapaxes(0, 1)) / 2
     seen = room[:, None] == room[None]
-    out = apart(noisy, room, seen)
+    out = factor_hidden_pairs(noisy, room, seen)
     far = np.ix_(room == 0, room == 1)
     assert np.array_equal(out[:10, :10], noisy[:10, :10])
     np.testing.assert_allclose(out[far].sum(), noisy[far].sum(), rtol=1e-9)
     assert np.std(out[far] / exact[far]) < 0.6 * np.std(noisy[far] / exact[far])
     np.testing.assert_allclose(out, out.swapaxes(0, 1))
-    assert np.array_equal(apart(noisy, room, np.ones((20, 20), bool)), noisy)
+    assert np.array_equal(factor_hidden_pairs(noisy, room, np.ones((20, 20), bool)), noisy)
 
 
 def test_octaves_share_the_pattern_of_cells_and_keep_the_energy_of_rooms():
@@ -144,18 +152,18 @@ def test_octaves_share_the_pattern_of_cells_and_keep_the_energy_of_rooms():
     room = np.repeat([0, 1], 8)
     pattern = rng.uniform(0.5, 2, (16, 16, 1, 1)) * np.array([1.0, 2.0, 5.0, 9.0])
     noisy = pattern * rng.gamma(5, 0.2, pattern.shape)
-    out = alike(noisy, room)
+    out = smooth_octaves(noisy, room)
     for block in (np.ix_(room == 0, room == 0), np.ix_(room == 0, room == 1)):
         np.testing.assert_allclose(out[block].sum(axis=(0, 1)), noisy[block].sum(axis=(0, 1)))
     assert np.std((out / pattern)[..., 1:3]) < 0.7 * np.std((noisy / pattern)[..., 1:3])
-    np.testing.assert_allclose(alike(pattern, room), pattern)
+    np.testing.assert_allclose(smooth_octaves(pattern, room), pattern)
 
 
 def test_weights_are_those_of_cells_in_view():
     center = np.array([[0.0, 0, 1], [1, 0, 1], [2, 0, 1], [0, 0, 4]])
     place = np.array([[0.4, 0, 1.4], [9, 0, 1.4]])
     seen = np.array([[True, False, True, True], [False, False, False, False]])
-    near, weight = neighbours(center, place, seen, 1.7, 3)
+    near, weight = weigh_cells(center, place, seen, 1.7, 3)
     np.testing.assert_allclose(weight.sum(axis=1), 1)
     assert near[0, :2].tolist() == [0, 2]
     np.testing.assert_allclose(weight[0, 1] / weight[0, 0], (0.1 / 1.3) ** 2, rtol=1e-6)
@@ -164,6 +172,6 @@ def test_weights_are_those_of_cells_in_view():
 
 def test_a_delay_moves_energy_and_keeps_it():
     energy = jnp.zeros((20, 7)).at[3].set(1.0)
-    later = np.asarray(_delayed(energy, jnp.float32(4.25)))
+    later = np.asarray(_delay(energy, jnp.float32(4.25)))
     np.testing.assert_allclose(later[7:9, 0], [0.75, 0.25], rtol=1e-5)
     assert later.sum() == pytest.approx(7)

@@ -8,7 +8,7 @@ from home_mjx.audio_jax import BakeOptions
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.late_reverb.bake import baker
 from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
-from home_mjx.audio_jax.late_reverb.bake.join import join
+from home_mjx.audio_jax.late_reverb.bake.join import fill_accumulator
 
 METRES = AudioConfig.bin_seconds * AudioConfig().speed_of_sound  # of a time bin
 
@@ -22,12 +22,12 @@ def test_rays_grow_old_by_the_way_that_they_flew(monkeypatch):
 
     def keep(tally, cells, *others):
         found["went"] = cells.whole(lambda gave: gave.went).sum(axis=(0, 1, 2, 3))
-        return join(tally, cells, *others)
+        return fill_accumulator(tally, cells, *others)
 
     monkeypatch.setattr(baker, "join", keep)
-    bake_house(shoebox((2.0, 1.6, 2.4), absorption=0.02), BakeOptions(rays=40, bounces=60))
+    bake_house(shoebox((2.0, 1.6, 2.4), absorption=0.02), BakeOptions(rays=40, max_bounces=60))
     went = found["went"]
-    early = went[: int(baker.YOUNG / METRES)].sum() / went.sum()
+    early = went[: int(baker.CELL_MIXING_LENGTH / METRES)].sum() / went.sum()
     assert went.sum() > 0
     assert early == pytest.approx(0, abs=0.15)
-    assert np.flatnonzero(went)[-1] < 2 * baker.YOUNG / METRES
+    assert np.flatnonzero(went)[-1] < 2 * baker.CELL_MIXING_LENGTH / METRES

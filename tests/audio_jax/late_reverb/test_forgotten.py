@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.late_reverb.bake.forgotten import EDGES, TOLD, remembered
+from home_mjx.audio_jax.late_reverb.bake.forgotten import INTERVAL_EDGES, RECORDED_BINS, portal_ratio
 
 ROOM = np.array([0, 0, 0, 1, 1])
 OCTAVES, GATES, BINS = 7, 2, 200
@@ -18,30 +18,33 @@ def decays() -> np.ndarray:
 def told(ours: np.ndarray, factor: np.ndarray, noise: float = 0.0) -> np.ndarray:
     """What rays tell: by so much more (gates, rooms), each octave with noise of its own."""
     drawn = np.random.default_rng(0).normal(1, noise, (OCTAVES, GATES, 5, 1)) if noise else 1.0
-    return (ours * factor[:, ROOM][None, ..., None] * drawn)[..., :TOLD]
+    return (ours * factor[:, ROOM][None, ..., None] * drawn)[..., :RECORDED_BINS]
 
 
 def test_what_rays_say_exactly_is_believed():
     """In each room and of each gate, at all times, also later than they tell."""
     factor = np.array([[0.8, 1.1], [1.0, 0.7]])
-    found = remembered(decays(), told(decays(), factor), ROOM)
+    found = portal_ratio(decays(), told(decays(), factor), ROOM)
     np.testing.assert_allclose(found, np.broadcast_to(factor[:, ROOM, None], (GATES, 5, BINS)), rtol=1e-6)
 
 
 def test_it_may_change_over_time():
     ours = decays()
-    late = np.where(np.arange(BINS) < EDGES[3], 0.5, 1.2)
-    found = remembered(ours, (ours * late)[..., :TOLD], ROOM)
+    late = np.where(np.arange(BINS) < INTERVAL_EDGES[3], 0.5, 1.2)
+    found = portal_ratio(ours, (ours * late)[..., :RECORDED_BINS], ROOM)
     np.testing.assert_allclose(found[..., 1:4], 0.5, atol=1e-6)
-    np.testing.assert_allclose(found[..., EDGES[4] :], 1.2, atol=1e-6)
+    np.testing.assert_allclose(found[..., INTERVAL_EDGES[4] :], 1.2, atol=1e-6)
 
 
 def test_noise_is_not_believed():
     """Rays that are right on average but differ by half from octave to octave change little."""
     ours = decays()
-    found = remembered(ours, told(ours, np.ones((GATES, 2)), noise=0.5), ROOM)
+    found = portal_ratio(ours, told(ours, np.ones((GATES, 2)), noise=0.5), ROOM)
     assert np.abs(found - 1).max() < 0.3
-    assert np.abs(found - 1).max() < np.abs(told(ours, np.ones((GATES, 2)), noise=0.5) / ours[..., :TOLD] - 1).max() / 2
+    assert (
+        np.abs(found - 1).max()
+        < np.abs(told(ours, np.ones((GATES, 2)), noise=0.5) / ours[..., :RECORDED_BINS] - 1).max() / 2
+    )
 
 
 @pytest.mark.parametrize("octaves", [0, 1])
@@ -51,7 +54,7 @@ def test_where_hardly_a_ray_came_nothing_is_known(octaves):
     rays = told(ours, np.ones((GATES, 2)))
     rays[octaves:, 0, 3:] = 0
     rays[:, 1] = 0
-    found = remembered(ours, rays, ROOM)
+    found = portal_ratio(ours, rays, ROOM)
     assert np.all(np.abs(found[0, 3:] - 1) < 0.05)
     np.testing.assert_array_equal(found[0, :3], np.ones((3, BINS)))
     np.testing.assert_array_equal(found[1], np.ones((5, BINS)))

@@ -3,9 +3,9 @@
 import numpy as np
 from handmade import Furniture, shoebox
 
-from home_mjx.audio_jax.late_reverb.bake.bake import open_scene
-from home_mjx.audio_jax.late_reverb.bake.places import start_points
-from home_mjx.audio_jax.late_reverb.trace.cells import divide
+from home_mjx.audio_jax.late_reverb.bake.bake import make_open_scene
+from home_mjx.audio_jax.late_reverb.bake.places import sample_free_points
+from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.bank.bank import HouseBank
 
 SCREEN = Furniture((1.1, 0.3), (0.1, 2.4, 2.5))  # 0.35 m before the wall, open at one end
@@ -14,8 +14,10 @@ SCREEN = Furniture((1.1, 0.3), (0.1, 2.4, 2.5))  # 0.35 m before the wall, open 
 def test_air_behind_a_screen_counts_as_air():
     """Only what middles of cells see once did: in a closet between two wardrobes baked sound was 1.1 dB too loud."""
     house = shoebox((3.0, 3.0, 2.5), furniture=[SCREEN])
-    cells = divide(house)
-    starts, free = start_points(open_scene(HouseBank.from_compiled([house]), 0), cells, 1000, np.random.default_rng(0))
+    cells = divide_rooms(house)
+    starts, free = sample_free_points(
+        make_open_scene(HouseBank.from_compiled([house]), 0), cells, 1000, np.random.default_rng(0)
+    )
     low, high = (np.array(SCREEN.position) + sign * np.array(SCREEN.size[:2]) / 2 for sign in (-1, 1))
     plan = cells.origin + (np.argwhere(cells.lookup[0] >= 0)[:, ::-1] + 0.5) * cells.step
     air = ~((plan > low) & (plan < high)).all(axis=1)

@@ -4,9 +4,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.audio_jax.late_reverb.bake.renewal import beyond, flux, gates_after, gates_of, through
-from home_mjx.audio_jax.late_reverb.trace.flight import Gone, Rays, _put, _since
-from home_mjx.audio_jax.late_reverb.trace.pool import Pool
+from home_mjx.audio_jax.late_reverb.bake.renewal import (
+    build_portal_states,
+    build_second_states,
+    solve_renewal,
+    sum_transfer,
+    total_flux,
+)
+from home_mjx.audio_jax.late_reverb.trace.flight import PortalRays, RayBatch, _add_transfer, _distance_in_bin
+from home_mjx.audio_jax.late_reverb.trace.pool import RayPool
 from home_mjx.schema.compiled import BANDS
 
 BINS = 200
@@ -27,18 +33,18 @@ def kernels() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 def by_gates() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Own decays (3, 3, k); sources' (3, g, k), gates' to gates (g, g, k) and to rooms (g, 3, k)."""
     stay, leave = kernels()
-    gates = gates_of(leave.sum(axis=-1))
+    gates = build_portal_states(leave.sum(axis=-1))
     own = np.eye(3)[:, :, None] * stay[:, None]
     went = np.zeros((3, 1, 3, 3, BINS))
     went[range(3), 0, range(3)] = leave
-    given = through(went, gates.number, len(gates.rooms))[:, 0]
+    given = sum_transfer(went, gates.number, len(gates.rooms))[:, 0]
     entered = gates.rooms[:, 1]
     return own, given, given[entered], own[entered]
 
 
 def after_gates(given: np.ndarray, passed: np.ndarray, heard: np.ndarray) -> np.ndarray:
     """What cells hear of what sources send through gates, bin by bin."""
-    each, bins = beyond(passed, heard, slice(len(passed))), given.shape[-1]
+    each, bins = solve_renewal(passed, heard, slice(len(passed))), given.shape[-1]
     out = np.zeros((len(given), heard.shape[1], bins))
     for lag in range(bins):
         out[..., lag:] += np.einsum("cg,gnk->cnk", given[..., lag], each[..., : bins - lag])
@@ -54,8 +60,8 @@ def test_rooms_hear_what_powers_of_a_matrix_say():
 
 def test_some_gates_are_heard_as_among_all():
     _, _, passed, heard = by_gates()
-    every = beyond(passed, heard, slice(len(passed)))
-    np.testing.assert_allclose(beyond(passed, heard, slice(1, 3)), every[1:3], rtol=1e-9, atol=1e-12)
+    every = solve_renewal(passed, heard, slice(len(passed)))
+    np.testing.assert_allclose(solve_renewal(passed, heard, slice(1, 3)), every[1:3], rtol=1e-9, atol=1e-12)
 
 
 def test_energy_through_gates_is_the_sum_over_all_ways():
@@ -64,7 +70,7 @@ def test_energy_through_gates_is_the_sum_over_all_ways():
     total, going = np.zeros_like(one), one
     for _ in range(400):
         total, going = total + going, going @ more
-    np.testing.assert_allclose(flux(one, more), total, rtol=1e-6)
+    np.testing.assert_allclose(total_flux(one, more), total, rtol=1e-6)
 
 
 def test_what_has_grown_old_starts_anew_in_its_room():
@@ -79,11 +85,11 @@ def test_what_has_grown_old_starts_anew_in_its_room():
 def test_little_that_comes_another_way_counts_to_the_main_gate():
     went = np.zeros((4, 4))
     went[0, 1], went[2, 1], went[3, 1], went[1, 0] = 1.0, 0.5, 0.01, 0.2
-    gates = gates_of(went)
-    assert [tuple(pair) for pair in gates.rooms[gates.kinds()[2]].tolist()] == [(0, 1), (1, 0), (2, 1)]
+    gates = build_portal_states(went)
+    assert [tuple(pair) for pair in gates.rooms[gates.ranges()[2]].tolist()] == [(0, 1), (1, 0), (2, 1)]
     assert gates.number[3, 1] == gates.number[0, 1]
     assert (gates.number[went == 0] < 0).sum() == 12 - 2  # rooms that sound gets to grow old
-    assert gates.number[1, 1] != gates.older[1, 1]
+    assert gates.number[1, 1] != gates.aged_number[1, 1]
 
 
 def test_what_comes_through_a_door_in_line_with_the_next_goes_through_it():
@@ -92,16 +98,16 @@ def test_what_comes_through_a_door_in_line_with_the_next_goes_through_it():
 
     With one gate per pair of rooms it had forgotten that: a third of it was heard in the last room.
     """
-    gates = gates_of(np.diag(np.full(3, 0.5), 1))
+    gates = build_portal_states(np.diag(np.full(3, 0.5), 1))
     given = np.zeros((4, 1, 4, 4, 8))
     given[range(3), 0, range(3), range(1, 4), 1] = 0.5
-    entering = gates.rooms[gates.kinds()[2]]
+    entering = gates.rooms[gates.ranges()[2]]
     met = went_on(entering, 0.1)
-    rooms, first, second = gates_after(gates, met.sum(axis=(1, 4)))
+    rooms, first, second = build_second_states(gates, met.sum(axis=(1, 4)))
     assert rooms.tolist() == [[1, 2], [2, 3]]
     total = len(gates.rooms) + len(rooms)
     given, passed, later = (
-        through(*x, total)[:, 0] for x in ((given, gates.number), (met, first), (went_on(rooms, 0.3), second))
+        sum_transfer(*x, total)[:, 0] for x in ((given, gates.number), (met, first), (went_on(rooms, 0.3), second))
     )
     old = np.zeros((len(gates.rooms) - len(entering), total, 8))
     heard = np.zeros((total, 4, 8))
@@ -119,23 +125,23 @@ def went_on(rooms: np.ndarray, share: float) -> np.ndarray:
     return went
 
 
-def ended(energy: np.ndarray, room: int, entered: int) -> Gone:
+def ended(energy: np.ndarray, room: int, entered: int) -> PortalRays:
     """Rays of all octaves that left a room; where they are tells which they are."""
     count = len(energy)
     mark = np.repeat(np.arange(count, dtype=float)[:, None], 3, axis=1)
     whole = np.full(count, room)
-    return Gone(Rays(mark, mark, energy, energy, energy, whole, whole), np.full(count, entered))
+    return PortalRays(RayBatch(mark, mark, energy, energy, energy, whole, whole), np.full(count, entered))
 
 
 def test_rays_start_as_often_as_they_have_energy_in_their_own_octave():
     rng = np.random.default_rng(0)
     energy = np.tile([0.0, 1.0, 3.0, 6.0], len(BANDS))
     gone, none = ended(energy, 0, 1), ended(np.zeros(len(energy)), 0, 0)
-    pool = Pool()
+    pool = RayPool()
     pool.add(jax.tree.map(lambda a, b: np.stack([a, b])[None], gone, none), np.zeros(1, int))
-    gates = gates_of(np.array([[0.0, 1.0], [0.0, 0.0]]))
-    entering = gates.kinds()[2]
-    (flights,) = pool.starts(gates.rooms[entering], gates.number, entering.start, (2, 100), 40.0, rng)
+    gates = build_portal_states(np.array([[0.0, 1.0], [0.0, 0.0]]))
+    entering = gates.ranges()[2]
+    (flights,) = pool.draw_flights(gates.rooms[entering], gates.number, entering.start, (2, 100), 40.0, rng)
     assert [flight.room for flight in flights] == [1, 1]
     drawn = np.stack([flight.origin[:, 0] for flight in flights]).reshape(2, len(BANDS), 100)
     for band in range(len(BANDS)):
@@ -148,11 +154,11 @@ def test_sound_is_as_late_behind_gates_as_without_them():
     metres, rng = 1.4, np.random.default_rng(0)
     when, inside, way = rng.uniform(0, 12, size=(3, 2000)).astype(np.float32) * [[1], [metres], [metres]]
     same = jnp.zeros(when.size, jnp.int32)
-    went = _put(
+    went = _add_transfer(
         jnp.zeros((len(BANDS), 1, 1, 20), jnp.float32), same, same, same, jnp.float32(when), jnp.ones(when.size)
     )
     gone = np.repeat(np.arange(20), np.asarray(went)[0, 0, 0].astype(int))
-    after = np.floor((_since(jnp.float32(when), jnp.float32(inside), metres) + way) / metres)
+    after = np.floor((_distance_in_bin(jnp.float32(when), jnp.float32(inside), metres) + way) / metres)
     whole = np.floor(when + (inside + way) / metres)
     np.testing.assert_array_equal(gone, np.sort(np.floor(when)))
     assert np.mean(np.floor(when) + after == whole) > 0.999

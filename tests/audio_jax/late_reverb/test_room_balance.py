@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from home_mjx.audio_jax.late_reverb.bake.flow import _stepwise
-from home_mjx.audio_jax.late_reverb.lookup.balance import _gap, _matrix
-from home_mjx.audio_jax.late_reverb.lookup.rooms import fallen
+from home_mjx.audio_jax.late_reverb.bake.flow import _route_exchange
+from home_mjx.audio_jax.late_reverb.lookup.balance import _open_share, _rate_matrix
+from home_mjx.audio_jax.late_reverb.lookup.rooms import decay_in_rooms
 
 
 def test_energies_over_time_are_those_of_the_matrix_exponential():
@@ -19,9 +19,9 @@ def test_energies_over_time_are_those_of_the_matrix_exponential():
     for room in range(4):
         exchange[room, room] = 0
     f32 = [jnp.asarray(x, jnp.float32) for x in (volume, loss, exchange)]
-    matrix = _matrix(*f32)
+    matrix = _rate_matrix(*f32)
     start = jnp.float32([0, 1, 0, 0])
-    found = fallen((matrix * 1.37)[None], start, jnp.float32([0, 0, 1, 0]), 100)
+    found = decay_in_rooms((matrix * 1.37)[None], start, jnp.float32([0, 0, 1, 0]), 100)
     own = np.diag(loss[:, 0]) + (np.diag(exchange[..., 0].sum(1)) - exchange[..., 0]) / volume[:, None]
     exact = [expm(-own * 1.37 * k)[2, 1] for k in range(100)]
     np.testing.assert_allclose(found[0, :, 0], exact, rtol=1e-4, atol=1e-7)
@@ -30,12 +30,13 @@ def test_energies_over_time_are_those_of_the_matrix_exponential():
 def test_what_no_wall_takes_is_kept():
     volume = jnp.float32([30, 50, 20])
     exchange = jnp.float32([[0, 0.5, 0], [0.5, 0, 0.2], [0, 0.2, 0]])[..., None]
-    rates = (_matrix(volume, jnp.zeros((3, 1)), exchange) * 1.37)[None]
+    rates = (_rate_matrix(volume, jnp.zeros((3, 1)), exchange) * 1.37)[None]
     held = sum(
-        volume[r] * fallen(rates, jnp.float32([1, 0, 0]) / volume, jax.nn.one_hot(r, 3), 400)[0, :, 0] for r in range(3)
+        volume[r] * decay_in_rooms(rates, jnp.float32([1, 0, 0]) / volume, jax.nn.one_hot(r, 3), 400)[0, :, 0]
+        for r in range(3)
     )
     np.testing.assert_allclose(held, 1, rtol=1e-3)
-    late = fallen(rates, jnp.float32([1, 0, 0]) / volume, jnp.float32([0, 0, 1]), 4000)[0, -1, 0]
+    late = decay_in_rooms(rates, jnp.float32([1, 0, 0]) / volume, jnp.float32([0, 0, 1]), 4000)[0, -1, 0]
     assert float(late) == pytest.approx(1 / 100, rel=5e-3)  # evenly spread over 100 m³
 
 
@@ -55,7 +56,7 @@ def test_a_gap_lets_through_what_rays_say(degrees):
                 break
         through += side == 0
     gap = np.linalg.norm(jamb - tip)
-    assert gap * through / rays == pytest.approx(float(_gap(jnp.float32(angle))), rel=0.04)
+    assert gap * through / rays == pytest.approx(float(_open_share(jnp.float32(angle))), rel=0.04)
 
 
 def _next_side(sides: list, side: int, rng: np.random.Generator) -> int:
@@ -78,6 +79,6 @@ def test_flow_through_a_third_room_goes_over_it():
     exchange = np.zeros((3, 3, 1))
     exchange[0, 1] = exchange[1, 0] = exchange[1, 2] = exchange[2, 1] = 0.5
     exchange[0, 2] = exchange[2, 0] = 0.1
-    out = _stepwise(exchange, np.array([[0, 1], [1, 2]]))
+    out = _route_exchange(exchange, np.array([[0, 1], [1, 2]]))
     np.testing.assert_allclose(out[..., 0], [[0, 0.6, 0], [0.6, 0, 0.6], [0, 0.6, 0]])
-    assert np.array_equal(_stepwise(exchange, np.zeros((0, 2), int)), exchange)
+    assert np.array_equal(_route_exchange(exchange, np.zeros((0, 2), int)), exchange)

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from home_mjx.audio_jax.late_reverb.lookup import rooms
 from home_mjx.core.native import nvrtc
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import BackendError
 
 ARGUMENTS = "(float*)p[0], (float*)p[1], (float*)p[2], (int*)p[3], (float*)p[4]"
 
@@ -22,7 +22,7 @@ def here(tmp_path, monkeypatch):
 
     def compiled(name, given, threads):
         size = given[1].shape[1]
-        defines = {"SIZE": size, "LANES": rooms.lanes_of(size)}
+        defines = {"SIZE": size, "LANES": rooms.threads_per_matrix(size)}
         return shared_library(tmp_path, block_program([rooms.SOURCE], defines, name, ARGUMENTS))
 
     monkeypatch.setattr(rooms, "ptx_of", lambda size: "")
@@ -40,7 +40,7 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
     own = exchange.sum(axis=-1) + rng.uniform(0.01, 0.5, (2, states, octaves, size))
     rates = own[..., None] * np.eye(size) - exchange
     start, listener = rng.uniform(0, 1, (2, 2, size))
-    (got,) = rooms.run_rooms(bins, *(jnp.float32(x) for x in (rates, start, listener)))
+    (got,) = rooms.launch_decay(bins, *(jnp.float32(x) for x in (rates, start, listener)))
     assert got.shape == (2, states, bins, octaves)
     for env, state, octave in np.ndindex(2, states, octaves):
         wanted = [listener[env] @ expm(-n * rates[env, state, octave]) @ start[env] for n in range(bins)]
@@ -49,11 +49,11 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
 
 def test_it_gives_what_xla_does(here, rng, monkeypatch):
     """In the same order of states, bins and octaves."""
-    monkeypatch.setattr(rooms, "_op", lambda bins: functools.partial(rooms.run_rooms, bins))
+    monkeypatch.setattr(rooms, "_op", lambda bins: functools.partial(rooms.launch_decay, bins))
     rates = jnp.float32(np.eye(4) * rng.uniform(0.1, 0.4, (2, 3, 7, 1, 4)))
     start, listener = (jnp.float32(rng.uniform(0, 1, (2, 4))) for _ in range(2))
-    wanted = jax.vmap(lambda *one: rooms.fallen_by_xla(*one, 125))(rates, start, listener)
-    got = jnp.stack([rooms._by_cuda(*one, 125) for one in zip(rates, start, listener, strict=True)])
+    wanted = jax.vmap(lambda *one: rooms.decay_in_rooms_by_xla(*one, 125))(rates, start, listener)
+    got = jnp.stack([rooms._decay_by_cuda(*one, 125) for one in zip(rates, start, listener, strict=True)])
     np.testing.assert_allclose(got, wanted, rtol=2e-4, atol=1e-9)
 
 
@@ -61,7 +61,7 @@ def test_nvrtc_compiles_it():
     """If it is here."""
     try:
         nvrtc.find_library()
-    except ExecutorError:
+    except BackendError:
         pytest.skip("there is no NVRTC here")
     for size in (1, 8, 32):
-        assert ".entry" in nvrtc.compile_ptx(rooms.SOURCE, 90, {"SIZE": size, "LANES": rooms.lanes_of(size)})
+        assert ".entry" in nvrtc.compile_ptx(rooms.SOURCE, 90, {"SIZE": size, "LANES": rooms.threads_per_matrix(size)})

@@ -12,8 +12,8 @@ from home_mjx.audio_jax.kernels.cpu import calls
 from home_mjx.audio_jax.kernels.cpu.fft import fast_size, transform
 from home_mjx.audio_jax.kernels.cpu.operands import float_pointer
 from home_mjx.audio_jax.kernels.passes import RADICES
-from home_mjx.audio_jax.kernels.tail import frame_by_xla
-from home_mjx.audio_jax.moving_sources.synthesis import early_by_xla, early_frame, late_frame
+from home_mjx.audio_jax.kernels.tail import render_late_by_xla
+from home_mjx.audio_jax.moving_sources.synthesis import render_early_frame, render_early_xla, render_late_frame
 from home_mjx.core.native.memory import address_of
 from home_mjx.schema.timing import Timing
 
@@ -62,8 +62,8 @@ def test_paths_are_heard_as_by_xla(rng, rate, receiver, sources):
     config = AudioConfig(motion=True, receiver=receiver, microphones=microphones, **others)
     reads = jax.tree.map(lambda *x: jnp.stack(x), *(some_reads(rng, sources, config) for _ in range(3)))
     reads = jax.tree.map(lambda x: jnp.concatenate([x, x[::-1], x, x[:1]]), reads)
-    wanted = jax.jit(jax.vmap(lambda x: early_by_xla(x, config)))(reads)
-    got = jax.jit(jax.vmap(lambda x: early_frame(x, config)))(reads)
+    wanted = jax.jit(jax.vmap(lambda x: render_early_xla(x, config)))(reads)
+    got = jax.jit(jax.vmap(lambda x: render_early_frame(x, config)))(reads)
     assert calls.cpu_available()
     assert not np.array_equal(got, wanted)  # so it was the other code
     # Delays of thousands of samples are rounded to some 1e-4 of a sample, in other places than XLA does.
@@ -84,9 +84,9 @@ def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
     others = {"timing": Timing(sample_rate=rate), "tail_seconds": seconds, "response_seconds": 0.2}
     config = AudioConfig(motion=True, receiver=receiver, microphones=microphones, **others)
     given = some_late(rng, 11, sources, config)
-    assert calls.hears(given[1], config)
-    wanted = jax.jit(jax.vmap(lambda *x: frame_by_xla(*x, config)))(*given)
-    got = jax.jit(jax.vmap(lambda *x: late_frame(*x, config)))(*given)
+    assert calls.supports_late(given[1], config)
+    wanted = jax.jit(jax.vmap(lambda *x: render_late_by_xla(*x, config)))(*given)
+    got = jax.jit(jax.vmap(lambda *x: render_late_frame(*x, config)))(*given)
     assert not np.array_equal(got, wanted)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 
@@ -94,9 +94,9 @@ def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
 def test_noises_with_something_in_common_are_made_by_xla(rng):
     config = AudioConfig(motion=True, receiver="ambisonics", tail_seconds=0.0, response_seconds=0.2)
     signals, sound = jax.tree.map(lambda x: x[0], some_late(rng, 1, 1, config))
-    assert not calls.hears(sound, config)
-    wanted = jax.jit(lambda *x: frame_by_xla(*x, config))(signals, sound)
-    np.testing.assert_array_equal(jax.jit(lambda *x: late_frame(*x, config))(signals, sound), wanted)
+    assert not calls.supports_late(sound, config)
+    wanted = jax.jit(lambda *x: render_late_by_xla(*x, config))(signals, sound)
+    np.testing.assert_array_equal(jax.jit(lambda *x: render_late_frame(*x, config))(signals, sound), wanted)
 
 
 GARBAGE = np.array([np.nan, np.inf, -np.inf, 1e30, -1e30, 1e9, -5], np.float32)
@@ -108,11 +108,11 @@ def spoilt(rng, x):
     return x
 
 
-@pytest.mark.parametrize("make", [early_frame, late_frame])
+@pytest.mark.parametrize("make", [render_early_frame, render_late_frame])
 def test_numbers_from_nowhere_stay_in_their_environment(rng, make):
     """Infinite delays, places far outside: none is read there, and no other environment hears of it."""
     config = AudioConfig(motion=True, tail_seconds=0.15, response_seconds=0.2)
-    if make is early_frame:
+    if make is render_early_frame:
         good = (some_reads(rng, 1, config),)
     else:
         good = jax.tree.map(lambda x: x[0], some_late(rng, 1, 1, config))
@@ -132,6 +132,6 @@ def test_there_are_gradients(rng):
     reads = some_reads(rng, 1, config)
     slopes = [
         jax.grad(lambda source, make=make: jnp.sum(make(reads.replace(source=source), config) ** 2))(reads.source)
-        for make in (early_frame, early_by_xla)
+        for make in (render_early_frame, render_early_xla)
     ]
     np.testing.assert_allclose(*slopes, rtol=0, atol=1e-3 * np.std(slopes[1]))

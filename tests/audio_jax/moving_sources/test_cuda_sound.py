@@ -13,19 +13,19 @@ from sanitized import Program
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.base import delays
-from home_mjx.audio_jax.base.shapes import octave_levels, octave_spectra, shapes
+from home_mjx.audio_jax.base.shapes import filter_basis, octave_levels, octave_spectra
 from home_mjx.audio_jax.kernels import first, tail
 from home_mjx.audio_jax.kernels.cuda import early as sums
 from home_mjx.audio_jax.kernels.cuda import first as cuda_first
 from home_mjx.audio_jax.kernels.cuda import kernels, late
-from home_mjx.audio_jax.kernels.reads import frame_begin, sums_of
+from home_mjx.audio_jax.kernels.reads import frame_begin, mix_paths
 from home_mjx.core.native import nvrtc
-from home_mjx.core.native.platforms import devices_of
-from home_mjx.errors import ExecutorError
+from home_mjx.core.native.platforms import local_devices
+from home_mjx.errors import BackendError
 
 KERNELS = {
     "filter_first": (
-        kernels.FIRST_SOURCES,
+        kernels.DIRECT_SOURCES,
         "(float*)p[0], (int*)p[1], (float*)p[2], (float*)p[3], (float2*)p[4], (float2*)p[5], (int*)p[6], (float*)p[7]",
     ),
     "add_paths": (
@@ -69,7 +69,7 @@ def compiled_for(name, given, threads):
 @pytest.fixture
 def here(library, monkeypatch):
     """Calls of XLA run those functions instead."""
-    if devices_of("cuda"):
+    if local_devices("cuda"):
         pytest.skip("a GPU runs them itself")
     monkeypatch.setattr(kernels, "ptx_of", lambda sources, size: "")
     monkeypatch.setattr(
@@ -85,10 +85,10 @@ def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
     """Of near and far ones, beyond the end of a response too, of several sources and two environments."""
     config = AudioConfig(motion=True, receiver=receiver, tail_seconds=0.0, response_seconds=0.2)
     envs = [some_reads(rng, sources, config) for _ in range(2)]
-    wanted = jnp.stack([jax.jit(lambda x: sums_of(x, config))(reads) for reads in envs])
+    wanted = jnp.stack([jax.jit(lambda x: mix_paths(x, config))(reads) for reads in envs])
     given = [jnp.stack(x) for x in zip(*(sums.read_operands(reads) for reads in envs), strict=True)]
-    shape, ears = envs[0].share.shape[3], envs[0].ways.ears.shape[-1]
-    (got,) = sums.run_sums(config, shape, ears, *given)
+    shape, ears = envs[0].gain.shape[3], envs[0].paths.ear_delays.shape[-1]
+    (got,) = sums.launch_mix(config, shape, ears, *given)
     assert got.shape == wanted.shape
     # Delays of thousands of samples are rounded to some 1e-4 of a sample, in other places than XLA does.
     np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-3 * np.std(wanted))
@@ -100,17 +100,17 @@ def test_the_first_path_is_filtered_as_by_convolution(here, rng):
     config = AudioConfig(motion=True, tail_seconds=0.0, response_seconds=0.2)
     source = jnp.float32(rng.normal(size=(5, 6000)))
     gain = jnp.float32(10 ** rng.uniform(-1.5, 0, (5, 2, 7))).at[1, 0].set(0.0).at[2].set(0.0)
-    begin = jnp.int32([-first.slack(config), 300, 1000, 5000, 6000])
+    begin = jnp.int32([-first.delay_margin(config), 300, 1000, 5000, 6000])
     levels = jax.vmap(octave_levels)(gain)
-    (got,) = cuda_first.run_first(config, *cuda_first.first_tables(config), source, begin, *levels)
-    by_xla = jax.vmap(lambda *one: first.filtered_by_xla(*one, config))(source, begin, gain)
+    (got,) = cuda_first.launch_direct(config, *cuda_first.first_tables(config), source, begin, *levels)
+    by_xla = jax.vmap(lambda *one: first.filter_direct_by_xla(*one, config))(source, begin, gain)
     size, ahead, (*_, made) = 1 << 15, 1 << 14, got.shape
     filters = np.fft.irfft(octave_spectra(gain.reshape(10, 7), size, config.sample_rate), size).reshape(5, 2, size)
     wanted = np.zeros(got.shape)
     for i, signal in enumerate(np.pad(source, [(0, 0), (ahead, ahead)])):
-        part = signal[ahead + begin[i] - first.num_ringing(config) :][: first.num_ringing(config) + made]
+        part = signal[ahead + begin[i] - first.num_filter_samples(config) :][: first.num_filter_samples(config) + made]
         for end in range(2):
-            wanted[i, end] = np.convolve(part, filters[i, end])[first.num_ringing(config) :][:made]
+            wanted[i, end] = np.convolve(part, filters[i, end])[first.num_filter_samples(config) :][:made]
     for each, most in ((got, 1e-5), (by_xla, 1e-3)):  # filters ring out within what XLA transforms, but for that much
         np.testing.assert_allclose(each, wanted, rtol=0, atol=most * np.std(wanted))
     assert not np.any(got[2])
@@ -120,10 +120,10 @@ def check_late_sound(rng, sources, **options):
     """Against XLA's."""
     config = AudioConfig(motion=True, response_seconds=0.2, **options)
     signals, sound = some_late(rng, 2, sources, config)
-    wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, sound)
-    share = sound.share
-    given = signals, share.power, share.mix, share.common, share.start, sound.onset, sound.tail
-    (got,) = late.run_late(config, *late.late_tables(config), *given)
+    wanted = jax.vmap(lambda *one: tail.render_late_by_xla(*one, config))(signals, sound)
+    share = sound.shares
+    given = signals, share.power, share.mix, share.shared_power, share.start_bin, sound.onset, sound.tail
+    (got,) = late.launch_late_frames(config, *late.late_tables(config), *given)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 
 
@@ -146,7 +146,7 @@ def test_sums_are_filtered_as_by_numpy(here, rng, count, channels):
     """Transforms of several sizes, all radices among them; also odd numbers of channels."""
     filters, begin = rng.normal(size=(5, 40)).astype(np.float32), 39
     signals = rng.normal(size=(2, channels, 5, count)).astype(np.float32)
-    (got,) = sums.run_filter(begin, count - begin, *sums.filter_tables(filters, count), jnp.asarray(signals))
+    (got,) = sums.launch_filter(begin, count - begin, *sums.filter_tables(filters, count), jnp.asarray(signals))
     pairs = [[zip(c, filters, strict=True) for c in e] for e in signals]
     wanted = [[sum(np.convolve(x, k)[begin:count] for x, k in c) for c in e] for e in pairs]
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
@@ -189,20 +189,22 @@ def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeyp
         if name == "filter_first":
             signal, begin = jnp.float32(rng.normal(size=(2, 2000))), jnp.int32(rng.integers(-500, 2000, 2))
             given = signal, begin, *(jnp.float32(rng.normal(size=shape)) for shape in ((2, 2, 7), (2, 2)))
-            cuda_first.run_first(config, *cuda_first.first_tables(config), *(spoilt(rng, x) for x in given))
+            cuda_first.launch_direct(config, *cuda_first.first_tables(config), *(spoilt(rng, x) for x in given))
         elif name == "add_paths":
             given = (1, 2, 2000), (1, 2, 2, 900), (1, 2, 3), (1, 2, 5, 9), (1, 2, 5, 2, 20, 2)
             given = [jnp.float32(rng.normal(size=shape)) for shape in given]
             given[2] = jnp.int32(rng.integers(0, 9000, (1, 2, 3)))
-            sums.run_sums(config, 20, 2, *(spoilt(rng, x) for x in given))
+            sums.launch_mix(config, 20, 2, *(spoilt(rng, x) for x in given))
         else:
             share = (config.num_bins, 2, 7), (2, 5, 7), (config.num_bins, 1, 7)
             share = [jnp.float32(rng.normal(size=(*ends, *shape))) for shape in share]
-            signal = jnp.float32(rng.normal(size=(1, 2, config.memory_length - 1 + config.frame + config.ahead)))
+            signal = jnp.float32(
+                rng.normal(size=(1, 2, config.memory_length - 1 + config.frame + config.num_lookahead))
+            )
             whole = [jnp.int32(rng.integers(0, config.response_length, ends)) for _ in range(2)]
-            levels = jnp.float32(rng.normal(size=(*ends, config.num_tail, 7)))
+            levels = jnp.float32(rng.normal(size=(*ends, config.num_tail_repeats, 7)))
             given = signal, *share, *whole, levels
-            late.run_late(config, *late.late_tables(config), *(spoilt(rng, x) for x in given))
+            late.launch_late_frames(config, *late.late_tables(config), *(spoilt(rng, x) for x in given))
     program[0].run()
 
 
@@ -216,7 +218,7 @@ def test_sizes_of_transforms_have_all_radices():
 def test_filters_of_the_engine_ring_out_before_the_frame():
     """What a transform brings from its end is never in the frame."""
     config = AudioConfig(motion=True)
-    assert shapes(config.sample_rate).kernel.shape[1] <= frame_begin(config) + 1
+    assert filter_basis(config.sample_rate).kernel.shape[1] <= frame_begin(config) + 1
 
 
 def test_weights_in_cuda_are_those_of_python():
@@ -224,12 +226,12 @@ def test_weights_in_cuda_are_those_of_python():
     text = kernels.SUMS_SOURCES[0].read_text()
     rows = re.findall(r"^ +\{(-?\d.*)\},$", text, re.MULTILINE)
     table = np.array([[np.float32(x.strip("f ")) for x in row.split(",")] for row in rows], np.float32)
-    np.testing.assert_array_equal(table, delays.read_polynomials())
+    np.testing.assert_array_equal(table, delays.interpolation_polynomials())
     for name, value in {
         "TAPS": 2 * delays.HALF_WIDTH,
-        "READ": delays.READ,
-        "FIRST": delays.FIRST,
-        "SUMS": sums.SUMS,
+        "READ": delays.NUM_READ,
+        "FIRST": delays.FIRST_READ,
+        "SUMS": sums.BUSES_PER_THREAD,
     }.items():
         assert re.search(rf"constexpr int {name} = {value};", text)
 
@@ -238,7 +240,7 @@ def test_nvrtc_compiles_them():
     """If it is here."""
     try:
         nvrtc.find_library()
-    except ExecutorError:
+    except BackendError:
         pytest.skip("there is no NVRTC here")
     for sources, _ in KERNELS.values():
         assert ".entry" in nvrtc.compile_ptx(sources, 90, {"SIZE": 2560})

@@ -10,9 +10,9 @@ from handmade import shoebox
 from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.moving_sources.frame import moving_frame
-from home_mjx.audio_jax.moving_sources.reception import as_many, reception
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.moving_sources.frame import render_frame
+from home_mjx.audio_jax.moving_sources.reception import pad_paths, render_receiver_state
 from home_mjx.audio_jax.propagation.paths import Paths
 
 ALL = AudioConfig(receiver="omni", motion=True, late="none", num_edges=8, num_reflections=12, tail_seconds=0.0)
@@ -22,8 +22,8 @@ def test_the_direct_path_and_the_strongest_are_kept_in_their_order():
     """The direct one has filters of its own, so it is kept also where it is silent."""
     gain = jnp.float32([0.0, 0.3, 0.1, 0.0, 0.5, 0.2])[:, None] * jnp.ones(7)
     paths = Paths(jnp.arange(6.0) + 1, gain, jnp.ones((6, 3)), jnp.int32([10, 11, 12, 13, 14, 15]))
-    assert as_many(paths, 4).name.tolist() == [10, 11, 14, 15]
-    assert as_many(paths, 8).name.tolist() == [10, 11, 12, 13, 14, 15, -1, -1]
+    assert pad_paths(paths, 4).name.tolist() == [10, 11, 14, 15]
+    assert pad_paths(paths, 8).name.tolist() == [10, 11, 12, 13, 14, 15, -1, -1]
 
 
 def test_paths_that_sound_are_enough():
@@ -32,9 +32,9 @@ def test_paths_that_sound_are_enough():
 
     def heard(config):
         received = jax.jit(
-            lambda x: reception(
+            lambda x: render_receiver_state(
                 scene,
-                Source(jnp.float32([1.0, 0.5, 1.2])),
+                SoundSource(jnp.float32([1.0, 0.5, 1.2])),
                 Listener(jnp.stack([x, -1.0, 1.6]), HEAD),
                 jax.random.key(0),
                 config,
@@ -43,9 +43,9 @@ def test_paths_that_sound_are_enough():
         past = jnp.asarray(clip[: config.memory_length - 1 + config.frame + config.ahead], jnp.float32)
         old, new = received(jnp.float32(-1.0)), received(jnp.float32(-0.9))
         assert old.paths.distance.size == config.num_paths
-        return np.asarray(jax.jit(lambda *ends: moving_frame(past, *ends, config))(old, new))
+        return np.asarray(jax.jit(lambda *ends: render_frame(past, *ends, config))(old, new))
 
-    every, some, few = (heard(replace(ALL, num_heard=number)) for number in (None, 8, 4))
+    every, some, few = (heard(replace(ALL, max_audible_paths=number)) for number in (None, 8, 4))
     np.testing.assert_allclose(some, every, atol=2e-6 * np.abs(every).max())
     missing = np.sum((few - every) ** 2) / np.sum(every**2)
     assert missing == pytest.approx(0.1, abs=0.09)

@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, early_response
-from home_mjx.audio_jax.moving_sources.frame import moving_frame, moving_frames
-from home_mjx.audio_jax.moving_sources.reception import as_many, silence
+from home_mjx.audio_jax.moving_sources.frame import render_frame, render_frames
+from home_mjx.audio_jax.moving_sources.reception import pad_paths, silent_state
 from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
 
 OMNI = AudioConfig(receiver="omni", response_seconds=0.1, motion=True, tail_seconds=0.0)
@@ -24,12 +24,12 @@ def received(vectors, config=OMNI, quat=AHEAD, gain=None, name=None):
     distance = np.linalg.norm(vectors, axis=1)
     gain = np.repeat(1 / distance[:, None], 7, axis=1) if gain is None else gain
     paths = Paths(*(jnp.asarray(x, jnp.float32) for x in (distance, gain, vectors / distance[:, None])), name)
-    return silence(config).replace(paths=paths, quat=jnp.asarray(quat, jnp.float32))
+    return silent_state(config).replace(paths=paths, quat=jnp.asarray(quat, jnp.float32))
 
 
 def streamed(signal, places, config=OMNI, quats=None):
     """Frames between the given moments, joined; `signal` is a function of time in samples."""
-    span = np.arange(1 - config.memory_length, FRAME + config.ahead)
+    span = np.arange(1 - config.memory_length, FRAME + config.num_lookahead)
     heard = []
     for i in range(len(places) - 1):
         turn = (AHEAD, AHEAD) if quats is None else (quats[i], quats[i + 1])
@@ -39,7 +39,7 @@ def streamed(signal, places, config=OMNI, quats=None):
     return np.concatenate([np.asarray(h, float) for h in heard], axis=1)
 
 
-_run = {c: jax.jit(lambda s, a, b, c=c: moving_frame(s, a, b, c)) for c in (OMNI, EARS)}
+_run = {c: jax.jit(lambda s, a, b, c=c: render_frame(s, a, b, c)) for c in (OMNI, EARS)}
 
 
 @pytest.mark.parametrize("speed", [1.0, 1.4])
@@ -117,15 +117,15 @@ def test_paths_that_come_and_go_fade():
     names = [[3], [3, 8], [3, 8], [3, 9], [3]]
     width, tone = EARS.num_paths, 2 * np.pi * 440 / RATE
     heard = []
-    span = np.arange(1 - OMNI.memory_length, FRAME + OMNI.ahead)
+    span = np.arange(1 - OMNI.memory_length, FRAME + OMNI.num_lookahead)
     found = [received(v, OMNI, name=jnp.array(n, jnp.int32)).paths for v, n in zip(sets, names, strict=True)]
-    ends = [as_many(paths, width) for paths in found]
+    ends = [pad_paths(paths, width) for paths in found]
 
     def tones_at(frame):
         return jnp.asarray(np.sin(tone * (span + frame * FRAME)), jnp.float32)
 
     for i in range(4):
-        old, new = (silence(OMNI).replace(paths=p) for p in ends[i : i + 2])
+        old, new = (silent_state(OMNI).replace(paths=p) for p in ends[i : i + 2])
         heard.append(np.asarray(_run[OMNI](tones_at(i), old, new), float))
     heard = np.concatenate(heard, axis=1)[0]
     bend = np.abs(heard[2:] - 2 * np.cos(tone) * heard[1:-1] + heard[:-2])  # 0 for a tone of any steady level
@@ -148,9 +148,9 @@ def test_environments_in_one_batch_hear_what_each_hears_alone(rng):
     """Two scenes, vmapped: one still, one moving."""
     old = [received([[1.0, 0.4, -1.5], [2, 2, 2.0]], EARS), received([[-3.0, 1, 0], [1, 7, 2.0]], EARS)]
     new = [old[0], received([[-3.1, 1, 0.05], [1, 7.1, 2.0]], EARS)]
-    noise = jnp.asarray(rng.normal(size=EARS.memory_length - 1 + FRAME + EARS.ahead), jnp.float32)
+    noise = jnp.asarray(rng.normal(size=EARS.memory_length - 1 + FRAME + EARS.num_lookahead), jnp.float32)
     both = [jax.tree.map(lambda *x: jnp.stack(x), *pair) for pair in (old, new)]
-    batch = jax.jit(jax.vmap(lambda a, b: moving_frame(noise, a, b, EARS)))(*both)
+    batch = jax.jit(jax.vmap(lambda a, b: render_frame(noise, a, b, EARS)))(*both)
     for i in range(2):
         np.testing.assert_allclose(batch[i], _run[EARS](noise, old[i], new[i]), atol=1e-5)
 
@@ -161,8 +161,8 @@ def test_several_sources_are_heard_as_the_sum_of_each(rng):
     energy = jnp.asarray(1e-4 * rng.uniform(0, 1, old[0].energy.shape), jnp.float32)
     old = [heard.replace(energy=energy * n) for n, heard in enumerate(old)]
     new = [old[0], received([[-3.1, 1, 0.05]], EARS).replace(energy=energy), old[2]]
-    noise = jnp.asarray(rng.normal(size=(3, EARS.memory_length - 1 + FRAME + EARS.ahead)), jnp.float32)
+    noise = jnp.asarray(rng.normal(size=(3, EARS.memory_length - 1 + FRAME + EARS.num_lookahead)), jnp.float32)
     stacked = [jax.tree.map(lambda *x: jnp.stack(x), *part) for part in (old, new)]
-    together = jax.jit(lambda s, a, b: moving_frames(s, a, b, EARS))(noise, *stacked)
+    together = jax.jit(lambda s, a, b: render_frames(s, a, b, EARS))(noise, *stacked)
     alone = sum(_run[EARS](*each) for each in zip(noise, old, new, strict=True))
     np.testing.assert_allclose(together, alone, atol=2e-5 * float(jnp.max(jnp.abs(alone))))

@@ -7,8 +7,8 @@ import pytest
 from numpy_measures import t30
 from scipy.signal import fftconvolve
 
-from home_mjx.audio_jax import AudioConfig, Paths, moving_frame, received
-from home_mjx.audio_jax.moving_sources.reception import ends_early
+from home_mjx.audio_jax import AudioConfig, Paths, pack_receiver_state, render_frame
+from home_mjx.audio_jax.moving_sources.reception import is_truncated
 from home_mjx.schema.compiled import BANDS
 
 OMNI = AudioConfig(receiver="omni", motion=True, tail_seconds=2.5)
@@ -22,15 +22,15 @@ def decaying(seconds, config=OMNI, key=0):
     energy = np.repeat(1e-3 * np.exp(-13.8155 * time / seconds)[:, None], 2 * len(BANDS), axis=1)
     none = Paths(jnp.zeros(1), jnp.zeros((1, 7)), jnp.float32([[1, 0, 0]]))
     bins = jnp.asarray(energy.reshape(-1, 2, len(BANDS)), jnp.float32)
-    return received(none, bins, AHEAD, jax.random.key(key), config)
+    return pack_receiver_state(none, bins, AHEAD, jax.random.key(key), config)
 
 
 def click(frames, config=OMNI):
     """What is heard of a single sample's pulse at the start of the first frame, in so many frames."""
     rooms = [decaying(s, config) for s in click.rooms]
-    run = jax.jit(jax.vmap(lambda s, r: moving_frame(s, r, r, config), (None, 0)))
+    run = jax.jit(jax.vmap(lambda s, r: render_frame(s, r, r, config), (None, 0)))
     rooms = jax.tree.map(lambda *x: jnp.stack(x), *rooms)
-    width = config.memory_length - 1 + FRAME + config.ahead
+    width = config.memory_length - 1 + FRAME + config.num_lookahead
     heard = []
     for i in range(frames):
         at = config.memory_length - 1 - i * FRAME
@@ -65,10 +65,10 @@ def test_a_still_room_is_one_convolution(heard, rng):
     """Noise through the room equals its convolution with what a click leaves, tail included."""
     noise = rng.normal(size=60 * FRAME)
     room = decaying(2.0)
-    run = jax.jit(lambda s: moving_frame(s, room, room, OMNI))
+    run = jax.jit(lambda s: render_frame(s, room, room, OMNI))
     for frame in (40, 41):
         begin = frame * FRAME
-        part = noise[begin + 1 - OMNI.memory_length : begin + FRAME + OMNI.ahead]
+        part = noise[begin + 1 - OMNI.memory_length : begin + FRAME + OMNI.num_lookahead]
         ours = np.asarray(run(jnp.asarray(part, jnp.float32)), float)[0]
         whole = fftconvolve(noise[: begin + FRAME], heard[3, 0])[begin : begin + FRAME]
         assert np.max(np.abs(ours - whole)) < 1e-5 * np.max(np.abs(whole))
@@ -80,4 +80,4 @@ def test_a_still_room_is_one_convolution(heard, rng):
 def test_receptions_that_end_too_early_are_told(tail, seconds, cut):
     """60 dB in one second fall by 30 dB in half a second, in four by 30 dB in two."""
     config = AudioConfig(receiver="omni", motion=True, tail_seconds=tail)
-    assert bool(ends_early(decaying(seconds, config), config)) == cut
+    assert bool(is_truncated(decaying(seconds, config), config)) == cut

@@ -7,10 +7,10 @@ import pytest
 from handmade import shoebox
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax import AudioConfig, Listener, Source, floor_sound, impulse_response, survey_room
+from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, impulse_response, survey_floor, survey_room
 
 CONFIG = AudioConfig(response_seconds=1.2, num_rays=500, num_bounces=60)
-SOURCE, LISTENER = Source(jnp.float32([-1.0, -1.0, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
+SOURCE, LISTENER = SoundSource(jnp.float32([-1.0, -1.0, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
 
 
 @pytest.fixture(scope="module")
@@ -21,13 +21,13 @@ def survey():
 
 def test_measures_are_those_of_an_even_room(survey):
     """6 x 5 x 3 m, absorption 0.2: T30 0.534 s by Monte Carlo; level by Barron's theory, rays and waveform together."""
-    np.testing.assert_allclose(survey.measures.t30[2:5], [0.534] * 3, rtol=0.08)
+    np.testing.assert_allclose(survey.parameters.t30[2:5], [0.534] * 3, rtol=0.08)
     distance, time = np.linalg.norm([2, 2, 0.4]), 0.534
     late = 31200 * time / 90 * np.exp(-0.04 * distance / time)  # Barron and Lee, JASA 84 (1988), as is 100 / r²
     expected = 10 * np.log10(100 / distance**2 + late)
-    np.testing.assert_allclose(survey.measures.strength[2:5], expected, atol=1.0)
-    assert np.all(survey.measures.c80 > survey.measures.c50)
-    assert np.all((survey.measures.d50 > 0.5) & (survey.measures.d50 < 1))
+    np.testing.assert_allclose(survey.parameters.strength[2:5], expected, atol=1.0)
+    assert np.all(survey.parameters.c80 > survey.parameters.c50)
+    assert np.all((survey.parameters.d50 > 0.5) & (survey.parameters.d50 < 1))
 
 
 def test_ears_agree_at_low_and_differ_at_high_frequencies(survey):
@@ -48,10 +48,10 @@ def test_the_response_is_that_of_the_engine():
 def test_a_floor_sounds_as_single_places_do(survey):
     """The same place twice: as one waveform says within its noise. One nearer: louder by what Barron says."""
     places = jnp.stack([LISTENER.pos, LISTENER.pos, jnp.float32([-0.5, -0.5, 1.3])])
-    run = jax.jit(lambda scene: floor_sound(scene, SOURCE, places, jax.random.key(0), CONFIG))
+    run = jax.jit(lambda scene: survey_floor(scene, SOURCE, places, jax.random.key(0), CONFIG))
     found = jax.tree.map(np.asarray, run(scene_of(shoebox((6.0, 5.0, 3.0), 0.2, 0.3))))
     np.testing.assert_allclose(found.t30[0, 2:5], [0.534] * 3, rtol=0.08)
-    np.testing.assert_allclose(found.strength[0, 2:5], survey.measures.strength[2:5], atol=1.0)
+    np.testing.assert_allclose(found.strength[0, 2:5], survey.parameters.strength[2:5], atol=1.0)
     assert np.array_equal(found.strength[0], found.strength[1])
     distance = np.linalg.norm([[2, 2, 0.4], [0.5, 0.5, 0.1]], axis=1)
     level = 10 * np.log10(100 / distance**2 + 31200 * 0.534 / 90 * np.exp(-0.04 * distance / 0.534))

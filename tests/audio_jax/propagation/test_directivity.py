@@ -17,28 +17,28 @@ from home_mjx.audio_jax import (
     AudioConfig,
     Listener,
     Paths,
-    Source,
-    bent_paths,
+    SoundSource,
+    diffracted_paths,
     direct_path,
     early_paths,
-    energy_response,
+    energy_envelope,
+    first_order_reflections,
+    image_source_reflections,
     impulse_response,
-    mirrored_paths,
-    reflected_paths,
 )
 from home_mjx.audio_jax.base.directivity import (
-    QUIETER_BEHIND,
-    first_order,
-    gains,
+    TALKER_FRONT_TO_BACK,
+    directivity_gains,
+    first_order_directivity,
     mean_energy,
-    measured_directivity,
-    talker,
+    tabulated_directivity,
+    talker_directivity,
 )
 from home_mjx.core.transforms import camera_quat
 from home_mjx.errors import ConfigError
 
 OMNI = AudioConfig(receiver="omni")
-CARDIOID = first_order(0.5)
+CARDIOID = first_order_directivity(0.5)
 hear = jax.jit(impulse_response, static_argnums=4)
 found_paths = jax.jit(early_paths, static_argnums=3)
 ALONG_X = HEAD  # points along +x, as that head looks
@@ -55,30 +55,34 @@ def closed_mean(weight: float, exponent: float) -> float:
 
 @pytest.mark.parametrize(("weight", "exponent"), PATTERNS)
 def test_mean_energy_of_first_order_patterns(weight, exponent):
-    found = np.asarray(mean_energy(first_order(weight, exponent)))
+    found = np.asarray(mean_energy(first_order_directivity(weight, exponent)))
     np.testing.assert_allclose(found, closed_mean(weight, exponent), rtol=1e-3)
     numeric = quad(lambda x: abs(1 - weight + weight * x) ** (2 * exponent), -1, 1)[0] / 2
     assert closed_mean(weight, exponent) == pytest.approx(numeric, rel=1e-6)
 
 
 def test_mean_energy_of_a_talker():
-    k = np.array(QUIETER_BEHIND) * np.log(10) / 10
-    np.testing.assert_allclose(mean_energy(talker()), (1 - np.exp(-k)) / k, rtol=1e-3)
+    k = np.array(TALKER_FRONT_TO_BACK) * np.log(10) / 10
+    np.testing.assert_allclose(mean_energy(talker_directivity()), (1 - np.exp(-k)) / k, rtol=1e-3)
 
 
 def test_a_coarse_table_has_the_mean_of_what_runs_straight_between_its_energies():
     table = np.repeat(np.array([1.0, 0.8, 0.3, 0.1, 0.2])[:, None], 7, axis=1)
     energy = lambda t: np.interp(t, np.linspace(0, np.pi, 5), table[:, 0] ** 2)  # noqa: E731
     numeric = quad(lambda t: energy(t) * np.sin(t) / 2, 0, np.pi, points=np.linspace(0, np.pi, 5))[0]
-    np.testing.assert_allclose(mean_energy(measured_directivity(table)), numeric, rtol=1e-5)
+    np.testing.assert_allclose(mean_energy(tabulated_directivity(table)), numeric, rtol=1e-5)
     angle = np.linspace(0, np.pi, 50)
-    found = np.asarray(gains(measured_directivity(table), jnp.float32(np.cos(angle))))[:, 2]
+    found = np.asarray(directivity_gains(tabulated_directivity(table), jnp.float32(np.cos(angle))))[:, 2]
     np.testing.assert_allclose(found**2, energy(angle), atol=1e-4)
 
 
 def test_patterns_at_any_angle():
     angle = np.radians([0, 12.3, 45, 77.7, 100.1, 150, 180])
-    found = np.asarray(gains(first_order([0.1, 0.2, 0.3, 0.4, 0.45, 0.5, 0.5], 2.0), jnp.float32(np.cos(angle))))
+    found = np.asarray(
+        directivity_gains(
+            first_order_directivity([0.1, 0.2, 0.3, 0.4, 0.45, 0.5, 0.5], 2.0), jnp.float32(np.cos(angle))
+        )
+    )
     weight = np.array([0.1, 0.2, 0.3, 0.4, 0.45, 0.5, 0.5])
     np.testing.assert_allclose(found, (1 - weight + weight * np.cos(angle)[:, None]) ** 2, atol=2e-4)
 
@@ -86,20 +90,20 @@ def test_patterns_at_any_angle():
 @pytest.mark.parametrize("bad", [np.ones((5, 3)), np.ones((1, 7)), -np.ones((5, 7)), np.full((5, 7), np.nan)])
 def test_bad_tables_are_refused(bad):
     with pytest.raises(ConfigError, match=r"directivity"):
-        measured_directivity(bad)
+        tabulated_directivity(bad)
 
 
 def test_bad_weights_and_sources_that_point_nowhere_are_refused():
     for wrong in ({"weight": 1.5}, {"weight": [0.5] * 3}, {"exponent": -1.0}, {"exponent": float("nan")}):
         with pytest.raises(ConfigError):
-            first_order(**wrong)
+            first_order_directivity(**wrong)
     scene, head = scene_of(shoebox()), Listener(jnp.float32([1, 1, 1.6]), HEAD)
     for quat, message in ((None, "needs an orientation"), (2 * HEAD, "a source's quaternion")):
         with pytest.raises(ConfigError, match=message):
-            early_paths(scene, Source(jnp.zeros(3), quat=quat, directivity=CARDIOID), head, OMNI)
+            early_paths(scene, SoundSource(jnp.zeros(3), quat=quat, directivity=CARDIOID), head, OMNI)
     untold = lambda *ends: Paths(jnp.ones(1), jnp.ones((1, 7)), jnp.float32([[1, 0, 0]]))  # noqa: E731
     with pytest.raises(ConfigError, match="departure"):
-        early_paths(scene, Source(jnp.zeros(3), quat=HEAD, directivity=CARDIOID), head, OMNI, [untold])
+        early_paths(scene, SoundSource(jnp.zeros(3), quat=HEAD, directivity=CARDIOID), head, OMNI, [untold])
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 60, 90, 120, 150])
@@ -111,7 +115,10 @@ def test_level_of_direct_sound_at_angles(degrees):
     wave = np.exp(-2j * np.pi * 1000 * np.arange(OMNI.response_length) / OMNI.sample_rate)
     ours, even = (
         abs(np.asarray(hear(scene, source, Listener(place + away, HEAD), jax.random.key(0), OMNI), float)[0] @ wave)
-        for source in (Source(place, quat=ALONG_X, directivity=first_order(0.4, 2.0)), Source(place))
+        for source in (
+            SoundSource(place, quat=ALONG_X, directivity=first_order_directivity(0.4, 2.0)),
+            SoundSource(place),
+        )
     )
     assert 20 * np.log10(ours / even) == pytest.approx(40 * np.log10(0.6 + 0.4 * np.cos(angle)), abs=0.05)
 
@@ -123,8 +130,8 @@ def test_reflections_are_as_loud_as_the_source_toward_their_walls():
     quat = camera_quat(jnp.float32(0.8), jnp.float32(0.3))
     axis = np.array([np.cos(0.8) * np.cos(0.3), np.sin(0.8) * np.cos(0.3), np.sin(0.3)])
     ends = jnp.asarray(source, jnp.float32), Listener(jnp.asarray(listener, jnp.float32), HEAD)
-    even = found_paths(scene, Source(ends[0]), ends[1], OMNI)
-    ours = found_paths(scene, Source(ends[0], quat=quat, directivity=CARDIOID), ends[1], OMNI)
+    even = found_paths(scene, SoundSource(ends[0]), ends[1], OMNI)
+    ours = found_paths(scene, SoundSource(ends[0], quat=quat, directivity=CARDIOID), ends[1], OMNI)
     ratio = np.asarray(ours.gain[:, 3] / jnp.maximum(even.gain[:, 3], 1e-9))
     mirrored = [listener.copy()]
     for k, low, high in ((0, -3, 3), (1, -2.5, 2.5), (2, 0, 3)):
@@ -157,16 +164,16 @@ def screened():
     ("find", "options"),
     [
         (direct_path, {}),
-        (reflected_paths, {"num_reflections": 6}),
-        (mirrored_paths, {"reflection_order": 3, "num_reflections": 40}),
-        (bent_paths, {"num_edges": 8}),
+        (first_order_reflections, {"num_reflections": 6}),
+        (image_source_reflections, {"reflection_order": 3, "num_reflections": 40}),
+        (diffracted_paths, {"num_edges": 8}),
     ],
 )
 def test_directions_in_which_paths_leave_are_those_in_which_they_come_the_other_way(find, options):
     scene, config = screened(), AudioConfig(receiver="omni", **options)
-    here, there = jnp.float32([-1.5, -0.8, 1.2]), jnp.float32([1.3, -0.6 if find is bent_paths else 1.6, 1.5])
+    here, there = jnp.float32([-1.5, -0.8, 1.2]), jnp.float32([1.3, -0.6 if find is diffracted_paths else 1.6, 1.5])
     run = jax.jit(find, static_argnums=3)
-    go, back = (run(scene, Source(a), Listener(b, HEAD), config) for a, b in ((here, there), (there, here)))
+    go, back = (run(scene, SoundSource(a), Listener(b, HEAD), config) for a, b in ((here, there), (there, here)))
     found = [
         np.concatenate([p.distance[:, None], x], axis=1)[np.asarray(jnp.max(p.gain, axis=1) > 0)]
         for p, x in ((go, go.departure), (back, back.direction))
@@ -180,7 +187,7 @@ def test_directions_in_which_paths_leave_are_those_in_which_they_come_the_other_
 @functools.partial(jax.jit, static_argnums=3)
 def octave_levels(scene, source, listener, config):
     """(bins, bands), paths and rays."""
-    return energy_response(scene, source, Listener(listener, HEAD), jax.random.key(0), config).energy[:, 0]
+    return energy_envelope(scene, source, Listener(listener, HEAD), jax.random.key(0), config).energy[:, 0]
 
 
 def test_late_level_is_that_of_the_power():
@@ -188,9 +195,11 @@ def test_late_level_is_that_of_the_power():
     scene = scene_of(shoebox(absorption=0.1, scattering=1.0))
     config = AudioConfig(receiver="omni", num_rays=1500, num_bounces=40)
     place, ears = jnp.float32([-1, -1, 1.2]), jnp.float32([1, 1, 1.6])
-    even = octave_levels(scene, Source(place), ears, config)[25:].sum(axis=0)
-    for pattern in (CARDIOID, talker()):
-        ours = octave_levels(scene, Source(place, quat=ALONG_X, directivity=pattern), ears, config)[25:].sum(axis=0)
+    even = octave_levels(scene, SoundSource(place), ears, config)[25:].sum(axis=0)
+    for pattern in (CARDIOID, talker_directivity()):
+        ours = octave_levels(scene, SoundSource(place, quat=ALONG_X, directivity=pattern), ears, config)[25:].sum(
+            axis=0
+        )
         np.testing.assert_allclose(10 * np.log10(ours / even / np.asarray(mean_energy(pattern))), 0, atol=0.2)
 
 
@@ -204,10 +213,10 @@ def test_levels_against_the_oracle(yaw):
         setattr(one, name, getattr(room.blocks, name)[:, 3:4])
     one.air = room.blocks.air[3:4]
     truth = fly(one, room.source, room.listeners, 0.5, particles=40_000, axis=axis, weight=0.5, exponent=2.0)
-    source = Source(
+    source = SoundSource(
         jnp.asarray(room.source, jnp.float32),
         quat=camera_quat(jnp.float32(yaw), jnp.float32(0)),
-        directivity=first_order(0.5, 2.0),
+        directivity=first_order_directivity(0.5, 2.0),
     )
     config, scene = AudioConfig(receiver="omni", num_rays=1500, num_bounces=40), scene_of(room.house)
     ours = [np.asarray(octave_levels(scene, source, jnp.float32(p), config))[:, 3] for p in room.listeners]
@@ -219,13 +228,13 @@ def test_levels_against_the_oracle(yaw):
 def test_an_even_pattern_changes_nothing():
     scene, ears = scene_of(shoebox()), Listener(jnp.float32([1, 1, 1.6]), HEAD)
     place, key = jnp.float32([-1, -1, 1.2]), jax.random.key(0)
-    even = Source(place, quat=ALONG_X, directivity=first_order(0.0))
+    even = SoundSource(place, quat=ALONG_X, directivity=first_order_directivity(0.0))
     np.testing.assert_allclose(
-        hear(scene, even, ears, key, OMNI), hear(scene, Source(place), ears, key, OMNI), atol=1e-6
+        hear(scene, even, ears, key, OMNI), hear(scene, SoundSource(place), ears, key, OMNI), atol=1e-6
     )
 
 
 def test_a_source_that_is_stretched_is_silent_inside_jit():
     scene, ears = scene_of(shoebox()), Listener(jnp.float32([1, 1, 1.6]), HEAD)
     place, key = jnp.float32([-1, -1, 1.2]), jax.random.key(0)
-    assert not np.asarray(hear(scene, Source(place, quat=2 * HEAD, directivity=CARDIOID), ears, key, OMNI)).any()
+    assert not np.asarray(hear(scene, SoundSource(place, quat=2 * HEAD, directivity=CARDIOID), ears, key, OMNI)).any()

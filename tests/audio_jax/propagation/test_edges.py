@@ -6,32 +6,32 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.geometry.barriers import Boxes, nearest_boxes, strings
-from home_mjx.audio_jax.propagation.diffraction import assembled_paths
-from home_mjx.audio_jax.propagation.paths import Straight, air_energy
-from home_mjx.geometry.box_edges import exposed_edges
+from home_mjx.audio_jax.geometry.barriers import BarrierBoxes, find_edge_paths, select_nearest_barriers
+from home_mjx.audio_jax.propagation.diffraction import assemble_paths
+from home_mjx.audio_jax.propagation.paths import StraightLine, air_attenuation
+from home_mjx.geometry.box_edges import find_exposed_edges
 from home_mjx.schema.compiled import BANDS
 
 CONFIG = AudioConfig(receiver="omni")
-AIR = air_energy(CONFIG)
+AIR = air_attenuation(CONFIG)
 SPACE = np.array([[-50.0, 50.0]])  # [m], from floor to ceiling
 
 
-def boxes(*low_high, yaw=0.0) -> Boxes:
+def boxes(*low_high, yaw=0.0) -> BarrierBoxes:
     """Boxes given by their corners, turned about the origin; of their edges those that stand out."""
     low, high = (np.array(x, float) for x in zip(*low_high, strict=True))
     turn = np.array([[np.cos(yaw), np.sin(yaw), 0], [-np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
     count = len(low)
-    return Boxes(
+    return BarrierBoxes(
         jnp.asarray((low + high) / 2 @ turn, jnp.float32),
         jnp.asarray(np.tile(turn, (count, 1, 1)), jnp.float32),
         jnp.asarray((high - low) / 2, jnp.float32),
-        jnp.asarray(exposed_edges(low / 2 + high / 2, np.tile(np.eye(3), (count, 1, 1)), (high - low) / 2, SPACE)),
+        jnp.asarray(find_exposed_edges(low / 2 + high / 2, np.tile(np.eye(3), (count, 1, 1)), (high - low) / 2, SPACE)),
         jnp.full(count, -1),
     )
 
 
-def blocked(obstacles: Boxes, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def blocked(obstacles: BarrierBoxes, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Whether segments meet any box: slabs, in float64."""
     start, end = np.broadcast_arrays(np.asarray(start, float), np.asarray(end, float))
     out = np.zeros(start.shape[:-1], bool)
@@ -50,13 +50,13 @@ def blocked(obstacles: Boxes, start: np.ndarray, end: np.ndarray) -> np.ndarray:
 @jax.jit
 def render(straight, found, heard, ears):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return assembled_paths(straight, found, heard, ears, CONFIG)
+        return assemble_paths(straight, found, heard, ears, CONFIG)
 
 
-find = jax.jit(strings)
+find = jax.jit(find_edge_paths)
 
 
-def level(obstacles: Boxes, source, listener, within=False) -> np.ndarray:
+def level(obstacles: BarrierBoxes, source, listener, within=False) -> np.ndarray:
     """Energy per octave re the free field [dB], air left out; `within`: by furniture, no partition."""
     source, listener = np.asarray(source, float), np.asarray(listener, float)
     found = find(obstacles, jnp.float32(source), jnp.float32(listener))
@@ -65,7 +65,7 @@ def level(obstacles: Boxes, source, listener, within=False) -> np.ndarray:
     clear = ~blocked(obstacles, source, listener)
     distance = np.linalg.norm(source - listener)
     nothing = jnp.full(len(BANDS), 1.0 if clear else 0.0)
-    straight = Straight(
+    straight = StraightLine(
         jnp.float32(distance),
         jnp.float32((source - listener) / distance),
         nothing,
@@ -86,7 +86,7 @@ def on_circle(angle, radius=1.5, height=0.0) -> np.ndarray:
     return np.array([-radius * np.sin(a), -radius * np.cos(a), height])
 
 
-def screen(thickness=0.002) -> Boxes:
+def screen(thickness=0.002) -> BarrierBoxes:
     return boxes(([-thickness / 2, -30, -30], [thickness / 2, 0, 30]))
 
 
@@ -106,7 +106,7 @@ def test_a_walk_across_the_shadow_boundary(thickness):
     assert change[6] < 1.7  # the exact solution's own
 
 
-def steps(obstacles: Boxes, source, listeners, within=False) -> np.ndarray:
+def steps(obstacles: BarrierBoxes, source, listeners, within=False) -> np.ndarray:
     """Largest change per octave from each place to the next [dB]."""
     levels = np.array([level(obstacles, source, place, within) for place in listeners])
     return np.abs(np.diff(levels, axis=0)).max(axis=0)
@@ -162,7 +162,7 @@ def test_the_nearest_boxes_are_those_of_the_shortest_ways(rng):
     points = np.asarray(many.center) + np.einsum("pba,baw->pbw", inside, np.asarray(many.axis))
     way = (np.linalg.norm(points - source, axis=-1) + np.linalg.norm(points - listener, axis=-1)).min(axis=0)
     way[7] = np.inf
-    kept = nearest_boxes(many, jnp.float32(source), jnp.float32(listener), 8)
+    kept = select_nearest_barriers(many, jnp.float32(source), jnp.float32(listener), 8)
     chosen = [int(np.argmin(np.linalg.norm(np.asarray(many.center) - c, axis=1))) for c in np.asarray(kept.center)]
     assert 7 not in chosen
     assert way[chosen].max() < np.sort(way)[7] + 0.15

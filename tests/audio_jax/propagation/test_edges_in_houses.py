@@ -8,30 +8,30 @@ from handmade import Furniture, Slab, _architecture_rows, _room_planes, _rooms, 
 from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.propagation.diffraction import bent_paths
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
-from home_mjx.audio_jax.propagation.paths import air_energy, direct_path
+from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.paths import air_attenuation, direct_path
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 
 BENDING = AudioConfig(receiver="omni", num_edges=8)
 MIRRORING = AudioConfig(receiver="omni", reflection_order=3, num_reflections=80)
-AIR = air_energy(BENDING)
+AIR = air_attenuation(BENDING)
 
 
 @jax.jit
 def around(scene, source, listener, emitter=-1):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return bent_paths(scene, Source(source, jnp.int32(emitter)), Listener(listener, HEAD), BENDING)
+        return diffracted_paths(scene, SoundSource(source, jnp.int32(emitter)), Listener(listener, HEAD), BENDING)
 
 
 @jax.jit
 def mirrored(scene, source, listener):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return mirrored_paths(scene, Source(source), Listener(listener, HEAD), MIRRORING)
+        return image_source_reflections(scene, SoundSource(source), Listener(listener, HEAD), MIRRORING)
 
 
 def level(paths) -> np.ndarray:
@@ -126,7 +126,7 @@ def test_a_reflection_in_a_wardrobes_front(scenes):
 def test_options_choose_producers(scenes):
     """Both together: one direct path, the edges, the reflections; by default what always was."""
     both = AudioConfig(receiver="omni", num_edges=8, reflection_order=2, num_reflections=24)
-    ends = Source(jnp.float32([-1.5, 0.1, 1.2])), Listener(jnp.float32([1.5, 0, 1.3]), HEAD)
+    ends = SoundSource(jnp.float32([-1.5, 0.1, 1.2])), Listener(jnp.float32([1.5, 0, 1.3]), HEAD)
     run = jax.jit(lambda find, config: find(scenes["wardrobe"], *ends, config), static_argnums=(0, 1))
     assert jax.eval_shape(run, early_paths, both).distance.shape == (1 + 8 + 24,)
     default = AudioConfig(receiver="omni")
@@ -140,7 +140,7 @@ def test_a_closed_door_lets_through_what_its_table_says_and_an_open_one_everythi
     row = int(np.flatnonzero(hinged)[0])
     shut, wide, pivot = (
         float(doors.door_closed[house, row]),
-        float(doors.door_wide[house, row]),
+        float(doors.door_fully_open[house, row]),
         np.asarray(doors.door_pivot[house, row]),
     )
     turn = np.array([[np.cos(shut), -np.sin(shut)], [np.sin(shut), np.cos(shut)]])
@@ -155,8 +155,8 @@ def test_a_closed_door_lets_through_what_its_table_says_and_an_open_one_everythi
         bodies = doors.body_pos[house], doors.body_quat[house]
         nobody = jnp.zeros((0, 3)), jnp.zeros((0, 4))
         scene = make_scene(generated_bank, jnp.int32(house), *bodies, *nobody, door_angle=angles)
-        return bent_paths(
-            scene, Source(jnp.float32(middle + away)), Listener(jnp.float32(middle - away), HEAD), BENDING
+        return diffracted_paths(
+            scene, SoundSource(jnp.float32(middle + away)), Listener(jnp.float32(middle - away), HEAD), BENDING
         )
 
     loss = transmission_loss_table()["hollow_wood_door"]

@@ -11,11 +11,11 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.auralization.response import early_response, impulse_response
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.base.home_air import home_air_level
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.home_air import home2017_air_level
 from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.home_paths import home_paths
+from home_mjx.audio_jax.propagation.home_paths import home2017_paths
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_set import HouseSet
 
@@ -28,7 +28,7 @@ PAIR_B = (2.195, 2.729, 3.164, 3.516, 3.716, 6.894)  # [m], HoME's first order i
 @partial(jax.jit, static_argnums=3)
 def run(scene, source, listener, config):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return early_paths(scene, Source(source), Listener(listener, HEAD), config)
+        return early_paths(scene, SoundSource(source), Listener(listener, HEAD), config)
 
 
 def home(order: int, **changes) -> AudioConfig:
@@ -61,10 +61,10 @@ def cube():
 
 def test_air_is_that_of_home():
     """Its own figures at 10 m; the nearest row of the table counts; nothing becomes louder or infinitely soft."""
-    np.testing.assert_allclose(home_air_level(jnp.array([10.0]))[0], AIR_AT_10_M, atol=6e-5)
-    dry = home_air_level(jnp.array([10.0]), 10.0, 45.0)[0]
+    np.testing.assert_allclose(home2017_air_level(jnp.array([10.0]))[0], AIR_AT_10_M, atol=6e-5)
+    dry = home2017_air_level(jnp.array([10.0]), 10.0, 45.0)[0]
     np.testing.assert_allclose(dry, 20 * np.log10(1 - np.array([0.1, 0.2, 0.5, 1.1, 2.7, 9.4, 29]) / 100), atol=1e-4)
-    far = home_air_level(jnp.array([0.0, 300.0, 1e6]), 35.0, 30.0)
+    far = home2017_air_level(jnp.array([0.0, 300.0, 1e6]), 35.0, 30.0)
     assert np.all(np.isfinite(far))
     assert np.all(far <= 0)
 
@@ -96,16 +96,16 @@ def test_the_reflection_beside_the_listener_loses_nothing():
     index = np.argmin(abs(length - np.linalg.norm(image - listener)))
     # From (-3, 2) to the image at (9, 11.5) the line is at y = 5 where x is 0.8: the listener's is +y, the source's +x.
     alpha = 0.5
-    free = home_air_level(jnp.float32(length[index : index + 1]))[0, 3] - 20 * np.log10(length[index])
+    free = home2017_air_level(jnp.float32(length[index : index + 1]))[0, 3] - 20 * np.log10(length[index])
     assert level[index, 3] - float(free) == pytest.approx(20 * np.log10(1 - alpha), abs=1e-3)
 
 
 def test_delays_are_whole_samples_and_nothing_comes_late(cube):
     """The response is that of its paths, each moved to the sample before it."""
     config = home(1, response_seconds=0.2)
-    ends = Source(jnp.float32(SOURCE)), Listener(jnp.float32(LISTENER), HEAD)
+    ends = SoundSource(jnp.float32(SOURCE)), Listener(jnp.float32(LISTENER), HEAD)
     whole = jax.jit(impulse_response, static_argnums=4)(cube[1], *ends, jax.random.key(0), config)
-    paths = jax.jit(home_paths, static_argnums=3)(cube[1], *ends, config)
+    paths = jax.jit(home2017_paths, static_argnums=3)(cube[1], *ends, config)
     rate = config.sample_rate / config.speed_of_sound
     moved = paths.replace(distance=jnp.floor(paths.distance * rate) / rate + 1e-5)
     physical = AudioConfig(receiver="omni", response_seconds=0.2, humidity=65.0)
@@ -125,7 +125,7 @@ def test_objects_are_boxes_that_mirror_and_hide():
         assert (np.abs(length - np.linalg.norm(source - listener)).min() > 1e-3) == hidden
     front = np.array([source[0], -4.0 - source[1], source[2]])
     assert np.abs(length - np.linalg.norm(front - listener)).min() < 1e-3
-    own = Source(jnp.float32(source), jnp.int32(0))
+    own = SoundSource(jnp.float32(source), jnp.int32(0))
     behind = scene_of(shoebox((CUBE,) * 3, 0.1, furniture=[between]))
     paths = jax.jit(early_paths, static_argnums=3)(behind, own, Listener(jnp.float32(listener), HEAD), home(1))
     assert float(paths.gain[0, 0]) > 0

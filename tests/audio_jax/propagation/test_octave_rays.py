@@ -8,8 +8,8 @@ from decay_oracle import fly
 from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.propagation.paths import air_energy
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.audio_jax.propagation.tracing import trace
 
 CONFIG = AudioConfig(receiver="omni", num_rays=7 * 1500, num_bounces=110, octave_rays=True)
@@ -19,7 +19,7 @@ def test_octaves_decay_by_their_own_scattering():
     """Energy in the room falls by 20 dB as the oracle's particles do: one direction for all was 53 % off at 125 Hz."""
     room, dt = rising(), 0.01
     scene, place = scene_of(room.house), jnp.asarray(room.listeners[0], jnp.float32)
-    run = jax.jit(lambda key: trace(scene, Source(place + 1), Listener(place, HEAD), key, CONFIG))
+    run = jax.jit(lambda key: trace(scene, SoundSource(place + 1), Listener(place, HEAD), key, CONFIG))
     truth = fly(room.blocks, room.listeners[0], room.listeners[1:2], 1.0, dt, 20_000).left
     ours = np.zeros(truth.shape)
     for seed in range(4):
@@ -36,14 +36,14 @@ def left_at(rays, distance):
     energy = np.concatenate([rays.leaving[None], rays.remaining])
     last = np.maximum((hits <= distance).sum(axis=0) - 1, 0)
     each = np.arange(CONFIG.num_rays)
-    air = np.exp(-np.maximum(distance - hits[last, each], 0)[:, None] * np.asarray(air_energy(CONFIG)))
+    air = np.exp(-np.maximum(distance - hits[last, each], 0)[:, None] * np.asarray(air_attenuation(CONFIG)))
     return (energy[last, each] * air).sum(axis=0)
 
 
 def test_each_ray_carries_its_octave_alone():
     """A seventh of the rays each; energies that leave sum to one per octave."""
     room = rising()
-    source, ears = Source(jnp.asarray(room.source, jnp.float32)), Listener(jnp.float32(room.listeners[0]), HEAD)
+    source, ears = SoundSource(jnp.asarray(room.source, jnp.float32)), Listener(jnp.float32(room.listeners[0]), HEAD)
     config = AudioConfig(receiver="omni", num_rays=70, num_bounces=3, octave_rays=True)
     rays = jax.jit(lambda scene: trace(scene, source, ears, jax.random.key(0), config))(scene_of(room.house))
     carried = np.asarray(rays.remaining > 0)

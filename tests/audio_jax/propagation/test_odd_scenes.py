@@ -9,7 +9,7 @@ import pytest
 from handmade import shoebox
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax import AudioConfig, Listener, Source, early_paths, impulse_response, is_indoors
+from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, early_paths, impulse_response, is_indoors
 
 CONFIG = AudioConfig(receiver="omni", num_rays=16, num_bounces=6)
 EARS = jnp.float32([1.4, 1.1, 1.6])
@@ -17,7 +17,7 @@ hear = jax.jit(impulse_response, static_argnums=4)
 
 
 def heard(scene, source, ears=EARS) -> np.ndarray:
-    return np.asarray(hear(scene, Source(jnp.float32(source)), Listener(ears, HEAD), jax.random.key(0), CONFIG))
+    return np.asarray(hear(scene, SoundSource(jnp.float32(source)), Listener(ears, HEAD), jax.random.key(0), CONFIG))
 
 
 @pytest.mark.parametrize(("x", "indoors"), [(-1.0, True), (3.05, False), (9.0, False)])
@@ -44,7 +44,7 @@ def test_an_open_house_has_what_is_left():
     bare = replace(model, triangle=np.where(floor[:, None, None], model.triangle, model.triangle[:, :1]))
     scene = scene_of(replace(whole, planes=planes, models={**whole.models, model.key: bare}))
     source = jnp.float32([-1.0, 0.0, 1.0])
-    paths = early_paths(scene, Source(source), Listener(EARS, HEAD), CONFIG)
+    paths = early_paths(scene, SoundSource(source), Listener(EARS, HEAD), CONFIG)
     loud = np.any(np.asarray(paths.gain) > 0, axis=1)
     image = np.array([-1.0, 0.0, -1.0])
     expected = [np.linalg.norm(x - np.asarray(EARS)) for x in (np.asarray(source), image)]

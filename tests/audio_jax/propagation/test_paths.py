@@ -10,9 +10,9 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.paths import air_energy
+from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 from home_mjx.schema.compiled import BANDS
 
@@ -24,14 +24,14 @@ SOURCE, LISTENER = jnp.float32([-1.3, -0.7, 1.2]), jnp.float32([1.4, 1.1, 1.6])
 @jax.jit
 def run(scene, source, listener, exclude=-1, emitter=-1):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        ends = Source(source, jnp.int32(emitter)), Listener(listener, HEAD, jnp.int32(exclude))
+        ends = SoundSource(source, jnp.int32(emitter)), Listener(listener, HEAD, jnp.int32(exclude))
         return early_paths(scene, *ends, CONFIG)
 
 
 def lossless(paths) -> np.ndarray:
     """Gains without spreading and air."""
     distance = np.asarray(paths.distance, float)[:, None]
-    return np.asarray(paths.gain, float) * distance * np.exp(air_energy(CONFIG) * distance / 2)
+    return np.asarray(paths.gain, float) * distance * np.exp(air_attenuation(CONFIG) * distance / 2)
 
 
 def sounding(paths) -> np.ndarray:
@@ -105,7 +105,7 @@ def test_direct_sound_falls_with_distance_and_air(distance):
     scene = scene_of(shoebox())
     paths = run(scene, SOURCE, SOURCE + jnp.float32([distance, 0, 0]))
     assert float(paths.distance[0]) == pytest.approx(distance, rel=1e-5)
-    expected = np.exp(-air_energy(CONFIG) * distance / 2) / distance
+    expected = np.exp(-air_attenuation(CONFIG) * distance / 2) / distance
     np.testing.assert_allclose(paths.gain[0], expected, rtol=1e-5)
 
 
@@ -168,14 +168,14 @@ def test_more_surfaces_than_casts_are_silence():
     """Not a wrong level: what could not be followed to its end is taken as blocked."""
     config = AudioConfig(receiver="omni", max_crossings=2)
     scene = scene_of(two_rooms(transmission=0.5, absorption=0.6))
-    paths = early_paths(scene, Source(jnp.float32([-2, 0, 1])), Listener(jnp.float32([2, 0, 1]), HEAD), config)
+    paths = early_paths(scene, SoundSource(jnp.float32([-2, 0, 1])), Listener(jnp.float32([2, 0, 1]), HEAD), config)
     assert not np.any(paths.gain[0])
 
 
 def test_vmap_and_scan_equal_single_environments(rng):
     scene = scene_of(shoebox(), two_rooms())
     sources = jnp.asarray(rng.uniform([-2, -2, 0.5], [2, 2, 2.5], (6, 3)), jnp.float32)
-    hear = lambda s: early_paths(scene, Source(s), Listener(LISTENER, HEAD), CONFIG)  # noqa: E731
+    hear = lambda s: early_paths(scene, SoundSource(s), Listener(LISTENER, HEAD), CONFIG)  # noqa: E731
     many, scanned = jax.jit(lambda s: (jax.vmap(hear)(s), jax.lax.map(hear, s)))(sources)
     for i in range(6):
         one = run(scene, sources[i], LISTENER)

@@ -9,16 +9,16 @@ from scenes import HEAD, scene_of
 from home_mjx.audio_jax import (
     AudioConfig,
     Listener,
-    Source,
+    SoundSource,
     early_paths,
     energy_histogram,
-    mirrored_paths,
+    image_source_reflections,
     sound_materials,
     trace,
 )
 
 SIZE = (6.0, 5.0, 3.0)
-SOURCE, EARS = Source(jnp.float32([-1.3, -0.7, 1.2])), Listener(jnp.float32([1.4, 1.1, 1.6]), HEAD)
+SOURCE, EARS = SoundSource(jnp.float32([-1.3, -0.7, 1.2])), Listener(jnp.float32([1.4, 1.1, 1.6]), HEAD)
 RAYS = AudioConfig(receiver="omni", num_rays=300, num_bounces=40, response_seconds=1.0, humidity=60.0)
 PLACES = 16
 
@@ -72,8 +72,10 @@ def test_reflections_and_walls_follow_their_tables():
     @jax.jit
     def behind(transmission):
         table = sound_materials(pair)
-        scene = pair.replace(materials=table.replace(transmission=jnp.full_like(table.transmission, transmission)))
-        ends = Source(jnp.float32([-2, 0.3, 1.2])), Listener(jnp.float32([2.2, -0.5, 1.6]), HEAD)
+        scene = pair.replace(
+            sound_materials=table.replace(transmission=jnp.full_like(table.transmission, transmission))
+        )
+        ends = SoundSource(jnp.float32([-2, 0.3, 1.2])), Listener(jnp.float32([2.2, -0.5, 1.6]), HEAD)
         return early_paths(scene, *ends, quiet).gain[0]
 
     ratio = np.asarray(behind(jnp.float32(0.01))) / np.asarray(behind(jnp.float32(1.0)))
@@ -89,7 +91,9 @@ def test_zero_absorption_everywhere_is_finite():
     def run(scene):
         traced = trace(scene, SOURCE, EARS, jax.random.key(0), config)
         energy = energy_histogram(traced, jnp.ones((*traced.direction.shape[:1], 2, 7)), config)
-        return energy, mirrored_paths(scene, SOURCE, EARS, AudioConfig(reflection_order=2, num_reflections=24))
+        return energy, image_source_reflections(
+            scene, SOURCE, EARS, AudioConfig(reflection_order=2, num_reflections=24)
+        )
 
     energy, paths = run(scene)
     assert np.all(np.isfinite(energy))

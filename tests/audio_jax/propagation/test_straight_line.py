@@ -7,13 +7,13 @@ import pytest
 from scenes import HEAD
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Straight, cross
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.propagation.paths import MIN_PATH_LENGTH, RAY_OFFSET, StraightLine, trace_straight_line
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.houses import load_bank
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.schema.compiled import BANDS, Ray
+from home_mjx.schema.compiled import BANDS, RayKind
 
 PAIRS = 150  # of points, in each house and state of its doors
 NOBODY = jnp.zeros((0, 3)), jnp.zeros((0, 4))
@@ -23,13 +23,13 @@ def cast_by_cast(scene, source, listener, config):
     """A cast for each surface, which counts unless one of the same barrier has."""
     exclude, emitter = jnp.int32(listener.body), jnp.int32(source.body)
     offset = source.pos - listener.pos
-    distance = jnp.maximum(jnp.linalg.norm(offset), NEAREST)
+    distance = jnp.maximum(jnp.linalg.norm(offset), MIN_PATH_LENGTH)
     direction = (offset / distance)[None]
 
     def step(carry, index):
         start, skipped, seen, energy, met_any, _ = carry
         ray = scene, listener.pos[None], direction
-        hit = cast(*ray, t_min=start, t_max=distance - SKIN, exclude=skipped, mask=int(Ray.SOUND))
+        hit = cast(*ray, t_min=start, t_max=distance - RAY_OFFSET, exclude=skipped, mask=int(RayKind.SOUND))
         met = surface_at(scene, direction, hit)
         barrier, object_id, blocked = met.barrier[0], met.object_id[0], hit.instance[0] >= 0
         own = (object_id >= 0) & ((object_id == exclude) | (object_id == emitter))
@@ -37,14 +37,21 @@ def cast_by_cast(scene, source, listener, config):
         kinds = counts & jnp.stack([object_id < 0, object_id >= 0])
         energy = jnp.where(kinds[:, None], energy * met.transmission, energy)
         seen = seen.at[index].set(jnp.where(blocked, barrier, -1))
-        start = jnp.where(blocked, hit.t[0] + SKIN, distance)
+        start = jnp.where(blocked, hit.t[0] + RAY_OFFSET, distance)
         skipped = jnp.where(blocked & (object_id >= 0), object_id, skipped)
         return (start, skipped, seen, energy, met_any | kinds, blocked), None
 
     seen = jnp.full(config.max_crossings, -1, jnp.int32)
     start = jnp.float32(0), exclude, seen, jnp.ones((2, len(BANDS))), jnp.zeros(2, bool), jnp.bool_(True)
     (_, _, _, energy, kinds, silent), _ = jax.lax.scan(step, start, jnp.arange(config.max_crossings))
-    return Straight(distance, direction[0], *energy, within=~kinds[0], clear=~jnp.any(kinds) & ~silent, silent=silent)
+    return StraightLine(
+        distance,
+        direction[0],
+        *energy,
+        is_partition_free=~kinds[0],
+        is_clear=~jnp.any(kinds) & ~silent,
+        is_over_limit=silent,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -79,9 +86,9 @@ def test_it_meets_what_single_casts_meet(bank, max_crossings):
         scene = make_scene(bank, house, *body, *NOBODY, door_angle=jnp.full(bank.spec.num_doors, angle))
 
         def look(follow, here, there, emitter, own):
-            return follow(scene, Source(there, emitter), Listener(here, HEAD, own), config)
+            return follow(scene, SoundSource(there, emitter), Listener(here, HEAD, own), config)
 
-        return [jax.vmap(lambda *x, f=follow: look(f, *x))(*ends) for follow in (cross, cast_by_cast)]
+        return [jax.vmap(lambda *x, f=follow: look(f, *x))(*ends) for follow in (trace_straight_line, cast_by_cast)]
 
     silent, muffled, through_things, own = 0, 0, 0, 0
     for house in range(bank.num_houses):
@@ -89,7 +96,7 @@ def test_it_meets_what_single_casts_meet(bank, max_crossings):
             here, there, source, listener = some_ends(rng, bank, house)
             found, expected = both(jnp.int32(house), jnp.float32(angle), here, there, source, listener)
             others, _ = both(jnp.int32(house), jnp.float32(angle), here, there, source - 1000, listener)
-            for name in Straight._fields:
+            for name in StraightLine._fields:
                 x, y = (np.asarray(getattr(line, name)) for line in (found, expected))
                 np.testing.assert_allclose(x, y, rtol=1e-6, atol=0, err_msg=name)
             silent += np.sum(found.silent)

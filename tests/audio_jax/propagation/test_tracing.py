@@ -16,12 +16,12 @@ from numpy_measures import t30
 from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import air_energy
+from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.audio_jax.propagation.tracing import trace
-from home_mjx.audio_jax.receivers.channels import ear_gains
+from home_mjx.audio_jax.receivers.channels import channel_gains
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
 
@@ -48,19 +48,19 @@ def scene_in(bank: HouseBank, house: jax.Array):
 
 def traced(bank, house, source, listener, key, config):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return trace(scene_in(bank, house), Source(source), Listener(listener, HEAD), key, config)
+        return trace(scene_in(bank, house), SoundSource(source), Listener(listener, HEAD), key, config)
 
 
 def late_energy(bank, house, source, listener, key, config):
     """Histogram (k, 7) of one ear without the paths."""
     rays = traced(bank, house, source, listener, key, config)
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return energy_histogram(rays, ear_gains(rays.direction, HEAD, config), config)[:, 0]
+        return energy_histogram(rays, channel_gains(rays.direction, HEAD, config), config)[:, 0]
 
 
 def whole_energy(bank, house, source, listener, key, config):
     """Histogram (k, 7) of one ear, with direct sound and first reflections."""
-    paths = early_paths(scene_in(bank, house), Source(source), Listener(listener, HEAD), config)
+    paths = early_paths(scene_in(bank, house), SoundSource(source), Listener(listener, HEAD), config)
     metres = config.bin_seconds * config.speed_of_sound
     there = (paths.distance / metres).astype(jnp.int32)
     return late_energy(bank, house, source, listener, key, config).at[there].add(paths.gain**2)
@@ -118,7 +118,7 @@ def test_the_sphere_detector_is_right_in_a_specular_room(bank):
     histograms = everywhere(whole_energy, bank, config, [0, 2])
     np.testing.assert_allclose(decay_times(histograms, config), [0.648, 0.534], rtol=0.05)
     total = np.mean(histograms[0, :, :, MID].sum(axis=1))
-    expected = np.mean([image_source_energy(np.asarray(p), air_energy(config)[MID]) for p in LISTENERS])
+    expected = np.mean([image_source_energy(np.asarray(p), air_attenuation(config)[MID]) for p in LISTENERS])
     assert total == pytest.approx(expected, rel=0.05)
 
 
@@ -135,7 +135,7 @@ def test_level_equals_incoherent_image_sources(bank):
     """Direct, early and late energy together, at every scattering, within 5 %: nothing is counted twice."""
     histograms = everywhere(whole_energy, bank, MANY, range(5))
     totals = histograms[..., MID].sum(axis=2).mean(axis=1)
-    expected = np.mean([image_source_energy(np.asarray(p), air_energy(MANY)[MID]) for p in LISTENERS])
+    expected = np.mean([image_source_energy(np.asarray(p), air_attenuation(MANY)[MID]) for p in LISTENERS])
     np.testing.assert_allclose(totals, expected, rtol=0.05)
 
 
@@ -143,13 +143,13 @@ def test_reflections_of_two_orders_are_counted_once(bank):
     """The same level as all image sources, where early paths hold those of orders 1 and 2."""
     config = replace(MANY, reflection_order=2, num_reflections=24)
     totals = everywhere(whole_energy, bank, config, [0, 2])[..., MID].sum(axis=2).mean(axis=1)
-    expected = np.mean([image_source_energy(np.asarray(p), air_energy(config)[MID]) for p in LISTENERS])
+    expected = np.mean([image_source_energy(np.asarray(p), air_attenuation(config)[MID]) for p in LISTENERS])
     np.testing.assert_allclose(totals, expected, rtol=0.05)
 
 
 def test_hard_walls_keep_all_energy_but_what_air_takes(bank):
     rays = everywhere(traced, bank, MANY, [5])
-    left = rays.remaining * np.exp(rays.travelled[..., None] * air_energy(MANY))
+    left = rays.remaining * np.exp(rays.travelled[..., None] * air_attenuation(MANY))
     np.testing.assert_allclose(left, 1 / MANY.num_rays, rtol=2e-4)
 
 
@@ -166,7 +166,7 @@ def test_air_alone_makes_the_decay_of_hard_walls(bank):
     time = np.arange(MANY.num_bins) * MANY.bin_seconds
     for band in (5, 6):
         slope = np.polyfit(time[25:], 10 * np.log10(histogram[25:, band]), 1)[0]
-        expected = -10 / np.log(10) * air_energy(MANY)[band] * MANY.speed_of_sound
+        expected = -10 / np.log(10) * air_attenuation(MANY)[band] * MANY.speed_of_sound
         assert slope == pytest.approx(expected, rel=0.03)
 
 
@@ -196,8 +196,8 @@ def test_noise_falls_with_the_root_of_the_number_of_rays(bank):
 @jax.jit
 def _trace(scene, source, listener):
     """Rays, and the histogram of what they bring."""
-    rays = trace(scene, Source(source), Listener(listener, HEAD), jax.random.key(0), LONG)
-    return rays, energy_histogram(rays, ear_gains(rays.direction, HEAD, LONG), LONG)
+    rays = trace(scene, SoundSource(source), Listener(listener, HEAD), jax.random.key(0), LONG)
+    return rays, energy_histogram(rays, channel_gains(rays.direction, HEAD, LONG), LONG)
 
 
 def test_a_closed_wall_keeps_the_late_sound_out():

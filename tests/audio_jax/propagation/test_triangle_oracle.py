@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy_measures import edt, t30
 
-from home_mjx.audio_jax.late_reverb.bake.bake import open_scene
+from home_mjx.audio_jax.late_reverb.bake.bake import make_open_scene
 from home_mjx.bank.bank import HouseBank
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.casting.cast import cast
-from home_mjx.schema.compiled import Ray
+from home_mjx.schema.compiled import RayKind
 
 pytest.importorskip("embreex", reason="Embree is not installed")
 
@@ -53,11 +53,11 @@ def test_rays_meet_what_the_engine_has_with_all_doors_open(rng):
     """The oracle places triangles and opens doors itself: 99.9 % of distances agree within a millimetre."""
     house = HouseSet("procedural:1?seed=5").load()[0]
     assert len(house.doors.instance)
-    scene = open_scene(HouseBank.from_compiled([house]), 0)
+    scene = make_open_scene(HouseBank.from_compiled([house]), 0)
     start = np.float32(house.navigation.start[rng.integers(len(house.navigation.start), size=20_000)] + [0, 0, 1.3])
     way = rng.normal(size=start.shape)
     way = np.float32(way / np.linalg.norm(way, axis=1, keepdims=True))
-    hit = cast(scene, jnp.asarray(start), jnp.asarray(way), mask=int(Ray.SOUND))
+    hit = cast(scene, jnp.asarray(start), jnp.asarray(way), mask=int(RayKind.SOUND))
     found = triangle_oracle.surfaces_of(house, np.zeros(7)).rays().run(start, way, output=1)
     ours = np.where(found["geomID"] >= 0, found["tfar"], np.inf)
     assert np.isclose(ours, hit.t, atol=1e-3).mean() > 0.999

@@ -10,7 +10,7 @@ from scipy.special import spherical_jn, spherical_yn
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.auralization.response import late_response
-from home_mjx.audio_jax.receivers.diffuse import ear_mix, noise_levels
+from home_mjx.audio_jax.receivers.diffuse import noise_levels, noise_mix
 from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence, sphere_spectrum
 from home_mjx.core.transforms import camera_quat
 
@@ -77,7 +77,7 @@ def test_small_turns_change_little():
 @pytest.mark.parametrize("quat", [[1.0, 0, 0, 0], [0.5, 0.5, -0.5, -0.5], [0.6, -0.48, 0.64, 0.0]])
 def test_every_head_hears_the_same_energy(quat):
     levels = noise_levels(np.array([125.0, 500.0, 2000.0, 8000.0]), CONFIG)
-    mix = np.asarray(ear_mix(jnp.float32(quat), CONFIG), float)
+    mix = np.asarray(noise_mix(jnp.float32(quat), CONFIG), float)
     np.testing.assert_allclose(mix**2 @ levels**2, 1, atol=1e-5)
 
 

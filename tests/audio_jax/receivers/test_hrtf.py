@@ -11,7 +11,7 @@ from home_mjx.audio_jax.receivers.hrtf import (
     ear_spectrum,
     ear_table,
     sphere_spectrum,
-    to_head,
+    world_to_head,
 )
 
 RADIUS, SPEED, TAPS, RATE = 0.0875, 343.2, 512, 16000
@@ -88,5 +88,5 @@ def test_to_head_undoes_the_heads_rotation(rng):
     mujoco.mju_quat2Mat(matrix, quat)
     direction = rng.normal(size=(5, 3))
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        ours = to_head(jnp.asarray(direction, jnp.float32), jnp.asarray(quat, jnp.float32))
+        ours = world_to_head(jnp.asarray(direction, jnp.float32), jnp.asarray(quat, jnp.float32))
     np.testing.assert_allclose(ours, direction @ matrix.reshape(3, 3), atol=1e-5)

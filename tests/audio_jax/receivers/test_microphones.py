@@ -17,17 +17,17 @@ from home_mjx.audio_jax import (
     AudioConfig,
     Listener,
     Paths,
-    Source,
+    SoundSource,
     early_response,
-    energy_response,
+    energy_envelope,
     impulse_response,
     late_response,
-    reception,
+    render_receiver_state,
     survey_room,
 )
-from home_mjx.audio_jax.moving_sources.frame import moving_frame
-from home_mjx.audio_jax.moving_sources.reception import ends_early, late_sound, silence
-from home_mjx.audio_jax.receivers.channels import late_gains
+from home_mjx.audio_jax.moving_sources.frame import render_frame
+from home_mjx.audio_jax.moving_sources.reception import is_truncated, late_state, silent_state
+from home_mjx.audio_jax.receivers.channels import late_channel_gains
 from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.errors import ConfigError
 
@@ -39,7 +39,7 @@ OMNI = AudioConfig(receiver="omni", response_seconds=0.1)
 RATE, SPEED = ARRAY.sample_rate, ARRAY.speed_of_sound
 AHEAD = jnp.float32([1, 0, 0, 0])
 BAND = np.linspace(500, 5000, 181)
-energies = jax.jit(energy_response, static_argnums=4)
+energies = jax.jit(energy_envelope, static_argnums=4)
 _early = {c: jax.jit(lambda p, q, c=c: early_response(p, q, c)) for c in (ARRAY, WIDE, FOA, OMNI)}
 
 
@@ -131,16 +131,22 @@ def test_intensity_of_ambisonics_points_to_the_source(vector, rng):
 
 
 def test_without_a_late_part_there_are_as_many_channels():
-    scene, ends = scene_of(shoebox()), (Source(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD))
+    scene, ends = (
+        scene_of(shoebox()),
+        (SoundSource(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)),
+    )
     config = AudioConfig(receiver="ambisonics", late="none")
     run = lambda hear: jax.eval_shape(lambda: hear(scene, *ends, jax.random.key(0), config))  # noqa: E731
-    assert run(energy_response).energy.shape[1] == 4
+    assert run(energy_envelope).energy.shape[1] == 4
     assert run(impulse_response).shape == (4, config.response_length)
 
 
 def test_w_is_the_omnidirectional_receiver():
     """Early sound to the last digits; late sound but for the signs of its octaves, so in level; also in energies."""
-    scene, ends = scene_of(shoebox()), (Source(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD))
+    scene, ends = (
+        scene_of(shoebox()),
+        (SoundSource(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)),
+    )
     vectors = [[2, 3, -1.0], [-4, 1, 2]]
     np.testing.assert_allclose(render(FOA, vectors)[0], render(OMNI, vectors)[0], atol=1e-6)
     foa, omni = (AudioConfig(receiver=name) for name in ("ambisonics", "omni"))
@@ -223,10 +229,10 @@ def test_frames_of_a_still_source_are_one_convolution(config, rng):
     distance = np.linalg.norm(vectors, axis=1)
     gain = rng.uniform(0.1, 1, (3, 7))
     paths = Paths(*(jnp.asarray(x, jnp.float32) for x in (distance, gain, vectors / distance[:, None])))
-    still = silence(config).replace(paths=paths, quat=AHEAD)
+    still = silent_state(config).replace(paths=paths, quat=AHEAD)
     response = np.asarray(jax.jit(lambda p: early_response(p, AHEAD, config))(paths), float)
     noise = rng.normal(size=6 * config.frame)
-    run = jax.jit(lambda s: moving_frame(s, still, still, config))
+    run = jax.jit(lambda s: render_frame(s, still, still, config))
     heard = []
     for begin in range(2 * config.frame, 5 * config.frame, config.frame):
         part = noise[begin + 1 - config.memory_length : begin + config.frame + config.ahead]
@@ -243,8 +249,8 @@ def test_tones_of_a_source_passed_by_at_microphones_that_turn():
     config = AudioConfig(receiver="array", microphones=FOUR, response_seconds=0.1, motion=True, tail_seconds=0.0)
     count, frame, frequency = 8, config.frame, 1500.0
     moments = np.arange(count + 1) * frame / RATE
-    middle, span = moments.mean(), np.arange(1 - config.memory_length, frame + config.ahead)
-    run = jax.jit(lambda s, a, b: moving_frame(s, a, b, config))
+    middle, span = moments.mean(), np.arange(1 - config.memory_length, frame + config.num_lookahead)
+    run = jax.jit(lambda s, a, b: render_frame(s, a, b, config))
 
     def at(t):
         vector = np.array([1.4 * (t - middle), 0.2, -1.2])
@@ -252,7 +258,7 @@ def test_tones_of_a_source_passed_by_at_microphones_that_turn():
         parts = [distance], np.full((1, 7), 1 / distance), [vector / distance]
         paths = Paths(*(jnp.asarray(x, jnp.float32) for x in parts))
         half = np.pi / 4 * (t - middle)
-        return silence(config).replace(paths=paths, quat=jnp.float32([np.cos(half), 0, np.sin(half), 0]))
+        return silent_state(config).replace(paths=paths, quat=jnp.float32([np.cos(half), 0, np.sin(half), 0]))
 
     wave = lambda n: np.sin(2 * np.pi * frequency * n / RATE)  # noqa: E731
     heard = [
@@ -278,7 +284,9 @@ def test_late_intensity_points_to_where_sound_comes_from(part, place):
     around = np.concatenate([around, -around]) / np.tile(np.linalg.norm(around, axis=1, keepdims=True), (2, 1))
     for yaw in (0.0, 2.0):
         quat = camera_quat(jnp.float32(yaw), jnp.float32(0.3))
-        own, other = (np.asarray(late_gains(jnp.float32(x), quat, config))[..., 0] for x in (unit[None], around))
+        own, other = (
+            np.asarray(late_channel_gains(jnp.float32(x), quat, config))[..., 0] for x in (unit[None], around)
+        )
         levels = part * own[0] + (1 - part) * other.mean(axis=0)
         energy = jnp.asarray(np.broadcast_to(levels[:, None], (config.num_bins, 7, 7)), jnp.float32)
         keys = [jax.random.key(k) for k in range(8)]
@@ -293,13 +301,13 @@ def test_late_intensity_points_to_where_sound_comes_from(part, place):
 def test_receptions_have_as_many_channels(config):
     config = dataclasses.replace(config, motion=True, tail_seconds=0.2)
     scene = scene_of(shoebox(absorption=0.03))
-    ends = Source(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
-    heard = jax.jit(reception, static_argnums=4)(scene, *ends, jax.random.key(0), config)
-    assert heard.energy.shape == (config.num_bins, config.num_energies, 7)
-    assert config.num_energies == (7 if config.receiver == "ambisonics" else 4)
-    assert jax.tree.map(jnp.shape, heard) == jax.tree.map(jnp.shape, silence(config))
-    assert late_sound(heard, config).share.of_bins().shape[:2] == (config.num_bins, 4)
-    assert bool(ends_early(heard, config))  # after 0.3 s of a room that rings for 2
+    ends = SoundSource(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
+    heard = jax.jit(render_receiver_state, static_argnums=4)(scene, *ends, jax.random.key(0), config)
+    assert heard.energy.shape == (config.num_bins, config.num_late_channels, 7)
+    assert config.num_late_channels == (7 if config.receiver == "ambisonics" else 4)
+    assert jax.tree.map(jnp.shape, heard) == jax.tree.map(jnp.shape, silent_state(config))
+    assert late_state(heard, config).shares.bin_weights().shape[:2] == (config.num_bins, 4)
+    assert bool(is_truncated(heard, config))  # after 0.3 s of a room that rings for 2
 
 
 @pytest.mark.parametrize(
@@ -322,6 +330,6 @@ def test_bad_microphones_are_refused(wrong):
 def test_lists_of_microphones_are_hashable_and_surveys_want_ears():
     config = AudioConfig(receiver="array", microphones=[[0, 0, 0.1]])
     assert hash(config) == hash(AudioConfig(receiver="array", microphones=((0.0, 0.0, 0.1),)))
-    scene, ends = scene_of(shoebox()), (Source(jnp.zeros(3)), Listener(jnp.ones(3), HEAD))
+    scene, ends = scene_of(shoebox()), (SoundSource(jnp.zeros(3)), Listener(jnp.ones(3), HEAD))
     with pytest.raises(ConfigError, match="two ears"):
         survey_room(scene, *ends, jax.random.key(0), config)

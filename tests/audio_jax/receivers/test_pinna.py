@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax import AudioConfig, Paths, ear_gains, early_response
-from home_mjx.audio_jax.receivers.pinna import RATE, pinna_delays, pinna_energy
+from home_mjx.audio_jax import AudioConfig, Paths, channel_gains, early_response
+from home_mjx.audio_jax.receivers.pinna import PINNA_MODEL_RATE, pinna_delays, pinna_energy
 from home_mjx.core.transforms import camera_quat
 from home_mjx.errors import ConfigError
 from home_mjx.schema.timing import Timing
@@ -37,7 +37,7 @@ def published(side: float, around: float) -> np.ndarray:
     """Delays [s] by the formula of Brown and Duda, written anew."""
     echoes = ((1, 2, 1.0), (5, 4, 0.5), (5, 7, 0.5), (5, 11, 0.5), (5, 13, 0.5))
     s, a = np.radians([side, around])
-    return np.array([(x * np.cos(s / 2) * np.sin(d * (np.pi / 2 - a)) + b) / RATE for x, b, d in echoes])
+    return np.array([(x * np.cos(s / 2) * np.sin(d * (np.pi / 2 - a)) + b) / PINNA_MODEL_RATE for x, b, d in echoes])
 
 
 FRONT = [(0, 0), (0, 45), (0, -45), (30, 20), (-60, 0), (0, 90), (20, -80)]
@@ -46,7 +46,7 @@ FRONT = [(0, 0), (0, 45), (0, -45), (30, 20), (-60, 0), (0, 90), (20, -80)]
 @pytest.mark.parametrize(("side", "around"), FRONT)
 def test_delays_are_the_published_ones(side, around):
     found = np.asarray(pinna_delays(jnp.asarray(unit(side, around), jnp.float32)))
-    np.testing.assert_allclose(found * RATE, published(side, around) * RATE, atol=1e-3)
+    np.testing.assert_allclose(found * PINNA_MODEL_RATE, published(side, around) * PINNA_MODEL_RATE, atol=1e-3)
 
 
 @pytest.mark.parametrize(("side", "around"), FRONT)
@@ -75,7 +75,7 @@ def test_notches_of_a_response_are_where_the_delays_put_them(side, around):
 def test_no_echo_comes_before_its_sound_and_nothing_jumps_around_the_head():
     around = np.linspace(-90, 270, 1441)
     vectors = np.stack([unit(10, a) for a in around])
-    delays = np.asarray(pinna_delays(jnp.asarray(vectors, jnp.float32))) * RATE
+    delays = np.asarray(pinna_delays(jnp.asarray(vectors, jnp.float32))) * PINNA_MODEL_RATE
     assert delays.min() >= 0
     assert np.max(np.abs(np.diff(delays, axis=0))) < 0.05
     np.testing.assert_allclose(delays[0], delays[-1], atol=0.02)
@@ -110,7 +110,7 @@ def test_late_energy_has_the_echoes():
             exact = np.mean(np.abs(1 + np.array([0.5, -1, 0.5, -0.25, 0.25]) @ waves) ** 2)
             assert 10 * np.log10(energy / exact) == pytest.approx(0, abs=0.3)
         np.testing.assert_allclose(row[:2], 1, rtol=0.05)
-    ratio = ear_gains(jnp.asarray(vectors, jnp.float32), AHEAD, EARED) / ear_gains(
+    ratio = channel_gains(jnp.asarray(vectors, jnp.float32), AHEAD, EARED) / channel_gains(
         jnp.asarray(vectors, jnp.float32), AHEAD, BARE
     )
     np.testing.assert_allclose(np.asarray(ratio)[:, 0], found, rtol=1e-4)

@@ -16,18 +16,18 @@ from home_mjx.audio_jax import (
     AudioConfig,
     Listener,
     Paths,
-    Source,
-    ear_gains,
+    SoundSource,
+    channel_gains,
     early_response,
-    energy_response,
+    energy_envelope,
     impulse_response,
-    measured_head,
+    make_measured_head,
     read_head,
 )
-from home_mjx.audio_jax.moving_sources.frame import moving_frame
-from home_mjx.audio_jax.moving_sources.reception import silence
+from home_mjx.audio_jax.moving_sources.frame import render_frame
+from home_mjx.audio_jax.moving_sources.reception import silent_state
 from home_mjx.audio_jax.receivers.grid import grid_directions
-from home_mjx.audio_jax.receivers.heads import between_directions
+from home_mjx.audio_jax.receivers.heads import interpolate_directions
 from home_mjx.audio_jax.receivers.hrtf import ear_table, sphere_spectrum
 from home_mjx.audio_jax.receivers.sofa import read_measurements
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
@@ -144,7 +144,7 @@ def coarse(path):
 def test_energies_are_those_of_the_sphere(coarse):
     """Per octave, of late sound: 1 dB re the closed form's own table."""
     toward = jnp.float32(ELSEWHERE)
-    ours, exact = (np.asarray(ear_gains(toward, AHEAD, COARSE, head)) for head in (coarse, None))
+    ours, exact = (np.asarray(channel_gains(toward, AHEAD, COARSE, head)) for head in (coarse, None))
     np.testing.assert_allclose(10 * np.log10(ours[..., :6] / exact[..., :6]), 0, atol=1)
 
 
@@ -161,11 +161,11 @@ def test_frames_of_a_still_source_are_one_convolution(coarse, rng):
     distance = np.linalg.norm(vectors, axis=1)
     parts = distance, rng.uniform(0.1, 1, (3, 7)), vectors / distance[:, None]
     paths = Paths(*(jnp.asarray(x, jnp.float32) for x in parts))
-    still = silence(config).replace(paths=paths, quat=AHEAD)
+    still = silent_state(config).replace(paths=paths, quat=AHEAD)
     response = np.asarray(jax.jit(lambda p, h: early_response(p, AHEAD, config, h))(paths, coarse), float)
     noise, frame = rng.normal(size=4 * config.frame), config.frame
-    part = noise[2 * frame + 1 - config.memory_length : 3 * frame + config.ahead]
-    sound = jax.jit(lambda s, h: moving_frame(s, still, still, config, h))(jnp.asarray(part, jnp.float32), coarse)
+    part = noise[2 * frame + 1 - config.memory_length : 3 * frame + config.num_lookahead]
+    sound = jax.jit(lambda s, h: render_frame(s, still, still, config, h))(jnp.asarray(part, jnp.float32), coarse)
     for one, channel in zip(np.asarray(sound), response, strict=True):
         whole = fftconvolve(noise, channel)[2 * frame : 3 * frame]
         np.testing.assert_allclose(one, whole, atol=1e-4 * np.max(np.abs(whole)))
@@ -174,13 +174,13 @@ def test_frames_of_a_still_source_are_one_convolution(coarse, rng):
 def test_a_listener_has_its_head_in_a_room(coarse):
     """Responses and energies; their levels are those of the built-in sphere, since this head is one: 0.5 dB."""
     config = AudioConfig(num_rays=16, num_bounces=4, response_seconds=0.2)
-    scene, source = scene_of(shoebox()), Source(jnp.float32([-1, -1, 1.2]))
+    scene, source = scene_of(shoebox()), SoundSource(jnp.float32([-1, -1, 1.2]))
 
     @jax.jit
     def hear(head):
         ends = source, Listener(jnp.float32([1, 1, 1.6]), HEAD, head=head)
         key = jax.random.key(0)
-        return impulse_response(scene, *ends, key, config), energy_response(scene, *ends, key, config)
+        return impulse_response(scene, *ends, key, config), energy_envelope(scene, *ends, key, config)
 
     (ours, envelope), (plain, expected) = hear(coarse), hear(None)
     np.testing.assert_allclose(*(10 * np.log10(np.sum(x**2, axis=1)) for x in (ours, plain)), atol=0.5)
@@ -211,8 +211,8 @@ def test_between_nodes_of_the_grid():
     """A table of the directions themselves: right at its nodes, poles and where azimuths begin anew among them."""
     nodes = grid_directions()
     table = jnp.asarray(nodes, jnp.float32)
-    np.testing.assert_allclose(between_directions(table, table), nodes, atol=2e-3)
-    np.testing.assert_allclose(between_directions(table, jnp.float32(ELSEWHERE)), ELSEWHERE, atol=2e-3)
+    np.testing.assert_allclose(interpolate_directions(table, table), nodes, atol=2e-3)
+    np.testing.assert_allclose(interpolate_directions(table, jnp.float32(ELSEWHERE)), ELSEWHERE, atol=2e-3)
 
 
 FEW = scattered(60)
@@ -292,7 +292,7 @@ def test_levels_can_be_those_of_a_sphere(tmp_path):
 def test_where_nothing_was_measured_it_is_filled_in_and_told(caplog):
     """As in sets that end at 40 degrees below."""
     above = IN_FILE[::5][IN_FILE[::5, 1] > np.sin(np.radians(-40))]
-    head = measured_head(above, responses(above), RATE, COARSE)
+    head = make_measured_head(above, responses(above), RATE, COARSE)
     assert "are filled in" in caplog.text
     assert all(np.isfinite(x).all() for x in jax.tree.leaves(head))
 
@@ -375,4 +375,4 @@ def test_other_conventions_are_refused(tmp_path):
 )
 def test_heads_are_heard_with_the_options_they_were_read_for(coarse, options, message):
     with pytest.raises(ConfigError, match=message):
-        ear_gains(jnp.float32(ELSEWHERE), AHEAD, AudioConfig(**options), coarse)
+        channel_gains(jnp.float32(ELSEWHERE), AHEAD, AudioConfig(**options), coarse)

@@ -10,8 +10,8 @@ import pytest
 from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 
 from home_mjx.datasets.suncg import digest_index
-from home_mjx.datasets.suncg.digest_index import DigestIndex, Facts, Stamp, index_folder, stamp_of
-from home_mjx.datasets.suncg.digests import Inputs, forget_digests, forget_files
+from home_mjx.datasets.suncg.digest_index import DigestIndex, FileFacts, Stamp, file_stamp, index_folder
+from home_mjx.datasets.suncg.digests import SuncgDigests, clear_shared_indices, delete_digest_indices
 
 OLD: Stamp = (3, 10**18, 10**18, 7)  # of 2001
 LOADING = """
@@ -33,14 +33,14 @@ print(houses.compiled, *sorted({name for name in names if not name.startswith(".
 @pytest.fixture
 def root(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
-    forget_files()
+    clear_shared_indices()
     return write_tiny_dataset(tmp_path / "data")
 
 
 @pytest.fixture
 def aged(root, monkeypatch) -> Path:
     """The dataset, as if it had been written long ago."""
-    monkeypatch.setattr(digest_index, "YOUNG_SECONDS", -60.0)
+    monkeypatch.setattr(digest_index, "MIN_AGE_SECONDS", -60.0)
     return root
 
 
@@ -59,21 +59,21 @@ def files_read_by_another_process(root: Path, **environment: str) -> list[str]:
 
 def digest(root: Path) -> bytes:
     """Of the house's inputs, as a new process would find it."""
-    forget_files()
-    inputs = Inputs(root)
+    clear_shared_indices()
+    inputs = SuncgDigests(root)
     found = inputs.house(HOUSE_ID)
     inputs.save()
     return found
 
 
 def test_a_second_process_opens_no_file_of_the_dataset(root):
-    time.sleep(digest_index.YOUNG_SECONDS + 0.1)  # until now its files are too young to be believed
+    time.sleep(digest_index.MIN_AGE_SECONDS + 0.1)  # until now its files are too young to be believed
     compiled, *read = files_read_by_another_process(root)
     assert compiled == "1"
     assert {f"house/{HOUSE_ID}/house.json", f"object/{TABLE}/{TABLE}.obj", "texture/wood_1.png"} <= set(read)
     assert files_read_by_another_process(root) == ["0"]
     assert files_read_by_another_process(root, HOME_MJX_RECHECK="1") == ["0", *read]
-    forget_digests(root)
+    delete_digest_indices(root)
     assert files_read_by_another_process(root) == ["0", *read]
 
 
@@ -91,7 +91,7 @@ def test_a_change_of_the_same_size_and_time_is_seen(aged, name):
 
 
 def test_an_index_changes_no_digest(aged):
-    without = Inputs(aged).house(HOUSE_ID)
+    without = SuncgDigests(aged).house(HOUSE_ID)
     assert digest(aged) == digest(aged) == without
 
 
@@ -116,7 +116,7 @@ def test_what_is_young_is_looked_at_again(tmp_path):
     index, looked = DigestIndex(tmp_path / "a.json"), []
 
     def facts(stamp: Stamp) -> None:
-        index.facts("a", stamp, lambda: looked.append(stamp) or Facts(b"x"))
+        index.facts("a", stamp, lambda: looked.append(stamp) or FileFacts(b"x"))
 
     now = time.time_ns()
     for stamp in ((3, now, now, 7), (3, 10**18, now, 7), (3, now + 10**12, 10**18, 7)):
@@ -132,7 +132,11 @@ def test_what_is_young_is_looked_at_again(tmp_path):
 
 
 def test_facts_come_back_as_they_were(tmp_path):
-    facts = {"a": Facts(bytes(range(32)), ("122", "s__ü", 'quo"te')), "b": Facts(b"\0" * 32), "\udcff": Facts(b"1")}
+    facts = {
+        "a": FileFacts(bytes(range(32)), ("122", "s__ü", 'quo"te')),
+        "b": FileFacts(b"\0" * 32),
+        "\udcff": FileFacts(b"1"),
+    }
     index = DigestIndex(tmp_path / "new" / "a.json")
     for name, found in facts.items():
         index.facts(name, OLD, lambda found=found: found)
@@ -146,12 +150,12 @@ def test_facts_come_back_as_they_were(tmp_path):
 def test_processes_keep_one_anothers_facts(tmp_path):
     """Both had read the index before either wrote it."""
     one, two = (DigestIndex(tmp_path / "a.json") for _ in range(2))
-    one.facts("a", OLD, lambda: Facts(b"a"))
-    two.facts("b", OLD, lambda: Facts(b"b"))
+    one.facts("a", OLD, lambda: FileFacts(b"a"))
+    two.facts("b", OLD, lambda: FileFacts(b"b"))
     one.save()
     two.save()
     both = DigestIndex(tmp_path / "a.json")
-    assert [both.facts(name, OLD, lambda: Facts(b"")).digest for name in "ab"] == [b"a", b"b"]
+    assert [both.facts(name, OLD, lambda: FileFacts(b"")).digest for name in "ab"] == [b"a", b"b"]
     assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
 
 
@@ -165,7 +169,7 @@ def test_an_index_that_cannot_be_written_only_costs_time(aged, tmp_path, monkeyp
 def test_stamps_follow_a_file(tmp_path):
     path = tmp_path / "a"
     path.write_text("one")
-    first = stamp_of(path.stat())
+    first = file_stamp(path.stat())
     path.write_text("three")
-    assert stamp_of(path.stat())[0] == 5
-    assert stamp_of(path.stat()) != first
+    assert file_stamp(path.stat())[0] == 5
+    assert file_stamp(path.stat()) != first

@@ -17,7 +17,7 @@ from PIL import Image
 from processes import processes_of, wait_for
 
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.datasets.seeds import MAX_KNOWN, house_id, in_order
+from home_mjx.datasets.seeds import MAX_LOOKUP_SEED, house_id, sort_house_ids
 from home_mjx.datasets.suncg.write import house as writer
 from home_mjx.errors import ConfigError, DatasetError
 from home_procgen.v1 import dataset
@@ -196,8 +196,8 @@ def test_the_first_houses_stay_the_first_when_others_are_added(tmp_path):
 
 def test_seeds_beyond_those_looked_for_come_last_and_sorted():
     far = [house_id(seed) for seed in range(2**62, 2**62 + 5)]
-    near = house_id(MAX_KNOWN - 1)
-    assert in_order([*far, "0" * 32, near]) == (near, "0" * 32, *sorted(far))
+    near = house_id(MAX_LOOKUP_SEED - 1)
+    assert sort_house_ids([*far, "0" * 32, near]) == (near, "0" * 32, *sorted(far))
 
 
 def test_the_reader_gets_back_what_was_made(root):
@@ -217,7 +217,7 @@ def test_the_reader_gets_back_what_was_made(root):
                 ]
                 np.testing.assert_allclose(surface(a), surface(b), atol=1e-5)
         for one, other in zip(made.levels[0].objects, read.levels[0].objects, strict=True):
-            assert (one.model_key, one.mirrored) == (other.model_key, other.mirrored)
+            assert (one.model_key, one.is_mirrored) == (other.model_key, other.is_mirrored)
             np.testing.assert_allclose(one.transform, other.transform, atol=1e-8)
             assert [m.name for m in one.materials] == [m.name for m in other.materials]
             np.testing.assert_allclose(
@@ -305,22 +305,24 @@ def test_root_with_something_else_in_it(tmp_path):
 
 
 def test_root_of_another_version(tmp_path):
-    (tmp_path / dataset.MARKER).write_text('{"generator": "home_mjx", "version": 0}')
+    (tmp_path / dataset.GENERATED_MARKER).write_text('{"generator": "home_mjx", "version": 0}')
     with pytest.raises(DatasetError, match="'version': 0"):
         generate_dataset(tmp_path, [0])
 
 
 @pytest.mark.parametrize("broken", ["", "[", "null"])
 def test_broken_marker(tmp_path, broken):
-    (tmp_path / dataset.MARKER).write_text(broken)
+    (tmp_path / dataset.GENERATED_MARKER).write_text(broken)
     with pytest.raises(DatasetError):
         generate_dataset(tmp_path, [0])
 
 
 def test_two_processes_may_mark_the_same_new_folder(tmp_path):
-    (tmp_path / f".{dataset.MARKER}.1").write_text("")  # the other one is between writing its marker and renaming it
+    (tmp_path / f".{dataset.GENERATED_MARKER}.1").write_text(
+        ""
+    )  # the other one is between writing its marker and renaming it
     dataset._claim(tmp_path)
-    assert json.loads((tmp_path / dataset.MARKER).read_text())["generator"] == "home_mjx"
+    assert json.loads((tmp_path / dataset.GENERATED_MARKER).read_text())["generator"] == "home_mjx"
 
 
 CUT = (
@@ -357,10 +359,10 @@ def test_a_house_of_a_former_version_is_kept(root, copied):
 
 
 def test_what_killed_writers_left_is_swept(copied):
-    leftovers = [copied / f"{writer.PARTIAL}old", copied / f".{dataset.MARKER}.77"]
+    leftovers = [copied / f"{writer.PARTIAL_PREFIX}old", copied / f".{dataset.GENERATED_MARKER}.77"]
     leftovers[0].mkdir()
     leftovers[1].write_text("{")
-    young = copied / f"{writer.PARTIAL}young"
+    young = copied / f"{writer.PARTIAL_PREFIX}young"
     young.mkdir()
     for path in leftovers:
         os.utime(path, times=(0, 0))
@@ -371,7 +373,7 @@ def test_what_killed_writers_left_is_swept(copied):
 def test_a_broken_marker_in_the_cache_says_what_to_remove(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
     (tmp_path / "generated-v1").mkdir()
-    (tmp_path / "generated-v1" / dataset.MARKER).write_text('{"gener')
+    (tmp_path / "generated-v1" / dataset.GENERATED_MARKER).write_text('{"gener')
     with pytest.raises(DatasetError, match=r"broken generated.json.*Remove that folder: it is made again"):
         dataset._claim(tmp_path / "generated-v1")
 

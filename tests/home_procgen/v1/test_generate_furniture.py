@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from home_mjx.geometry.wall_prisms import extrude
+from home_mjx.geometry.wall_prisms import extrude_grid
 from home_mjx.schema.categories import COARSE, FINE, NYU40, texture_family
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
 from home_procgen.primitives.palette import FINISHES
@@ -168,7 +168,7 @@ def test_a_panel_with_holes_is_watertight_and_has_their_number_of_handles(rng):
     keep = np.ones((6, 6), bool)
     keep[1, 1] = keep[3, 2:4] = keep[4, 4] = False  # (3, 3) and (4, 4) touch at a corner only
     keep[4, 4] = True
-    points, faces, large = extrude(us, vs, keep, (0.0, 0.1))
+    points, faces, large = extrude_grid(us, vs, keep, (0.0, 0.1))
     mesh = trimesh.Trimesh(points, faces, process=False)
     area = (np.diff(us)[:, None] * np.diff(vs) * keep).sum()
     assert mesh.is_watertight

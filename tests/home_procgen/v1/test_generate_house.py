@@ -8,7 +8,7 @@ from generated import built
 from scipy import ndimage
 
 from home_mjx.datasets.seeds import house_id
-from home_mjx.schema.house import House, Object
+from home_mjx.schema.house import House, ObjectNode
 from home_procgen.v1.furniture import library
 
 SEEDS = range(10)
@@ -20,7 +20,7 @@ def houses():
     return [built(seed) for seed in SEEDS]
 
 
-def placed_vertices(house: House, node: Object):
+def placed_vertices(house: House, node: ObjectNode):
     return house.models[node.model_key].vertices @ node.transform[:3, :3].T + node.transform[:3, 3]
 
 
@@ -36,7 +36,7 @@ def penetration(one, others):
     return (np.minimum(one[1], others[:, 1]) - np.maximum(one[0], others[:, 0])).min(-1)
 
 
-def fine(node: Object):
+def fine(node: ObjectNode):
     return library()[node.model_id].fine
 
 

@@ -9,7 +9,7 @@ from generated import built, designed
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from home_mjx.geometry.polygons import inside_polygon, polygon_area
+from home_mjx.geometry.polygons import is_inside_polygon, polygon_area
 from home_mjx.schema.categories import ROOM_TYPES
 from home_procgen.floor_plan.openings import draw_plan
 from home_procgen.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans, outline, shared_span
@@ -47,7 +47,7 @@ def test_rooms_do_not_overlap_and_sizes_are_plausible(plans, rng):
     for plan in plans:
         low, high = np.min([r.polygon.min(0) for r in plan.rooms], 0), np.max([r.polygon.max(0) for r in plan.rooms], 0)
         points = rng.uniform(low, high, (400, 2))
-        inside = np.stack([inside_polygon(room.polygon, points) for room in plan.rooms])
+        inside = np.stack([is_inside_polygon(room.polygon, points) for room in plan.rooms])
         assert inside.sum(0).max() == 1
         assert inside.any(0).mean() > 0.6  # else the house is not one block, less a corner at most
         for room in plan.rooms:
@@ -65,8 +65,8 @@ def test_normals_point_into_the_room(plans):
     for room in (room for plan in plans for room in plan.rooms):
         middle = np.array([np.add(w.start, w.end) / 2 for w in room.walls])
         normal = np.array([w.normal for w in room.walls])
-        assert inside_polygon(room.polygon, middle + 0.01 * normal).all()
-        assert not inside_polygon(room.polygon, middle - 0.01 * normal).any()
+        assert is_inside_polygon(room.polygon, middle + 0.01 * normal).all()
+        assert not is_inside_polygon(room.polygon, middle - 0.01 * normal).any()
 
 
 def test_every_room_can_be_reached_and_one_door_leads_out(plans):
@@ -88,7 +88,7 @@ def test_openings_lie_between_the_rooms_that_they_name(plans):
             found = set()
             for side in (-0.5, 0.5):
                 point = np.array(opening.placed.beside(0.0, side))
-                found |= {i for i, room in enumerate(plan.rooms) if inside_polygon(room.polygon, point)}
+                found |= {i for i, room in enumerate(plan.rooms) if is_inside_polygon(room.polygon, point)}
             assert found == set(opening.rooms)
 
 

@@ -13,9 +13,9 @@ from odd_numbers import garbled
 from sanitized import Program
 
 from home_mjx.physics.cuda import launch
-from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_MOBILE, SMALL_ISLAND, SOURCES
+from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_BODY, SMALL_ISLAND, SOURCES
 from home_mjx.physics.numba.data import limits
-from home_mjx.physics.numba.data.numbers import Numbers, reference_surfaces
+from home_mjx.physics.numba.data.numbers import StepParams, reference_surfaces
 from home_mjx.physics.numba.data.operands import HELD
 
 WHOLE = 3, 13, 18, 22  # operands of whole numbers
@@ -74,7 +74,7 @@ def operands(oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)
     mobiles = agents + bodies + len(doors)
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
     outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros((mobiles, 4), np.float32)]
-    words = (limits.NEAR + 12 + PAIRS_PER_MOBILE + CONTACT_WORDS * limits.POINTS_PER_MOBILE) * mobiles
+    words = (limits.MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * limits.POINTS_PER_BODY) * mobiles
     words += launch._newton_words(mobiles)
     return inputs, [*outputs, np.zeros(mobiles, np.int32), np.zeros(words)]  # here its numbers have 64 bits
 
@@ -162,10 +162,10 @@ def test_sizes_and_numbers_are_those_of_the_other_step():
     own |= {
         "CONTACT_WORDS": CONTACT_WORDS,
         "SMALL_ISLAND": SMALL_ISLAND,
-        "PAIRS_PER_MOBILE": PAIRS_PER_MOBILE,
-        "NUM_NUMBERS": len(Numbers._fields),
+        "PAIRS_PER_MOBILE": PAIRS_PER_BODY,
+        "NUM_NUMBERS": len(StepParams._fields),
     }
     assert {name: found[name] for name in own} == own
     record = re.search(r"struct Numbers \{\s*real ([^;]*);", text)
     assert record is not None
-    assert tuple(re.split(r",\s*", record[1])) == Numbers._fields
+    assert tuple(re.split(r",\s*", record[1])) == StepParams._fields

@@ -15,9 +15,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.physics import ExportedTemplate, PhysicsConfig, Template
 from home_mjx.physics.mujoco import houses as c_houses
-from home_mjx.physics.mujoco.calls import refuse_where_impossible
-from home_mjx.physics.mujoco.houses import house_in_c
-from home_mjx.physics.mujoco.mjcf import Rows
+from home_mjx.physics.mujoco.calls import check_platform
+from home_mjx.physics.mujoco.houses import build_house_model
+from home_mjx.physics.mujoco.mjcf import HouseRows
 
 STEPS = 20
 HOUSES = [
@@ -83,7 +83,7 @@ def heap_in_c(oracle):
     """A heap's house, made as from a bank's rows."""
     doors, count = oracle.doors, len(oracle.doors.mass)
     flat = np.zeros(count)
-    rows = Rows(
+    rows = HouseRows(
         floor=np.float32(0),
         **{f"collider_{name}": x for name, x in zip(("pos", "quat", "size"), oracle.static, strict=True)},
         body_valid=np.ones(len(oracle.mass), bool),
@@ -101,7 +101,7 @@ def heap_in_c(oracle):
         door_low=doors.range[:, 0],
         door_high=doors.range[:, 1],
     )
-    return house_in_c(oracle.config, oracle.layout, rows)
+    return build_house_model(oracle.config, oracle.layout, rows)
 
 
 def test_a_heap_accelerates_as_in_the_templates_model(rng):
@@ -116,7 +116,7 @@ def test_a_heap_accelerates_as_in_the_templates_model(rng):
         floor = (pairs == 0).any(axis=1)
         mobiles = oracle.model.geom_bodyid[pairs[~floor]] - 1
         touched = [(mobiles == agent).any(axis=1).sum() for agent in range(oracle.agents)]
-        assert moved.touched.count.tolist() == touched
+        assert moved.contacts.num_contacts.tolist() == touched
         total += count
     assert total > 300
 
@@ -147,7 +147,7 @@ def test_state_of_environments_is_their_own(bank):
 
 def test_an_exchanged_bank_is_noticed_and_few_houses_are_kept(bank, monkeypatch):
     """One program, other houses: their models are made; those that are not used are dropped."""
-    monkeypatch.setattr(c_houses, "MOST_KEPT", 1)
+    monkeypatch.setattr(c_houses, "MAX_CACHED_HOUSES", 1)
     template = Template(PhysicsConfig(impl="c"), bank.spec)
     wide = bank.replace(physics=bank.physics.replace(collider_size=bank.physics.collider_size + 0.2))
     state = physics.reset(template, bank, jnp.int32(0), jnp.array([[2.6, 0.0, 0.0]]), jnp.zeros(1))
@@ -155,7 +155,7 @@ def test_an_exchanged_bank_is_noticed_and_few_houses_are_kept(bank, monkeypatch)
     for _ in range(2):
         assert not physics.agent_contact(template, step(bank)).any()
         assert physics.agent_contact(template, step(wide)).all()
-    assert len(c_houses.houses_in_c(template.config, template.layout)._houses) == 1
+    assert len(c_houses.shared_house_models(template.config, template.layout)._houses) == 1
 
 
 def test_a_state_that_is_not_a_number_stays_so_and_harms_nobody(bank):
@@ -166,7 +166,7 @@ def test_a_state_that_is_not_a_number_stays_so_and_harms_nobody(bank):
     bad = state.replace(qpos=state.qpos.at[0, 0].set(jnp.nan))
     step = jax.jit(jax.vmap(lambda h, s: physics.step(template, bank, h, s, jnp.ones((1, 3)))))
     good, after = step(house, state), step(house, bad)
-    assert bool(physics.is_broken(jax.tree.map(lambda x: x[0], after)))
+    assert bool(physics.is_unstable(jax.tree.map(lambda x: x[0], after)))
     assert_array_equal(after.qpos[1], good.qpos[1])
 
 
@@ -182,9 +182,9 @@ def test_other_houses_than_the_banks_are_refused(bank):
 
 
 def test_other_devices_are_refused(monkeypatch):
-    refuse_where_impossible()
+    check_platform()
     monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
     with pytest.raises(ConfigError, match="for `gpu` here"):
-        refuse_where_impossible()
+        check_platform()
     with jax.default_device(jax.devices("cpu")[0]):
-        refuse_where_impossible()
+        check_platform()

@@ -12,7 +12,7 @@ from robots import WHEELED
 
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.physics import ModelInC, robot_in_house
+from home_mjx.physics import MujocoModel, robot_in_house
 from home_procgen.v1.dataset import generate_dataset
 
 SUBSTEPS, DT = 5, 0.01
@@ -28,7 +28,7 @@ def model():
 @pytest.fixture(scope="module")
 def driven(model):
     """States after each step of 0.05 s, of three robots: forward, turning, at rest (t, robot, s); their sensors."""
-    house = ModelInC(model, SUBSTEPS)
+    house = MujocoModel(model, SUBSTEPS)
     ctrl = jnp.array([DRIVE, DRIVE * [-0.5, 0.5, 1], DRIVE * 0])
 
     @jax.jit
@@ -90,7 +90,7 @@ def test_mjx_moves_the_robot_alike(model, driven):
 
 def test_a_robot_pushes_what_is_movable():
     model = robot_in_house(HOUSE, WHEELED, (-0.7, 0.5, 0.0), np.pi, timestep=DT, visuals=False).compile()
-    house = ModelInC(model, 150)
+    house = MujocoModel(model, 150)
     state, _ = jax.jit(house.step)(house.start, jnp.asarray(DRIVE))
     box = house.qpos.start + model.joint("object0").qposadr[0]
     assert_allclose(house.start[box : box + 2], [-1.5, 0.5])
@@ -146,7 +146,7 @@ def test_a_gradient_and_no_substeps_are_refused(driven):
     with pytest.raises(ConfigError, match="C MuJoCo has no gradient"):
         jax.grad(lambda ctrl: house.step(house.start, ctrl)[0].sum())(jnp.zeros(3))
     with pytest.raises(ConfigError, match="substeps"):
-        ModelInC(house.model, 0)
+        MujocoModel(house.model, 0)
 
 
 def test_states_and_controls_of_other_models_are_refused(driven):

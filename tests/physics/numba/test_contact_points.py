@@ -6,7 +6,7 @@ from c_oracle import contacts_of, floats, ordered, place, two_geoms
 from mujoco import mj_forward
 from numba import njit
 
-from home_mjx.physics.numba.data.limits import MOST_POINTS
+from home_mjx.physics.numba.data.limits import MAX_PAIR_POINTS
 from home_mjx.physics.numba.shapes.box_box import box_box
 from home_mjx.physics.numba.shapes.capsule import capsule_box, capsule_capsule
 
@@ -48,7 +48,7 @@ def turned(rng, kind: str) -> np.ndarray:
 def test_boxes(kind):
     rng, seen = np.random.default_rng(1), 0
     model, data = two_geoms('type="box" size="1 1 1"', 'type="box" size="1 1 1"')
-    points, normal = np.zeros((MOST_POINTS, 4)), np.zeros(3)
+    points, normal = np.zeros((MAX_PAIR_POINTS, 4)), np.zeros(3)
     for _ in range(CASES):
         half = rng.uniform(0.05, 1, (2, 3))
         for geom in range(2):

@@ -11,9 +11,9 @@ from soup import Placed, Soup, f32, i32, needs_gpu, random_pose, random_rays, ra
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.native import nvrtc
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import BackendError
 from home_mjx.raycast_render.backends import cuda
-from home_mjx.raycast_render.casting.cast import cast, cast_through, occluded
+from home_mjx.raycast_render.casting.cast import cast, cast_multi_hit, occluded
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 
@@ -33,20 +33,20 @@ from home_mjx.raycast_render.scene.types import Scene
     ],
 )
 def test_grid_covers_all_rays(shape, width, expected):
-    assert cuda.grid(*shape, width) == expected
+    assert cuda.launch_grid(*shape, width) == expected
 
 
 def pretend(monkeypatch):
     """As if there were a GPU for which the kernels are compiled."""
     monkeypatch.setattr(cuda, "cuda_problem", lambda: None)
-    monkeypatch.setattr(cuda, "kernels", lambda: "the PTX")
+    monkeypatch.setattr(cuda, "compile_kernels", lambda: "the PTX")
 
 
 def test_nested_vmap_becomes_one_call(monkeypatch):
     pretend(monkeypatch)
     rng = np.random.default_rng(0)
     scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, 4 * 32 * 16)
-    look = jax.vmap(lambda m, o, d: cast(scene.replace(moving=m), o, d, executor="cuda").t, (None, 0, 0))
+    look = jax.vmap(lambda m, o, d: cast(scene.replace(moving=m), o, d, backend="cuda").t, (None, 0, 0))
     moving = jax.tree.map(lambda x: jnp.stack([x] * 4), scene.moving)
     shaped = [f32(x.reshape(4, 2, 16, 16, 3)) for x in (origin, direction)]
     text = jax.jit(jax.vmap(look)).trace(moving, *shaped).lower(lowering_platforms=("cuda",)).as_text()
@@ -61,7 +61,7 @@ def test_any_hit_is_a_kernel_of_its_own_and_no_rays_are_no_call(monkeypatch):
     pretend(monkeypatch)
     rng = np.random.default_rng(0)
     scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, 8)
-    look = jax.jit(lambda s, o, d: occluded(s, o, d, executor="cuda"))
+    look = jax.jit(lambda s, o, d: occluded(s, o, d, backend="cuda"))
     text = look.trace(scene, f32(origin), f32(direction)).lower(lowering_platforms=("cuda",)).as_text()
     assert 'name = "cast_any"' in text
     text = look.trace(scene, f32(origin[:0]), f32(direction[:0])).lower(lowering_platforms=("cuda",)).as_text()
@@ -73,7 +73,7 @@ def test_hits_one_after_the_other_are_one_call(monkeypatch):
     rng = np.random.default_rng(0)
     scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, 4 * 3)
     moving = jax.tree.map(lambda x: jnp.stack([x] * 4), scene.moving)
-    through = lambda m, o, d: cast_through(scene.replace(moving=m), o, d, 16, 1e-4, executor="cuda")  # noqa: E731
+    through = lambda m, o, d: cast_multi_hit(scene.replace(moving=m), o, d, 16, 1e-4, backend="cuda")  # noqa: E731
     shaped = [f32(x.reshape(4, 3, 3)) for x in (origin, direction)]
     look = jax.jit(jax.vmap(jax.vmap(through, (None, 0, 0))))
     text = look.trace(moving, *shaped).lower(lowering_platforms=("cuda",)).as_text()
@@ -92,7 +92,7 @@ class FakeLibrary:
         monkeypatch.setenv("HOME_MJX_CACHE", str(folder))
         monkeypatch.setattr(nvrtc, "find_library", lambda: self)
         monkeypatch.setattr(nvrtc, "version", lambda library: library.version)
-        monkeypatch.setattr(nvrtc, "_known", lambda library, capability: capability)
+        monkeypatch.setattr(nvrtc, "_clip_rows", lambda library, capability: capability)
         monkeypatch.setattr(nvrtc, "_compile", self.compile)
 
     def compile(self, library, code, name, target, options):
@@ -142,9 +142,9 @@ def test_a_cache_that_cannot_be_written_costs_only_time(monkeypatch, tmp_path, c
 
 def test_without_nvrtc_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(nvrtc, "_installed", lambda: iter(()))
-    monkeypatch.setattr(nvrtc, "NAMES", ("libnvrtc-that-is-not-there.so",))
+    monkeypatch.setattr(nvrtc, "RANGE_NAMES", ("libnvrtc-that-is-not-there.so",))
     nvrtc.find_library.cache_clear()
-    with pytest.raises(ExecutorError, match="no NVRTC"):
+    with pytest.raises(BackendError, match="no NVRTC"):
         nvrtc.find_library()
     nvrtc.find_library.cache_clear()
 
@@ -172,7 +172,7 @@ def batch():
 
 
 def rows(bank, house, moving, origin, direction, executor=None):
-    return cast(Scene(bank, house, moving), origin, direction, executor=executor)
+    return cast(Scene(bank, house, moving), origin, direction, backend=executor)
 
 
 per_env = jax.vmap(rows, (None, 0, 0, 0, 0))
@@ -259,7 +259,7 @@ def test_of_ten_million_rays_at_edges_and_corners_none_escapes():
     scene = Soup([mesh.triangles.astype(np.float32)], [Placed(0, pose, 0)]).scene()
     corners = mesh.vertices.astype(np.float32).astype(float)
     edges = corners[mesh.edges_unique]
-    look = jax.jit(lambda o, d: cast(scene, o, d, executor="cuda"))
+    look = jax.jit(lambda o, d: cast(scene, o, d, backend="cuda"))
     for _ in range(10):
         share = rng.uniform(size=(1_000_000, 1)) * rng.integers(0, 2, (1_000_000, 1))  # every other one at a corner
         ends = edges[rng.integers(0, len(edges), 1_000_000)]

@@ -17,12 +17,12 @@ from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, rando
 
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.native import nvrtc
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import BackendError
 from home_mjx.geometry import bvh
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene import constants as limits
-from home_mjx.raycast_render.scene.types import Query, Rays
+from home_mjx.raycast_render.scene.types import RayQuery, Rays
 
 N = 1500
 CALLS = 450  # with garbage; call 412 has found what the first three hundred had not
@@ -68,7 +68,7 @@ def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, 
     )
     rays = rays.replace(**{name: getattr(rays, name)[:1] for name in shared})
     twice = jax.tree.map(lambda x: jnp.stack([x] * 2), (scene.house, scene.moving, rays))
-    inputs = [np.ascontiguousarray(x) for x in cuda.operands(scene.geometry, *twice)]
+    inputs = [np.ascontiguousarray(x) for x in cuda.kernel_operands(scene.geometry, *twice)]
     outputs = [np.full((2, count), 77, kind) for kind in TYPES]
     results = outputs[1:2] if any_hit else outputs
     pointers = [x.ctypes.data for x in inputs + results]
@@ -97,7 +97,7 @@ def six_scenes(rng):
 def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
     """A bank and six scenes in each call; see tests/soak/garbage.py."""
     program, (given, results) = checked(library, tmp_path), six_scenes(np.random.default_rng(11))
-    read = jax.jit(lambda *x: cuda.operands(*x, Query(steps=STEPS, skin=1e-4)))
+    read = jax.jit(lambda *x: cuda.kernel_operands(*x, RayQuery(num_hits=STEPS, hit_epsilon=1e-4)))
     many = [np.zeros((*x.shape, STEPS), x.dtype) for x in results]
     for number in range(CALLS):
         inputs = jax.device_get(read(*(garbled(f"cuda:{number}", *given) if number else given)))
@@ -113,13 +113,16 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
     What waits are leaves or empty ones, of houses or of models; at the chain's end lies a leaf, or an empty one.
     """
     program, (given, results) = checked(library, tmp_path), six_scenes(np.random.default_rng(12))
-    read = jax.jit(lambda *x: cuda.operands(*x, Query(steps=1)))
+    read = jax.jit(lambda *x: cuda.kernel_operands(*x, RayQuery(num_hits=1)))
     inputs = [np.array(x) for x in jax.device_get(read(*given))]
     leaf, num_nodes = ~(0 << 4 | 2), 4 * (2 * bvh.MAX_DEPTH + 4)
     whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[14]
     size[11] = num_nodes
     for waits, last, house_root, model_root in itertools.product(
-        (leaf, bvh.EMPTY), (leaf, bvh.EMPTY), (0, leaf, bvh.EMPTY), (0, leaf, bvh.EMPTY, num_nodes - 1)
+        (leaf, bvh.EMPTY_LEAF),
+        (leaf, bvh.EMPTY_LEAF),
+        (0, leaf, bvh.EMPTY_LEAF),
+        (0, leaf, bvh.EMPTY_LEAF, num_nodes - 1),
     ):
         code = np.stack([np.arange(num_nodes) + 1, np.full(num_nodes, waits)], axis=1).astype(np.int32)
         code[-1] = last
@@ -254,7 +257,7 @@ def test_constants_are_those_of_the_other_executors():
     assert int(told["BLOCK"]) == cuda.BLOCK
     assert (int(told["TILE_WIDTH"]), int(told["TILE_HEIGHT"])) == cuda.TILE
     assert int(told["MAX_DEPTH"]) == bvh.MAX_DEPTH
-    assert int(told["EMPTY"]) == bvh.EMPTY
+    assert int(told["EMPTY"]) == bvh.EMPTY_LEAF
     for name in ("MISS", "TINY", "FAR_SLACK"):
         assert sum(float(part.rstrip("f")) for part in told[name].split("+")) == getattr(limits, name)
 
@@ -263,7 +266,7 @@ def test_constants_are_those_of_the_other_executors():
 def test_nvrtc_compiles_it(tmp_path, monkeypatch, capability):
     try:
         nvrtc.find_library()
-    except ExecutorError:
+    except BackendError:
         pytest.skip("NVRTC is not installed")
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
     ptx = nvrtc.compile_ptx(cuda.SOURCE, capability)

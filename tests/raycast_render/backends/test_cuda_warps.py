@@ -13,10 +13,10 @@ from soup import Placed, Soup, f32, i32, random_pose, random_rays, random_soup
 
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.backends.cpu import cast_cpu
-from home_mjx.raycast_render.scene.types import CLOSEST, Query, Rays
+from home_mjx.raycast_render.scene.types import CLOSEST_HIT, RayQuery, Rays
 
 STEPS = 7
-THROUGH = Query(steps=STEPS, skin=1e-4)
+THROUGH = RayQuery(num_hits=STEPS, hit_epsilon=1e-4)
 TYPES = (np.float32, np.int32, np.int32, np.float32, np.float32, np.bool_)
 
 
@@ -50,11 +50,11 @@ def assert_same(library, scene, rays, query):
     """The bits of the `cpu` executor, of rays (e r) in environments that are alike."""
     environments, count = rays.shape
     house, moving = jax.tree.map(lambda x: jnp.stack([x] * environments), (scene.house, scene.moving))
-    inputs = [np.ascontiguousarray(x) for x in cuda.operands(scene.geometry, house, moving, rays, query)]
+    inputs = [np.ascontiguousarray(x) for x in cuda.kernel_operands(scene.geometry, house, moving, rays, query)]
     shape = (*rays.shape, query.steps) if query.steps else rays.shape
     results = [np.full(shape, 77, kind) for kind in TYPES]
     pointers = [x.ctypes.data for x in inputs + results]
-    warps = (1 + count // 32) if rays.width == 0 else cuda.grid(environments, count, rays.width)[0] * 2
+    warps = (1 + count // 32) if rays.width == 0 else cuda.launch_grid(environments, count, rays.width)[0] * 2
     library.run((ctypes.c_void_p * len(pointers))(*pointers), warps, environments, query.steps > 0)
     with jax.default_device(jax.devices("cpu")[0]):
         expected = jax.jit(lambda *x: cast_cpu(*x, query))(scene.geometry, house, moving, rays)
@@ -76,7 +76,7 @@ def test_rays_of_a_warp_that_go_through_more_and_less(library, count, width):
     """Alone in their warp, as sound's are; more than a warp and in tiles, with threads that have no ray."""
     rng = np.random.default_rng(count)
     scene, rays = random_soup(rng).scene(), some_rays(rng, 5, count, width)
-    assert_same(library, scene, rays, CLOSEST)
+    assert_same(library, scene, rays, CLOSEST_HIT)
     met = np.sum(assert_same(library, scene, rays, THROUGH).instance >= 0, axis=2)
     if count > 1:
         assert set(met.ravel().tolist()) == set(range(STEPS + 1))

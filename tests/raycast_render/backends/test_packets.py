@@ -58,9 +58,9 @@ def test_values_that_rays_share_are_read_once_for_every_environment(case):
     )
 
     def look(o, t_min, t_max, exclude, mask):
-        once = cast(scene, o, f32(direction[:40]), t_min, t_max, exclude, mask, executor="cpu")
+        once = cast(scene, o, f32(direction[:40]), t_min, t_max, exclude, mask, backend="cpu")
         fields = (jax.numpy.broadcast_to(x[None], (40,)) for x in (t_min, t_max, exclude, mask))
-        each = cast(scene, jax.numpy.broadcast_to(o[None], (40, 3)), f32(direction[:40]), *fields, executor="cpu")
+        each = cast(scene, jax.numpy.broadcast_to(o[None], (40, 3)), f32(direction[:40]), *fields, backend="cpu")
         return once, each
 
     once, each = jax.jit(jax.vmap(look))(*shared)
@@ -78,15 +78,19 @@ def compute(a, b, out):
         first - one,
         one * second,
         first / second,
-        lanes.least(first, second),
-        lanes.greatest(first, second),
-        lanes.magnitude(first),
-        lanes.where(~(first < second) & (first >= one), first, one),
-        lanes.where((first == second) | (first > second) | (first <= one), second, first),
+        lanes.minimum(first, second),
+        lanes.maximum(first, second),
+        lanes.absolute(first),
+        lanes.select(~(first < second) & (first >= one), first, one),
+        lanes.select((first == second) | (first > second) | (first <= one), second, first),
     )
     for row, result in enumerate(results):
         lanes.store(pointer(out), lanes.LANES * row, result)
-    return lanes.count(first < second), lanes.any_lane(first < second), lanes.any_lane(first < -np.float32(np.inf))
+    return (
+        lanes.count_lanes(first < second),
+        lanes.any_lane(first < second),
+        lanes.any_lane(first < -np.float32(np.inf)),
+    )
 
 
 def test_lanes_compute_as_numpy_does():

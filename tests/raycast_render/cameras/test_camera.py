@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, intrinsics, pixel_width, world_from_camera
+from home_mjx.raycast_render.cameras.camera import (
+    Camera,
+    Lens,
+    camera_rays,
+    intrinsics,
+    pixel_footprint,
+    world_from_camera,
+)
 
 
 def rays(quat, fovy=np.pi / 2, width=4, height=4):
@@ -132,7 +139,7 @@ def test_intrinsics_project_what_the_rays_see(rng):
 @pytest.mark.parametrize("lens", [Lens(9, 6), Lens(9, 6, "orthographic")])
 def test_the_width_of_a_pixel_is_the_distance_of_neighbouring_rays(rng, lens):
     camera = some_camera(rng)
-    first, growth = pixel_width(camera, lens)
+    first, growth = pixel_footprint(camera, lens)
     origin, direction = camera_rays(camera, lens)
     for t in (0.0, 2.0):
         points = np.asarray(origin + t * direction)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
-from home_mjx.raycast_render.shaders.texture import DECODE
+from home_mjx.raycast_render.shaders.texture import SRGB_TO_LINEAR
 
 SIZE = 200
 
@@ -42,6 +42,6 @@ def test_edges_of_depth_are_torn_and_far_readings_are_lost():
 def test_the_variance_of_colours_grows_with_the_light():
     for value in (60, 128, 200):
         image = noisy(jax.random.key(value), jnp.full((SIZE, SIZE, 3), value, jnp.uint8), shot=0.0005, read=0.00002)
-        linear = DECODE[image.astype(int)]
-        assert linear.mean() == pytest.approx(DECODE[value], rel=0.01)
-        assert linear.var() == pytest.approx(0.0005 * DECODE[value] + 0.00002, rel=0.05)
+        linear = SRGB_TO_LINEAR[image.astype(int)]
+        assert linear.mean() == pytest.approx(SRGB_TO_LINEAR[value], rel=0.01)
+        assert linear.var() == pytest.approx(0.0005 * SRGB_TO_LINEAR[value] + 0.00002, rel=0.05)

@@ -18,7 +18,7 @@ from soup import (
     random_triangles,
 )
 
-from home_mjx.errors import ConfigError, ExecutorError
+from home_mjx.errors import BackendError, ConfigError
 from home_mjx.raycast_render.casting.cast import cast, occluded
 
 N = 2000
@@ -136,7 +136,7 @@ def test_without_jit_nothing_changes(case, executor):
     _, scene, origin, direction = case
     expected = in_jit(cast, scene, f32(origin[:2]), f32(direction[:2]), mask=7, executor=executor)
     with jax.disable_jit():
-        hit = cast(scene, f32(origin[:2]), f32(direction[:2]), mask=7, executor=executor)
+        hit = cast(scene, f32(origin[:2]), f32(direction[:2]), mask=7, backend=executor)
     np.testing.assert_array_equal(hit.instance, expected.instance)
     np.testing.assert_array_equal(hit.triangle, expected.triangle)
     np.testing.assert_allclose(hit.t, expected.t, rtol=1e-5)
@@ -174,10 +174,10 @@ def test_triangles_without_area_are_never_hit(executor):
 
 def test_unknown_executor_names_the_known_ones(case):
     with pytest.raises(ConfigError, match=r"Did you mean `cpu`"):
-        cast(case[1], jnp.zeros(3), jnp.ones(3), executor="cpuu")
+        cast(case[1], jnp.zeros(3), jnp.ones(3), backend="cpuu")
 
 
 @pytest.mark.skipif(jax.default_backend() != "cpu", reason="there is a GPU")
 def test_cuda_says_that_there_is_no_gpu(case):
-    with pytest.raises(ExecutorError, match="no NVIDIA GPU"):
-        cast(case[1], jnp.zeros(3), jnp.ones(3), executor="cuda")
+    with pytest.raises(BackendError, match="no NVIDIA GPU"):
+        cast(case[1], jnp.zeros(3), jnp.ones(3), backend="cuda")

@@ -9,7 +9,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from soup import EXECUTORS, f32, i32, in_jit, random_rays, random_soup
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.raycast_render.casting.cast import cast, cast_through
+from home_mjx.raycast_render.casting.cast import cast, cast_multi_hit
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import object_ids
 from home_mjx.raycast_render.scene.types import Scene
@@ -25,7 +25,7 @@ def one_by_one(scene, origin, direction, executor, steps=STEPS, t_min=0.0, t_max
     def step(carry, _):
         start, skipped, goes_on = carry
         end = jnp.where(goes_on, t_max, -1)
-        hit = cast(scene, origin, direction, start, end, exclude=skipped, mask=mask, executor=executor)
+        hit = cast(scene, origin, direction, start, end, exclude=skipped, mask=mask, backend=executor)
         met, own = hit.instance >= 0, object_ids(scene, hit)
         start = jax.lax.stop_gradient(jnp.where(met, hit.t + jnp.float32(SKIN), start))
         return (start, jnp.where(met & (own >= 0), own, skipped), met), hit
@@ -37,7 +37,7 @@ def one_by_one(scene, origin, direction, executor, steps=STEPS, t_min=0.0, t_max
 
 
 def through(scene, origin, direction, executor=None, steps=STEPS, **options):
-    return cast_through(scene, origin, direction, steps, SKIN, **{"mask": 7} | options, executor=executor)
+    return cast_multi_hit(scene, origin, direction, steps, SKIN, **{"mask": 7} | options, backend=executor)
 
 
 def assert_same(a, b):

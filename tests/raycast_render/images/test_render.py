@@ -10,7 +10,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.texture_layers import mip_levels
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import geodesic_distance, random_position, room_of
-from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_usable
+from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_valid_camera
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import KINDS, SEMANTIC_KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -116,7 +116,7 @@ def test_depth_is_clipped_or_infinite_outside(look):
     for kind in ("instance", "material", *SEMANTIC_KINDS):
         assert (clipped[kind] == -1).all(), kind
     assert (clipped["normal"] == 0).all()
-    sky = shading.encode(jnp.array(shading.SKY))
+    sky = shading.encode_srgb(jnp.array(shading.MISS_COLOR))
     np.testing.assert_array_equal(clipped["rgb"], np.broadcast_to(sky, (SIZE, SIZE, 3)))
 
 
@@ -202,8 +202,8 @@ def test_every_pixel_shows_its_texel(bank, look):
 
 def test_srgb_bytes_survive_decoding_and_encoding():
     every = np.repeat(np.arange(256)[:, None], 3, axis=1)
-    linear = jnp.asarray(texture.DECODE)[jnp.asarray(every)]
-    np.testing.assert_array_equal(shading.encode(linear), every)
+    linear = jnp.asarray(texture.SRGB_TO_LINEAR)[jnp.asarray(every)]
+    np.testing.assert_array_equal(shading.encode_srgb(linear), every)
 
 
 def test_light_falls_with_the_angle_and_colours_stay(bank, look):
@@ -246,10 +246,10 @@ def test_cameras_that_cannot_be_are_refused_and_inside_jit_flagged(bank, look, c
     camera = Camera(jnp.zeros(3), jnp.asarray(quat, jnp.float32), jnp.float32(fovy))
     with pytest.raises(ConfigError, match=r"unit length, got|field of view \[rad\] between 0 and pi, got"):
         render(place(bank), camera)
-    assert not is_usable(camera, Lens())
+    assert not is_valid_camera(camera, Lens())
     if "quat" in change:
         images = look(quat=quat)
         assert not images["valid"]
         assert (images["instance"] == -1).all()
     else:
-        assert is_usable(camera, Lens(model="panorama")), "it has no field of view"
+        assert is_valid_camera(camera, Lens(model="panorama")), "it has no field of view"

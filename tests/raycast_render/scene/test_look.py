@@ -13,14 +13,14 @@ from scipy import stats
 
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.render import render
-from home_mjx.raycast_render.scene.look import LAYER, RED, SWAPPED, Look, drawn, swapped
+from home_mjx.raycast_render.scene.look import LAYER, RED, SWAP, AppearanceOverrides, hash_uniform, swap_textures
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lights
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.preset import LitShader
 
 SEED = jnp.uint32(12345)
-LIT = Lit(bounces=0)
-DARK = Look(SEED, lamps=jnp.zeros(2), daylight=jnp.float32(0.0))
+LIT = LitShader(max_specular_depth=0)
+DARK = AppearanceOverrides(SEED, lamps=jnp.zeros(2), daylight=jnp.float32(0.0))
 POINTS = np.array([[0.0, 0.0], [1.0, 0.5], [-2.0, 1.0]])
 
 
@@ -37,16 +37,16 @@ def bank():
 def draw(bank):
     def images(look, preset, kinds):
         camera = Camera(jnp.array([-2.0, 0.2, 1.5]), jnp.array([0.5, 0.5, -0.5, -0.5]), jnp.deg2rad(90.0))
-        scene = scene_of(bank).replace(look=look)
-        return render(scene, camera, Lens(16, 16), kinds=kinds, preset=preset, depth_max=None)
+        scene = scene_of(bank).replace(appearance=look)
+        return render(scene, camera, Lens(16, 16), kinds=kinds, shader=preset, depth_max=None)
 
     return jax.jit(images, static_argnums=(1, 2))
 
 
 def lamp_light(bank, look, options=LIT):
-    scene = scene_of(bank).replace(look=look)
+    scene = scene_of(bank).replace(appearance=look)
     placed = lights.place_lights(scene, options)
-    return np.asarray(lights.lamp_light(scene, placed, floor_points(POINTS), None, 3).diffuse.packed())
+    return np.asarray(lights.lamp_light(scene, placed, floor_points(POINTS), None, 3).diffuse.pack())
 
 
 def test_without_lamps_and_daylight_it_is_dark(draw):
@@ -58,22 +58,25 @@ def test_without_lamps_and_daylight_it_is_dark(draw):
 
 
 def test_lamps_are_as_bright_as_their_room_says(bank):
-    each = [lamp_light(bank, Look(SEED, lamps=jnp.array(on), daylight=jnp.float32(0.0))) for on in ((1.0, 0), (0, 1.0))]
-    both = lamp_light(bank, Look(SEED, lamps=jnp.array([0.5, 3.0]), daylight=jnp.float32(0.0)))
+    each = [
+        lamp_light(bank, AppearanceOverrides(SEED, lamps=jnp.array(on), daylight=jnp.float32(0.0)))
+        for on in ((1.0, 0), (0, 1.0))
+    ]
+    both = lamp_light(bank, AppearanceOverrides(SEED, lamps=jnp.array([0.5, 3.0]), daylight=jnp.float32(0.0)))
     assert all(light.min() > 0 for light in each)
     assert_allclose(both, 0.5 * each[0] + 3 * each[1], rtol=1e-5)
     whole = lamp_light(bank, None)
-    by_day = lamp_light(bank, Look(SEED, lamps=jnp.zeros(2)))
+    by_day = lamp_light(bank, AppearanceOverrides(SEED, lamps=jnp.zeros(2)))
     assert_allclose(whole, each[0] + each[1] + by_day, rtol=1e-5)
 
 
 @pytest.mark.parametrize(
     ("look", "options"),
     [
-        (Look(SEED, daylight=jnp.float32(0.25)), {"sun": LIT.sun / 4, "sky": LIT.sky / 4}),
-        (Look(SEED, exposure=jnp.float32(3.0)), {"exposure": LIT.exposure * 3}),
-        (Look(SEED, sun_azimuth=jnp.float32(1.0)), {"sun_azimuth": float(np.rad2deg(1.0))}),
-        (Look(SEED, sun_elevation=jnp.float32(0.7)), {"sun_elevation": float(np.rad2deg(0.7))}),
+        (AppearanceOverrides(SEED, daylight=jnp.float32(0.25)), {"sun": LIT.sun / 4, "sky": LIT.sky / 4}),
+        (AppearanceOverrides(SEED, exposure=jnp.float32(3.0)), {"exposure": LIT.exposure * 3}),
+        (AppearanceOverrides(SEED, sun_azimuth=jnp.float32(1.0)), {"sun_azimuth": float(np.rad2deg(1.0))}),
+        (AppearanceOverrides(SEED, sun_elevation=jnp.float32(0.7)), {"sun_elevation": float(np.rad2deg(0.7))}),
     ],
     ids=["daylight", "exposure", "azimuth", "elevation"],
 )
@@ -90,14 +93,14 @@ def sun(bank, look, options):
     """On the roof, where it shines."""
     point = floor_points(POINTS)
     high = point.replace(pos=Vec(point.pos.x, point.pos.y, point.pos.z + 50.0))
-    light = lights.sun_light(scene_of(bank).replace(look=look), high, None, options).diffuse.packed()
+    light = lights.sun_light(scene_of(bank).replace(appearance=look), high, None, options).diffuse.pack()
     assert light.min() > 0
     return light
 
 
 def test_colours_change_by_material_and_never_by_more_than_said(draw):
     kinds = "albedo", "depth", "material"
-    plain, other = (draw(look, "fast", kinds) for look in (None, Look(SEED, tint=jnp.float32(0.3))))
+    plain, other = (draw(look, "fast", kinds) for look in (None, AppearanceOverrides(SEED, tint=jnp.float32(0.3))))
     assert_array_equal(plain["depth"], other["depth"])
     ratio = np.asarray(other["albedo"] / plain["albedo"])
     clipped = np.asarray(other["albedo"]) >= 1
@@ -109,40 +112,40 @@ def test_colours_change_by_material_and_never_by_more_than_said(draw):
         assert_allclose(here, np.broadcast_to(here[0], here.shape), rtol=1e-5)
     means = [ratio[rows == row].mean() for row in np.unique(rows)]
     assert len(np.unique(np.round(means, 4))) > 1
-    assert_array_equal(plain["albedo"], draw(Look(SEED, tint=jnp.float32(0.0)), "fast", kinds)["albedo"])
+    assert_array_equal(plain["albedo"], draw(AppearanceOverrides(SEED, tint=jnp.float32(0.0)), "fast", kinds)["albedo"])
 
 
 def test_the_preset_fast_shows_exposure_alone(draw):
     plain, dark = (draw(look, "fast", ("rgb",))["rgb"] for look in (None, DARK))
     assert_array_equal(plain, dark)
-    dim = draw(Look(SEED, exposure=jnp.float32(0.5)), "fast", ("rgb",))["rgb"]
+    dim = draw(AppearanceOverrides(SEED, exposure=jnp.float32(0.5)), "fast", ("rgb",))["rgb"]
     linear = [np.where(x > 10, ((x / 255 + 0.055) / 1.055) ** 2.4, x / 255 / 12.92) for x in (plain, dim)]
     assert_allclose(linear[1], linear[0] / 2, atol=0.004)
 
 
 def test_what_materials_draw_is_even_and_independent():
     rows = jnp.arange(100_000)
-    each = {what: np.asarray(drawn(SEED, rows, what)) for what in (RED, SWAPPED, LAYER)}
+    each = {what: np.asarray(hash_uniform(SEED, rows, what)) for what in (RED, SWAP, LAYER)}
     for numbers in each.values():
         assert stats.kstest(numbers, "uniform").pvalue > 0.01
         assert abs(np.corrcoef(numbers[1:], numbers[:-1])[0, 1]) < 0.01
     assert abs(np.corrcoef(each[RED], each[LAYER])[0, 1]) < 0.01
-    assert abs(np.corrcoef(each[RED], np.asarray(drawn(SEED + 1, rows, RED)))[0, 1]) < 0.01
-    assert_array_equal(each[RED], drawn(SEED, rows, RED))
+    assert abs(np.corrcoef(each[RED], np.asarray(hash_uniform(SEED + 1, rows, RED)))[0, 1]) < 0.01
+    assert_array_equal(each[RED], hash_uniform(SEED, rows, RED))
 
 
 def test_textures_are_exchanged_as_often_as_said_for_any_of_the_bank():
     rows = jnp.arange(20_000)
     layer = jnp.where(rows % 4 == 0, -1, rows % 7)  # textures 0 to 6
     share = 0.3
-    new = np.asarray(swapped(Look(SEED, swap=jnp.float32(share)), layer, rows, layer))
+    new = np.asarray(swap_textures(AppearanceOverrides(SEED, swap=jnp.float32(share)), layer, rows, layer))
     assert (new[np.asarray(layer) < 0] == -1).all()
     textured = np.asarray(layer) >= 0
     kept = (new == layer)[textured].mean()
     assert abs(kept - (1 - share * 6 / 7)) < 0.015  # one in seven gets its own again
-    every = np.asarray(swapped(Look(SEED, swap=jnp.float32(1.0)), layer, rows, layer))[textured]
+    every = np.asarray(swap_textures(AppearanceOverrides(SEED, swap=jnp.float32(1.0)), layer, rows, layer))[textured]
     assert stats.chisquare(np.bincount(every, minlength=7)).pvalue > 0.01
-    assert_array_equal(swapped(Look(SEED, swap=jnp.float32(0.0)), layer, rows, layer), layer)
-    assert swapped(None, layer, rows, layer) is layer
+    assert_array_equal(swap_textures(AppearanceOverrides(SEED, swap=jnp.float32(0.0)), layer, rows, layer), layer)
+    assert swap_textures(None, layer, rows, layer) is layer
     none = jnp.full(3, -1)
-    assert_array_equal(swapped(Look(SEED, swap=jnp.float32(1.0)), none, rows[:3], none), none)
+    assert_array_equal(swap_textures(AppearanceOverrides(SEED, swap=jnp.float32(1.0)), none, rows[:3], none), none)

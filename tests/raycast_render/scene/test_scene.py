@@ -7,7 +7,7 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.transforms import bounds, compose, invert, quat_matrix, rigid
+from home_mjx.core.transforms import compose, invert, quat_matrix, rigid_transform, transform_bounds
 from home_mjx.raycast_render.scene.scene import make_scene
 
 FURNITURE = (
@@ -78,7 +78,7 @@ def test_maps(rng):
     quat = rng.normal(size=4)
     quat = jnp.asarray(quat / np.linalg.norm(quat), jnp.float32)
     pose = jnp.asarray(rng.normal(size=(3, 4)), jnp.float32)
-    body = rigid(jnp.array([1.0, 2, 3]), quat)
+    body = rigid_transform(jnp.array([1.0, 2, 3]), quat)
     identity = np.eye(3, 4)
     np.testing.assert_allclose(quat_matrix(quat) @ quat_matrix(quat).T, np.eye(3), atol=1e-6)
     assert np.linalg.det(np.asarray(quat_matrix(quat))) > 0
@@ -91,7 +91,9 @@ def test_maps(rng):
     )
     box = np.sort(rng.normal(size=(2, 3)), axis=0).astype(np.float32)
     corners = np.stack(np.meshgrid(*box.T), axis=-1).reshape(-1, 3) @ np.asarray(pose[:, :3]).T + np.asarray(pose[:, 3])
-    np.testing.assert_allclose(bounds(pose, jnp.asarray(box)), [corners.min(axis=0), corners.max(axis=0)], atol=1e-5)
+    np.testing.assert_allclose(
+        transform_bounds(pose, jnp.asarray(box)), [corners.min(axis=0), corners.max(axis=0)], atol=1e-5
+    )
 
 
 def test_a_quaternion_that_is_not_of_unit_length_makes_no_larger_body(bank):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from handmade import Furniture, shoebox, two_rooms
 
-from home_mjx.audio_jax import AudioConfig, Listener, Source, impulse_response
+from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, impulse_response
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render import Camera, Lens, Scene, cast, make_scene, occluded, render
 from home_mjx.raycast_render.backends.cpu import TARGET
@@ -27,11 +27,11 @@ def place(bank, house, executor=None):
 
 
 def see(scene, eye):
-    return render(scene, Camera(eye, LEVEL, jnp.float32(1.2)), Lens(4, 4), kinds=("rgb", "fine"), preset="lit")
+    return render(scene, Camera(eye, LEVEL, jnp.float32(1.2)), Lens(4, 4), kinds=("rgb", "fine"), shader="lit")
 
 
 def hear(scene, ears):
-    source = Source(jnp.array([-1.5, -1.0, 1.2]))
+    source = SoundSource(jnp.array([-1.5, -1.0, 1.2]))
     return impulse_response(scene, source, Listener(ears, LEVEL), jax.random.key(0), CONFIG)
 
 
@@ -87,11 +87,11 @@ def test_every_ray_of_a_scene_is_cast_by_its_executor(bank):
     for sense in (see, hear, lambda s, eye: cast(s, eye, LEVEL[:3]), lambda s, eye: occluded(s, eye, LEVEL[:3])):
         assert TARGET not in lowered(sense, "xla")
         assert TARGET in lowered(sense, "cpu")
-    assert TARGET not in lowered(lambda s, eye: cast(s, eye, LEVEL[:3], executor="xla"), "cpu")
+    assert TARGET not in lowered(lambda s, eye: cast(s, eye, LEVEL[:3], backend="xla"), "cpu")
 
 
 def test_scenes_of_different_executors_are_different_trees(bank):
     """So that a compiled program of one is not taken for the other."""
     one, other = (place(bank, jnp.int32(0), name) for name in ("xla", "cpu"))
     assert jax.tree.structure(one) != jax.tree.structure(other)
-    assert jax.tree.structure(one.replace(executor="cpu")) == jax.tree.structure(other)
+    assert jax.tree.structure(one.replace(backend="cpu")) == jax.tree.structure(other)

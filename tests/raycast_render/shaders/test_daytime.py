@@ -7,8 +7,8 @@ import pytest
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lit
-from home_mjx.raycast_render.shaders.daytime import sky_share, sun_position, sun_share, warmth
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.daytime import sky_share, sun_position, sun_redness, sun_share
+from home_mjx.raycast_render.shaders.preset import LitShader
 
 
 def test_the_sun_is_due_south_at_noon_as_high_as_latitude_and_declination_say():
@@ -49,22 +49,24 @@ def test_light_is_that_of_the_defaults_at_their_elevation_and_less_when_the_sun_
         assert (np.diff([share(float(h)) for h in heights]) >= 0).all()
     assert sun_share(-1.0) == 0
     assert sky_share(-9.0) == pytest.approx(sky_share(0.0) / 100)
-    assert (warmth(0.0), warmth(35.0)) == (1.0, 0.0)
+    assert (sun_redness(0.0), sun_redness(35.0)) == (1.0, 0.0)
 
 
 def test_presets_of_hours():
-    noon, dusk, night = Lit.at(12), Lit.at(18.5, num_lights=2), Lit.at(0)
+    noon, dusk, night = LitShader.from_hour(12), LitShader.from_hour(18.5, num_lights=2), LitShader.from_hour(0)
     assert noon.sun > dusk.sun > night.sun == 0
     assert noon.sky > dusk.sky > night.sky > 0
     assert dusk.num_lights == 2
-    assert Lit.at(12, sky=0.5).sky == 0.5
+    assert LitShader.from_hour(12, sky=0.5).sky == 0.5
     for hour in (-1, 25, float("nan"), True):
         with pytest.raises(ConfigError, match="hour"):
-            Lit.at(hour)
+            LitShader.from_hour(hour)
 
 
 def test_the_horizon_is_red_at_dusk_and_as_ever_by_day():
     ahead = Vec(jnp.float32(1), jnp.float32(0), jnp.float32(0))
-    red, _, blue = np.asarray(lit.sky(ahead, Lit.at(18.8)).packed())
+    red, _, blue = np.asarray(lit.sky_radiance(ahead, LitShader.from_hour(18.8)).pack())
     assert red > 2 * blue
-    np.testing.assert_allclose(lit.sky(ahead, Lit()).packed(), np.multiply(lit.HORIZON, Lit.sky), rtol=1e-6)
+    np.testing.assert_allclose(
+        lit.sky_radiance(ahead, LitShader()).pack(), np.multiply(lit.HORIZON_COLOR, LitShader.sky), rtol=1e-6
+    )

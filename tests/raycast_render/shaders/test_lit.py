@@ -13,16 +13,16 @@ from lit_scenes import NIGHT, lit_bank, scene_of
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.texture_layers import mip_levels
 from home_mjx.errors import ConfigError
-from home_mjx.geometry.instance_tree import top_tree
+from home_mjx.geometry.instance_tree import build_instance_tree
 from home_mjx.geometry.meshes import make_model
-from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_width
+from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_footprint
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.images.view import View
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lit, optics, shading
-from home_mjx.raycast_render.shaders.preset import Lit, resolve
+from home_mjx.raycast_render.shaders.preset import LitShader, resolve_shader
 from home_mjx.schema.lighting import Gloss
 
 AHEAD = jnp.array([0.5**0.5, 0.5**0.5, 0, 0])  # looks along +y
@@ -41,8 +41,8 @@ def seen(bank, camera, options=NIGHT, lens=LENS):
 
     def look(scene, camera):
         view = View(scene, camera, lens, options, -1)
-        growth = pixel_width(camera, lens)[1]
-        end = optics.follow(scene, view.sight(view.middle), growth, options.bounces, -1)
+        growth = pixel_footprint(camera, lens)[1]
+        end = optics.trace_specular(scene, view.path_state(view.center_rays), growth, options.max_specular_depth, -1)
         return end.replace(**{name: getattr(end, name).packed() for name in ("origin", "direction", "tint")})
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
@@ -79,7 +79,7 @@ def test_glass_shows_what_is_behind_it_tinted():
     np.testing.assert_allclose(there.tint[pane], np.broadcast_to(1 - 0.5 * (1 - linear), (pane.sum(), 3)), rtol=1e-5)
     assert (there.tint[~pane] == 1).all()
     # The footprint has grown as if there were no pane.
-    _, growth = pixel_width(camera, Lens(SIZE, SIZE))
+    _, growth = pixel_footprint(camera, Lens(SIZE, SIZE))
     width = there.width + growth * there.hit.t
     np.testing.assert_allclose(width, growth * bare.hit.t, rtol=1e-4)
 
@@ -116,10 +116,10 @@ def test_a_mirror_shows_the_agent_that_looks_into_it():
     scene = make_scene(bank, jnp.int32(0), bank.physics.body_pos[0], bank.physics.body_quat[0], *agent)
     images = {}
     for bounces in (0, 1):
-        options = replace(Lit(), bounces=bounces, ambient=1.0, sun=0.0)
+        options = replace(LitShader(), max_specular_depth=bounces, ambient=1.0, sun=0.0)
         dark = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
         look = jax.jit(
-            lambda s, c, o=options: render(s, c, Lens(SIZE, SIZE), kinds=("rgb", "instance"), preset=o, exclude=number)
+            lambda s, c, o=options: render(s, c, Lens(SIZE, SIZE), kinds=("rgb", "instance"), shader=o, exclude=number)
         )
         images[bounces] = jax.tree.map(np.asarray, look(scene.replace(bank=dark), camera_at(x=0.1)))
     assert not (images[0]["instance"] == number).any()
@@ -139,7 +139,7 @@ def test_a_ball_is_shaded_as_a_ball(mirror):
     pose[1, :, :3], pose[1, :, 3] = scale, (0, 1.0, 1.5)
     instances = replace(house.instances, model=(house.instances.model[0], model.key), pose=pose)
     models = {**house.models, model.key: model}
-    house = replace(house, instances=instances, models=models, top=top_tree(instances, models))
+    house = replace(house, instances=instances, models=models, top_bvh=build_instance_tree(instances, models))
     bank = HouseBank.from_compiled([house])
     rng = np.random.default_rng(0)
     start = np.array([0, -1.0, 1.5], np.float32)
@@ -148,8 +148,8 @@ def test_a_ball_is_shaded_as_a_ball(mirror):
     hits = np.asarray(hit.instance) == 1
     assert hits.sum() > 50
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        none, way = Vec.of(jnp.zeros_like(aim)), Vec.of(jnp.asarray(aim))
-        corner = lit._corner(scene_of(bank), optics.Sight(none, way, hit, none.x, none))
+        none, way = Vec.unpack(jnp.zeros_like(aim)), Vec.unpack(jnp.asarray(aim))
+        corner = lit._hit_frame(scene_of(bank), optics.PathState(none, way, hit, none.x, none))
         corner = jax.tree.map(lambda v: v.packed(), corner, is_leaf=lambda v: isinstance(v, Vec))
     points = start + np.asarray(hit.t)[:, None] * aim
     outward = (points - [0, 1.0, 1.5]) / np.diag(scale) ** 2
@@ -181,10 +181,12 @@ def test_far_textures_are_filtered():
         camera = camera_at(0.3, 0.2, height, quat=[1, 0, 0, 0], fovy=1.0)
         lens = Lens(16, 16)
         view = View(scene_of(bank), camera, lens, NIGHT, -1)
-        sight = view.sight(view.middle)
-        corner_ = lit._corner(view.scene, sight)
-        color = lit._color(view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_width(camera, lens)[1])
-        spread[name] = np.ptp(np.asarray(color.packed()))
+        sight = view.path_state(view.center_rays)
+        corner_ = lit._hit_frame(view.scene, sight)
+        color = lit._diffuse_reflectance(
+            view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_footprint(camera, lens)[1]
+        )
+        spread[name] = np.ptp(np.asarray(color.pack()))
     assert spread["near"] > 0.8
     assert spread["far"] < 0.25
 
@@ -196,24 +198,24 @@ def test_an_image_is_what_the_formulas_say():
     camera = camera_at(0.0, 0.0, 1.0, quat=[1, 0, 0, 0], fovy=3.0)
     options = replace(NIGHT, exposure=3.0)
     image = np.asarray(
-        jax.jit(lambda b: render(scene_of(b), camera, lens, kinds=("rgb",), preset=options)["rgb"])(bank)
+        jax.jit(lambda b: render(scene_of(b), camera, lens, kinds=("rgb",), shader=options)["rgb"])(bank)
     )
     origin, _ = (np.asarray(x) for x in camera_rays(camera, lens))
     offset = origin * [1, 1, 0] - [0.4, 0.2, 2.5]
     irradiance = 2 * 2.5 / np.linalg.norm(offset, axis=-1) ** 3
     floor = np.asarray(bank.materials.albedo)[2 + 4, :3]  # after the agent's two rows and the four walls
     light = floor * irradiance[..., None] / np.pi
-    expected = np.asarray(shading.encode(lit.tone_map(Vec.of(jnp.asarray(light, jnp.float32)), 3.0).packed()))
+    expected = np.asarray(shading.encode_srgb(lit.tone_map(Vec.unpack(jnp.asarray(light, jnp.float32)), 3.0).pack()))
     assert abs(image.astype(int) - expected.astype(int)).max() <= 1
 
 
 def test_tone_mapping_keeps_order_and_ends():
-    light = jnp.broadcast_to(jnp.linspace(0, 2 * lit.WHITE, 100)[:, None], (100, 3))
-    shown = np.asarray(lit.tone_map(Vec.of(light), 1.0).packed())
+    light = jnp.broadcast_to(jnp.linspace(0, 2 * lit.WHITE_LUMINANCE, 100)[:, None], (100, 3))
+    shown = np.asarray(lit.tone_map(Vec.unpack(light), 1.0).pack())
     assert shown[0].tolist() == [0, 0, 0]
     assert (np.diff(shown[:, 0]) >= 0).all()
     np.testing.assert_allclose(
-        np.asarray(lit.tone_map(Vec.of(jnp.full((1, 3), lit.WHITE)), 1.0).packed()), 1, rtol=1e-6
+        np.asarray(lit.tone_map(Vec.unpack(jnp.full((1, 3), lit.WHITE_LUMINANCE)), 1.0).pack()), 1, rtol=1e-6
     )
 
 
@@ -227,7 +229,7 @@ def test_more_samples_smooth_edges_and_leave_other_images_alone():
 
     def look(preset, samples):
         lens = Lens(SIZE, SIZE, samples=samples)
-        return jax.jit(lambda b: render(scene_of(b), camera, lens, kinds=kinds, preset=preset))(bank)
+        return jax.jit(lambda b: render(scene_of(b), camera, lens, kinds=kinds, shader=preset))(bank)
 
     for preset in ("fast", "lit"):
         one, many = look(preset, 1), look(preset, 12)
@@ -243,12 +245,12 @@ def test_no_lights_at_all_show_what_is_reflected_and_nothing_breaks():
     bank = HouseBank.from_compiled([shoebox()])
 
     def looker(preset):
-        look = jax.jit(lambda b, camera: render(scene_of(b), camera, Lens(8, 8), kinds=("rgb",), preset=preset)["rgb"])
+        look = jax.jit(lambda b, camera: render(scene_of(b), camera, Lens(8, 8), kinds=("rgb",), shader=preset)["rgb"])
         return lambda camera: np.asarray(look(bank, camera))
 
     look = looker("lit")
     assert (look(camera_at()) == 0).all(), "a closed room without lights is dark"
-    assert (looker(Lit(num_lights=0))(camera_at()) == 0).all()
+    assert (looker(LitShader(num_lights=0))(camera_at()) == 0).all()
     sky = look(camera_at(0.0, 0.0, 10.0, quat=[0.0, 1, 0, 0]))
     assert (sky[..., 2] >= sky[..., 0]).all()
     assert sky.min() > 100
@@ -257,9 +259,9 @@ def test_no_lights_at_all_show_what_is_reflected_and_nothing_breaks():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: resolve("lid"), "Did you mean `lit`"),
-        (lambda: Lit(sky=-1.0), "`sky`"),
-        (lambda: Lit(num_lights=-1), "`num_lights`"),
+        (lambda: resolve_shader("lid"), "Did you mean `lit`"),
+        (lambda: LitShader(sky=-1.0), "`sky`"),
+        (lambda: LitShader(num_lights=-1), "`num_lights`"),
     ],
 )
 def test_wrong_presets_are_refused(make, words):

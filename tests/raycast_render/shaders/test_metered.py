@@ -6,13 +6,13 @@ import pytest
 
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders.lit import metered, tone_map
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.lit import auto_exposure, tone_map
+from home_mjx.raycast_render.shaders.preset import LitShader
 
 
 def shown(light: np.ndarray) -> np.ndarray:
-    vec = Vec.of(jnp.asarray(light, jnp.float32))
-    return np.asarray(tone_map(vec, metered(vec)).packed())
+    vec = Vec.unpack(jnp.asarray(light, jnp.float32))
+    return np.asarray(tone_map(vec, auto_exposure(vec)).pack())
 
 
 def test_an_even_image_is_shown_in_middle_grey_however_bright_it_is():
@@ -28,7 +28,7 @@ def test_images_look_the_same_in_light_of_any_strength(rng):
 
 
 def test_the_option_is_a_number_or_none():
-    assert Lit(exposure=None).exposure is None
-    assert Lit().exposure == 2.3  # as before: images of one house can be compared
+    assert LitShader(exposure=None).exposure is None
+    assert LitShader().exposure == 2.3  # as before: images of one house can be compared
     with pytest.raises(ConfigError, match="exposure"):
-        Lit(exposure=-1.0)
+        LitShader(exposure=-1.0)

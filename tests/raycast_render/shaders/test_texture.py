@@ -31,7 +31,7 @@ def level_of(layers, layer, level):
     sizes = mip_sizes(SIZE)
     start, edge = sum(sizes[:level]), SIZE >> level
     rows = np.asarray(layers).view(np.uint8).reshape(len(layers), -1, 4)[layer, start : start + sizes[level], :3]
-    return texture.DECODE[rows.astype(int)].reshape(edge, edge, 3)
+    return texture.SRGB_TO_LINEAR[rows.astype(int)].reshape(edge, edge, 3)
 
 
 def sampled(layers, layer, uv, level):
@@ -39,7 +39,7 @@ def sampled(layers, layer, uv, level):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         rows = jnp.full(uv.shape[:-1], layer, jnp.int32)
         level = jnp.full(uv.shape[:-1], level, jnp.float32)
-        return np.asarray(texture.trilinear(layers, rows, uv[..., 0], uv[..., 1], level).packed())
+        return np.asarray(texture.sample_trilinear(layers, rows, uv[..., 0], uv[..., 1], level).pack())
 
 
 def centers(edge):
@@ -57,8 +57,10 @@ def test_at_texel_centres_every_level_gives_its_texels(layers, level, turns):
 
 def test_the_nearest_texel_is_the_one_that_the_point_lies_in(layers, texels):
     at = centers(SIZE) + np.array([0.4, -0.4]) / SIZE
-    found = texture.nearest(layers, jnp.full((SIZE, SIZE), 2), *jnp.moveaxis(jnp.asarray(at, jnp.float32), -1, 0))
-    np.testing.assert_array_equal(jnp.stack([texture.channel(found, i) for i in range(4)], axis=-1), texels[2])
+    found = texture.sample_nearest(
+        layers, jnp.full((SIZE, SIZE), 2), *jnp.moveaxis(jnp.asarray(at, jnp.float32), -1, 0)
+    )
+    np.testing.assert_array_equal(jnp.stack([texture.texel_channel(found, i) for i in range(4)], axis=-1), texels[2])
 
 
 def test_between_texels_and_levels_colours_are_mixed(layers):
@@ -107,16 +109,18 @@ def test_a_level_s_texels_are_as_large_as_the_footprint(texels_per_pixel, level)
 def test_every_byte_is_decoded():
     every = np.arange(256, dtype=np.uint32)
     texel = jnp.asarray(every | every[::-1] << 8 | 7 << 16)
-    found = np.asarray(texture.nearly_linear(texel).packed())
-    expected = np.stack([texture.DECODE, texture.DECODE[::-1], np.full(256, texture.DECODE[7])], axis=-1)
+    found = np.asarray(texture.linear_approx(texel).pack())
+    expected = np.stack(
+        [texture.SRGB_TO_LINEAR, texture.SRGB_TO_LINEAR[::-1], np.full(256, texture.SRGB_TO_LINEAR[7])], axis=-1
+    )
     np.testing.assert_allclose(found, expected, atol=1e-5)
-    np.testing.assert_array_equal(texture.linear(texel).packed(), expected)
+    np.testing.assert_array_equal(texture.decode_linear(texel).pack(), expected)
     assert (np.diff(found[:, 0]) > 0).all()
 
 
 @pytest.mark.parametrize("size", [1, 2, 128])
 def test_the_edge_of_a_layer_follows_from_its_texels(size):
-    assert texture.edge_of(jnp.zeros((2, sum(mip_sizes(size))), jnp.uint32)) == size
+    assert texture.texture_edge(jnp.zeros((2, sum(mip_sizes(size))), jnp.uint32)) == size
 
 
 def test_textures_of_one_pixel_and_of_8k(tmp_path):

@@ -10,14 +10,14 @@ from scenes import scene_of
 
 from home_mjx.datasets.outlines import RoomOutline, outline_house
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.geometry.polygons import inside_polygon, polygon_area, smallest_room
+from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_area
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene import surface
 from home_mjx.scene_compile.architecture import shell as shell_module
 from home_mjx.scene_compile.architecture.frame import find_frame
-from home_mjx.scene_compile.architecture.ownership import Pieces, cut_surface
+from home_mjx.scene_compile.architecture.ownership import ClippedSurface, clip_surface
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.scene_compile.semantics.vocabulary import number_of
+from home_mjx.scene_compile.semantics.vocabulary import encode_name
 from home_mjx.schema.house import Material, Metadata
 from home_mjx.schema.semantic import Semantic
 from home_procgen.v1.dataset import generate_dataset
@@ -59,11 +59,11 @@ def test_every_place_is_covered_once_by_the_smallest_room(nested, rng, category,
     covers = np.array([over(seen_faces(house, i, up), points) for i in part_rows(house, category)])
     assert (covers.sum(axis=0) == 1).mean() > 0.999  # points may lie on an edge
     owner = np.array([p.room for p in parts])[covers.argmax(axis=0)]
-    assert (owner == smallest_room(house.rooms, np.arange(3), points))[covers.sum(axis=0) == 1].all()
+    assert (owner == find_smallest_room(house.rooms, np.arange(3), points))[covers.sum(axis=0) == 1].all()
 
 
 def part_rows(house, category: str) -> list[int]:
-    fine = number_of(Semantic.FINE, category)
+    fine = encode_name(Semantic.FINE, category)
     is_part = (house.semantics[:, Semantic.FINE] == fine) & (house.semantics[:, Semantic.OBJECT] < 0)
     return np.flatnonzero(is_part).tolist()
 
@@ -72,14 +72,14 @@ def agreement(house, num_points: int, eyes: np.ndarray) -> tuple[float, float]:
     """Shares of floor points to which all eyes give one room, and of looks that find navigation's room."""
     corners = np.concatenate(house.rooms.polygon)
     points = np.random.default_rng(0).uniform(corners.min(axis=0), corners.max(axis=0), (num_points, 2))
-    owner = smallest_room(house.rooms, np.flatnonzero(house.rooms.level == house.rooms.level.min()), points)
+    owner = find_smallest_room(house.rooms, np.flatnonzero(house.rooms.level == house.rooms.level.min()), points)
     points, owner = points[owner >= 0], owner[owner >= 0]
     target = np.c_[points, house.rooms.floor[owner]]
     scene = scene_of(house)
 
     @jax.jit
     def look(eye, way):
-        hit = cast(scene, eye, way, executor="cpu")
+        hit = cast(scene, eye, way, backend="cpu")
         return hit.instance, hit.t, surface.semantics(scene, hit, Semantic.ROOM)
 
     rooms = np.full((len(eyes), len(points)), -2)  # not seen
@@ -137,8 +137,8 @@ def test_generated_houses_are_not_cut(tmp_path, monkeypatch):
     assert ours == [shell_module.build_shell(find_frame(house)).model.key for house in houses]
 
 
-def uncut(part, parts, rooms) -> Pieces:
-    return Pieces(part.triangles, part.mesh.uv[part.faces], np.arange(len(part.faces)))
+def uncut(part, parts, rooms) -> ClippedSurface:
+    return ClippedSurface(part.triangles, part.mesh.uv[part.faces], np.arange(len(part.faces)))
 
 
 number = st.floats(-3, 3).map(lambda x: round(x, 2))
@@ -154,16 +154,16 @@ def test_any_triangles_are_cut_out(floor, cutters):
     if (x1 - x0) * (y2 - y0) < (x2 - x0) * (y1 - y0):
         floor = floor[::-1]
     slab = np.c_[floor, np.zeros(3)][None]
-    found = cut_surface(slab, floor[None].astype(float), 1.0, [cutters])
+    found = clip_surface(slab, floor[None].astype(float), 1.0, [cutters])
     points = np.random.default_rng(0).uniform(-3, 3, (400, 2))
-    held = inside_polygon(floor, points)
-    gone = np.any([inside_polygon(c, points) for c in cutters], axis=0)
+    held = is_inside_polygon(floor, points)
+    gone = np.any([is_inside_polygon(c, points) for c in cutters], axis=0)
     covered = over(found.triangles, points)
     if covered.max() == 0 or (gone | ~held).all():
         return  # all of it would have gone, so all stays
     near = np.min([edge_distance(t, points) for t in (floor, *cutters)], axis=0) < 1e-3
     assert (covered[~near] == (held & ~gone)[~near]).all()
-    assert (found.source == 0).all()
+    assert (found.triangle_index == 0).all()
     np.testing.assert_allclose(found.uv, found.triangles[..., :2], atol=1e-6)
 
 

@@ -9,16 +9,16 @@ from boxes_by_hand import Solids
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError
-from home_mjx.geometry.boxes import box_set, no_boxes
+from home_mjx.geometry.boxes import empty_boxes, make_boxes
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.scene_compile.collision.choose import choose_movables
+from home_mjx.scene_compile.collision.choose import select_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, object_colliders
-from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions
+from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
-from home_mjx.schema.house import Object
+from home_mjx.schema.house import ObjectNode
 from home_procgen.v1.dataset import generate_dataset
 
 TABLE = block((0, 0, FLOOR), (1, 1, FLOOR + 0.7), "table")
@@ -26,19 +26,19 @@ ALL = MovableOptions()
 VASE = block((0.4, 0.4, FLOOR + 0.7), (0.6, 0.6, FLOOR + 1.0), "vase")
 
 
-def chosen(blocks: list, options: MovableOptions = ALL, walls=None) -> tuple[list[Candidate], list[int]]:
+def chosen(blocks: list, options: MovableOptions = ALL, walls=None) -> tuple[list[MovableCandidate], list[int]]:
     """The movable ones of blocks, each of which is taken for a model of its category."""
     objects = [as_object(o) for o in place(blocks)]
     static = {o.object_id: object_colliders(o, FLOOR, ColliderOptions())[0] for o in objects}
-    return choose_movables(objects, static, walls or no_boxes(), ROOM, options)[:2]
+    return select_movables(objects, static, walls or empty_boxes(), ROOM, options)[:2]
 
 
 def as_object(item):
     node = item.node
-    return replace(item, node=Object(node.id, node.index, node.path, None, "x", None, node.transform))
+    return replace(item, node=ObjectNode(node.id, node.index, node.path, None, "x", None, node.transform))
 
 
-def heights(candidates: list[Candidate]) -> dict[int, tuple[float, float]]:
+def heights(candidates: list[MovableCandidate]) -> dict[int, tuple[float, float]]:
     return {c.item.object_id: (round(float(c.box.bottom[0]), 6), round(float(c.box.top[0]), 6)) for c in candidates}
 
 
@@ -83,7 +83,7 @@ def test_what_carries_more_than_can_move_stays():
 def test_what_is_too_many_is_counted(most, left):
     objects = [as_object(o) for o in place([TABLE, VASE])]
     static = {o.object_id: object_colliders(o, FLOOR, ColliderOptions())[0] for o in objects}
-    assert choose_movables(objects, static, no_boxes(), ROOM, MovableOptions(max_bodies=most))[2] == left
+    assert select_movables(objects, static, empty_boxes(), ROOM, MovableOptions(max_bodies=most))[2] == left
 
 
 def test_something_inside_another_thing_keeps_that_in_place():
@@ -102,7 +102,7 @@ def test_things_on_one_table_do_not_touch():
 
 
 def test_a_wall_in_a_thing_makes_it_stuck():
-    wall = box_set((0.5, 0.5, FLOOR + 1), (0.05, 3, 1))
+    wall = make_boxes((0.5, 0.5, FLOOR + 1), (0.05, 3, 1))
     assert chosen([TABLE], walls=wall) == ([], [0])
 
 
@@ -117,7 +117,7 @@ def test_limits_that_make_no_sense_are_refused(wrong):
 
 def rests(house: CompiledHouse) -> None:
     """Nothing moves or falls in ten seconds of C MuJoCo, and every box begins on something."""
-    assert max(rest_drift(*to_mjcf(house)).values()) < 0.02
+    assert max(measure_rest_drift(*to_mjcf(house)).values()) < 0.02
     bodies, solids = house.bodies, Solids(house)
     for i, (pos, size) in enumerate(zip(bodies.pos, bodies.size, strict=True)):
         under = pos - np.array([0, 0, size[2]])

@@ -9,19 +9,26 @@ from cuboids import cuboid
 from matplotlib.path import Path
 from storeys import FLOOR, UP, Stairs, Storey, metadata_of, stacked
 
-from home_mjx.datasets.outlines import Opening, RoomOutline
+from home_mjx.datasets.outlines import RoomOutline, WallOpening
 from home_mjx.geometry.boxes import BoxSet
-from home_mjx.scene_compile.collision.floors import SLAB, plan_floors
+from home_mjx.scene_compile.collision.floors import FLOOR_THICKNESS, plan_floors
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
-from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_FAR, FIELD_UNIT, CompiledHouse, PortalKind, Rooms
+from home_mjx.schema.compiled import (
+    FIELD_UNIT,
+    FIELD_UNREACHABLE,
+    MAX_DEPTH_BELOW_FLOOR,
+    CompiledHouse,
+    PortalKind,
+    RoomTable,
+)
 from home_mjx.schema.house import House
 
 MARGIN = 0.15  # [m], from the axis of an agent to what is beside it
 STEP = 0.05  # [m], most that an agent steps up
 LITTLE = np.array([0, 0, 0.2])  # [m], above a floor
 FALL = 0.3  # [m]: nobody steps down farther
-DOOR = Opening((8, 2.5), (8, 3.5))
+DOOR = WallOpening((8, 2.5), (8, 3.5))
 GROUND = Storey(
     [
         RoomOutline("Living_Room", [(0, 0), (8, 0), (8, 6), (0, 6)]),
@@ -35,7 +42,7 @@ UPPER = Storey(
         RoomOutline("Hall", [(0, 0), (8, 0), (8, 6), (5, 6), (5, 4.5), (0, 4.5)]),
         RoomOutline("Bedroom", [(8, 0), (12, 0), (12, 4), (8, 4)]),
     ],
-    [DOOR, Opening((0.06, 4.5), (4.94, 4.5), 0, 2.75), Opening((12, 1), (12, 2))],
+    [DOOR, WallOpening((0.06, 4.5), (4.94, 4.5), 0, 2.75), WallOpening((12, 1), (12, 2))],
 )
 SLANTED = Storey(
     [
@@ -70,7 +77,7 @@ def house(request) -> CompiledHouse:
 def cells(house: CompiledHouse) -> np.ndarray:
     """Middle of each home cell, on the floor or ramp."""
     n = house.navigation
-    return np.c_[n.origin + (n.place[:, :0:-1] + 0.5) * n.cell, n.height]
+    return np.c_[n.origin + (n.cell_coords[:, :0:-1] + 0.5) * n.cell, n.height]
 
 
 def test_a_ray_down_from_every_cell_meets_the_floor(house):
@@ -80,7 +87,7 @@ def test_a_ray_down_from_every_cell_meets_the_floor(house):
     floors = house.rooms.floor[n.room[tuple(n.place.T)]]
     on_ramp = abs(n.height - floors) > 1e-6
     assert 0 < on_ramp.mean() < 0.1
-    assert (house.rooms.floor.max() - n.height[on_ramp]).min() < BELOW_FLOOR
+    assert (house.rooms.floor.max() - n.height[on_ramp]).min() < MAX_DEPTH_BELOW_FLOOR
 
 
 def test_starts_and_goals_lie_on_the_floors_of_all_levels(house):
@@ -165,7 +172,7 @@ def test_a_way_over_the_stairs_is_as_long_as_the_ramp(house):
 def test_distances_are_continuous_over_the_stairs(house):
     """Neighbouring places, in whichever grid, differ by no more than the way between them."""
     n, points = house.navigation, cells(house)
-    assert (n.field < FIELD_FAR).all()
+    assert (n.field < FIELD_UNREACHABLE).all()
     ramp = np.flatnonzero(abs(points[:, 2] - house.rooms.floor[n.room[tuple(n.place.T)]]) > 1e-6)
     for row in ramp.tolist():
         away = np.linalg.norm(points - points[row], axis=1)
@@ -177,7 +184,7 @@ def test_distances_are_continuous_over_the_stairs(house):
 def test_agents_that_do_not_climb_stay_below():
     house = compiled_of(HOUSES["along"], climb=False)
     assert len(house.ramps.up) == 0
-    assert set(house.navigation.place[:, 0].tolist()) == {0}
+    assert set(house.navigation.cell_coords[:, 0].tolist()) == {0}
     assert (house.navigation.portals.kind != PortalKind.STAIRS).all()
     # The stairs are in the way, and the floor above them is whole.
     inside = np.array([[-2.5, 1.8, FLOOR + 0.1], [-1.2, 1.8, FLOOR + 0.5]])
@@ -206,13 +213,13 @@ def test_stairs_that_turn_without_a_landing_have_no_ramp():
     compiled = compiled_of(replace(house, models={key: mesh}))
     assert compiled.report["stairs"] == 1
     assert len(compiled.ramps.up) == 0
-    assert set(compiled.navigation.place[:, 0].tolist()) == {0}
+    assert set(compiled.navigation.cell_coords[:, 0].tolist()) == {0}
 
 
-def rooms_of(polygons: list, floors: list) -> Rooms:
+def rooms_of(polygons: list, floors: list) -> RoomTable:
     count = len(polygons)
     arrays = tuple(np.array(p, float) for p in polygons)
-    return Rooms(np.full(count, -1), np.zeros(count, int), arrays, np.array(floors, float), np.array(floors) + 2.5)
+    return RoomTable(np.full(count, -1), np.zeros(count, int), arrays, np.array(floors, float), np.array(floors) + 2.5)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3, -0.7])
@@ -232,7 +239,7 @@ def test_floors_of_rectilinear_rooms_are_exact_and_few(yaw, rng):
     assert (found[inner[2]] == 3.4).all()
     assert (found[(inner[0] | inner[1]) & ~outer[2]] == 3.0).all()
     assert np.isinf(found[~(outer[0] | outer[1])]).all()
-    np.testing.assert_allclose(boxes.bottom, 3.0 - SLAB)
+    np.testing.assert_allclose(boxes.bottom, 3.0 - FLOOR_THICKNESS)
     assert len(boxes) <= 8
 
 

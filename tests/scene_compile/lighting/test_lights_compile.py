@@ -5,17 +5,17 @@ import pytest
 from handmade import shoebox
 
 from home_mjx.geometry.meshes import box_triangles, make_model
-from home_mjx.geometry.polygons import inside_polygon
+from home_mjx.geometry.polygons import is_inside_polygon
 from home_mjx.scene_compile.lighting.lights import (
     LightOptions,
-    Source,
-    ambient_light,
+    LightSource,
     build_lights,
-    lamp_sources,
-    middle_of,
+    compute_ambient_irradiance,
+    find_innermost_point,
+    find_lamp_sources,
 )
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.house import Light, Material, Metadata, ModelInfo, Object
+from home_mjx.schema.house import Light, Material, Metadata, ModelInfo, ObjectNode
 
 PLAIN = (Material("a"),)
 
@@ -24,7 +24,7 @@ def placed(lights=(), fine="chandelier", pose=None, slots=PLAIN, room=0, half=(0
     """An object of one box; and the table of its lights."""
     model = make_model("m", box_triangles(np.zeros(3), np.array(half, float)))
     pose = np.eye(3, 4) if pose is None else pose
-    node = Object("0_1", 1, "levels[0].nodes[1]", None, "m", None, np.eye(4))
+    node = ObjectNode("0_1", 1, "levels[0].nodes[1]", None, "m", None, np.eye(4))
     info = ModelInfo("m", fine, fine)
     item = PlacedObject(node, info, model, model, (), slots, pose, 1, 0, room, instance=4)
     return item, Metadata({}, {"m": tuple(lights)})
@@ -54,14 +54,14 @@ def flux_of(source, steps=400):
 )
 def test_all_power_is_given_off(light):
     item, table = placed([light])
-    (source,) = lamp_sources(item, table)
+    (source,) = find_lamp_sources(item, table)
     np.testing.assert_allclose(flux_of(source), 10.0, rtol=0.02)
 
 
 def test_lights_stand_in_the_model_s_frame_z_up():
     light = point(0.1, 0.2, 0.3, kind="LineLight", end=(0.5, 0.2, 0.3), direction=(0.0, 0.0, 1.0), cutoff=1.0)
     item, table = placed([light])
-    (source,) = lamp_sources(item, table)
+    (source,) = find_lamp_sources(item, table)
     np.testing.assert_allclose(source.pos, [0.3, -0.3, 0.2])
     np.testing.assert_allclose(source.axis_u, [0.2, 0, 0])
     np.testing.assert_allclose(source.direction, [0, -1, 0])
@@ -72,7 +72,7 @@ def test_lights_stand_in_the_model_s_frame_z_up():
 def test_the_bulbs_of_a_chandelier_count_once():
     ring = [point(0.2 * np.cos(a), 0.0, 0.2 * np.sin(a)) for a in np.arange(6)]
     item, table = placed([*ring, point(3.0), point(0.0, kind="SpotLight", direction=(0, -1, 0))])
-    sources = list(lamp_sources(item, table))
+    sources = list(find_lamp_sources(item, table))
     assert sorted(float(s.flux[0]) for s in sources) == [10.0, 10.0, 60.0]
     middle = np.mean([light.position for light in ring], axis=0)
     np.testing.assert_allclose(next(s for s in sources if s.flux[0] == 60).pos, [middle[0], -middle[2], 0], atol=1e-12)
@@ -121,9 +121,9 @@ def test_rooms_without_a_lamp_get_a_light_under_their_ceiling():
 
 def test_reflected_light_is_the_sum_of_the_reflections():
     rooms = shoebox((4.0, 5.0, 2.5)).rooms
-    source = Source(np.zeros(3), np.array([30.0, 20.0, 10.0]), 0, 0)
-    day = Source(np.zeros(3), np.array([7.0, 7.0, 7.0]), 0, 0, daylight=True)
-    ambient = ambient_light([source, day], rooms)
+    source = LightSource(np.zeros(3), np.array([30.0, 20.0, 10.0]), 0, 0)
+    day = LightSource(np.zeros(3), np.array([7.0, 7.0, 7.0]), 0, 0, daylight=True)
+    ambient = compute_ambient_irradiance([source, day], rooms)
     surface = 2 * 20 + 18 * 2.5
     bounced = sum(0.4**n for n in range(1, 60))
     np.testing.assert_allclose(ambient[1, 0], source.flux / surface * bounced, rtol=1e-6)
@@ -133,9 +133,9 @@ def test_reflected_light_is_the_sum_of_the_reflections():
 
 def test_the_middle_of_a_bent_room_lies_in_it():
     polygon = np.array([[0, 0], [6, 0], [6, 1.2], [1.2, 1.2], [1.2, 6], [0, 6]], float)
-    assert not inside_polygon(polygon, (polygon.min(0) + polygon.max(0)) / 2)
-    found = middle_of(polygon)
-    assert inside_polygon(polygon, found)
+    assert not is_inside_polygon(polygon, (polygon.min(0) + polygon.max(0)) / 2)
+    found = find_innermost_point(polygon)
+    assert is_inside_polygon(polygon, found)
     assert min(abs(found - polygon).max(axis=1)) > 0.4
 
 

@@ -31,7 +31,7 @@ def test_every_name_leads_to_a_row_of_energy_fractions():
     """Nothing is lost between the mapping and the tables, and no surface creates energy."""
     for family in FAMILIES:
         for category in CATEGORIES:
-            absorption, scatter, transmission = am.acoustic_row(family, category)
+            absorption, scatter, transmission = am.acoustic_properties(family, category)
             for value in (absorption, scatter, transmission):
                 assert value.shape == (7,)
                 assert np.all((value > 0) & (value <= 1)), (family, category)
@@ -51,7 +51,7 @@ def test_every_name_leads_to_a_row_of_energy_fractions():
 def test_partitions_lose_the_table_value_whatever_faces_them(category, loss):
     """Even tiles, which absorb less than a stud wall lets through."""
     for family in FAMILIES:
-        transmission = am.acoustic_row(family, category)[2]
+        transmission = am.acoustic_properties(family, category)[2]
         np.testing.assert_allclose(-10 * np.log10(transmission), loss, rtol=1e-6)
 
 
@@ -84,4 +84,4 @@ def test_scattering_follows_the_reference_values():
         0.3: [0.17, 0.23, 0.33, 0.47, 0.66, 0.94],
     }
     for depth, values in expected.items():
-        np.testing.assert_allclose(am.scattering(depth)[:6], values, atol=0.006)
+        np.testing.assert_allclose(am.scattering_coefficients(depth)[:6], values, atol=0.006)

@@ -16,7 +16,7 @@ from home_mjx.geometry.meshes import bounds, box_triangles, make_model
 from home_mjx.scene_compile.mjcf import convex
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
 
 pytest.importorskip("coacd", reason="the extra `exact` is not installed")
 
@@ -107,7 +107,7 @@ def test_overlaps_are_parted_or_excluded_and_listed():
 
 @pytest.mark.parametrize("collision", ["box", "exact"])
 def test_what_stands_stays(collision):
-    drift = rest_drift(*to_mjcf(shoebox(furniture=FURNITURE[4:]), collision=collision), seconds=2.0)
+    drift = measure_rest_drift(*to_mjcf(shoebox(furniture=FURNITURE[4:]), collision=collision), seconds=2.0)
     assert list(drift) == ["object0"]
     assert drift["object0"] < 1e-3
 
@@ -116,5 +116,5 @@ def test_what_falls_is_seen_to():
     xml, files = to_mjcf(shoebox(furniture=FURNITURE[4:]))
     root = ET.fromstring(xml)
     root.find("worldbody/body[@name='object0']").set("pos", "1.5 -1 0.7")
-    drift = rest_drift(ET.tostring(root, encoding="unicode"), files, seconds=1.0)
+    drift = measure_rest_drift(ET.tostring(root, encoding="unicode"), files, seconds=1.0)
     assert drift["object0"] == pytest.approx(0.5, abs=0.08)  # it dives into the soft floor first

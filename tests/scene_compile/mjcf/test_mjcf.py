@@ -19,10 +19,10 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.geometry.meshes import transform
-from home_mjx.scene_compile.mjcf.assets import LEAST_AREA, obj_bytes
+from home_mjx.scene_compile.mjcf.assets import MIN_TRIANGLE_AREA, obj_bytes
 from home_mjx.scene_compile.mjcf.export import export_mjcf, split_linear, to_mjcf
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.compiled import ARCHITECTURE
 from home_mjx.schema.lighting import LightTable
 from home_mjx.schema.timing import Timing
@@ -140,7 +140,7 @@ def test_ceilings_can_be_hidden(house):
 def test_lamps_hang_where_the_renderer_has_them(house):
     pose = house.instances.pose[1]
     lamp = dataclasses.replace(
-        LightTable.none(),
+        LightTable.empty(),
         pos=np.array([[0.1, 0.2, 0.3], [0, 0, 0], [0, 0, 1.0]]),
         axis_u=np.zeros((3, 3)),
         axis_v=np.zeros((3, 3)),
@@ -172,7 +172,7 @@ def test_top_camera_sees_the_whole_house(house):
 
 
 def test_house_stands_still(house):
-    model = _compile(house, agent=Body())
+    model = _compile(house, agent=AgentBody())
     data = _start(model)
     start = data.qpos.copy()
     for _ in range(600):
@@ -184,7 +184,7 @@ def test_house_stands_still(house):
 
 def test_agent_pushes_as_in_the_batched_physics(house):
     """3 s of walking into the light box and on to the wall, beside the template that the batch steps."""
-    shape = Body()
+    shape = AgentBody()
     model = _compile(house, agent=shape, timestep=Timing().sim_dt)
     data = _start(model)
     agent, box = model.joint("agent0_x").qposadr[0], model.joint("object0").qposadr[0]
@@ -201,7 +201,7 @@ def test_agent_pushes_as_in_the_batched_physics(house):
     for _ in range(30):
         for _ in range(config.timing.substeps):
             force = config.body.mass * (config.body.forward_speed - data.qvel[speed]) / config.response_time
-            data.ctrl[:2] = min(force, config.body.push_force), 0.0
+            data.ctrl[:2] = min(force, config.body.max_push_force), 0.0
             mujoco.mj_step(model, data)
         batched = step(batched)
         positions = physics.agent_pose(template, batched)[0][0], physics.body_pose(template, batched)[0][0]
@@ -248,7 +248,7 @@ def test_triangles_without_area_and_tiny_meshes():
     assert mujoco.MjModel.from_xml_string(xml, {"m.obj": text.encode()}).mesh_facenum[0] == 1
     house = shoebox(furniture=FURNITURE[1:2])
     flat = house.models[house.instances.model[1]]
-    flat = dataclasses.replace(flat, triangle=flat.triangle * np.float32(np.sqrt(LEAST_AREA) / 10))
+    flat = dataclasses.replace(flat, triangle=flat.triangle * np.float32(np.sqrt(MIN_TRIANGLE_AREA) / 10))
     empty = dataclasses.replace(house, models={**house.models, flat.key: flat})
     model = _compile(empty)
     assert model.body("object0").geomnum[0] == 0
@@ -299,7 +299,7 @@ def test_missing_texture_is_named(textured, tmp_path):
 
 
 def test_export_is_whole_and_replaces_only_exports(house, tmp_path):
-    first = export_mjcf(house, tmp_path, agent=Body())
+    first = export_mjcf(house, tmp_path, agent=AgentBody())
     (first.parent / "stale.obj").write_text("left from before")
     path = export_mjcf(house, tmp_path)
     assert path == first
@@ -326,7 +326,7 @@ def test_export_to_a_place_that_cannot_be_written(house, tmp_path):
 def test_real_house(suncg_root):
     dataset = open_dataset(suncg_root)
     house = compile_house(dataset.load_house(dataset.house_ids[0]), dataset.metadata)
-    model = _compile(house, agent=Body())
+    model = _compile(house, agent=AgentBody())
     data = _start(model)
     shown = [_assert_shows(model, data, house, i) for i in range(len(house.instances.model))]
     assert sum(shown) > 0.999 * 102_150  # a few have no area

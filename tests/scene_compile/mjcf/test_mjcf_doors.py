@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.compiled import CompiledHouse
 from home_procgen.v1.dataset import generate_dataset
 
@@ -20,7 +20,7 @@ def house(tmp_path_factory) -> CompiledHouse:
 
 @pytest.fixture(scope="module")
 def model(house):
-    return mujoco.MjModel.from_xml_string(*to_mjcf(house, agent=Body()))
+    return mujoco.MjModel.from_xml_string(*to_mjcf(house, agent=AgentBody()))
 
 
 def _names(house) -> list[str]:

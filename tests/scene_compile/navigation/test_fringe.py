@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from home_mjx.geometry.extrapolation import continued_fields, nearest_numbers
+from home_mjx.geometry.extrapolation import extrapolate_fields, nearest_cell_numbers
 
 CELL = 0.1
 
@@ -16,7 +16,7 @@ def continued(home, *around, room=None, standable=None):
     standable = home if standable is None else np.array(standable, bool)[None]
     columns = np.argwhere(home)[:, 2].astype(float)
     field = np.stack([columns, np.full_like(columns, 7)], axis=1)
-    found = continued_fields(home, around, standable, room, np.zeros(home.shape), field, CELL)
+    found = extrapolate_fields(home, around, standable, room, np.zeros(home.shape), field, CELL)
     return tuple(np.concatenate(part) for part in zip(*found, strict=True))
 
 
@@ -79,11 +79,11 @@ def test_each_distance_is_the_mean_of_its_neighbours(rng):
 def test_the_nearest_cell_is_one_of_the_same_room():
     number = np.array([[[0, -1, -1, -1, -1, 1, -1]]])
     room = np.array([[[0, 0, 0, 0, -1, 1, -1]]])
-    assert nearest_numbers(number, room).tolist() == [[[0, 0, 0, 0, 1, 1, 1]]]
-    assert nearest_numbers(number, np.zeros_like(room)).tolist() == [[[0, 0, 0, 1, 1, 1, 1]]]
+    assert nearest_cell_numbers(number, room).tolist() == [[[0, 0, 0, 0, 1, 1, 1]]]
+    assert nearest_cell_numbers(number, np.zeros_like(room)).tolist() == [[[0, 0, 0, 1, 1, 1, 1]]]
 
 
 def test_a_level_without_cells_takes_those_of_the_next():
     number = np.full((3, 1, 4), -1)
     number[0, 0] = [5, -1, -1, 6]
-    assert nearest_numbers(number, np.full((3, 1, 4), -1)).tolist() == [[[5, 5, 6, 6]]] * 3
+    assert nearest_cell_numbers(number, np.full((3, 1, 4), -1)).tolist() == [[[5, 5, 6, 6]]] * 3

@@ -7,12 +7,12 @@ import pytest
 from tiny_dataset import HOUSE_ID, ROOM_PARTS, edit_house, object_node, write_mesh, write_tiny_dataset
 
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.geometry.boxes import box_set, join
-from home_mjx.geometry.geodesic import Link, distance_fields
+from home_mjx.geometry.boxes import concat_boxes, make_boxes
+from home_mjx.geometry.geodesic import GridLink, distance_fields
 from home_mjx.geometry.meshes import box_triangles, make_model
-from home_mjx.scene_compile.collision.ramps import guards
+from home_mjx.scene_compile.collision.ramps import build_guards
 from home_mjx.scene_compile.navigation.build import build_navigation
-from home_mjx.scene_compile.navigation.free_space import NavigationOptions, free_space
+from home_mjx.scene_compile.navigation.free_space import NavigationOptions, find_free_space
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.objects.doorways import Doorway
@@ -20,8 +20,8 @@ from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.objects.stairs import find_stairs
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import COARSE
-from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_UNIT, Navigation, PortalKind, Rooms
-from home_mjx.schema.house import ModelInfo, Object
+from home_mjx.schema.compiled import FIELD_UNIT, MAX_DEPTH_BELOW_FLOOR, HouseNavigation, PortalKind, RoomTable
+from home_mjx.schema.house import ModelInfo, ObjectNode
 
 UP = 2.8  # [m], of the upper floor
 STEPS, RUN, WIDTH = 14, 0.25, 0.9  # of the stairs
@@ -31,10 +31,10 @@ def outline(x0: float, y0: float, x1: float, y1: float) -> np.ndarray:
     return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], float)
 
 
-def rooms_of(*polygons: np.ndarray, level: tuple[int, ...] = ()) -> Rooms:
+def rooms_of(*polygons: np.ndarray, level: tuple[int, ...] = ()) -> RoomTable:
     n = len(polygons)
     levels = np.array(level or [0] * n)
-    return Rooms(np.full(n, -1), levels, polygons, UP * levels.astype(float), UP * levels + 2.5)
+    return RoomTable(np.full(n, -1), levels, polygons, UP * levels.astype(float), UP * levels + 2.5)
 
 
 def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:
@@ -46,7 +46,7 @@ def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:
         boxes.append(box_triangles(np.array([RUN * (i + 0.5), 0.0, half[2]]), half))
     model = make_model("stairs", np.concatenate(boxes))
     pose = np.c_[np.eye(3), [x, y, level * UP]]
-    node = Object("0_9", 9, "levels[0].nodes[9]", None, "stairs", None, np.eye(4))
+    node = ObjectNode("0_9", 9, "levels[0].nodes[9]", None, "stairs", None, np.eye(4))
     return PlacedObject(
         node, ModelInfo("stairs", "stairs", "stairs", "floor"), model, model, (), (), pose, 9, level, 0, 1
     )
@@ -55,13 +55,13 @@ def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:
 ROOMS = rooms_of(outline(0, 0, 6, 4), outline(0, 0, 6, 4), level=(0, 1))
 
 
-def two_storeys(climb: bool = True, stairs: PlacedObject | None = None) -> Navigation:
+def two_storeys(climb: bool = True, stairs: PlacedObject | None = None) -> HouseNavigation:
     """A 6 x 4 m room on each level, joined by stairs along the middle."""
     stairs = stairs or stairs_at(1.0, 2.0)
     climbed = find_stairs([stairs], ROOMS, [0, 1], np.array([0, UP])) if climb else []
-    sides = guards(climbed) if climbed else stairs.box
-    below = free_space(ROOMS, sides, upstairs=climbed)
-    above = free_space(ROOMS, sides, level=1, downstairs=climbed)
+    sides = build_guards(climbed) if climbed else stairs.box
+    below = find_free_space(ROOMS, sides, upstairs=climbed)
+    above = find_free_space(ROOMS, sides, level=1, downstairs=climbed)
     return build_navigation("x", ROOMS, [below, above], stairs=climbed)
 
 
@@ -71,7 +71,7 @@ def test_the_category_exists():
 
 def test_a_flight_is_the_slope_through_the_middles_of_the_treads():
     (found,) = find_stairs([stairs_at(1.0, 2.0)], ROOMS, [0, 1], np.array([0, UP]))
-    (flight,), (top,) = found.slopes, found.top
+    (flight,), (top,) = found.slopes, found.top_tread
     np.testing.assert_allclose(flight.foot, [1.0 - RUN / 2, 2.0], atol=0.01)
     np.testing.assert_allclose([flight.run, np.ptp(top[:, 0])], [STEPS * RUN, RUN / 2], atol=0.01)
     np.testing.assert_allclose([flight.low, flight.high, flight.width, flight.yaw], [0, UP, WIDTH, 0], atol=0.01)
@@ -88,14 +88,14 @@ def test_stairs_that_end_at_no_floor_lead_nowhere(level, floor):
 def test_agents_that_climb_reach_both_storeys_over_the_stairs():
     n = two_storeys(climb=True)
     assert n.region_area.shape == (1,)
-    levels = n.place[:, 0]
+    levels = n.cell_coords[:, 0]
     assert set(levels.tolist()) == {0, 1}
     assert set(np.unique(n.goal[:, 2]).tolist()) == {0.0, UP}
     share = np.mean(n.start[:, 2] > 0)
     assert share == pytest.approx((levels == 1).mean(), abs=0.1)  # in proportion to the area
     goal = int(np.flatnonzero(n.goal[:, 2] == 0)[0])
     field = n.field[:, goal] * FIELD_UNIT
-    far = n.goal[goal, :2] - ((n.place[:, :0:-1] + 0.5) * n.cell + n.origin)
+    far = n.goal[goal, :2] - ((n.cell_coords[:, :0:-1] + 0.5) * n.cell + n.origin)
     away = np.linalg.norm(far, axis=1)
     assert (field[levels == 1] >= np.hypot(away, UP)[levels == 1] - 0.01).all()
     assert (field[levels == 1] > field[levels == 0].min() + UP).all()
@@ -104,7 +104,7 @@ def test_agents_that_climb_reach_both_storeys_over_the_stairs():
 def test_agents_that_do_not_climb_stay_on_the_ground_floor():
     n = two_storeys(climb=False)
     assert len(n.region_area) == 2
-    assert set(n.place[:, 0].tolist()) == {0}
+    assert set(n.cell_coords[:, 0].tolist()) == {0}
     assert (n.start[:, 2] == 0).all()
     assert (n.region[1] >= 0).any()
 
@@ -119,8 +119,8 @@ def test_the_slope_is_in_one_grid_below_and_in_the_other_above():
     margin = 2 * n.cell * UP / (STEPS * RUN)
     for level, side in ((0, 1), (1, -1)):
         free = n.region[level, row] == 0
-        assert free[on & (side * (UP - BELOW_FLOOR - z) > 0)].all()
-        assert not free[on & (side * (UP - BELOW_FLOOR - z) < -margin)].any()
+        assert free[on & (side * (UP - MAX_DEPTH_BELOW_FLOOR - z) > 0)].all()
+        assert not free[on & (side * (UP - MAX_DEPTH_BELOW_FLOOR - z) < -margin)].any()
 
 
 def test_stairs_are_portals():
@@ -148,7 +148,7 @@ def test_height_is_a_part_of_the_way():
 def test_a_link_shortens_the_way():
     """Two rows without a common neighbour, joined at one end; by hand."""
     free = np.ones((2, 1, 4), bool)
-    link = Link((0, 0, 3), (1, 0, 0), 10.0)
+    link = GridLink((0, 0, 3), (1, 0, 0), 10.0)
     field = distance_fields(free, np.array([[0, 0, 0]]), 1.0, [link])[:, 0]
     np.testing.assert_allclose(field, [0, 1, 2, 3, 13, 14, 15, 16])
     assert np.isinf(distance_fields(free, np.array([[0, 0, 0]]), 1.0)[4:]).all()
@@ -178,14 +178,14 @@ def test_regions_are_those_of_a_flood_fill(rng):
     assert len({tuple(s) for s in starts}) == len(area)
 
 
-def three_rooms(door: bool) -> Navigation:
+def three_rooms(door: bool) -> HouseNavigation:
     """Rooms 0 and 1 share an open border of 2 m; a wall with a doorway 0.8 m wide leads from 1 to 2."""
     rooms = rooms_of(outline(0, 0, 3, 2), outline(3, 0, 6, 2), outline(6, 0, 9, 2))
-    wall = [box_set((6, 0.3, 1), (0.05, 0.3, 1)), box_set((6, 1.7, 1), (0.05, 0.3, 1))]
-    wall += [] if door else [box_set((6, 1, 1), (0.05, 1, 1))]
+    wall = [make_boxes((6, 0.3, 1), (0.05, 0.3, 1)), make_boxes((6, 1.7, 1), (0.05, 0.3, 1))]
+    wall += [] if door else [make_boxes((6, 1, 1), (0.05, 1, 1))]
     doorway = Doorway(np.array([[6.15, 0.6], [6.15, 1.4], [5.85, 1.4], [5.85, 0.6]]), 0, (1, 2), (3, -1))
     outside = Doorway(np.array([[9.15, 0.6], [9.15, 1.4], [8.85, 1.4], [8.85, 0.6]]), 0, (2, -1))
-    return build_navigation("x", rooms, [free_space(rooms, join(wall))], doorways=[[doorway, outside]])
+    return build_navigation("x", rooms, [find_free_space(rooms, concat_boxes(wall))], doorways=[[doorway, outside]])
 
 
 def test_portals_are_doors_and_openings():
@@ -218,7 +218,7 @@ def test_rooms_of_the_real_house_lead_to_each_other(suncg_root):
     doors = n.portals.kind == PortalKind.DOOR
     passed = n.portals.room[doors & (n.portals.width > 0)]
     assert (passed >= 0).all()
-    assert n.region_area[0] == pytest.approx(n.free.sum() * n.cell**2)
+    assert n.region_area[0] == pytest.approx(n.home_mask.sum() * n.cell**2)
     assert (n.portals.room[doors] == -1).any()  # the entrance
 
 
@@ -250,11 +250,11 @@ def test_a_house_of_two_levels_is_compiled(tmp_path, climb):
     root = write_tiny_dataset(tmp_path / "data")
     add_storey(root)
     dataset = open_dataset(root)
-    options = CompileOptions(navigation=NavigationOptions(climb=climb))
+    options = CompileOptions(navigation=NavigationOptions(use_stairs=climb))
     n = compile_house(dataset.load_house(HOUSE_ID), dataset.metadata, options).navigation
     assert n.level.tolist() == [0, 1]
     np.testing.assert_allclose(n.floor, [0.05, UP + 0.05], atol=1e-6)
-    assert set(n.place[:, 0].tolist()) == ({0, 1} if climb else {0})
+    assert set(n.cell_coords[:, 0].tolist()) == ({0, 1} if climb else {0})
     assert (n.portals.kind == PortalKind.STAIRS).sum() == int(climb)
     assert n.room_hops.tolist() == ([[0, 1], [1, 0]] if climb else [[0, -1], [-1, 0]])
     assert (n.room[1] == 1).any()

@@ -7,29 +7,29 @@ from storeys import FLOOR, UP, Stairs, Storey, stacked
 from home_mjx.datasets.outlines import RoomOutline
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
-from home_mjx.schema.house import Box, Metadata, ModelInfo
+from home_mjx.schema.house import BoxNode, Metadata, ModelInfo
 
 ROOM = RoomOutline("Living_Room", [(0, 0), (7, 0), (7, 4), (0, 4)])
 STEPS, RUN, WIDTH = 14, 0.25, 0.9
 
 
-def block(number: int, height: float, slab: float | None, heading: float) -> Box:
+def block(number: int, height: float, slab: float | None, heading: float) -> BoxNode:
     """A step: down to the floor, or a slab."""
     rise = height if slab is None else slab
     c, s = np.cos(heading), np.sin(heading)
     transform = np.array([[c, 0, s, 0], [0, 1, 0, FLOOR + height - rise / 2], [-s, 0, c, 0], [0, 0, 0, 1.0]])
     away = np.array([RUN * (number + 0.5), 0, 0])
     transform[:3, 3] += transform[:3, :3] @ away + np.array([1.2, 0, 2.0])
-    return Box("", 0, "", None, np.array([RUN, rise, WIDTH]), transform)
+    return BoxNode("", 0, "", None, np.array([RUN, rise, WIDTH]), transform)
 
 
-def flight(slab: float | None = None, heading: float = 0.0, without: int = -1) -> list[Box]:
+def flight(slab: float | None = None, heading: float = 0.0, without: int = -1) -> list[BoxNode]:
     return [block(i, UP / STEPS * (i + 1), slab, heading) for i in range(STEPS) if i != without]
 
 
-def compiled(boxes: list[Box], climb: bool = True):
+def compiled(boxes: list[BoxNode], climb: bool = True):
     house = stacked([Storey([ROOM], boxes=boxes), Storey([ROOM])])
-    return compile_house(house, Metadata({}), CompileOptions(navigation=NavigationOptions(climb=climb)))
+    return compile_house(house, Metadata({}), CompileOptions(navigation=NavigationOptions(use_stairs=climb)))
 
 
 def joined(house) -> bool:

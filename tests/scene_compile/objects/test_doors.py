@@ -15,7 +15,7 @@ from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_procgen.v1.dataset import generate_dataset
 
 FRAME = (
@@ -50,14 +50,14 @@ def test_hinge_is_the_one_that_the_door_was_built_on(degrees):
     angle = np.deg2rad(degrees)
     for shown, other, turn in ((single(angle), single(0.0), -angle), (single(0.0), single(angle), angle)):
         (hinge,) = find_hinges(shown, other)
-        assert hinge.turn == pytest.approx(turn, abs=0.01)
+        assert hinge.displacement == pytest.approx(turn, abs=0.01)
         np.testing.assert_allclose(hinge.pivot, (-0.39, 0.02), atol=0.003 / abs(np.sin(angle / 2)))
         assert hinge.leaf.tolist() == [False] * 36 + [True] * 36
 
 
 def test_both_leaves_of_a_double_door_are_found():
     hinges = find_hinges(double(-1.2, 1.4), double(0.0, 0.0))
-    found = sorted((float(h.pivot[0]), h.turn) for h in hinges)
+    found = sorted((float(h.pivot[0]), h.displacement) for h in hinges)
     np.testing.assert_allclose(found, [(-0.398, 1.2), (0.398, -1.4)], atol=0.01)
     assert not (hinges[0].leaf & hinges[1].leaf).any()
 
@@ -74,7 +74,7 @@ def test_a_leaf_that_was_shifted_along_itself_slides(way, degrees):
     """Also in a door that stands askew in its model, in which nothing has turned."""
     shown, other = (turned(door, np.deg2rad(degrees)) for door in (slid((way, 0.0)), slid((0.0, 0.0))))
     (found,) = find_hinges(shown, other)
-    assert found.turn == pytest.approx(abs(way), abs=1e-3)
+    assert found.displacement == pytest.approx(abs(way), abs=1e-3)
     along = [np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))]
     np.testing.assert_allclose(found.slide, -np.sign(way) * np.array(along), atol=1e-3)
     assert found.leaf.tolist() == [False] * 36 + [True] * 24
@@ -91,7 +91,7 @@ def test_both_leaves_of_a_sliding_door_move_apart():
         return np.concatenate([*frame, *leaves])
 
     found = find_hinges(door(0.75), door(0.0))
-    np.testing.assert_allclose(sorted(h.turn * h.slide[0] for h in found), [-0.75, 0.75], atol=1e-3)
+    np.testing.assert_allclose(sorted(h.displacement * h.slide[0] for h in found), [-0.75, 0.75], atol=1e-3)
 
 
 def test_doors_that_stay_or_are_taken_out_of_their_frames_have_no_hinge():
@@ -124,7 +124,7 @@ def _check_house(dataset, house_id):
     """Every leaf, turned to its closed angle in MuJoCo, covers the closed variant of its model."""
     house = dataset.load_house(house_id)
     compiled = compile_house(house, dataset.metadata)
-    model = mujoco.MjModel.from_xml_string(*to_mjcf(compiled, agent=Body()))
+    model = mujoco.MjModel.from_xml_string(*to_mjcf(compiled, agent=AgentBody()))
     data = mujoco.MjData(model)
     nodes = {}
     for level in house.levels:
@@ -138,7 +138,7 @@ def _check_house(dataset, house_id):
     for instance in doors.instance:
         object_id = compiled.instances.object_id[instance]
         node = nodes[object_id]
-        closed = house.models[node.model_key] if node.state else house.others[node.other_key]
+        closed = house.models[node.model_key] if node.state else house.others[node.other_state_key]
         surface = sample_surface(transform(compiled.instances.pose[instance], triangles_z_up(closed)), 0.02)
         away = cKDTree(surface).query(_points_of(model, data, model.body(f"object{object_id}_leaf{instance}").id))[0]
         assert np.quantile(away, 0.95) < 0.02
@@ -150,7 +150,7 @@ def test_leaves_of_generated_doors_close(tmp_path):
     dataset = open_dataset(tmp_path / "houses")
     compiled, _ = _check_house(dataset, ids[0])
     assert len(compiled.doors.instance) == compiled.report["hinged_leaves"] >= 3
-    np.testing.assert_allclose(np.abs(compiled.doors.wide - compiled.doors.closed), np.pi / 2, atol=0.02)
+    np.testing.assert_allclose(np.abs(compiled.doors.fully_open - compiled.doors.closed), np.pi / 2, atol=0.02)
 
 
 @pytest.mark.real

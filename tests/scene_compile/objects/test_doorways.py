@@ -53,7 +53,7 @@ def test_outer_doors_are_shut_as_their_closed_variant(dataset, house):
     assert sum(len(o.leaves) for o in after) == sum(len(o.leaves) for o in before) - 1
     assert [o.instance for o in after] == [o.instance for o in before]
     np.testing.assert_array_equal(door.poses[0], door.pose)
-    surface = sample_surface(transform(door.pose, triangles_z_up(house.others[door.node.other_key])), 0.02)
+    surface = sample_surface(transform(door.pose, triangles_z_up(house.others[door.node.other_state_key])), 0.02)
     leaf = transform(door.poses[1], door.parts[1].triangle.astype(float)).reshape(-1, 3)
     assert cKDTree(surface).query(leaf)[0].max() < 0.02
     as_placed = transform(door.pose, door.parts[1].triangle.astype(float)).reshape(-1, 3)

@@ -7,37 +7,37 @@ import numpy as np
 import pytest
 
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.geometry.boxes import BoxSet, box_set, join, no_boxes, overlap
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes, penetration_depth
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.scene_compile.objects.doors import Leaf
-from home_mjx.scene_compile.objects.leaves import CLEARANCE, ajar_leaves, make_doors, swing
+from home_mjx.scene_compile.objects.doors import PlacedLeaf
+from home_mjx.scene_compile.objects.leaves import CLEARANCE, find_blocking_leaves, find_motion_range, make_doors
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse, PortalKind
-from home_mjx.schema.house import Box
+from home_mjx.schema.house import BoxNode
 from home_procgen.v1.dataset import generate_dataset
 
 LENGTH, THICK = 0.8, 0.04  # [m]
 
 
-def leaf(placed: float = 0.0, side: int = 1) -> Leaf:
+def leaf(placed: float = 0.0, side: int = 1) -> PlacedLeaf:
     """Hinged at the origin, closed along +x, opening to `side`; it stands `placed` radians open."""
-    shut = box_set((LENGTH / 2, 0, 1), (LENGTH / 2, THICK / 2, 1))
-    probe = Leaf(5, np.zeros(2), 0.0, 0.0, shut)
+    shut = make_boxes((LENGTH / 2, 0, 1), (LENGTH / 2, THICK / 2, 1))
+    probe = PlacedLeaf(5, np.zeros(2), 0.0, 0.0, shut)
     closed = -side * placed
-    return Leaf(5, np.zeros(2), closed, closed + side * np.pi / 2, probe.box_at(side * placed))
+    return PlacedLeaf(5, np.zeros(2), closed, closed + side * np.pi / 2, probe.box_at(side * placed))
 
 
 def jambs(face: float = 0.0) -> BoxSet:
     """The wall to both sides of the doorway, its face at y = `face`, 0.3 m thick."""
-    left = box_set((-1.003, face - 0.15, 1), (1, 0.15, 1))
-    right = box_set((LENGTH + 1.003, face - 0.15, 1), (1, 0.15, 1))
-    return join([left, right])
+    left = make_boxes((-1.003, face - 0.15, 1), (1, 0.15, 1))
+    right = make_boxes((LENGTH + 1.003, face - 0.15, 1), (1, 0.15, 1))
+    return concat_boxes([left, right])
 
 
 @pytest.mark.parametrize("placed", [0.0, 0.4, 1.2])
 @pytest.mark.parametrize("side", [1, -1])
 def test_nothing_in_the_way_lets_a_leaf_turn_half_a_circle_to_one_side(placed, side):
-    low, high = swing(leaf(placed, side), no_boxes())
+    low, high = find_motion_range(leaf(placed, side), empty_boxes())
     closed = -side * placed
     assert closed == (low if side > 0 else high)
     assert high - low == pytest.approx(np.pi, abs=np.deg2rad(1.01))
@@ -48,8 +48,8 @@ def test_nothing_in_the_way_lets_a_leaf_turn_half_a_circle_to_one_side(placed, s
 @pytest.mark.parametrize("placed", [0.0, 0.1])
 def test_a_leaf_stops_a_centimetre_before_a_wall(gap, placed):
     """Its far corner is at height L sin q + t/2 cos q."""
-    wall = box_set((0, gap + 1, 1), (3, 1, 1))
-    low, high = swing(leaf(placed), join([jambs(), wall]))
+    wall = make_boxes((0, gap + 1, 1), (3, 1, 1))
+    low, high = find_motion_range(leaf(placed), concat_boxes([jambs(), wall]))
     q = np.linspace(0, np.pi / 2, 20_000)
     expected = q[np.argmax(LENGTH * np.sin(q) + THICK / 2 * np.cos(q) > gap - CLEARANCE)]
     assert high - low == pytest.approx(expected, abs=np.deg2rad(1.01))
@@ -58,19 +58,19 @@ def test_a_leaf_stops_a_centimetre_before_a_wall(gap, placed):
 
 
 def test_a_leaf_on_the_face_of_its_wall_opens_until_it_lies_along_it():
-    low, high = swing(leaf(), jambs(face=0.0))
+    low, high = find_motion_range(leaf(), jambs(face=0.0))
     assert (low, high) == (0.0, pytest.approx(np.pi, abs=np.deg2rad(1.01)))
 
 
 def test_a_leaf_deep_in_its_wall_stops_at_the_corner_of_the_doorway():
-    low, high = swing(leaf(), jambs(face=0.2))
+    low, high = find_motion_range(leaf(), jambs(face=0.2))
     assert low == 0.0
     assert np.deg2rad(85) < high < np.deg2rad(120)
 
 
 @pytest.mark.parametrize("bottom", [0.0, 2.5])
 def test_only_boxes_at_its_height_stop_a_leaf(bottom):
-    low, high = swing(leaf(), box_set((0, 0.5, bottom + 0.25), (0.1, 0.1, 0.25)))
+    low, high = find_motion_range(leaf(), make_boxes((0, 0.5, bottom + 0.25), (0.1, 0.1, 0.25)))
     assert (high - low < np.pi / 2) == (bottom == 0.0)
 
 
@@ -78,81 +78,81 @@ def test_only_boxes_at_its_height_stop_a_leaf(bottom):
 @pytest.mark.parametrize("placed", [0.0, np.pi / 2])
 def test_what_stands_behind_an_open_door_ends_its_range_though_it_could_move(side, placed):
     """A plant of a home, seed 4000700, held a leaf at 137 of 171 degrees."""
-    plant = box_set((-0.55, side * 0.4, 0.5), (0.15, 0.15, 0.5))
-    wall = jambs(face=0.0) if side > 0 else no_boxes()
-    low, high = swing(leaf(placed, side), wall, movable=plant)
+    plant = make_boxes((-0.55, side * 0.4, 0.5), (0.15, 0.15, 0.5))
+    wall = jambs(face=0.0) if side > 0 else empty_boxes()
+    low, high = find_motion_range(leaf(placed, side), wall, movable=plant)
     assert np.pi / 2 < high - low < np.deg2rad(140)
     reached = leaf(placed, side).box_at(high if side > 0 else low)
-    assert -2 * CLEARANCE - 0.014 < overlap(reached, plant).max() <= -CLEARANCE
+    assert -2 * CLEARANCE - 0.014 < penetration_depth(reached, plant).max() <= -CLEARANCE
     assert (make_doors([leaf(placed, side)], wall, movable=plant).low[0]) == low
-    free = swing(leaf(placed, side), wall)
+    free = find_motion_range(leaf(placed, side), wall)
     assert free[1] - free[0] > np.deg2rad(175)
 
 
 def test_what_could_move_does_not_keep_a_door_from_opening_wide():
     """It is pushed; nor does it end the range there, since it may stand a little nearer than a leaf as placed."""
-    chair = box_set((0.5, 0.5, 0.5), (0.2, 0.2, 0.5))
-    assert swing(leaf(), no_boxes(), movable=chair) == swing(leaf(), no_boxes())
-    behind = box_set((-0.2, 0.5, 0.5), (0.195, 0.2, 0.5))  # at 90 degrees it is 5 mm away
-    assert swing(leaf(), no_boxes(), movable=behind) == (0.0, pytest.approx(np.pi / 2))
-    wall = box_set((0, 1.4, 1), (3, 1, 1))
-    assert swing(leaf(), wall, movable=behind) == swing(leaf(), wall)  # never wide open
+    chair = make_boxes((0.5, 0.5, 0.5), (0.2, 0.2, 0.5))
+    assert find_motion_range(leaf(), empty_boxes(), movable=chair) == find_motion_range(leaf(), empty_boxes())
+    behind = make_boxes((-0.2, 0.5, 0.5), (0.195, 0.2, 0.5))  # at 90 degrees it is 5 mm away
+    assert find_motion_range(leaf(), empty_boxes(), movable=behind) == (0.0, pytest.approx(np.pi / 2))
+    wall = make_boxes((0, 1.4, 1), (3, 1, 1))
+    assert find_motion_range(leaf(), wall, movable=behind) == find_motion_range(leaf(), wall)  # never wide open
 
 
 def test_a_leaf_that_stands_free_can_turn_to_where_it_stands():
     """Something thin stands between closed and as placed."""
-    low, high = swing(leaf(placed=1.5), box_set((0.5, 0.3, 1), (0.05, 0.05, 1)))
+    low, high = find_motion_range(leaf(placed=1.5), make_boxes((0.5, 0.3, 1), (0.05, 0.05, 1)))
     assert low == -1.5
     assert high > 0.2
 
 
 def test_a_leaf_that_stands_in_something_is_held_before_it():
-    thing = box_set((0.0, 0.6, 1), (0.3, 0.1, 1))
+    thing = make_boxes((0.0, 0.6, 1), (0.3, 0.1, 1))
     stands = leaf(placed=np.pi / 2)
-    low, high = swing(stands, thing)
+    low, high = find_motion_range(stands, thing)
     assert low == -np.pi / 2
     assert high < np.deg2rad(-30)
     doors = make_doors([stands], thing)
     assert (doors.low[0], doors.high[0], doors.closed[0]) == (low, high, low)
-    assert doors.wide[0] == high  # 90 degrees cannot be reached
+    assert doors.fully_open[0] == high  # 90 degrees cannot be reached
 
 
 def test_a_leaf_that_hardly_opens_is_in_the_way_as_far_open_as_it_can_be():
-    wall = box_set((0, 1.3, 1), (3, 1, 1))
+    wall = make_boxes((0, 1.3, 1), (3, 1, 1))
     shut = leaf()
-    (_, high) = swing(shut, wall)
+    (_, high) = find_motion_range(shut, wall)
     assert high < np.deg2rad(30)
-    boxes = ajar_leaves([shut, leaf(side=-1)], wall)  # the other one opens away from the wall
+    boxes = find_blocking_leaves([shut, leaf(side=-1)], wall)  # the other one opens away from the wall
     assert len(boxes) == 1
     np.testing.assert_allclose(boxes.center, shut.box_at(high).center)
 
 
-def sliding(placed: float = 0.7) -> Leaf:
+def sliding(placed: float = 0.7) -> PlacedLeaf:
     """A leaf that is shut between x = 0 and its length, and slides behind the wall to the right by up to 0.7 m."""
-    box = box_set((LENGTH / 2 + placed, 0, 1), (LENGTH / 2, THICK / 2, 1))
+    box = make_boxes((LENGTH / 2 + placed, 0, 1), (LENGTH / 2, THICK / 2, 1))
     wide = -placed + 0.7
-    return Leaf(5, box.center[0, :2], -placed, wide, box, np.array([1.0, 0.0]))
+    return PlacedLeaf(5, box.center[0, :2], -placed, wide, box, np.array([1.0, 0.0]))
 
 
 @pytest.mark.parametrize("placed", [0.0, 0.3, 0.7])
 @pytest.mark.parametrize("face", [0.0, 0.15])
 def test_a_leaf_slides_as_far_as_its_model_beside_and_into_the_wall(placed, face):
-    low, high = swing(sliding(placed), jambs(face))
+    low, high = find_motion_range(sliding(placed), jambs(face))
     assert (low, high) == pytest.approx((-placed, 0.7 - placed), abs=0.011)
     doors = make_doors([sliding(placed)], jambs(face))
-    assert doors.slides.tolist() == [True]
-    np.testing.assert_allclose([doors.closed[0], doors.wide[0]], [low, high])
+    assert doors.is_sliding.tolist() == [True]
+    np.testing.assert_allclose([doors.closed[0], doors.fully_open[0]], [low, high])
     np.testing.assert_allclose(doors.pivot, doors.pos[:, :2])
 
 
 def test_a_leaf_that_slides_stops_a_centimetre_before_what_stands_in_its_way():
-    thing = box_set((LENGTH + 0.5, 0.0, 0.4), (0.2, 0.2, 0.4))
-    low, high = swing(sliding(0.0), thing)
+    thing = make_boxes((LENGTH + 0.5, 0.0, 0.4), (0.2, 0.2, 0.4))
+    low, high = find_motion_range(sliding(0.0), thing)
     assert low == 0.0
     assert 0.3 - CLEARANCE - 0.011 <= high <= 0.3 - CLEARANCE + 1e-6
-    (box,) = ajar_leaves([sliding(0.0)], thing).center  # it hardly opens, so it is in the way
+    (box,) = find_blocking_leaves([sliding(0.0)], thing).center  # it hardly opens, so it is in the way
     np.testing.assert_allclose(box, [LENGTH / 2 + high, 0, 1])
-    assert len(ajar_leaves([sliding(0.0)], no_boxes())) == 0
+    assert len(find_blocking_leaves([sliding(0.0)], empty_boxes())) == 0
 
 
 def _distances(house: CompiledHouse, row: int, angle: float, bodies: bool = False) -> np.ndarray:
@@ -183,7 +183,7 @@ def check_ranges(house: CompiledHouse) -> None:
     for row in range(len(doors.instance)):
         low, high, closed = (float(v[row]) for v in (doors.low, doors.high, doors.closed))
         assert closed in (low, high)
-        assert low <= doors.wide[row] <= high
+        assert low <= doors.fully_open[row] <= high
         apart = _distances(house, row, closed) > CLEARANCE * 1.5
         for angle in np.linspace(low, high, 8):
             assert _distances(house, row, angle)[apart].min() > CLEARANCE * 0.9
@@ -193,8 +193,8 @@ def check_ranges(house: CompiledHouse) -> None:
             held = _distances(house, row, free_end + way * np.deg2rad(3.0), bodies=True).min(initial=1.0) < CLEARANCE
             assert beyond[apart].min() < CLEARANCE or (beyond < now - 1e-3)[~apart].any() or held
         end = high if closed == low else low
-        if end != doors.wide[row]:
-            for angle in np.linspace(doors.wide[row], end, 8)[1:]:
+        if end != doors.fully_open[row]:
+            for angle in np.linspace(doors.fully_open[row], end, 8)[1:]:
                 assert _distances(house, row, angle, bodies=True).min(initial=1.0) > CLEARANCE * 0.9
 
 
@@ -235,7 +235,7 @@ def test_every_door_between_rooms_names_its_leaf(houses):
 
 def test_shut_doors_between_rooms_can_be_pushed_open(dataset):
     house = dataset.load_house(dataset.house_ids[0])
-    objects = tuple(replace(o, state=1) if house.others.get(o.other_key) else o for o in house.levels[0].objects)
+    objects = tuple(replace(o, state=1) if house.others.get(o.other_state_key) else o for o in house.levels[0].objects)
     shut = compile_house(replace(house, levels=(replace(house.levels[0], objects=objects),)), dataset.metadata)
     np.testing.assert_array_equal(shut.doors.closed, 0)
     assert (shut.navigation.room_hops >= 0).all()
@@ -255,7 +255,7 @@ def test_a_jammed_door_is_no_way(dataset):
     x, y, z = np.array([*(doors.pivot[row] + 0.72 * along + 0.15 * across), 1.0]) - free.offset
     pose = np.eye(4)
     pose[:3, 3] = x, z, -y
-    post = Box("0_999", 999, "levels[0].nodes[999]", None, np.array([0.1, 2.0, 0.1]), pose)
+    post = BoxNode("0_999", 999, "levels[0].nodes[999]", None, np.array([0.1, 2.0, 0.1]), pose)
     level = replace(house.levels[0], boxes=(*house.levels[0].boxes, post))
     shut = tuple(replace(o, state=1) if o.index == _owner(free, row) else o for o in level.objects)
     jammed = compile_house(replace(house, levels=(replace(level, objects=shut),)), dataset.metadata)

@@ -9,27 +9,30 @@ from block_houses import block
 from hypothesis import given
 from hypothesis import strategies as st
 
-from home_mjx.geometry.polygons import inside_polygon, polygon_distance
-from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.objects.place import STRAY, place_objects
-from home_mjx.schema.compiled import Rooms
-from home_mjx.schema.house import House, Level, Metadata, Room
+from home_mjx.geometry.polygons import is_inside_polygon, polygon_distance
+from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.objects.place import MAX_ROOM_DISTANCE, place_objects
+from home_mjx.schema.compiled import RoomTable
+from home_mjx.schema.house import House, Level, Metadata, RoomNode
 
 # An L around a square in its corner, and a small room within the L.
 ELL = np.array([[0.0, 0], [6, 0], [6, 3], [3, 3], [3, 6], [0, 6]])
 SQUARE = np.array([[3.0, 3], [6, 3], [6, 6], [3, 6]])
 CLOSET = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
-ROOMS = Rooms(np.array([0, 1, 2], np.int32), np.zeros(3, np.int32), (ELL, SQUARE, CLOSET), np.zeros(3), np.ones(3))
+ROOMS = RoomTable(np.array([0, 1, 2], np.int32), np.zeros(3, np.int32), (ELL, SQUARE, CLOSET), np.zeros(3), np.ones(3))
 
 
 def room_of(x: float, y: float, listed: tuple[int, ...]) -> int:
     """Where a cube is that some rooms list."""
     node, _ = block((x - 0.1, y - 0.1, 0), (x + 0.1, y + 0.1, 0.2))
     rooms = tuple(
-        Room("", 1 + i, "", None, f"fr_0rm_{i}", (), (0,) if i in listed else (), None, None, None) for i in range(3)
+        RoomNode("", 1 + i, "", None, f"fr_0rm_{i}", (), (0,) if i in listed else (), None, None, None)
+        for i in range(3)
     )
     level = Level("0", 0, rooms, (), (replace(node, index=0),), ())
-    (placed,) = place_objects(Frame(House("h", "", Path("house.json"), (level,), {}), np.zeros(3), ROOMS), Metadata({}))
+    (placed,) = place_objects(
+        HouseFrame(House("h", "", Path("house.json"), (level,), {}), np.zeros(3), ROOMS), Metadata({})
+    )
     return placed.room
 
 
@@ -44,7 +47,7 @@ def room_of(x: float, y: float, listed: tuple[int, ...]) -> int:
         (3.1, 4, (0,), 0),  # a door's leaf that swings into the next room
         (5.5, 5.5, (0,), 1),  # listed by a room that is far away
         (6.5, 1, (0,), 0),  # before the window
-        (6 + STRAY + 0.1, 1, (0,), -1),
+        (6 + MAX_ROOM_DISTANCE + 0.1, 1, (0,), -1),
         (9, 9, (), -1),
     ],
 )
@@ -57,7 +60,7 @@ def test_distance_to_a_polygon_is_that_to_dense_samples_of_it(x, y):
     point = np.array([x, y])
     ends = np.roll(ELL, -1, axis=0)
     edge = (ELL + np.linspace(0, 1, 400)[:, None, None] * (ends - ELL)).reshape(-1, 2)
-    sampled = 0.0 if inside_polygon(ELL, point) else np.linalg.norm(edge - point, axis=1).min()
+    sampled = 0.0 if is_inside_polygon(ELL, point) else np.linalg.norm(edge - point, axis=1).min()
     assert polygon_distance(ELL, point) == pytest.approx(sampled, abs=0.01)
 
 

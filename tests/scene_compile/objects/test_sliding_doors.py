@@ -12,15 +12,15 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from home_mjx import HouseBank, physics
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.navigation import door_angles, open_portals
+from home_mjx.navigation import door_angles, passable_portals
 from home_mjx.physics import PhysicsConfig, Template
-from home_mjx.physics.hands import Commands, obey, settle
+from home_mjx.physics.hands import HandCommands, apply_hand_commands, update_hands
 from home_mjx.raycast_render import cast, make_scene
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.schema.agent import Body
+from home_mjx.schema.agent import AgentBody
 from home_procgen.v1.dataset import generate_dataset
 
 WAY = 0.7  # [m]
@@ -41,18 +41,18 @@ def house(tmp_path_factory):
     (name,) = generate_dataset(root, [1])
     dataset = open_dataset(root)
     found = dataset.load_house(name)
-    models, others, objects = dict(found.models), dict(found.others), []
-    doors = [o for o in found.levels[0].objects if o.other_key in others]
+    models, others, objects = dict(found.models), dict(found.other_state_models), []
+    doors = [o for o in found.levels[0].objects if o.other_state_key in others]
     for door in doors[::2]:
         sliding = replace(door, model_id="sliding")
-        models[sliding.model_key] = slid(others[door.other_key], models[door.model_key])
-        others[sliding.other_key] = replace(others[door.other_key], path=Path("sliding_0"))
+        models[sliding.model_key] = slid(others[door.other_state_key], models[door.model_key])
+        others[sliding.other_state_key] = replace(others[door.other_state_key], path=Path("sliding_0"))
         objects.append(sliding)
     changed = {o.index: o for o in objects}
     level = replace(found.levels[0], objects=tuple(changed.get(o.index, o) for o in found.levels[0].objects))
     known = dataset.metadata.models | {"sliding": dataset.metadata.info(doors[0].model_id)}
     metadata = replace(dataset.metadata, models=known)
-    return compile_house(replace(found, models=models, others=others, levels=(level,)), metadata)
+    return compile_house(replace(found, models=models, other_state_models=others, levels=(level,)), metadata)
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_rays_and_ways_go_through_where_a_leaf_was(house, bank, state):
         hit = cast(scene, origin, jnp.array(across, jnp.float32)[None])
         met = int(hit.instance[0]) == int(doors.instance[row]) and float(hit.t[0]) < 0.35
         assert met == (state == "closed")
-    passed = np.asarray(open_portals(bank, HOUSE, angle))[: len(house.navigation.portals.leaf)]
+    passed = np.asarray(passable_portals(bank, HOUSE, angle))[: len(house.navigation.portals.leaf)]
     portals = house.navigation.portals
     inner = (portals.leaf[:, 0] >= 0) & (portals.width > 0)
     assert inner.any()
@@ -115,7 +115,7 @@ def nobody():
 
 
 def test_exported_leaves_slide_to_where_they_are_closed(house):
-    model = mujoco.MjModel.from_xml_string(*to_mjcf(house, agent=Body()))
+    model = mujoco.MjModel.from_xml_string(*to_mjcf(house, agent=AgentBody()))
     data, doors = mujoco.MjData(model), house.doors
     for row in np.flatnonzero(doors.slides):
         name = f"object{house.instances.object_id[doors.instance[row]]}_leaf{doors.instance[row]}"
@@ -138,13 +138,15 @@ def test_a_hand_slides_a_door_open_and_shut(house, bank):
 
     @jax.jit
     def step(state, commands):
-        state = physics.step(template, bank, HOUSE, obey(template, bank, HOUSE, state, commands), jnp.zeros((1, 3)))
-        return settle(template, bank, HOUSE, state)
+        state = physics.step(
+            template, bank, HOUSE, apply_hand_commands(template, bank, HOUSE, state, commands), jnp.zeros((1, 3))
+        )
+        return update_hands(template, bank, HOUSE, state)
 
-    for opens, end in ((True, bank.physics.door_wide), (False, bank.physics.door_closed)):
-        command = Commands.none(1).replace(door=jnp.array([row], jnp.int32), open=jnp.array([opens]))
+    for opens, end in ((True, bank.physics.door_fully_open), (False, bank.physics.door_closed)):
+        command = HandCommands.idle(1).replace(door=jnp.array([row], jnp.int32), open=jnp.array([opens]))
         for t in range(12):
-            state = step(state, command if t == 0 else Commands.none(1))
+            state = step(state, command if t == 0 else HandCommands.idle(1))
         way = physics.door_angle(template, state)
         assert_allclose(way[row], end[0, row], atol=0.03)
         assert_array_equal(np.delete(np.asarray(way), row), np.delete(np.asarray(shut), row))

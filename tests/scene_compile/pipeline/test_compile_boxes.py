@@ -9,14 +9,27 @@ from cuboids import cuboid, turned
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from home_mjx.geometry.box_fit import components, cover_cells, fit_boxes, merge_boxes, narrowest_box, sample_surface
-from home_mjx.geometry.boxes import BoxSet, box_of, box_set, footprint, footprint_distance, join
+from home_mjx.geometry.box_fit import (
+    cover_cells,
+    fit_boxes,
+    merge_boxes,
+    narrowest_box,
+    sample_surface,
+    triangle_components,
+)
+from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes, footprint, footprint_distance, make_boxes
 from home_mjx.geometry.polygons import polygon_area
-from home_mjx.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
+from home_mjx.geometry.rectangles import (
+    cell_centers,
+    cover_with_rectangles,
+    is_in_triangles,
+    merge_close_values,
+    split_rectangles,
+)
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.rooms import outline
-from home_mjx.scene_compile.architecture.slabs import fit_slab, same_wall, wall_boxes
-from home_mjx.scene_compile.collision.colliders import door_boxes, not_hidden, passable_leaves
+from home_mjx.scene_compile.architecture.slabs import fit_slab, is_same_wall, wall_boxes
+from home_mjx.scene_compile.collision.colliders import door_boxes, exposed_mask, select_passable_leaves
 
 TABLE = np.concatenate(
     [cuboid((-0.7, -0.4, 0.7), (0.7, 0.4, 0.75))]
@@ -99,7 +112,7 @@ def test_cells_are_covered_exactly_and_merging_keeps_them(seed):
 
 def test_components_are_those_of_trimesh():
     mesh = trimesh.Trimesh(TABLE.reshape(-1, 3), np.arange(TABLE.size // 3).reshape(-1, 3), process=True)
-    assert components(TABLE).max() + 1 == mesh.body_count == 5
+    assert triangle_components(TABLE).max() + 1 == mesh.body_count == 5
 
 
 @settings(max_examples=20)
@@ -140,25 +153,25 @@ def test_a_closed_door_closes_the_way():
 
 
 def test_a_leaf_that_cuts_off_a_room_is_left_out():
-    far, near = box_set((5, 5, 1), (0.4, 0.02, 1)), box_set((0, 0, 1), (0.4, 0.02, 1))
+    far, near = make_boxes((5, 5, 1), (0.4, 0.02, 1)), make_boxes((0, 0, 1), (0.4, 0.02, 1))
 
     def free_area(boxes: BoxSet) -> float:
         return 10.0 if (boxes.center[:, 0] < 1).any() else 30.0
 
-    assert passable_leaves([near, far], free_area) == [far]
+    assert select_passable_leaves([near, far], free_area) == [far]
 
 
 def test_only_boxes_inside_others_are_hidden():
     """What lies on another box can be touched from above."""
-    table = box_set((0, 0, 0.4), (0.5, 0.5, 0.4))
-    drawer, vase = box_set((0.1, 0, 0.6), (0.1, 0.1, 0.2), 0.5), box_set((0.1, 0, 0.9), (0.1, 0.1, 0.2))
-    shelf, chair = box_set((0, 0, 1.0), (0.6, 0.2, 0.1)), box_set((0, 0.45, 0.2), (0.1, 0.1, 0.2))
-    joined = join([table, drawer, vase, shelf, chair])
-    assert not_hidden(joined).tolist() == [True, False, True, True, True]
+    table = make_boxes((0, 0, 0.4), (0.5, 0.5, 0.4))
+    drawer, vase = make_boxes((0.1, 0, 0.6), (0.1, 0.1, 0.2), 0.5), make_boxes((0.1, 0, 0.9), (0.1, 0.1, 0.2))
+    shelf, chair = make_boxes((0, 0, 1.0), (0.6, 0.2, 0.1)), make_boxes((0, 0.45, 0.2), (0.1, 0.1, 0.2))
+    joined = concat_boxes([table, drawer, vase, shelf, chair])
+    assert exposed_mask(joined).tolist() == [True, False, True, True, True]
 
 
 def test_of_equal_boxes_one_stays():
-    assert not_hidden(box_set(np.zeros((3, 3)), 1.0)).sum() == 1
+    assert exposed_mask(make_boxes(np.zeros((3, 3)), 1.0)).sum() == 1
 
 
 def wall(length: float, holes, yaw: float = 0.0, shift=(0, 0, 0), thickness: float = 0.1) -> np.ndarray:
@@ -199,8 +212,8 @@ def test_copies_of_one_wall_are_one_and_neighbours_are_not():
     beside = fit_slab(wall(5.0, [], 0.0, (0, 0.5, 0)))
     across = fit_slab(wall(5.0, [], np.pi / 2))
     above = fit_slab(wall(5.0, [], 0.0, (0, 0, 2.7)))
-    assert [same_wall(own, s) for s in (own, copy, askew)] == [True] * 3
-    assert [same_wall(own, s) for s in (further, beside, across, above)] == [False] * 4
+    assert [is_same_wall(own, s) for s in (own, copy, askew)] == [True] * 3
+    assert [is_same_wall(own, s) for s in (further, beside, across, above)] == [False] * 4
     boxes = wall_boxes([own, copy, askew], 10.0)
     assert len(boxes) == 1
     assert inside(boxes, np.concatenate([s.to_world(np.stack([s.low, s.high])) for s in (own, copy, askew)])).all()
@@ -212,7 +225,7 @@ def test_rectangles_tile_the_solid_cells(seed):
     rng = np.random.default_rng(seed)
     solid = rng.random((5, 6)) < 0.6
     u, v = np.cumsum(rng.uniform(0.1, 1, 7)), np.cumsum(rng.uniform(0.1, 1, 6))
-    pieces = split(cover(u, v, solid), 0.5)
+    pieces = split_rectangles(cover_with_rectangles(u, v, solid), 0.5)
     assert (pieces[:, 2] - pieces[:, 0] <= 0.5 + 1e-9).all() if len(pieces) else not solid.any()
     centers = cell_centers(u, v)
     points = centers[..., None, :]
@@ -225,11 +238,11 @@ def test_rectangles_tile_the_solid_cells(seed):
 def test_points_in_triangles_of_either_winding():
     triangles = np.array([[[0, 0], [1, 0], [0, 1]], [[3, 0], [3, 1], [4, 0]], [[5, 5], [6, 6], [7, 7]]], float)
     points = np.array([[0.2, 0.2], [0.8, 0.8], [3.2, 0.2], [6.5, 6.5]])
-    assert in_triangles(triangles, points).tolist() == [True, False, True, False]
+    assert is_in_triangles(triangles, points).tolist() == [True, False, True, False]
 
 
 def test_cluster_keeps_the_ends():
-    np.testing.assert_allclose(cluster(np.array([0.0, 0.02, 1.0, 1.01, 3.0, 2.99]), 0.03), [0, 1.005, 3])
+    np.testing.assert_allclose(merge_close_values(np.array([0.0, 0.02, 1.0, 1.01, 3.0, 2.99]), 0.03), [0, 1.005, 3])
 
 
 def test_outline_of_an_l_shaped_slab():
@@ -250,12 +263,12 @@ def test_outline_of_what_is_no_proper_slab_is_its_box():
 
 
 def test_footprints_agree_with_distances(rng):
-    boxes = box_set(rng.normal(size=(5, 3)), rng.uniform(0.1, 1, (5, 3)), rng.uniform(-3, 3, 5))
+    boxes = make_boxes(rng.normal(size=(5, 3)), rng.uniform(0.1, 1, (5, 3)), rng.uniform(-3, 3, 5))
     for i in range(5):
         corners = footprint(boxes, i)
         assert footprint_distance(boxes, i, corners).max() < 1e-9
         out = boxes.center[i, :2] + 2 * (corners - boxes.center[i, :2])
         expected = np.hypot(*boxes.half[i, :2])
         np.testing.assert_allclose(footprint_distance(boxes, i, out), expected)
-        grown = box_of(np.c_[corners, np.zeros(4)], boxes.yaw[i])
+        grown = bounding_box(np.c_[corners, np.zeros(4)], boxes.yaw[i])
         np.testing.assert_allclose(grown.half[0, :2], boxes.half[i, :2])

@@ -24,7 +24,7 @@ from home_mjx.geometry.meshes import bounds, transform
 from home_mjx.scene_compile.objects.masses import mass_range
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.categories import COARSE, FINE, NYU40
-from home_mjx.schema.compiled import ARCHITECTURE, FIELD_FAR, CompiledHouse, Ray
+from home_mjx.schema.compiled import ARCHITECTURE, FIELD_UNREACHABLE, CompiledHouse, RayKind
 from home_mjx.schema.house import House
 from home_mjx.schema.semantic import Semantic
 
@@ -160,7 +160,7 @@ def test_walls_of_two_rooms_share_their_partition_and_others_do_not(compiled):
 def test_all_rooms_are_connected(compiled):
     navigation = compiled.navigation
     assert set(navigation.room[navigation.free].tolist()) == {0, 1, 2, 3}
-    assert (navigation.field < FIELD_FAR).all()
+    assert (navigation.field < FIELD_UNREACHABLE).all()
     assert len(navigation.field) == navigation.free.sum()
 
 
@@ -217,7 +217,7 @@ def test_masses_are_within_what_such_furniture_weighs(compiled):
 def test_glass_passes_light_but_stops_sound(compiled):
     window = next(i for i in range(len(compiled.instances.model)) if name_of(compiled, i) == "210")
     rows = compiled.materials.mask[compiled.instances.material[window] :][:2]
-    assert sorted(rows.tolist()) == [int(Ray.CAMERA | Ray.SOUND), int(Ray.ALL)]
+    assert sorted(rows.tolist()) == [int(RayKind.CAMERA | RayKind.SOUND), int(RayKind.ALL)]
 
 
 def test_planes_face_their_rooms_and_none_reflects_twice(compiled):

@@ -14,7 +14,7 @@ from home_mjx.scene_compile.collision.colliders import _fit_shape
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.categories import FINE, ROOM_TYPES
-from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, Ray
+from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, RayKind
 from home_mjx.schema.semantic import Semantic
 
 SHIFT = np.array([-WIDTH / 2, DEPTH / 2, 0.0])  # world = (x, -z, y) + SHIFT
@@ -82,7 +82,7 @@ def test_overrides_by_position_replace_only_what_they_name(compiled):
     assert table.texture[row].endswith("123.jpg")
     np.testing.assert_allclose(table.albedo[metal], [0.2, 0.2, 0.2, 0.5])
     assert table.texture[metal] == ""
-    assert (table.kind[metal], table.mask[metal]) == ("glass", int(Ray.CAMERA | Ray.SOUND))
+    assert (table.kind[metal], table.mask[metal]) == ("glass", int(RayKind.CAMERA | RayKind.SOUND))
     frame, leaf = slot_rows(compiled, instance(compiled, f"{DOOR}_0"))
     np.testing.assert_allclose(table.albedo[frame, :3], 0.5)  # the override has a name and nothing else
     assert table.kind[leaf] == "wood"
@@ -166,7 +166,7 @@ def test_a_second_storey_is_seen_but_not_felt(root):
     assert row_of(compiled, 4)[Semantic.LEVEL] == 1
     assert row_of(compiled, 4)[Semantic.ROOM] == -1
     np.testing.assert_array_equal(compiled.colliders.pos, before.colliders.pos)
-    np.testing.assert_array_equal(compiled.navigation.free, before.navigation.free)
+    np.testing.assert_array_equal(compiled.navigation.home_mask, before.navigation.home_mask)
 
 
 def test_a_hidden_floor_is_stood_in_for_by_the_ceiling(root):
@@ -174,7 +174,7 @@ def test_a_hidden_floor_is_stood_in_for_by_the_ceiling(root):
     compiled = compile_tiny(root)
     np.testing.assert_allclose(np.ptp(compiled.rooms.polygon[0], axis=0), [WIDTH, DEPTH], atol=1e-4)
     assert compiled.rooms.floor[0] == pytest.approx(0.0)
-    assert compiled.navigation.free.any()
+    assert compiled.navigation.home_mask.any()
 
 
 def test_a_house_without_rooms_is_refused(root):

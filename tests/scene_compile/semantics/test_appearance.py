@@ -10,14 +10,14 @@ from home_mjx.core.color import srgb_to_lab
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.scene_compile.semantics.looks.appearance import (
-    LIKENESS,
-    Skin,
-    appearance,
+    MAX_SHADE_DISTANCE,
+    TexturedTriangles,
+    compute_appearance,
     dominant_colors,
     surface_colors,
 )
-from home_mjx.scene_compile.semantics.looks.home import home_appearance
-from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
+from home_mjx.scene_compile.semantics.looks.home import compute_home_appearance
+from home_mjx.scene_compile.semantics.looks.options import HOME2017, SemanticOptions
 from home_mjx.schema.material_kinds import CATEGORY_KINDS, HOME_TEXTURE_KINDS, MATERIAL_KINDS, TEXTURE_KINDS
 
 QUAD = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)  # texture coordinates of a whole image
@@ -25,10 +25,12 @@ DEFAULT = SemanticOptions()
 RED, WHITE = (255, 0, 0), (255, 255, 255)
 
 
-def skin(areas: list[float], surfaces: list[SurfaceMaterial], uv: np.ndarray = QUAD) -> Skin:
+def skin(areas: list[float], surfaces: list[SurfaceMaterial], uv: np.ndarray = QUAD) -> TexturedTriangles:
     """Two triangles per surface, of the given areas together."""
     half = np.repeat(np.array(areas) / 2, 2)
-    return Skin(half, np.tile(uv, (len(areas), 1, 1)), np.repeat(np.arange(len(areas)), 2), tuple(surfaces))
+    return TexturedTriangles(
+        half, np.tile(uv, (len(areas), 1, 1)), np.repeat(np.arange(len(areas)), 2), tuple(surfaces)
+    )
 
 
 @pytest.fixture
@@ -42,8 +44,8 @@ def picture(tmp_path):
     return write
 
 
-def css(item: Skin, options: SemanticOptions = DEFAULT) -> tuple[str, ...]:
-    return appearance(item, options).colors["css"]
+def css(item: TexturedTriangles, options: SemanticOptions = DEFAULT) -> tuple[str, ...]:
+    return compute_appearance(item, options).colors["css"]
 
 
 def test_colours_come_by_area():
@@ -108,7 +110,7 @@ def test_dominant_colours_part_the_weight(colors):
 @given(st.floats(0, 1), st.floats(0, 1), st.floats(0, 1))
 def test_shades_of_one_colour_are_one(red, green, blue):
     base = srgb_to_lab(np.array([[red, green, blue]]))
-    shades = base + np.random.default_rng(0).uniform(-1, 1, (20, 3)) * LIKENESS / 8
+    shades = base + np.random.default_rng(0).uniform(-1, 1, (20, 3)) * MAX_SHADE_DISTANCE / 8
     assert len(dominant_colors(shades, np.ones(20))[0]) == 1
 
 
@@ -119,45 +121,45 @@ def test_material_is_the_texture_of_the_largest_area(picture):
         [2.0, 3.0, 1.5, 7.0],
         [SurfaceMaterial(texture=wood), SurfaceMaterial(texture=cloth), SurfaceMaterial(texture=wood), plain],
     )
-    look = appearance(item, SemanticOptions())
-    assert (look.materials, look.textured) == (("wood",), True)
-    shared = appearance(item, SemanticOptions(material="share"))
+    look = compute_appearance(item, SemanticOptions())
+    assert (look.materials, look.is_textured) == (("wood",), True)
+    shared = compute_appearance(item, SemanticOptions(material="share"))
     assert shared.materials == ("wood", "textile")
-    assert appearance(item, SemanticOptions(material="share", share=0.24)).materials == ("wood",)
-    assert appearance(item, SemanticOptions(material="share", share=0.5)).materials == ()
+    assert compute_appearance(item, SemanticOptions(material="share", share=0.24)).materials == ("wood",)
+    assert compute_appearance(item, SemanticOptions(material="share", share=0.5)).materials == ()
 
 
 def test_what_no_texture_tells_is_usual_for_the_category():
-    look = appearance(
+    look = compute_appearance(
         skin([1.0, 2.0], [SurfaceMaterial(kind="metal"), SurfaceMaterial(kind="glass")]), SemanticOptions()
     )
-    assert (look.materials, look.textured) == (("glass",), False)
-    assert appearance(skin([1.0], [SurfaceMaterial()]), SemanticOptions()).materials == ()
-    assert appearance(skin([1.0], [SurfaceMaterial(kind="metal")]), HOME).materials == ()
+    assert (look.materials, look.is_textured) == (("glass",), False)
+    assert compute_appearance(skin([1.0], [SurfaceMaterial()]), SemanticOptions()).materials == ()
+    assert compute_appearance(skin([1.0], [SurfaceMaterial(kind="metal")]), HOME2017).materials == ()
 
 
 def test_a_users_picture_tells_no_material(picture):
     user, wood = picture("123", [[RED]]), picture("wood_1", [[RED]])
     item = skin([9.0, 1.0], [SurfaceMaterial(texture=user), SurfaceMaterial(texture=wood)])
-    assert appearance(item, SemanticOptions()).materials == ("wood",)
+    assert compute_appearance(item, SemanticOptions()).materials == ("wood",)
 
 
 def test_home_takes_the_mean_of_the_whole_image_and_no_diffuse_colour(picture):
     halves = picture("wood_1", [[RED] * 4] * 2 + [[(0, 0, 255)] * 4] * 2)
     upper = QUAD * [1, 0.5] + [0, 0.5]
-    look = home_appearance(skin([1.0], [SurfaceMaterial((0, 1, 0), texture=halves)], upper), HOME)
+    look = compute_home_appearance(skin([1.0], [SurfaceMaterial((0, 1, 0), texture=halves)], upper), HOME2017)
     assert look.colors["basic"] == ("purple",)
     assert look.materials == ("wood",)
 
 
 def test_home_adds_up_slots_of_one_colour_and_drops_small_ones():
     reds = [SurfaceMaterial((1, 0, 0))] * 2
-    look = home_appearance(skin([0.15, 0.15, 0.7], [*reds, SurfaceMaterial((0, 0, 1))]), HOME)
+    look = compute_home_appearance(skin([0.15, 0.15, 0.7], [*reds, SurfaceMaterial((0, 0, 1))]), HOME2017)
     assert look.colors["css"] == ("blue", "red")
     assert (
-        home_appearance(skin([0.1] * 10, [SurfaceMaterial((x, 0, 0)) for x in np.linspace(0, 1, 10)]), HOME).colors[
-            "basic"
-        ]
+        compute_home_appearance(
+            skin([0.1] * 10, [SurfaceMaterial((x, 0, 0)) for x in np.linspace(0, 1, 10)]), HOME2017
+        ).colors["basic"]
         == ()
     )
 
@@ -173,7 +175,7 @@ def test_a_broken_texture_is_named(tmp_path):
     path = tmp_path / "wood_1.jpg"
     path.write_bytes(b"no image")
     with pytest.raises(DatasetError, match=r"wood_1\.jpg"):
-        appearance(skin([1.0], [SurfaceMaterial(texture=str(path))]), SemanticOptions())
+        compute_appearance(skin([1.0], [SurfaceMaterial(texture=str(path))]), SemanticOptions())
 
 
 @pytest.mark.parametrize(

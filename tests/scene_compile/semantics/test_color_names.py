@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from home_mjx.core.color import ciede2000, srgb_to_lab
-from home_mjx.scene_compile.semantics.looks.color_names import LEVELS, names_by_look, names_in_srgb, palettes
+from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names, nearest_names_srgb, palettes
 
 # Sharma, Wu, Dalal (2005), table 1: two CIELAB colours and their difference.
 SHARMA = np.array(
@@ -69,7 +69,7 @@ def test_cielab_of_the_primaries():
 
 def test_palettes_are_matplotlibs(tables):
     css, xkcd = palettes()["css"], palettes()["xkcd"]
-    assert [len(palettes()[level].names) for level in LEVELS] == [16, 139, 949]
+    assert [len(palettes()[level].names) for level in COLOR_LEVELS] == [16, 139, 949]
     assert {name.replace(" ", "") for name in css.names} == set(tables.CSS4_COLORS) - LACKING
     for name, color in zip(css.names, css.srgb, strict=True):
         np.testing.assert_allclose(color, rgb(tables.CSS4_COLORS[name.replace(" ", "")]), atol=1e-12)
@@ -81,13 +81,13 @@ def test_palettes_are_matplotlibs(tables):
         np.testing.assert_allclose(color, rgb(tables.CSS4_COLORS[name]), atol=1e-12)
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("level", COLOR_LEVELS)
 def test_each_colour_of_a_palette_has_its_own_name(level):
     palette = palettes()[level]
     first = {tuple(color): name for name, color in reversed([*zip(palette.names, palette.srgb, strict=True)])}
     wanted = [first[tuple(color)] for color in palette.srgb]  # aqua and cyan are one colour
-    assert names_in_srgb(palette.srgb, level) == wanted
-    assert names_by_look(palette.lab, level) == wanted
+    assert nearest_names_srgb(palette.srgb, level) == wanted
+    assert nearest_names(palette.lab, level) == wanted
 
 
 def test_perceived_difference_agrees_with_people_better_than_srgb():
@@ -96,7 +96,7 @@ def test_perceived_difference_agrees_with_people_better_than_srgb():
     last = [name.split()[-1].replace("grey", "gray") for name in palette.names]
     rows = [i for i, word in enumerate(last) if word in BASIC and palette.names[i] not in (word, "grey")]
     words = [last[i] for i in rows]
-    by_look, in_srgb = names_by_look(palette.lab[rows], "basic"), names_in_srgb(palette.srgb[rows], "basic")
+    by_look, in_srgb = nearest_names(palette.lab[rows], "basic"), nearest_names_srgb(palette.srgb[rows], "basic")
     euclidean = np.linalg.norm(palette.lab[rows][:, None] - palettes()["basic"].lab, axis=-1).argmin(axis=1)
     agreeing = [
         np.mean([name == word for name, word in zip(names, words, strict=True)])

@@ -6,17 +6,17 @@ from block_houses import FLOOR, ROOM, block, place
 from hypothesis import given
 from hypothesis import strategies as st
 
-from home_mjx.geometry.boxes import BoxSet, box_set, footprint
+from home_mjx.geometry.boxes import BoxSet, footprint, make_boxes
 from home_mjx.scene_compile.semantics.relations import (
-    APART,
-    NEXT_TO,
+    MAX_NEIGHBOUR_GAP,
+    MAX_VIEW_ANGLE,
+    MIN_SEPARATION,
     OPPOSITE,
-    WIDEST,
+    ObserverPose,
     Relation,
-    Viewpoint,
-    gap,
-    relations_at_rest,
-    relations_seen,
+    footprint_gap,
+    observer_relations,
+    static_relations,
 )
 from home_mjx.scene_compile.semantics.supports import Support, find_supports
 
@@ -27,7 +27,7 @@ HERE = np.zeros((2, 2), int)
 
 def two(*items: tuple) -> BoxSet:
     center, half, yaw = zip(*items, strict=True)
-    return box_set([(*c, 0.0) for c in center], [(*h, 0.5) for h in half], yaw)
+    return make_boxes([(*c, 0.0) for c in center], [(*h, 0.5) for h in half], yaw)
 
 
 def outline(boxes: BoxSet, i: int) -> np.ndarray:
@@ -42,26 +42,26 @@ def test_gap_is_the_distance_of_the_outlines(a, b):
     where they cross without a corner in one another."""
     boxes = two(a, b)
     sampled = np.linalg.norm(outline(boxes, 0)[:, None] - outline(boxes, 1), axis=-1).min()
-    assert gap(boxes, 0, 1) == pytest.approx(gap(boxes, 1, 0), abs=1e-9)
+    assert footprint_gap(boxes, 0, 1) == pytest.approx(footprint_gap(boxes, 1, 0), abs=1e-9)
     if sampled > 0.05:
-        inside = gap(boxes, 0, 1) == 0
-        assert inside or gap(boxes, 0, 1) == pytest.approx(sampled, abs=0.02)
+        inside = footprint_gap(boxes, 0, 1) == 0
+        assert inside or footprint_gap(boxes, 0, 1) == pytest.approx(sampled, abs=0.02)
 
 
 def test_next_to_holds_both_ways_within_half_a_metre_and_one_room():
     floor = (0, 0, FLOOR)
-    for apart, near in ((NEXT_TO - 0.01, True), (NEXT_TO + 0.01, False)):
+    for apart, near in ((MAX_NEIGHBOUR_GAP - 0.01, True), (MAX_NEIGHBOUR_GAP + 0.01, False)):
         objects = place([block(floor, (1, 1, 1)), block((1 + apart, 0, FLOOR), (2 + apart, 1, 0.5))])
-        boxes = box_set([o.box.center[0] for o in objects], [o.box.half[0] for o in objects])
-        found = relations_at_rest([4, 7], boxes, HERE, [Support("floor")] * 2)
+        boxes = make_boxes([o.box.center[0] for o in objects], [o.box.half[0] for o in objects])
+        found = static_relations([4, 7], boxes, HERE, [Support("floor")] * 2)
         assert found == ((Relation(4, "next to", 7), Relation(7, "next to", 4)) if near else ())
-        assert relations_at_rest([4, 7], boxes, np.array([[0, 0], [0, 1]]), [Support("floor")] * 2) == ()
-        assert relations_at_rest([4, 7], boxes, np.full((2, 2), -1), [Support("floor")] * 2) == ()
+        assert static_relations([4, 7], boxes, np.array([[0, 0], [0, 1]]), [Support("floor")] * 2) == ()
+        assert static_relations([4, 7], boxes, np.full((2, 2), -1), [Support("floor")] * 2) == ()
 
 
 def test_what_is_above_is_not_next_to():
-    boxes = box_set([(0, 0, 0.5), (0.8, 0, 2.0)], [(0.3, 0.3, 0.5), (0.3, 0.3, 0.2)])
-    assert relations_at_rest([0, 1], boxes, HERE, [Support("floor"), Support("wall")]) == ()
+    boxes = make_boxes([(0, 0, 0.5), (0.8, 0, 2.0)], [(0.3, 0.3, 0.5), (0.3, 0.3, 0.2)])
+    assert static_relations([0, 1], boxes, HERE, [Support("floor"), Support("wall")]) == ()
 
 
 def test_on_and_in_are_not_next_to():
@@ -69,16 +69,16 @@ def test_on_and_in_are_not_next_to():
     book = block((0.1, 0.1, 1.0), (0.2, 0.3, 1.2), "books")
     cat = block((0.4, 0.1, 1.98), (0.6, 0.3, 2.2), "pet")
     objects = place([shelf, book, cat])
-    boxes = box_set([o.box.center[0] for o in objects], [o.box.half[0] for o in objects])
-    found = relations_at_rest([0, 1, 2], boxes, np.zeros((3, 2), int), find_supports(objects, ROOM))
+    boxes = make_boxes([o.box.center[0] for o in objects], [o.box.half[0] for o in objects])
+    found = static_relations([0, 1, 2], boxes, np.zeros((3, 2), int), find_supports(objects, ROOM))
     assert set(found) == {Relation(1, "in", 0), Relation(2, "on", 0)}
 
 
 @given(SPOTS, SPOTS, SPOTS)
 def test_each_pair_has_one_relation_and_its_opposite(a, b, eye):
     boxes = two((a, (0.1, 0.1), 0.0), (b, (0.1, 0.1), 0.0))
-    found = relations_seen([3, 5], boxes, HERE, Viewpoint(*eye))
-    mirrored = relations_seen([5, 3], boxes[np.array([1, 0])], HERE, Viewpoint(*eye))
+    found = observer_relations([3, 5], boxes, HERE, ObserverPose(*eye))
+    mirrored = observer_relations([5, 3], boxes[np.array([1, 0])], HERE, ObserverPose(*eye))
     assert set(found) == set(mirrored)
     assert len(found) in (0, 2)
     for first, second in [found] if found else []:
@@ -104,7 +104,7 @@ def test_relations_agree_with_a_camera(a, b, eye, turn):
     right = np.array([ahead[1], -ahead[0]])
     column = [(p - eye) @ right / ((p - eye) @ ahead) for p in (a, b)]
     boxes = two((a, (0.1, 0.1), 0.0), (b, (0.1, 0.1), 0.0))
-    found = relations_seen([0, 1], boxes, HERE, Viewpoint(*eye.tolist(), heading=turn))
+    found = observer_relations([0, 1], boxes, HERE, ObserverPose(*eye.tolist(), heading=turn))
     for relation in found:
         i, j = relation.subject, relation.object
         if relation.predicate == "left of":
@@ -112,15 +112,15 @@ def test_relations_agree_with_a_camera(a, b, eye, turn):
         elif relation.predicate == "in front of":
             assert reach[i] < reach[j]
     if not found:
-        opposite = ((a - eye) @ (b - eye)) / reach.prod() < np.cos(WIDEST) + 1e-9
-        assert opposite or np.linalg.norm(a - b) < 2 * APART
+        opposite = ((a - eye) @ (b - eye)) / reach.prod() < np.cos(MAX_VIEW_ANGLE) + 1e-9
+        assert opposite or np.linalg.norm(a - b) < 2 * MIN_SEPARATION
 
 
 def test_nothing_is_said_of_what_is_on_opposite_sides_or_where_the_observer_stands():
     ends = two(((2, 0), (0.1, 0.1), 0.0), ((-2, 0.5), (0.1, 0.1), 0.0))
-    assert relations_seen([0, 1], ends, HERE, Viewpoint(0.0, 0.0)) == ()
-    assert relations_seen([0, 1], ends, HERE, Viewpoint(2.0, 0.0)) == ()
-    assert relations_seen([0, 1], ends, HERE, Viewpoint(0.0, -2.0))[0] == Relation(1, "left of", 0)
+    assert observer_relations([0, 1], ends, HERE, ObserverPose(0.0, 0.0)) == ()
+    assert observer_relations([0, 1], ends, HERE, ObserverPose(2.0, 0.0)) == ()
+    assert observer_relations([0, 1], ends, HERE, ObserverPose(0.0, -2.0))[0] == Relation(1, "left of", 0)
 
 
 @given(SPOTS, st.floats(-3.1, 3.1), st.floats(-3.1, 3.1), st.floats(0.1, 5))
@@ -128,7 +128,7 @@ def test_sides_are_quarters_of_the_circle_around_the_heading(eye, heading, beari
     if abs(abs((bearing % (np.pi / 2)) - np.pi / 4)) < 1e-3:
         return
     x, y = eye[0] + reach * np.cos(heading + bearing), eye[1] + reach * np.sin(heading + bearing)
-    side = Viewpoint(*eye, heading=heading).side((x, y, 3.0))
+    side = ObserverPose(*eye, heading=heading).side((x, y, 3.0))
     ahead, left = np.cos(bearing), np.sin(bearing)
     wanted = ("ahead" if ahead > 0 else "behind") if abs(ahead) > abs(left) else ("left" if left > 0 else "right")
     assert side == wanted

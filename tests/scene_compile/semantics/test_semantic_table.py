@@ -14,10 +14,10 @@ from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
-from home_mjx.scene_compile.semantics.looks.options import HOME
+from home_mjx.scene_compile.semantics.looks.options import HOME2017
 from home_mjx.scene_compile.semantics.records import house_record
-from home_mjx.scene_compile.semantics.relations import Viewpoint
-from home_mjx.scene_compile.semantics.vocabulary import names_of, number_of, vocabularies
+from home_mjx.scene_compile.semantics.relations import ObserverPose
+from home_mjx.scene_compile.semantics.vocabulary import decode_row, encode_name, vocabularies
 from home_mjx.schema.categories import NYU40
 from home_mjx.schema.semantic import Semantic
 from home_procgen.v1.dataset import generate_dataset
@@ -57,10 +57,10 @@ def test_every_column_with_names_has_a_vocabulary_without_repeats():
     assert {column.name for column in Semantic} - {column.name for column in vocabularies()} == unnamed
     for column, names in vocabularies().items():
         assert len(set(names)) == len(names)
-        assert [number_of(column, name) for name in names] == list(range(len(names)))
-        assert number_of(column, "") == -1
+        assert [encode_name(column, name) for name in names] == list(range(len(names)))
+        assert encode_name(column, "") == -1
         with pytest.raises(ConfigError, match="no such name"):
-            number_of(column, "no such name")
+            encode_name(column, "no such name")
     assert [len(vocabularies()[c]) for c in (Semantic.NYU40, Semantic.ROOM_TYPE, Semantic.XKCD_3)] == [41, 25, 949]
 
 
@@ -68,7 +68,7 @@ def test_rows_say_what_the_records_say(meanings, compiled):
     for meaning, house in zip(meanings, compiled, strict=True):
         assert len(house.semantics) == len(meaning.parts) + len(meaning.objects)
         for row, item in zip(house.semantics, (*meaning.parts, *meaning.objects), strict=True):
-            named = names_of(row)
+            named = decode_row(row)
             assert named.get("room_type", "unknown") == item.room_type
             assert named.get("room", -1) == item.room
             assert named["level"] == item.level
@@ -78,15 +78,15 @@ def test_rows_say_what_the_records_say(meanings, compiled):
                 assert tuple(named[c] for c in columns if c in named) == colors[:3]
                 assert columns[0] in named
         for row, item in zip(house.semantics[len(meaning.parts) :], meaning.objects, strict=True):
-            named = names_of(row)
+            named = decode_row(row)
             assert named["object"] == item.object_id
             assert (named["fine"], named["coarse"], NYU40[row[Semantic.NYU40]]) == (item.fine, item.coarse, item.nyu40)
             assert (named.get("size", ""), named.get("support", "")) == (item.size, item.support.kind)
             held = (named.get("supporter", -1), named.get("container", -1))
             assert held == (item.support.supporter, item.support.container)
         for row, part in zip(house.semantics, meaning.parts, strict=False):
-            assert names_of(row)["fine"] == part.category
-            assert {"object", "size", "support", "movable"}.isdisjoint(names_of(row))
+            assert decode_row(row)["fine"] == part.category
+            assert {"object", "size", "support", "movable"}.isdisjoint(decode_row(row))
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_objects_are_looked_up_by_id_inside_jit(column, bank, compiled):
         found = [np.asarray(look_up(bank, jnp.int32(h), ids, int(column)))[0] for h in range(len(compiled))]
     for house, numbers in zip(compiled, found, strict=True):
         rows = {int(row[Semantic.OBJECT]): int(row[column]) for row in house.semantics if row[Semantic.OBJECT] >= 0}
-        person = number_of(column, "person") if column == Semantic.FINE else -1
+        person = encode_name(column, "person") if column == Semantic.FINE else -1
         assert numbers.tolist() == [-1, *(rows.get(i, -1) for i in range(capacity)), person, person]
 
 
@@ -114,10 +114,10 @@ def test_a_batch_of_houses_is_looked_up_at_once(bank, compiled):
 
 def test_home_s_rules_are_an_option_of_the_compiler(houses, dataset):
     house = houses[0]
-    meaning = house_semantics(house, dataset.metadata, HOME)
-    rows = compile_house(house, dataset.metadata, CompileOptions(semantics=HOME)).semantics[len(meaning.parts) :]
+    meaning = house_semantics(house, dataset.metadata, HOME2017)
+    rows = compile_house(house, dataset.metadata, CompileOptions(semantics=HOME2017)).semantics[len(meaning.parts) :]
     colors = [row[Semantic.CSS] for row in rows]
-    assert colors == [number_of(Semantic.CSS, next(iter(i.look.colors["css"]), "")) for i in meaning.objects]
+    assert colors == [encode_name(Semantic.CSS, next(iter(i.appearance.colors["css"]), "")) for i in meaning.objects]
     default = compile_house(house, dataset.metadata).semantics[len(meaning.parts) :, Semantic.CSS]
     assert (np.array(colors) != default).any()
 
@@ -157,17 +157,17 @@ def test_texts_hold_what_the_records_hold(meanings):
             width, depth, height = 2 * item.box.half[0]
             assert f"{width:.2f} m wide, {depth:.2f} m deep and {height:.2f} m high" in text
             if item.support.kind == "object" and item.support.container < 0:
-                assert f"on the {meaning.by_id[item.support.supporter].fine.replace('_', ' ')} " in text
+                assert f"on the {meaning.objects_by_id[item.support.supporter].fine.replace('_', ' ')} " in text
     with pytest.raises(ConfigError, match="no object"):
         describe_object(meanings[0], 10_000)
 
 
 def test_relations_name_objects_of_one_room(meanings):
     for meaning in meanings:
-        seen = meaning.relations_seen_from(Viewpoint(0.0, 0.0))
+        seen = meaning.relations_from(ObserverPose(0.0, 0.0))
         assert len(seen) > len(meaning.objects)
         for relation in (*seen, *meaning.relations):
-            a, b = meaning.by_id[relation.subject], meaning.by_id[relation.object]
+            a, b = meaning.objects_by_id[relation.subject], meaning.objects_by_id[relation.object]
             assert a.room == b.room or relation.predicate in ("on", "in")
 
 
@@ -191,9 +191,9 @@ def test_an_object_outside_of_every_room_is_reported(houses, dataset):
     objects = tuple(replace(o, transform=moved) if o is sofa else o for o in level.objects)
     away = replace(house, levels=(replace(level, rooms=rooms, objects=objects),))
     meaning = house_semantics(away, dataset.metadata)
-    assert [item.fine for item in meaning.outside] == ["sofa"]
-    assert meaning.outside[0].room_type == "unknown"
-    assert "outside of every room of level 0" in describe_object(meaning, meaning.outside[0].object_id)
+    assert [item.fine for item in meaning.objects_outside] == ["sofa"]
+    assert meaning.objects_outside[0].room_type == "unknown"
+    assert "outside of every room of level 0" in describe_object(meaning, meaning.objects_outside[0].object_id)
     assert compile_house(away, dataset.metadata).report["objects_outside"] == 1
 
 
@@ -202,12 +202,12 @@ def test_the_real_house(suncg_root):
     dataset = open_dataset(suncg_root)
     meaning = house_semantics(dataset.load_house(dataset.house_ids[0]), dataset.metadata)
     assert len(meaning.objects) == 43
-    assert {item.model for item in meaning.outside} == {"135", "365"}  # as HoME left them to the level
+    assert {item.model for item in meaning.objects_outside} == {"135", "365"}  # as HoME left them to the level
     assert [room.area for room in meaning.rooms] == pytest.approx([26.3, 19.3, 16.0, 20.4], abs=0.1)
-    walls = {part.room: part.look.colors["css"] for part in meaning.parts if part.category == "wall"}
+    walls = {part.room: part.appearance.colors["css"] for part in meaning.parts if part.category == "wall"}
     assert walls[0] == ("crimson",)  # white wallpaper times Kd .90 .11 .32
     assert walls[2] == walls[3] == ("white",)
-    assert {part.look.materials for part in meaning.parts if part.category == "floor"} == {("laminate",)}
+    assert {part.appearance.materials for part in meaning.parts if part.category == "floor"} == {("laminate",)}
     held = {item.model: item.support.kind for item in meaning.objects}
     assert {m: held[m] for m in ("317", "456", "274", "144", "209", "625", "499")} == dict.fromkeys(
         ("317", "456", "274", "144", "209", "625", "499"), "wall"

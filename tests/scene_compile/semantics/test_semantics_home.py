@@ -9,9 +9,9 @@ from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import library_model
 from home_mjx.scene_compile.semantics.engine import house_semantics
-from home_mjx.scene_compile.semantics.looks.appearance import Skin
-from home_mjx.scene_compile.semantics.looks.home import home_appearance
-from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
+from home_mjx.scene_compile.semantics.looks.appearance import TexturedTriangles
+from home_mjx.scene_compile.semantics.looks.home import compute_home_appearance
+from home_mjx.scene_compile.semantics.looks.options import HOME2017, SemanticOptions
 
 pytestmark = pytest.mark.real
 
@@ -55,7 +55,7 @@ def house(dataset):
 
 @pytest.fixture(scope="module")
 def meaning(house, dataset):
-    return house_semantics(house, dataset.metadata, HOME)
+    return house_semantics(house, dataset.metadata, HOME2017)
 
 
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row[0])
@@ -89,14 +89,18 @@ def house_semantics_of_model(house, key, options):
     mesh = house.models[key]
     model = library_model(key, mesh)
     slots = tuple(surface_material(slot, "", "") for slot in mesh.materials)
-    return home_appearance(Skin(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), options)
+    return compute_home_appearance(
+        TexturedTriangles(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), options
+    )
 
 
 def test_a_lamp_that_no_table_names(dataset):
     mesh = dataset.load_model("s__1296")
     model = library_model("s__1296", mesh)
     slots = tuple(surface_material(slot, "unknown", "unknown") for slot in mesh.materials)
-    look = home_appearance(Skin(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), HOME)
+    look = compute_home_appearance(
+        TexturedTriangles(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), HOME2017
+    )
     wanted = [{"black", "silver"}, {"black", "gainsboro"}, {"light grey", "almost black"}, {"linen"}]
     assert [set(names) for names in (*look.colors.values(), look.materials)] == wanted
 
@@ -111,7 +115,7 @@ def test_sizes_with_the_full_tables(house, suncg_root):
     folder = suncg_root.parent / "suncg_metadata_v1"
     if not folder.is_dir():
         pytest.skip("the full SUNCG v1 metadata is not beside the sample")
-    meaning = house_semantics(house, read_metadata(folder), HOME)
+    meaning = house_semantics(house, read_metadata(folder), HOME2017)
     assert {item.model: item.size for item in meaning.objects if item.size != "normal"} == FULL
     (item,) = [item for item in meaning.objects if item.model == "561"]
     assert item.description == "linen coffee table made of wood"
@@ -129,9 +133,9 @@ def test_the_material_is_that_of_the_largest_texture_by_default(house, dataset):
             texture = mesh.materials[slot].texture
             if texture is not None:
                 share[texture.stem] = share.get(texture.stem, 0.0) + size
-        assert item.look.textured == bool(share)
+        assert item.appearance.is_textured == bool(share)
         if share:
             foremost = max(share, key=lambda name: share[name])
-            assert len(item.look.materials) == 1
-            assert item.look.materials[0] in {"wood", "textile", "leather", "stone", "linen"}
-            assert foremost.startswith(item.look.materials[0]) or item.look.materials[0] == "wood"
+            assert len(item.appearance.materials) == 1
+            assert item.appearance.materials[0] in {"wood", "textile", "leather", "stone", "linen"}
+            assert foremost.startswith(item.appearance.materials[0]) or item.appearance.materials[0] == "wood"

@@ -9,7 +9,7 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.semantics.looks.color_names import palettes
-from home_mjx.scene_compile.semantics.vocabulary import number_of
+from home_mjx.scene_compile.semantics.vocabulary import encode_name
 from home_mjx.schema.semantic import Semantic
 
 EYE = np.array([0, 0, 1.4])  # [m]
@@ -49,7 +49,7 @@ def test_objects_have_the_colours_that_are_seen(generated_bank):
     rows = np.stack([np.asarray(generated_bank.semantics_of(0, ids, c)) for c in columns], axis=1)
     right = []
     for i, (fine, *colors) in zip(ids.tolist(), rows.tolist(), strict=True):
-        if fine == number_of(Semantic.FINE, "window"):
+        if fine == encode_name(Semantic.FINE, "window"):
             continue  # glass counts little, by its opacity, but covers most pixels
         lab = linear_to_lab(seen[i].astype(float))
         named = [color for color in colors if color >= 0]

@@ -26,30 +26,30 @@ def test_sizes_are_by_standard_deviations_of_the_log_volume():
         (1.1, "large"),
         (2.1, "huge"),
     ):
-        assert table.by_log_volume(math.exp(deviation * spread), info) == size
+        assert table.log_volume_size(math.exp(deviation * spread), info) == size
 
 
 def test_the_coarse_category_stands_in_for_a_fine_one_of_few_models():
     few = metadata([1.0] * (MIN_PEERS - 1), fine="stool").models
     many = {f"m{key}": value for key, value in metadata([0.1] * MIN_PEERS, fine="armchair").models.items()}
     table = size_table(Metadata({**few, **many}))
-    assert table.by_log_volume(1e-3, ModelInfo("x", "armchair", "chair")) == "normal"
-    assert table.by_log_volume(8.0, ModelInfo("x", "armchair", "chair")) == "huge"
-    assert table.by_log_volume(0.03, ModelInfo("x", "stool", "chair")) == "normal"
+    assert table.log_volume_size(1e-3, ModelInfo("x", "armchair", "chair")) == "normal"
+    assert table.log_volume_size(8.0, ModelInfo("x", "armchair", "chair")) == "huge"
+    assert table.log_volume_size(0.03, ModelInfo("x", "stool", "chair")) == "normal"
 
 
 def test_without_peers_nothing_is_said():
     table = size_table(metadata([1.0] * (MIN_PEERS - 1)))
-    assert table.by_log_volume(1.0, ModelInfo("x", "chair", "chair")) == ""
-    assert table.by_log_volume(1.0, ModelInfo("x")) == ""
+    assert table.log_volume_size(1.0, ModelInfo("x", "chair", "chair")) == ""
+    assert table.log_volume_size(1.0, ModelInfo("x")) == ""
     unknown = size_table(metadata([1.0] * 9, "unknown", "unknown"))
-    assert unknown.by_log_volume(1.0, ModelInfo("x")) == ""
-    assert unknown.as_home(ModelInfo("x", dims=None)) == ""
+    assert unknown.log_volume_size(1.0, ModelInfo("x")) == ""
+    assert unknown.home_size(ModelInfo("x", dims=None)) == ""
 
 
 def test_like_models_are_not_told_apart_by_a_few_percent():
     table = size_table(metadata([1.0] * 9))
-    assert table.by_log_volume(1.08, ModelInfo("x", "chair", "chair")) == "normal"
+    assert table.log_volume_size(1.08, ModelInfo("x", "chair", "chair")) == "normal"
 
 
 @pytest.mark.real
@@ -61,12 +61,12 @@ def test_every_model_of_the_full_tables_has_a_size(suncg_root):
     full = read_metadata(folder)
     table = size_table(full)
     sized = [info for info in full.models.values() if info.dims is not None]
-    found = [table.by_log_volume(math.prod(info.dims), info) for info in sized if math.prod(info.dims) > 0]
+    found = [table.log_volume_size(math.prod(info.dims), info) for info in sized if math.prod(info.dims) > 0]
     known = [size for size in found if size]
     assert len(sized) == 2_592
     assert len(known) > 0.97 * len(sized)
     frequent = np.array([known.count(size) for size in SIZES]) / len(known)
     np.testing.assert_array_less(frequent, 2 * np.array([0.0228, 0.1359, 0.6827, 0.1359, 0.0228]))
     np.testing.assert_array_less(0.5 * np.array([0.0228, 0.1359, 0.6827, 0.1359, 0.0228]), frequent)
-    tags = {table.as_home(info) for info in sized}
+    tags = {table.home_size(info) for info in sized}
     assert tags == {"small", "normal", "large", "huge", ""}  # HoME's `tiny` was never given

@@ -9,7 +9,7 @@ from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.meshes import bounds
 from home_mjx.scene_compile.architecture.frame import find_frame
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
-from home_mjx.scene_compile.semantics.supports import OPENINGS, TOUCH, WALL_HUNG, Support, find_supports
+from home_mjx.scene_compile.semantics.supports import MAX_CONTACT_GAP, WALL_HUNG, WALL_OPENINGS, Support, find_supports
 from home_procgen.v1.dataset import generate_dataset
 
 TABLE = block((0, 0, FLOOR), (1, 1, 0.8), "table")
@@ -82,7 +82,7 @@ def test_a_mirror_above_a_sink_hangs_on_the_wall():
 
 
 def test_openings_and_curtains_belong_to_the_wall():
-    for category in sorted(OPENINGS):
+    for category in sorted(WALL_OPENINGS):
         assert supports(block((2.9, 0, 0.02), (3.1, 0.8, 2.1), category)) == [Support("wall")]
 
 
@@ -93,7 +93,7 @@ def test_no_objects():
 def _below(item: PlacedObject, others: list[PlacedObject]) -> list[int]:
     """Ids of what rays meet that start twice the tolerance above each of an object's lowest points and go down."""
     points = item.triangles.reshape(-1, 3)
-    start = points[points[:, 2] < points[:, 2].min() + 0.02] + (0, 0, 2 * TOUCH)
+    start = points[points[:, 2] < points[:, 2].min() + 0.02] + (0, 0, 2 * MAX_CONTACT_GAP)
     low, high = bounds(points)
     near = [o for o in others if ((bounds(o.triangles)[0] < high) & (bounds(o.triangles)[1] > low - 0.1))[:2].all()]
     if not near:
@@ -104,7 +104,7 @@ def _below(item: PlacedObject, others: list[PlacedObject]) -> list[int]:
     place, ray, triangle = mesh.ray.intersects_location(
         start, np.tile([0.0, 0, -1], (len(start), 1)), multiple_hits=False
     )
-    met = start[ray, 2] - place[:, 2] < 3 * TOUCH
+    met = start[ray, 2] - place[:, 2] < 3 * MAX_CONTACT_GAP
     return [-1] * (len(start) - int(met.sum())) + owner[triangle[met]].tolist()
 
 
@@ -125,7 +125,7 @@ def test_generated_objects_stand_on_what_rays_from_their_soles_meet(generated):
     borne = 0
     for objects, rooms in generated:
         for item, support in zip(objects, find_supports(objects, rooms), strict=True):
-            if item.info.coarse in OPENINGS | WALL_HUNG or support.container >= 0:
+            if item.info.coarse in WALL_OPENINGS | WALL_HUNG or support.container >= 0:
                 continue
             below = _below(item, [o for o in objects if o is not item])
             most = max(set(below), key=below.count, default=-1)
@@ -142,7 +142,7 @@ def test_generated_furniture_is_held_by_something(generated):
         for item, support in zip(objects, find_supports(objects, rooms), strict=True):
             low, high = bounds(item.triangles)
             assert support.kind != ""
-            assert (support.kind == "floor") <= (low[2] < rooms.floor[item.room] + TOUCH)
+            assert (support.kind == "floor") <= (low[2] < rooms.floor[item.room] + MAX_CONTACT_GAP)
             assert (support.kind == "ceiling") <= (high[2] > rooms.ceiling[item.room] - 0.2)
 
 

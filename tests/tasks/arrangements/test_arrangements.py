@@ -19,10 +19,10 @@ from home_mjx.navigation.doors import door_angles
 from home_mjx.navigation.spawn import random_arrangement
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.arrangements import build, settled_poses
-from home_mjx.tasks.arrangements.furnished import Furnished
+from home_mjx.tasks.arrangements import build, with_arrangements
+from home_mjx.tasks.arrangements.furnished import HouseLayout
 from home_procgen.v1.dataset import generate_dataset
 
 NUM = 3
@@ -37,7 +37,7 @@ def made(tmp_path_factory):
     root = tmp_path_factory.mktemp("generated")
     houses = HouseSet(root, ids=generate_dataset(root, range(2))).load(False)
     bank = HouseBank.from_compiled(houses)
-    arranged, settled = settled_poses(bank, NUM, KEY)
+    arranged, settled = with_arrangements(bank, NUM, KEY)
     yield SimpleNamespace(root=root, houses=houses, bank=bank, arranged=arranged, settled=settled, folder=folder)
     patch.undo()
 
@@ -61,13 +61,15 @@ def moved_of(made, house, arrangement):
 def test_a_bank_has_none_at_first_and_nothing_else_changes(made):
     assert made.bank.physics.arrangement.shape == (2, 0, made.bank.spec.num_bodies, 7)
     assert made.arranged.physics.arrangement.shape == (2, NUM, made.bank.spec.num_bodies, 7)
-    without = made.arranged.replace(physics=made.arranged.physics.replace(arrangement=made.bank.physics.arrangement))
+    without = made.arranged.replace(
+        physics=made.arranged.physics.replace(arrangement_pose=made.bank.physics.arrangement)
+    )
     jax.tree.map(np.testing.assert_array_equal, without, made.bank)
 
 
 def test_most_things_are_elsewhere_and_every_one_is_counted(made):
     for house, p in each(made):
-        drawn = Furnished.of(made.bank, house).drawn
+        drawn = HouseLayout.from_bank(made.bank, house).is_selected
         moved = moved_of(made, house, p)
         assert not (moved & ~drawn).any()
         assert moved.sum() == made.settled.moved[house, p]
@@ -79,11 +81,11 @@ def test_most_things_are_elsewhere_and_every_one_is_counted(made):
 
 def test_equal_keys_give_equal_bits_and_others_others(made, monkeypatch, tmp_path):
     monkeypatch.setattr(build, "cache_folder", lambda: tmp_path)
-    again, settled = settled_poses(made.bank, NUM, jax.random.PRNGKey(7))
-    np.testing.assert_array_equal(again.physics.arrangement, made.arranged.physics.arrangement)
+    again, settled = with_arrangements(made.bank, NUM, jax.random.PRNGKey(7))
+    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement)
     np.testing.assert_array_equal(settled.moved, made.settled.moved)
     drawn = np.concatenate([poses_of(made, h, p)[moved_of(made, h, p), :3].ravel() for h, p in each(made)])
-    other, *_ = build._put(made.bank, NUM, np.array([0, 8]), False)
+    other, *_ = build._place(made.bank, NUM, np.array([0, 8]), False)
     shift = np.linalg.norm(np.asarray(other - made.arranged.physics.arrangement)[..., :3], axis=-1)
     assert (shift > 0.02).sum() > 0.8 * len(drawn) / 3
     for house in range(2):
@@ -117,7 +119,7 @@ def test_everything_rests_for_ten_seconds(made):
 
 def _first_free(bank, house, p):
     """`p`, if an agent can stand at the first start in that arrangement alone; else -1."""
-    alone = bank.replace(physics=bank.physics.replace(arrangement=bank.physics.arrangement[:, p : p + 1]))
+    alone = bank.replace(physics=bank.physics.replace(arrangement_pose=bank.physics.arrangement[:, p : p + 1]))
     found = random_arrangement(alone, jnp.int32(house), bank.navigation.start[house, :1], KEY)
     return p if int(found) == 0 else -1
 
@@ -127,7 +129,7 @@ def test_everything_rests_in_c_mujoco(made, house):
     """On the exported house; everything there is solved by other code."""
     compiled, poses = made.houses[house], poses_of(made, house, 1)
     bodies = replace(compiled.bodies, pos=poses[:, :3], quat=poses[:, 3:])
-    drift = rest_drift(*to_mjcf(replace(compiled, bodies=bodies)), seconds=10.0)
+    drift = measure_rest_drift(*to_mjcf(replace(compiled, bodies=bodies)), seconds=10.0)
     assert len(drift) == len(poses)
     assert max(drift.values()) < 1e-3
 
@@ -199,9 +201,9 @@ def rooms_of_bodies(compiled):
 
 def room_of(compiled, points):
     """By the outlines of the rooms."""
-    from home_mjx.geometry.polygons import smallest_room
+    from home_mjx.geometry.polygons import find_smallest_room
 
-    return smallest_room(compiled.rooms, np.arange(len(compiled.rooms.type)), points[:, :2])
+    return find_smallest_room(compiled.rooms, np.arange(len(compiled.rooms.type)), points[:, :2])
 
 
 def test_agents_can_walk_between_all_goals_and_free_starts(made):
@@ -274,7 +276,7 @@ def test_equal_keys_reset_alike_and_placed_is_as_ever(made, env):
 def test_where_there_is_room_in_none_things_are_as_placed(made):
     pose = poses_of(made, 0, 0)[0]
     full = made.arranged.physics.arrangement[:, :1]
-    bank = made.arranged.replace(physics=made.arranged.physics.replace(arrangement=full))
+    bank = made.arranged.replace(physics=made.arranged.physics.replace(arrangement_pose=full))
     point = jnp.asarray([[pose[0], pose[1], made.houses[0].navigation.floor[0]]], jnp.float32)
     assert int(random_arrangement(bank, jnp.int32(0), point, KEY)) == -1
     template = Template(PhysicsConfig(), bank.spec)
@@ -285,7 +287,7 @@ def test_where_there_is_room_in_none_things_are_as_placed(made):
 
 def test_what_falls_is_put_back_and_counted(made, monkeypatch, tmp_path):
     monkeypatch.setattr(build, "cache_folder", lambda: tmp_path)
-    chosen, dropped = build.choose_places, []
+    chosen, dropped = build.choose_candidates, []
 
     def in_the_air(house, places, order):
         boxes, moved = chosen(house, places, order)
@@ -294,29 +296,29 @@ def test_what_falls_is_put_back_and_counted(made, monkeypatch, tmp_path):
         boxes.center[first, 2] += 0.1
         return boxes, moved
 
-    monkeypatch.setattr(build, "choose_places", in_the_air)
-    bank, settled = settled_poses(made.bank, NUM, KEY)
+    monkeypatch.setattr(build, "choose_candidates", in_the_air)
+    bank, settled = with_arrangements(made.bank, NUM, KEY)
     np.testing.assert_array_equal(settled.moved, made.settled.moved - 1)
-    np.testing.assert_array_equal(settled.kept, made.settled.kept + 1)
-    assert not settled.restless.any()
+    np.testing.assert_array_equal(settled.unmoved, made.settled.kept + 1)
+    assert not settled.unsettled.any()
     for (house, p), k in zip(each(made), dropped, strict=True):
-        found = np.asarray(bank.physics.arrangement[house, p, k, :3])
+        found = np.asarray(bank.physics.arrangement_pose[house, p, k, :3])
         np.testing.assert_allclose(found, made.houses[house].bodies.pos[k], atol=2e-3)
 
 
 def test_arrangements_are_kept_on_disk_and_broken_ones_made_again(made, monkeypatch, caplog):
     (entry,) = (made.folder / "arrangements").iterdir()
-    whole, make = entry.read_bytes(), build._make
-    monkeypatch.setattr(build, "_make", lambda *_: pytest.fail("made again"))
-    again, settled = settled_poses(made.bank, NUM, KEY)
-    np.testing.assert_array_equal(again.physics.arrangement, made.arranged.physics.arrangement)
-    np.testing.assert_array_equal(settled.kept, made.settled.kept)
+    whole, make = entry.read_bytes(), build._generate
+    monkeypatch.setattr(build, "_generate", lambda *_: pytest.fail("made again"))
+    again, settled = with_arrangements(made.bank, NUM, KEY)
+    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement)
+    np.testing.assert_array_equal(settled.unmoved, made.settled.kept)
     with pytest.raises(pytest.fail.Exception):
-        settled_poses(made.bank, NUM + 1, KEY)
-    monkeypatch.setattr(build, "_make", make)
+        with_arrangements(made.bank, NUM + 1, KEY)
+    monkeypatch.setattr(build, "_generate", make)
     entry.write_bytes(whole[: len(whole) // 2])
-    again, _ = settled_poses(made.bank, NUM, KEY)
-    np.testing.assert_array_equal(again.physics.arrangement, made.arranged.physics.arrangement)
+    again, _ = with_arrangements(made.bank, NUM, KEY)
+    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement)
     assert entry.read_bytes() == whole
     assert "broken" in caplog.text
 
@@ -327,7 +329,7 @@ def test_what_cannot_be_is_refused(made):
     with pytest.raises(ConfigError, match="arrangement"):
         home_mjx.make("PointNav-v0", made.bank, arrangement="shuffled")
     with pytest.raises(ConfigError, match="num_arrangements"):
-        settled_poses(made.bank, 0, KEY)
+        with_arrangements(made.bank, 0, KEY)
 
 
 def test_make_arranges_the_houses_that_it_loads(made, monkeypatch):
@@ -337,7 +339,7 @@ def test_make_arranges_the_houses_that_it_loads(made, monkeypatch):
         asked.append(num)
         return made.arranged, made.settled
 
-    monkeypatch.setattr(home_mjx.tasks.arrangements, "settled_poses", few)
+    monkeypatch.setattr(home_mjx.tasks.arrangements, "with_arrangements", few)
     env = home_mjx.make("PointNav-v0", made.root, num_houses=2, arrangement="random", sensors=("state",))
     assert env.bank is made.arranged
     home_mjx.make("PointNav-v0", made.root, num_houses=2, sensors=("state",))

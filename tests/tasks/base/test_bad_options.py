@@ -12,7 +12,7 @@ import home_mjx
 from home_mjx.core.checks import check_names
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render.cameras.camera import Lens
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.preset import LitShader
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions
@@ -58,7 +58,7 @@ REFUSED = {
     MovableOptions: [
         ("max_bodies", -1), ("reach", NAN), ("reach", -0.1), ("shrink", -0.1), ("seat", INF), ("largest", -1.0),
     ],
-    Lit: [
+    LitShader: [
         ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1),
     ],
 }  # fmt: skip

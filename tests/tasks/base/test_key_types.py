@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.keys import to_raw
-from home_mjx.tasks.env.usable import usable_action, usable_choice
+from home_mjx.tasks.base.keys import to_raw_key
+from home_mjx.tasks.env.usable import clip_action, validate_choice
 
 KEYS = [
     *(jnp.zeros(2), jnp.zeros(2, bool), jnp.zeros(2, complex), jnp.zeros((), jnp.uint32)),
@@ -18,27 +18,27 @@ KEYS = [
 @pytest.mark.parametrize("key", KEYS, ids=range(len(KEYS)))
 def test_what_is_no_key_is_refused(key):
     with pytest.raises(ConfigError, match=r"expected (a|one) random key"):
-        to_raw(key)
+        to_raw_key(key)
 
 
 def test_typed_and_raw_keys_are_the_same():
     key = jax.random.key(7)
-    np.testing.assert_array_equal(to_raw(key), to_raw(jax.random.key_data(key)))
+    np.testing.assert_array_equal(to_raw_key(key), to_raw_key(jax.random.key_data(key)))
 
 
 @pytest.mark.parametrize("dtype", [bool, complex, np.complex64])
 def test_what_is_no_real_number_is_no_action(dtype):
     with pytest.raises(ConfigError, match="expected real numbers as action"):
-        usable_action(np.zeros(4, dtype), 1, 4)
+        clip_action(np.zeros(4, dtype), 1, 4)
 
 
 @pytest.mark.parametrize("dtype", [bool, complex, np.float32])
 def test_what_is_no_integer_is_no_choice(dtype):
     with pytest.raises(ConfigError, match="expected an integer as action"):
-        usable_choice(np.zeros((), dtype), 1, 4)
+        validate_choice(np.zeros((), dtype), 1, 4)
 
 
 def test_whole_numbers_are_real_numbers():
-    action, changed = usable_action(jnp.array([1, 0, -1, 0]), 1, 4)
+    action, changed = clip_action(jnp.array([1, 0, -1, 0]), 1, 4)
     assert action.tolist() == [[1, 0, -1, 0]]
     assert not changed

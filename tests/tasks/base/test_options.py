@@ -8,9 +8,9 @@ import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.scene_compile import CompileOptions
-from home_mjx.schema import Body, Timing
+from home_mjx.schema import AgentBody, Timing
 from home_mjx.tasks import AgentCamera, DiscreteActions, EnvConfig, PointNav, Task, make_config
-from home_mjx.tasks.base.options import override
+from home_mjx.tasks.base.options import override_options
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,17 +26,17 @@ RECORDS = {"": EnvConfig(), "task": PointNav(), "compile": CompileOptions()}
 @pytest.mark.parametrize("value", ["x", True, None, 1j, (0.5,)])
 def test_a_tasks_option_has_the_type_of_its_default(value):
     with pytest.raises(ConfigError, match=r"`task.success_radius` must be a float, got"):
-        override(RECORDS, {"success_radius": value})
-    assert override(RECORDS, {"success_radius": 1})["task"].success_radius == 1
+        override_options(RECORDS, {"success_radius": value})
+    assert override_options(RECORDS, {"success_radius": 1})["task"].success_radius == 1
 
 
 def test_a_hint_names_no_option_that_could_be_several():
     with pytest.raises(ConfigError, match=r"Did you mean `(?!radius`)"):
-        override({"": EnvConfig(), "task": Roomy()}, {"radiu": 0.5})
+        override_options({"": EnvConfig(), "task": Roomy()}, {"radiu": 0.5})
 
 
 def test_a_field_is_found_at_any_depth():
-    chosen = override(
+    chosen = override_options(
         RECORDS, {"width": 32, "num_agents": 2, "success_radius": 0.5, "cell": 0.05, "mass": 70.0, "sim_dt": 0.05}
     )
     config = chosen[""]
@@ -46,29 +46,29 @@ def test_a_field_is_found_at_any_depth():
 
 
 def test_paths_and_whole_records_say_the_same():
-    flat = override(RECORDS, {"friction": 0.5})
-    assert override(RECORDS, {"physics.friction": 0.5}) == flat
-    assert override(RECORDS, {"physics": PhysicsConfig(friction=0.5)}) == flat
-    both = override(RECORDS, {"physics": PhysicsConfig(friction=0.5), "physics.num_agents": 3})
+    flat = override_options(RECORDS, {"friction": 0.5})
+    assert override_options(RECORDS, {"physics.friction": 0.5}) == flat
+    assert override_options(RECORDS, {"physics": PhysicsConfig(friction=0.5)}) == flat
+    both = override_options(RECORDS, {"physics": PhysicsConfig(friction=0.5), "physics.num_agents": 3})
     assert (both[""].physics.friction, both[""].physics.num_agents) == (0.5, 3)
-    assert override(RECORDS, {"task.success_radius": 0.5})["task"].success_radius == 0.5
+    assert override_options(RECORDS, {"task.success_radius": 0.5})["task"].success_radius == 0.5
 
 
 def test_fields_that_only_fit_together_are_changed_together():
     config = make_config(ctrl_dt=0.03, sim_dt=0.03, sample_rate=8000)
     assert (config.timing.substeps, config.timing.frame) == (1, 240)
-    tall = override({"": config}, {"radius": 0.9, "body.height": 2.5, "ctrl_dt": 0.06})[""]
+    tall = override_options({"": config}, {"radius": 0.9, "body.height": 2.5, "ctrl_dt": 0.06})[""]
     assert (tall.physics.body.radius, tall.physics.timing.ctrl_dt, tall.audio.timing.frame) == (0.9, 0.06, 480)
 
 
 def test_body_and_clock_have_one_source():
-    config = EnvConfig(body=Body(radius=0.2), timing=Timing(ctrl_dt=0.2))
+    config = EnvConfig(body=AgentBody(radius=0.2), timing=Timing(ctrl_dt=0.2))
     assert config.physics.body is config.body
     assert config.physics.timing is config.audio.timing is config.timing
     with pytest.raises(ConfigError, match=r"`physics\.timing`.*`timing`"):
         EnvConfig(physics=PhysicsConfig(timing=Timing(ctrl_dt=0.2)))
     with pytest.raises(ConfigError, match=r"`physics\.body`"):
-        EnvConfig(body=Body(radius=0.2), physics=PhysicsConfig(body=Body(radius=0.3)))
+        EnvConfig(body=AgentBody(radius=0.2), physics=PhysicsConfig(body=AgentBody(radius=0.3)))
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_body_and_clock_have_one_source():
 )
 def test_wrong_names_are_answered_with_the_right_ones(name, words):
     with pytest.raises(ConfigError, match=words):
-        override(RECORDS, {name: 1})
+        override_options(RECORDS, {name: 1})
 
 
 def test_moves_are_given_as_json_has_them():
@@ -115,7 +115,7 @@ def test_wrong_records_are_refused():
     with pytest.raises(ConfigError, match="`physics` must be a PhysicsConfig"):
         make_config(physics={})
     with pytest.raises(ConfigError, match="`task` must be a PointNav"):
-        override(RECORDS, {"task": 3})
+        override_options(RECORDS, {"task": 3})
 
 
 def test_make_refuses_before_it_compiles(monkeypatch):
@@ -146,8 +146,8 @@ def test_an_option_of_a_task_is_never_lost():
     records = {"": EnvConfig(), "task": Sledge(), "compile": CompileOptions()}
     for name in ("friction", "width"):
         with pytest.raises(ConfigError, match=rf"`{name}` could be any of .*task\.{name}"):
-            override(records, {name: 1})
-    chosen = override(records, {"task.friction": 1.0, "task.width": 5, "physics.friction": 0.5})
+            override_options(records, {name: 1})
+    chosen = override_options(records, {"task.friction": 1.0, "task.width": 5, "physics.friction": 0.5})
     assert chosen["task"] == Sledge(1.0, 5)
     assert (chosen[""].physics.friction, chosen[""].width) == (0.5, 64)
 

@@ -12,10 +12,10 @@ from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.schema.categories import coarse_index
-from home_mjx.schema.contact_materials import CONTACTS, HEAVY, RUBBER, USUAL
+from home_mjx.schema.contact_materials import CONTACT_BY_KIND, DEFAULT_CONTACT, MAX_BOUNCING_MASS, RUBBER_CONTACT
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import Touch, touch_meaning
+from home_mjx.tasks import BodyContacts, contact_semantics
 from home_procgen.v1.dataset import generate_dataset
 
 
@@ -38,14 +38,14 @@ class World:
             scene = make_scene(self.bank, jnp.int32(1), *bodies, *agent)
             other = np.full(scene.moving.instance.shape[0], NOTHING, np.int32)
             other[: len(codes)] = codes
-            touch = Touch(jnp.zeros(len(other)), jnp.zeros((len(other), 3)), jnp.asarray(other))
-            found = touch_meaning(scene, touch)
-        return np.asarray(found.own), np.asarray(found.other)
+            touch = BodyContacts(jnp.zeros(len(other)), jnp.zeros((len(other), 3)), jnp.asarray(other))
+            found = contact_semantics(scene, touch)
+        return np.asarray(found.body), np.asarray(found.other)
 
     def says(self, row, object_id) -> bool:
         """Whether a row is what the file says of an object."""
-        item = self.file.by_id[object_id]
-        material = MATERIAL_KINDS.index(item.look.materials[0]) if item.look.materials else -1
+        item = self.file.objects_by_id[object_id]
+        material = MATERIAL_KINDS.index(item.appearance.materials[0]) if item.appearance.materials else -1
         wanted = object_id, coarse_index(item.coarse), item.room, material
         columns = Semantic.OBJECT, Semantic.COARSE, Semantic.ROOM, Semantic.MATERIAL
         return tuple(row[list(columns)].tolist()) == wanted
@@ -101,10 +101,10 @@ def test_floors_and_walls_are_those_of_the_room(world):
 def test_bodies_slide_and_bounce_by_material(world):
     """Every number is one of the table's; what is heavy does not bounce; a bank holds them."""
     bodies = world.house.bodies
-    known = {contact.friction for contact in (*CONTACTS.values(), RUBBER, USUAL)}
+    known = {contact.friction for contact in (*CONTACT_BY_KIND.values(), RUBBER_CONTACT, DEFAULT_CONTACT)}
     assert set(bodies.friction.tolist()) <= known
-    assert (bodies.restitution[bodies.mass > HEAVY] == 0).all()
-    assert set(CONTACTS) <= set(MATERIAL_KINDS)
+    assert (bodies.restitution[bodies.mass > MAX_BOUNCING_MASS] == 0).all()
+    assert set(CONTACT_BY_KIND) <= set(MATERIAL_KINDS)
     count = len(bodies.mass)
     np.testing.assert_allclose(world.bank.physics.body_friction[1, :count], bodies.friction)
     ratio = np.asarray(world.bank.physics.body_damping_ratio[1, :count], float)

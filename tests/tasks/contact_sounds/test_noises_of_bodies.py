@@ -7,8 +7,8 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
-from home_mjx.audio_jax import NoiseConfig
-from home_mjx.audio_jax.contact_sounds.synthesis import RUBS, STRIKES
+from home_mjx.audio_jax import ContactSoundConfig
+from home_mjx.audio_jax.contact_sounds.synthesis import SUSTAINED, TRANSIENTS
 from home_mjx.tasks import Status, Variation, make_config
 
 RATE, FRAME = 16000, 1600
@@ -19,7 +19,7 @@ AHEAD = jnp.array([1.0, 0.0, 0.0, 0.0])
 class Room:
     """An environment in a bare room of 12 m by 10 m, with a box of 5 kg."""
 
-    def __init__(self, noises=NoiseConfig(), **options):  # noqa: B008
+    def __init__(self, noises=ContactSoundConfig(), **options):  # noqa: B008
         box = Furniture(position=(3.0, 2.0), mass=5.0)
         self.core = HouseholdEnv(make_config(noises=noises, **{**QUIET, **options}))
         self.env = self.core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0), furniture=[box])]))
@@ -49,7 +49,7 @@ def struck(states) -> list[tuple[int, str, float]]:
         s = state.world.noises.strikes
         for start, row, gain in zip(*(np.asarray(x) for x in (s.start, s.row, s.gain)), strict=True):
             if gain > 0:
-                found[int(start), int(row)] = (int(start), STRIKES[row], float(gain))
+                found[int(start), int(row)] = (int(start), TRANSIENTS[row], float(gain))
     return sorted(found.values())
 
 
@@ -127,7 +127,7 @@ def test_what_lies_still_is_silent_and_what_is_pushed_scrapes(room):
     rubs = states[-1].world.noises.rubs
     speed = float(states[-1].physics.qpos[4] - states[-2].physics.qpos[4]) / 0.1
     assert speed > 0.8
-    assert RUBS[int(rubs.row[0])] == "scrape_wood"
+    assert SUSTAINED[int(rubs.row[0])] == "scrape_wood"
     assert float(rubs.gain[0, 0]) == pytest.approx(np.sqrt(0.4 * 5 * 9.81 * speed), rel=1e-3)
     np.testing.assert_allclose(rubs.pos[0], states[-1].physics.qpos[4:7], atol=1e-5)
     after = room.run(states[-1], jnp.array([-1.0, 0, 0, 0]), 6)
@@ -136,13 +136,15 @@ def test_what_lies_still_is_silent_and_what_is_pushed_scrapes(room):
 
 def test_doors_creak_and_thud(generated_bank):
     """A leaf that is driven shut: it creaks at its speed, and there is one thud, where and when it stops."""
-    core = HouseholdEnv(make_config(noises=NoiseConfig(footsteps=False), impl="kinematic", doors="open", **QUIET))
+    core = HouseholdEnv(
+        make_config(noises=ContactSoundConfig(footsteps=False), impl="kinematic", doors="open", **QUIET)
+    )
     env, doors = core.bind(generated_bank), generated_bank.physics
     hinged = np.asarray(doors.door_valid[0]) & ~np.any(np.asarray(doors.door_slide[0]), axis=1)
     row = int(np.flatnonzero(hinged)[0])
     state = jax.jit(core.begin)(env.params, jax.random.key(0), 0)
     goal = state.physics.goal.at[row].set(doors.door_closed[0, row])
-    state, advance = state.replace(physics=state.physics.replace(goal=goal)), jax.jit(core.advance)
+    state, advance = state.replace(physics=state.physics.replace(door_goal=goal)), jax.jit(core.advance)
     angle = jax.jit(lambda state: core.snapshot(env.params, state).door_angle[row])
     angles, gains, states = [float(angle(state))], [], []
     for _ in range(40):
@@ -162,7 +164,7 @@ def test_doors_creak_and_thud(generated_bank):
 
 def test_agents_are_heard_where_nothing_else_moves():
     """A bank without movable bodies and doors has footsteps, and nothing that could scrape or creak."""
-    core = HouseholdEnv(make_config(noises=NoiseConfig(), impl="kinematic", **QUIET))
+    core = HouseholdEnv(make_config(noises=ContactSoundConfig(), impl="kinematic", **QUIET))
     env = core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0))]))
     state, advance = jax.jit(core.begin)(env.params, jax.random.key(0)), jax.jit(core.advance)
     state = state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:2].set(0.0)))
@@ -174,7 +176,7 @@ def test_agents_are_heard_where_nothing_else_moves():
 
 def test_more_than_the_slots_hold_is_told():
     """Two agents side by side, one slot."""
-    place = Room(NoiseConfig(num_strikes=1), num_agents=2)
+    place = Room(ContactSoundConfig(num_transients=1), num_agents=2)
     states = place.run(place.placed((-4.0, -2.0, 0.0), (-4.0, -3.0, 0.0)), jnp.stack([AHEAD, AHEAD]), 9)
     status = [int(s.status) & Status.NOISES for s in states]
     assert any(status)
@@ -201,7 +203,7 @@ def test_noises_are_heard_and_off_they_cost_nothing():
     assert levels[loudest] == pytest.approx(heard[loudest], abs=4)
     off = HouseholdEnv(make_config(noises=None, **QUIET))
     assert jax.eval_shape(off.begin, place.env.params, jax.random.key(0)).world.noises is None
-    assert off.config.num_heard == 1
+    assert off.config.num_traced_sources == 1
 
 
 def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
@@ -225,7 +227,7 @@ def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
 
     states = jax.jit(jax.vmap(begun, (None, 0)))(varied, keys)
     drawn, run = states.world.drawn, jax.jit(jax.vmap(walk, (0, None)))
-    quiet = states.replace(world=states.world.replace(drawn=drawn.replace(noise_volume=jnp.ones(3))))
+    quiet = states.replace(world=states.world.replace(variation=drawn.replace(contact_sound_volume=jnp.ones(3))))
     (heard, strikes, x), (plain, _, _) = run(states, varied), run(quiet, varied)
     for number, length in enumerate(np.asarray(drawn.step_length)):
         here = jax.tree.map(lambda leaf, number=number: np.asarray(leaf[number]), strikes)
@@ -234,4 +236,4 @@ def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
         np.testing.assert_allclose(np.diff(starts), length * RATE, atol=40)
     assert len(np.unique(drawn.step_length)) == 3
     assert np.abs(plain).max() > 1e-4
-    np.testing.assert_allclose(heard, np.asarray(drawn.noise_volume)[:, None, None, None] * plain, atol=1e-6)
+    np.testing.assert_allclose(heard, np.asarray(drawn.contact_sound_volume)[:, None, None, None] * plain, atol=1e-6)

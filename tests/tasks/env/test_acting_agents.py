@@ -10,14 +10,14 @@ import pytest
 
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
-from home_mjx.schema.agent import Body
-from home_mjx.tasks import AutoReset, EnvParams, HouseholdEnv, PointNav, WithExpert, make_config
+from home_mjx.schema.agent import AgentBody
+from home_mjx.tasks import AutoReset, EnvParams, ExpertObservationEnv, HouseholdEnv, PointNav, make_config
 from home_mjx.viewer.episodes.keyboard import KeyboardPlayer
 
 AGENTS, STEPS, LED = 3, 4, (0.7, 0.0, 0.5, 0.1)
 KEY = jax.ShapeDtypeStruct((2,), np.uint32)
 STOP, FORWARD = 0, 1
-BODIES = (Body(), Body(eye_height=1.2), Body(turn_rate=1.0))
+BODIES = (AgentBody(), AgentBody(eye_height=1.2), AgentBody(turn_rate=1.0))
 CHEAP = ("state", "gps_compass", "prev_action", "prev_reward", "goal")
 COSTLY = ("depth", "audio")
 
@@ -108,12 +108,12 @@ def test_a_task_that_keeps_nobody_is_the_same_program(generated_bank):
     states = [jax.eval_shape(core.reset, params, KEY) for core in cores]
     programs = [str(jax.make_jaxpr(c.step)(params, s, jnp.zeros((2, 4)))) for c, s in zip(cores, states, strict=True)]
     assert programs[0] == programs[1]
-    assert cores[0].own_config is cores[0].config
+    assert cores[0].acting_config is cores[0].config
 
     def snapshots(params, state):
         snapshot = cores[0].snapshot(params, state)
-        assert snapshot.of_first(2) is snapshot
-        return snapshot.of_first(1).pose
+        assert snapshot.select_agents(2) is snapshot
+        return snapshot.select_agents(1).pose
 
     assert jax.eval_shape(snapshots, params, states[0]).pos.shape == (1, 3)
 
@@ -129,10 +129,10 @@ def test_what_is_handed_on_is_of_the_agents_that_act(generated_bank):
     assert state.world.reward.shape == (5, AGENTS)
     assert batch.bind(params).num_agents == batch.num_agents == 2
 
-    advised = WithExpert(core_of(1, actions="discrete"))
+    advised = ExpertObservationEnv(core_of(1, actions="discrete"))
     assert advised.observation_spec["expert"].shape == advised.action_spec.shape == ()
     assert jax.eval_shape(advised.reset, params, KEY).obs["expert"].shape == ()
-    player = KeyboardPlayer(advised.own_config, lambda state: None, io.StringIO("w"))
+    player = KeyboardPlayer(advised.acting_config, lambda state: None, io.StringIO("w"))
     assert player.act(None) == advised.action_names.index("move_forward")
 
 

@@ -10,7 +10,7 @@ from handmade import Furniture, shoebox
 
 import home_mjx
 from home_mjx import HouseBank
-from home_mjx.tasks.env.handling import hand_commands, view_rays
+from home_mjx.tasks.env.handling import aim_directions, decode_hand_commands
 
 CRATE = Furniture((0.7, 0.0), size=(0.2, 0.2, 1.7), mass=5.0)
 HEAVY = Furniture((1.2, 0.0), size=(0.3, 3.0, 1.7), mass=50.0)  # a wall of a thing behind it
@@ -34,7 +34,7 @@ def picked(bank):
         def commands(yaw):
             pose = jnp.stack([0.0, 0.0, env.config.body.height / 2, yaw])
             there = state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:4].set(pose)))
-            return hand_commands(env.config, env.core.snapshot(env.params, there), jnp.array([[1.0, 0.0, 0.0]]))
+            return decode_hand_commands(env.config, env.core.snapshot(env.params, there), jnp.array([[1.0, 0.0, 0.0]]))
 
         return commands
 
@@ -58,7 +58,7 @@ def test_rays_are_ordered_from_the_middle(bank):
     env = home_mjx.make("PointNav-v0", bank, hands=True, aim_angle=10.0, impl="kinematic", sensors=("state",))
     state = jax.jit(env.reset)(jax.random.key(0))
     pose = env.core.snapshot(env.params, state).pose
-    rays = np.asarray(view_rays(env.config, pose))[0]
+    rays = np.asarray(aim_directions(env.config, pose))[0]
     assert rays.shape == (81, 3)
     np.testing.assert_allclose(np.linalg.norm(rays, axis=1), 1, atol=1e-6)
     away = np.degrees(np.arccos(np.clip(rays @ rays[0], -1, 1)))

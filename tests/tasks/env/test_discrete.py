@@ -16,9 +16,9 @@ from home_mjx import AutoReset, HouseBank
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
-from home_mjx.schema import Body
+from home_mjx.schema import AgentBody
 from home_mjx.tasks import DiscreteActions, Status, make_config
-from home_mjx.tasks.env.moves import moves_of
+from home_mjx.tasks.env.moves import decode_actions
 
 MOVES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")
 NAMES = (*MOVES, "pick", "drop", "throw", "open", "close")
@@ -100,7 +100,7 @@ def test_a_move_goes_exactly_as_far_as_it_says(room):
 
 @pytest.mark.parametrize("control", ["velocity", "force"])
 def test_moves_have_the_size_that_was_chosen(bank, control):
-    body = Body(forward_speed=0.5, turn_rate=1.0, mass=30)
+    body = AgentBody(forward_speed=0.5, turn_rate=1.0, mass=30)
     room = Room(bank, DiscreteActions(0.1, 30, 20), body=body, ctrl_dt=0.6, control=control)
     check_moves(room, 0.1, np.radians(30), np.radians(20))
 
@@ -130,7 +130,7 @@ def test_along_a_wall_the_agent_slides(room):
 
 
 def test_looks_stay_on_their_grid(rooms):
-    """A look that would end beyond `pitch_max` (57.3 degrees) is not done."""
+    """A look that would end beyond `max_pitch` (57.3 degrees) is not done."""
     room = rooms("kinematic")
     state, seen = room.at(0, 0, 0), []
     for name in ["look_up"] * 5 + ["look_down"] * 8:
@@ -159,7 +159,7 @@ def at_goal(room: Room, state, away: float):
 
 
 def test_stop_declares_arrival(bank):
-    """As in Habitat: only `stop` within 0.2 m of the goal is success, and `stop` anywhere ends the episode."""
+    """As in Habitat: only `stopped` within 0.2 m of the goal is success, and `stopped` anywhere ends the episode."""
     room = Room(bank, impl="kinematic", stop=True, success_radius=0.2)
     start = room.at(0, 0, 0)
     there, beside = at_goal(room, start, 0.05), at_goal(room, start, 0.5)
@@ -214,9 +214,9 @@ def test_hands_have_actions_of_their_own(bank):
     told = {"pick": (1, 0, 0), "drop": (-1, 0, 0), "throw": (0, 1, 0), "open": (0, 0, 1), "close": (0, 0, -1)}
     nobody = jnp.zeros(2, bool)
     for number, name in enumerate(NAMES):
-        moves = moves_of(config, jnp.array([number, 3]), nobody)
+        moves = decode_actions(config, jnp.array([number, 3]), nobody)
         assert_array_equal(moves.hands, [told.get(name, (0, 0, 0)), (0, 0, 0)])
-        assert moves.stop.tolist() == [name == "stop", False]
+        assert moves.stopped.tolist() == [name == "stop", False]
 
 
 @pytest.mark.parametrize("impl", ["kinematic", "fused"])
@@ -247,7 +247,7 @@ def test_a_step_is_as_long_as_moves_need():
     for options in ({"ctrl_dt": 0.2}, {"forward_speed": 0.5}, {"turn_rate": 0.5}):
         with pytest.raises(ConfigError, match=r"a move takes 0\.\d+ s"):
             make_config(actions="discrete", **options)
-    slow = PhysicsConfig(num_agents=2, bodies=(Body(), Body(forward_speed=0.5)))
+    slow = PhysicsConfig(num_agents=2, bodies=(AgentBody(), AgentBody(forward_speed=0.5)))
     with pytest.raises(ConfigError, match=r"takes 0\.5 s at full speed, but a step is 0\.3 s"):
         make_config(actions="discrete", physics=slow)
 

@@ -16,8 +16,14 @@ from home_mjx.navigation.grid import geodesic_distance
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import BoundEnv
-from home_mjx.tasks.env.episodes import houses_named, load_episodes, load_rows, sample_episodes, save_episodes
+from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.episodes import (
+    load_episodes,
+    load_episodes_or_tasks,
+    read_house_ids,
+    sample_episodes,
+    save_episodes,
+)
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.suite.navigation import RoomNav
@@ -38,7 +44,7 @@ def bank() -> HouseBank:
 
 
 @pytest.fixture(scope="module")
-def env(bank) -> BoundEnv:
+def env(bank) -> Env:
     return HouseholdEnv(make_config(sensors=("state", "goal"))).bind(bank)
 
 
@@ -198,14 +204,14 @@ def test_an_environment_of_a_file_is_in_the_houses_that_it_names(tmp_path):
     episodes = sample_episodes(bank, 4)
     file = tmp_path / "e.jsonl"
     save_episodes(file, bank, episodes)
-    assert houses_named(file) == tuple(wanted)
+    assert read_house_ids(file) == tuple(wanted)
     for houses in (str(root), None):
         made = home_mjx.make("PointNav-v0", houses, episodes=file, sensors=("goal",))
         assert list(made.bank.house_ids) == wanted
         jax.tree.map(np.testing.assert_array_equal, made.params.tasks, episodes)
     again = EnvSpec.from_json(made.spec.to_json())
     assert again.options["episodes"] == str(file)
-    assert again.core() is not None
+    assert again.make_core() is not None
     with pytest.raises(ConfigError, match="`split` cannot be combined with a file of episodes"):
         home_mjx.make("PointNav-v0", root, episodes=file, split="val")
 
@@ -213,13 +219,13 @@ def test_an_environment_of_a_file_is_in_the_houses_that_it_names(tmp_path):
 def test_rows_of_a_task_bank_are_read_for_tasks_that_are_rows(generated_bank, tmp_path):
     tasks = RoomNav(num_tasks=2).task_bank(generated_bank)
     save_tasks(tmp_path / "t.jsonl", generated_bank, tasks)
-    found = load_rows(tmp_path / "t.jsonl", generated_bank, RoomNav())
+    found = load_episodes_or_tasks(tmp_path / "t.jsonl", generated_bank, RoomNav())
     assert isinstance(found, TaskBank)
     np.testing.assert_array_equal(found.rows.start, tasks.rows.start)
     save_episodes(tmp_path / "e.jsonl", generated_bank, sample_episodes(generated_bank, 2))
     for name, task in (("t", PointNav()), ("e", RoomNav())):
         with pytest.raises(DatasetError, match="holds what") as caught:
-            load_rows(tmp_path / f"{name}.jsonl", generated_bank, task)
+            load_episodes_or_tasks(tmp_path / f"{name}.jsonl", generated_bank, task)
         assert type(task).__name__ in caught.value.hint
 
 
@@ -246,4 +252,4 @@ def test_houses_that_nobody_generates_are_refused(tmp_path):
     assert "--dataset" in caught.value.hint
     (tmp_path / "e.jsonl").write_text("")
     with pytest.raises(DatasetError, match="no episode"):
-        houses_named(tmp_path / "e.jsonl")
+        read_house_ids(tmp_path / "e.jsonl")

@@ -17,9 +17,9 @@ from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.sensors.cameras import agent_ids, observe_images
+from home_mjx.tasks.sensors.cameras import agent_ids, render_images
 
 SMALL = {
     "width": 16,
@@ -33,7 +33,7 @@ NUM_ENVS = 4
 
 
 @pytest.fixture(scope="session")
-def env(generated_bank: HouseBank) -> BoundEnv:
+def env(generated_bank: HouseBank) -> Env:
     return home_mjx.make("PointNav-v0", generated_bank, **SMALL)
 
 
@@ -90,7 +90,7 @@ def test_observations_have_the_promised_shapes_and_ranges(env, reset, step):
     assert {k: (v.shape[1:], v.dtype.type) for k, v in obs.items()} == {k: (s, d) for k, (s, d) in shapes.items()}
     assert all(np.isfinite(v).all() for v in obs.values())
     assert (obs["pixels/head_depth"] > 0).all()
-    assert (obs["pixels/head_depth"] <= env.config.depth_max).all()
+    assert (obs["pixels/head_depth"] <= env.config.max_depth).all()
     assert obs["pixels/head_rgb"].std() > 5
     assert np.abs(obs["audio"]).max() > 1e-4
     assert (obs["ids/head_fine"] >= 0).mean() > 0.95  # the houses are closed: rays hit something named
@@ -219,7 +219,7 @@ def test_agents_see_each_other():
         bank, jnp.int32(0), jnp.zeros((bodies, 3)), quats, pose.pos, jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (2, 1))
     )
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        images = jax.jit(lambda scene, pose: observe_images(config, scene, pose))(scene, pose)
+        images = jax.jit(lambda scene, pose: render_images(config, scene, pose))(scene, pose)
     ids = np.asarray(images["ids/head_instance"])
     first, second = agent_ids(bank, 2)
     assert (ids[0] == second).mean() > 0.02

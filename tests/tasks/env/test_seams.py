@@ -15,7 +15,7 @@ from handmade import shoebox
 import home_mjx
 from home_mjx import EnvSpec, HouseBank, HouseFilter
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render import Lens, Lit
+from home_mjx.raycast_render import Lens, LitShader
 from home_mjx.tasks import AgentCamera, ArraySpec, PointNav, Task, make_config
 from home_mjx.tasks.base import sensor as sensor_seam
 from home_mjx.tasks.base.task import check_task_class
@@ -197,8 +197,8 @@ def test_a_spec_makes_the_same_environment_again(tmp_path, bank):
     generate_dataset(tmp_path, [0])
     options = {
         "sensors": ("depth", "goal"),
-        "rgb_preset": Lit(num_lights=2),
-        "cameras": (AgentCamera("scan", ("depth",), Lens(8, 4, "lidar"), looks=False),),
+        "rgb_preset": LitShader(num_lights=2),
+        "cameras": (AgentCamera("scan", ("depth",), Lens(8, 4, "lidar"), follow_pitch=False),),
         "task.success_radius": 0.5,
         "body.radius": 0.12,
     }

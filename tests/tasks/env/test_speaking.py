@@ -8,13 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.adapters.base.jax_spaces import Discrete
+from home_mjx.adapters.base.jax_spaces import DiscreteSpace
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.adapters.spaces import action_space
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config, tokenize
 from home_mjx.tasks.base.specs import MOVE_NAMES
-from home_mjx.tasks.env.moves import action_names, moves_of
+from home_mjx.tasks.env.moves import action_names, decode_actions
 
 WORDS = ("say:yes", "answer:red", "say:kitchen")
 TOKENS = [-1] * 6 + list(tokenize("yes red kitchen"))
@@ -43,10 +43,10 @@ def test_words_follow_moves_and_move_nothing():
     config = make_config(speech=WORDS, num_agents=2, **DISCRETE)
     assert action_names(config) == (*MOVE_NAMES, *WORDS)
     for number, token in enumerate(TOKENS):
-        moves = moves_of(config, jnp.array([number, 0]), jnp.zeros(2, bool))
-        assert moves.said.tolist() == [token, -1]
-        assert moves.stop.tolist() == [number == 0, True]
-        assert not bool(moves.unusable)
+        moves = decode_actions(config, jnp.array([number, 0]), jnp.zeros(2, bool))
+        assert moves.spoken_token.tolist() == [token, -1]
+        assert moves.stopped.tolist() == [number == 0, True]
+        assert not bool(moves.is_invalid)
         if number >= len(MOVE_NAMES):
             assert not np.asarray(moves.drive).any()
             assert not np.asarray(moves.look).any()
@@ -54,9 +54,9 @@ def test_words_follow_moves_and_move_nothing():
 
 def test_who_has_stopped_is_silent_and_numbers_beyond_say_nothing():
     config = make_config(speech=WORDS, num_agents=2, **DISCRETE)
-    moves = moves_of(config, jnp.array([6, 9]), jnp.array([True, False]))
-    assert moves.said.tolist() == [-1, -1]
-    assert bool(moves.unusable)
+    moves = decode_actions(config, jnp.array([6, 9]), jnp.array([True, False]))
+    assert moves.spoken_token.tolist() == [-1, -1]
+    assert bool(moves.is_invalid)
 
 
 def test_hands_come_before_words():
@@ -77,13 +77,13 @@ def test_what_is_said_is_in_the_next_state_and_every_space_has_it(generated_bank
     env = HouseholdEnv(make_config(**DISCRETE), Talks()).bind(generated_bank)
     assert action_space(env) == gymnasium.spaces.Discrete(9)
     space = GymnaxEnv(env).action_space()
-    assert isinstance(space, Discrete)
+    assert isinstance(space, DiscreteSpace)
     assert space.n == 9
     state = env.core.begin(env.params, jax.random.key(0))
-    assert state.world.said.tolist() == [-1]
+    assert state.world.spoken_token.tolist() == [-1]
     step = jax.jit(env.core.advance)
     spoken = step(env.params, state, jnp.int32(7))
-    assert env.core.snapshot(env.params, spoken).said.tolist() == [TOKENS[7]]
+    assert env.core.snapshot(env.params, spoken).spoken_token.tolist() == [TOKENS[7]]
     np.testing.assert_array_equal(spoken.world.stopped, [False])
     assert step(env.params, spoken, jnp.int32(1)).world.said.tolist() == [-1]
 

@@ -10,7 +10,7 @@ from mujoco import mjx
 
 from home_mjx import AutoReset, HouseBank, HouseholdEnv
 from home_mjx.errors import DatasetError
-from home_mjx.physics.mjx.overflow import Pairs, Sizes, are_points_full, limit
+from home_mjx.physics.mjx.overflow import GeomPairs, GeomSizes, are_points_full, numeric_limit
 from home_mjx.tasks import (
     Status,
     StatusError,
@@ -21,7 +21,7 @@ from home_mjx.tasks import (
     make_config,
     save_states,
 )
-from home_mjx.tasks.sensors.hearing import is_cut
+from home_mjx.tasks.sensors.hearing import is_truncated
 
 NUM = 4
 
@@ -110,10 +110,10 @@ def test_contacts_that_do_not_fit_are_told(first, second, pairs, points):
     device = mjx.put_model(model)
     with jax.numpy_dtype_promotion("standard"), jax.numpy_rank_promotion("allow"):
         moved = jax.jit(mjx.collision)(device, jax.jit(mjx.kinematics)(device, mjx.make_data(model)))
-    sizes = Sizes(size=device.geom_size, rbound=device.geom_rbound)
-    found = bool(jax.jit(Pairs.of(model).lost)(sizes, moved))
+    sizes = GeomSizes(size=device.geom_size, rbound=device.geom_rbound)
+    found = bool(jax.jit(GeomPairs.from_model(model).find_overflow)(sizes, moved))
     assert found == pairs == (len(touching) > 1)
-    assert bool(are_points_full(moved, limit(model, "max_contact_points"))) == points == (data.ncon > 1)
+    assert bool(are_points_full(moved, numeric_limit(model, "max_contact_points"))) == points == (data.ncon > 1)
 
 
 def test_responses_that_end_too_early_are_told():
@@ -122,7 +122,7 @@ def test_responses_that_end_too_early_are_told():
     time = np.arange(config.response_length) / config.sample_rate
     for seconds, cut in ((0.9, False), (1.2, True)):
         response = jnp.asarray(np.tile(10 ** (-3 * time / seconds), (2, 1)), jnp.float32)
-        assert bool(is_cut(response, config)) == cut
+        assert bool(is_truncated(response, config)) == cut
 
 
 def test_states_are_kept_and_go_on(begun, step, batch, tmp_path):

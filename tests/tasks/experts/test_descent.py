@@ -9,9 +9,9 @@ from scipy.spatial import distance_matrix
 
 import home_mjx
 from home_mjx.navigation.grid import cell_of, cell_position, stored_distance
-from home_mjx.tasks.experts.descent import THERE, descend, within_steps
-from home_mjx.tasks.experts.leaves import at_leaves, leaf_gaps, slow_cells
-from home_mjx.tasks.rules.fields import BRUSHES, MARGIN, CellGraph
+from home_mjx.tasks.experts.descent import END_TOLERANCE, descend_field, step_aside
+from home_mjx.tasks.experts.leaves import cell_cost_factors, is_near_leaf, leaf_distances
+from home_mjx.tasks.rules.fields import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, CellGraph
 
 STEP = 0.25
 
@@ -35,14 +35,19 @@ def graph(generated_bank):
 def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
     """Doors are open here: the device and the host name the same cells."""
     place = jnp.asarray(graph.place, jnp.float32)
-    found = np.asarray(jax.jit(at_leaves)(snapshot, place))
+    found = np.asarray(jax.jit(is_near_leaf)(snapshot, place))
     assert found.any()
-    near = np.abs(np.asarray(jax.jit(leaf_gaps)(snapshot, place)) - snapshot.bank.spec.agent_radius - MARGIN) < 1e-4
+    near = (
+        np.abs(
+            np.asarray(jax.jit(leaf_distances)(snapshot, place)) - snapshot.bank.spec.agent_radius - MIN_LEAF_CLEARANCE
+        )
+        < 1e-4
+    )
     near |= graph.cut_off  # there nothing begins, whether or not a leaf is beside it
     np.testing.assert_array_equal(found[~near], graph.at_leaf[~near])
     cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_of(snapshot.bank, snapshot.house, p)))(place))
-    slow = np.asarray(jax.jit(slow_cells)(snapshot))[tuple(cells.T)]
-    np.testing.assert_array_equal(slow[~near] >= BRUSHES, graph.at_leaf[~near])
+    slow = np.asarray(jax.jit(cell_cost_factors)(snapshot))[tuple(cells.T)]
+    np.testing.assert_array_equal(slow[~near] >= BRUSH_COST_FACTOR, graph.at_leaf[~near])
 
 
 def test_what_open_leaves_cut_off_is_what_a_flood_from_the_rest_does_not_reach(snapshot, graph):
@@ -50,7 +55,7 @@ def test_what_open_leaves_cut_off_is_what_a_flood_from_the_rest_does_not_reach(s
     place = jnp.asarray(graph.place, jnp.float32)
     cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_of(snapshot.bank, snapshot.house, p)))(place))
     assert (cells[:, 0] == 0).all()
-    clear = np.asarray(jax.jit(leaf_gaps)(snapshot, place)) >= snapshot.bank.spec.agent_radius
+    clear = np.asarray(jax.jit(leaf_distances)(snapshot, place)) >= snapshot.bank.spec.agent_radius
     free = np.zeros(cells[:, 1:].max(axis=0) + 1, bool)
     free[tuple(cells[clear, 1:].T)] = True
     label, count = ndimage.label(free)
@@ -61,7 +66,7 @@ def test_what_open_leaves_cut_off_is_what_a_flood_from_the_rest_does_not_reach(s
 def stands_at(snapshot, pos):
     """The same with the agent at another place, in touch with nothing."""
     pose = snapshot.pose.replace(pos=pos[None])
-    return snapshot.replace(pose=pose, contact=jnp.zeros(1, bool))
+    return snapshot.replace(pose=pose, in_contact=jnp.zeros(1, bool))
 
 
 def test_two_steps_lead_to_any_place_that_is_near(snapshot, graph, rng):
@@ -69,16 +74,16 @@ def test_two_steps_lead_to_any_place_that_is_near(snapshot, graph, rng):
     around = distance_matrix(graph.place[:, :2], graph.place[~graph.at_leaf, :2]) < 2 * STEP + 0.1
     clear = graph.place[np.argmax(around.sum(axis=1))]
     agent = jnp.int32(0)
-    aim = jax.jit(jax.vmap(lambda pos, end: within_steps(stands_at(snapshot, pos), agent, end, STEP), (0, None)))
+    aim = jax.jit(jax.vmap(lambda pos, end: step_aside(stands_at(snapshot, pos), agent, end, STEP), (0, None)))
     angle, away = rng.uniform(0, 2 * np.pi, 64), rng.uniform(0.02, 2 * STEP, 64)
     end = clear[:2].astype(np.float32)
     pos = np.c_[end + np.c_[np.cos(angle), np.sin(angle)] * away[:, None], np.full(64, clear[2])].astype(np.float32)
     for _ in range(2):
-        gone = np.linalg.norm(pos[:, :2] - end, axis=1) < THERE * STEP
+        gone = np.linalg.norm(pos[:, :2] - end, axis=1) < END_TOLERANCE * STEP
         way = np.asarray(aim(pos, end)) - pos[:, :2]
         way = way / np.linalg.norm(way, axis=1, keepdims=True)
         pos[:, :2] += np.where(gone, 0.0, STEP)[:, None] * way
-    assert np.mean(np.linalg.norm(pos[:, :2] - end, axis=1) < THERE * STEP) > 0.95
+    assert np.mean(np.linalg.norm(pos[:, :2] - end, axis=1) < END_TOLERANCE * STEP) > 0.95
 
 
 def test_straight_ways_keep_away_from_leaves(env, snapshot, graph):
@@ -91,13 +96,13 @@ def test_straight_ways_keep_away_from_leaves(env, snapshot, graph):
     def aimed(cell):
         pos = cell_position(bank, snapshot.house, cell)
         far = lambda _, cell: stored_distance(tasks.field, cell, column)  # noqa: E731
-        return pos, descend(stands_at(snapshot, pos), jnp.int32(0), far)[0]
+        return pos, descend_field(stands_at(snapshot, pos), jnp.int32(0), far)[0]
 
     pos, aim = (np.asarray(x) for x in jax.jit(jax.vmap(aimed))(cells))
     part = np.linspace(0, 1, 9)[1:, None]
     way = pos[:, None] + part * np.concatenate([aim - pos[:, :2], np.zeros((len(aim), 1))], axis=1)[:, None]
-    beside = np.asarray(jax.jit(at_leaves)(snapshot, jnp.asarray(way.reshape(-1, 3), jnp.float32)))
-    ends = np.asarray(jax.jit(at_leaves)(snapshot, jnp.asarray(np.c_[aim, pos[:, 2]], jnp.float32)))
+    beside = np.asarray(jax.jit(is_near_leaf)(snapshot, jnp.asarray(way.reshape(-1, 3), jnp.float32)))
+    ends = np.asarray(jax.jit(is_near_leaf)(snapshot, jnp.asarray(np.c_[aim, pos[:, 2]], jnp.float32)))
     # A way that must go past a leaf may be cut short there, too: few are.
     assert beside.reshape(way.shape[:2])[~ends].any(axis=1).mean() < 0.02
     assert ends.mean() < 0.2

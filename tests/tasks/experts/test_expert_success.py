@@ -4,7 +4,7 @@ import pytest
 
 import home_mjx
 from home_mjx.houses import load_bank
-from home_mjx.tasks import with_expert
+from home_mjx.tasks import add_expert
 from home_mjx.training.evaluation import evaluate, expert_policy
 from home_procgen import generate_dataset
 
@@ -46,5 +46,5 @@ def test_experts_do_nearly_all_that_is_drawn(bank, case):
     name = case.partition(" ")[0]
     rows = {"num_tasks": EPISODES // len(HOUSES)} if name not in ("PointNav-v0", "Exploration-v0") else {}
     env = home_mjx.make(name, bank, sensors=("state",), **rows, **CASES[case])
-    figures = evaluate(with_expert(env), expert_policy, None, EPISODES)
+    figures = evaluate(add_expert(env), expert_policy, None, EPISODES)
     assert figures["success"].mean() >= LEAST

@@ -9,9 +9,9 @@ import pytest
 
 import home_mjx
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import AutoReset, Task, WithExpert, expert_action, with_expert
+from home_mjx.tasks import AutoReset, ExpertObservationEnv, Task, add_expert, expert_action
 from home_mjx.tasks.experts.walk import should_wait
-from home_mjx.tasks.rules.program import Go, Meant, Stage, When, written
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition, pack_program
 from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.training.evaluation import evaluate, expert_policy, random_policy
 
@@ -22,8 +22,8 @@ def env(generated_bank):
 
 
 def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
-    taught = with_expert(env)
-    assert with_expert(taught) is taught
+    taught = add_expert(env)
+    assert add_expert(taught) is taught
     spec = taught.observation_spec["expert"]
     assert (spec.shape, spec.dtype) == (env.action_spec.shape, env.action_spec.dtype)
     batch = AutoReset(taught.core)
@@ -33,7 +33,7 @@ def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
     def both(params, state):
         """As it would be asked, and by one that looks at everything anew instead of what the task has looked at."""
         snapshot = taught.core.snapshot(params, state)
-        return tuple(expert_action(snapshot, task)[0] for task in (state.task, state.task.replace(looked=None)))
+        return tuple(expert_action(snapshot, task)[0] for task in (state.task, state.task.replace(features=None)))
 
     own = jax.jit(jax.vmap(both, (None, 0)))
     ended = 0
@@ -48,15 +48,15 @@ def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
 
 
 def test_nobody_else_pays_for_what_an_expert_looks_at(env):
-    looked = [jax.eval_shape(each.reset, jax.random.key(0)).task.looked for each in (env, with_expert(env))]
+    looked = [jax.eval_shape(each.reset, jax.random.key(0)).task.looked for each in (env, add_expert(env))]
     assert looked[0] is None
     assert jax.tree.leaves(looked[1])
 
 
 def test_who_is_asked_for_time_in_a_place_waits_there_until_it_is_over(env):
     begun = jax.jit(lambda key: env.core.begin(env.params, key, 0, 0))(jax.random.key(0)).task
-    inside, long = When(Feature.INSIDE, 0, least=1), When(Feature.TIME, least=80)
-    columns = written([Meant.space(room_type=0)], [Stage((Go(SUCCESS, (inside, long)),), guide=0)])
+    inside, long = Condition(Feature.INSIDE, 0, least=1), Condition(Feature.TIME, least=80)
+    columns = pack_program([Selector.rooms(room_type=0)], [TaskStage((Transition(SUCCESS, (inside, long)),), guide=0)])
     state = begun.replace(program=begun.program.replace(**{name: jnp.asarray(x) for name, x in columns.items()}))
     away = jnp.zeros((len(Feature), 1, NUM_DESCRIPTORS, NUM_DESCRIPTORS))
     there = away.at[Feature.INSIDE].set(1.0)
@@ -65,15 +65,17 @@ def test_who_is_asked_for_time_in_a_place_waits_there_until_it_is_over(env):
 
 
 def test_nothing_else_changes(env):
-    taught = with_expert(env)
+    taught = add_expert(env)
     plain = {name: spec for name, spec in taught.observation_spec.items() if name != "expert"}
     assert plain == env.observation_spec
-    assert dataclasses.replace(taught.core.task, keep_looks=False) == env.core.task
+    assert dataclasses.replace(taught.core.task, store_features=False) == env.core.task
 
 
 def test_a_task_without_an_expert_is_refused(env):
     with pytest.raises(ConfigError, match="no expert is known for Task"):
-        jax.eval_shape(WithExpert(home_mjx.HouseholdEnv(env.config, Task())).reset, env.params, jax.random.key(0))
+        jax.eval_shape(
+            ExpertObservationEnv(home_mjx.HouseholdEnv(env.config, Task())).reset, env.params, jax.random.key(0)
+        )
 
 
 @pytest.mark.slow
@@ -82,7 +84,7 @@ def test_a_task_without_an_expert_is_refused(env):
 )
 def test_an_expert_finds_points(generated_bank, options: dict):
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", **options)
-    found = evaluate(with_expert(env), expert_policy, num_episodes=64)
+    found = evaluate(add_expert(env), expert_policy, num_episodes=64)
     chance = evaluate(env, random_policy(env.core), num_episodes=16)
     assert found["success"].mean() >= 0.95
     assert found["spl"][found["success"] > 0].mean() >= 0.9

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.tasks.experts.carrying import way_round
+from home_mjx.tasks.experts.carrying import resolve_turns
 
 STEP = np.radians(10)
 
@@ -17,7 +17,7 @@ def turned(yaw: float, goal: float, blocked_left, blocked_right) -> list[float]:
         if abs(left) < STEP / 2 + 1e-6:
             return seen
         blocked = (blocked_left if left > 0 else blocked_right)(yaw)
-        turn = way_round(jnp.array([left], jnp.float32), jnp.array([blocked]), jnp.array([turning], jnp.float32))
+        turn = resolve_turns(jnp.array([left], jnp.float32), jnp.array([blocked]), jnp.array([turning], jnp.float32))
         turning = float(np.sign(turn[0]))
         yaw += turning * STEP
         seen.append(yaw)

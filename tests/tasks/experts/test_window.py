@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from home_mjx.tasks.experts.window import HALF, WIDTH, descend_window, nearest_free, window_distances
+from home_mjx.tasks.experts.window import HALF_WIDTH, WIDTH, descend_window, nearest_walkable, window_distances
 
 CELL = 0.1
 
@@ -31,7 +31,7 @@ def steps(free: np.ndarray, slow: np.ndarray) -> coo_matrix:
 def room(rng):
     """A window with a few posts in it, and the distances of its cells to one of them."""
     free = rng.random((WIDTH, WIDTH)) < 0.9
-    free[HALF, HALF] = free[3, 4] = True
+    free[HALF_WIDTH, HALF_WIDTH] = free[3, 4] = True
     far = dijkstra(steps(free, np.ones(free.shape)).T, indices=3 * WIDTH + 4).reshape(free.shape)
     return np.isfinite(far), np.where(np.isfinite(far), far, np.inf).astype(np.float32)
 
@@ -52,8 +52,8 @@ def test_what_is_slow_is_gone_round_on_the_way_to_an_end(room):
     np.testing.assert_allclose(found[np.isfinite(found)], expected[np.isfinite(found)], atol=1e-4)
     assert np.isfinite(found)[free].mean() > 0.9
     assert (found[free] > far[free] + 0.05).any()
-    path = np.asarray(descend_window(jnp.asarray(found), jnp.array([HALF, HALF]), 6))[:, 1:] + HALF
-    assert (path[0] == HALF).all()
+    path = np.asarray(descend_window(jnp.asarray(found), jnp.array([HALF_WIDTH, HALF_WIDTH]), 6))[:, 1:] + HALF_WIDTH
+    assert (path[0] == HALF_WIDTH).all()
     assert (np.abs(np.diff(path, axis=0)).max(axis=1) <= 1).all()
     assert (np.diff(found[tuple(path.T)]) <= 0).all()
 
@@ -86,13 +86,13 @@ def slowed(far: np.ndarray) -> np.ndarray:
 def test_who_stands_beside_the_cells_goes_back_into_the_room_that_it_is_in():
     """There are cells behind the wall that are nearer, and nearer to the end."""
     known, behind = np.full((WIDTH, WIDTH), np.inf, np.float32), np.zeros((WIDTH, WIDTH), bool)
-    known[HALF + 7], known[HALF - 4] = 12.0, 4.0
-    behind[: HALF - 2] = True
+    known[HALF_WIDTH + 7], known[HALF_WIDTH - 4] = 12.0, 4.0
+    behind[: HALF_WIDTH - 2] = True
 
     def nearest(elsewhere):
-        return nearest_free(jnp.asarray(known.ravel()), jnp.asarray(elsewhere.ravel())).tolist()
+        return nearest_walkable(jnp.asarray(known.ravel()), jnp.asarray(elsewhere.ravel())).tolist()
 
-    assert nearest(behind) == [HALF + 7, HALF]
-    assert nearest(np.zeros_like(behind)) == [HALF - 4, HALF]
-    known[HALF + 7] = np.inf  # there is no other way
-    assert nearest(behind) == [HALF - 4, HALF]
+    assert nearest(behind) == [HALF_WIDTH + 7, HALF_WIDTH]
+    assert nearest(np.zeros_like(behind)) == [HALF_WIDTH - 4, HALF_WIDTH]
+    known[HALF_WIDTH + 7] = np.inf  # there is no other way
+    assert nearest(behind) == [HALF_WIDTH - 4, HALF_WIDTH]

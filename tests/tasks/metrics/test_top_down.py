@@ -13,17 +13,17 @@ from home_mjx import HouseBank, physics
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.tasks import (
-    Ground,
+    CellOccupancy,
     HouseholdEnv,
     HouseTasks,
     ObjectNav,
     RoomNav,
     make_config,
-    remember_map,
     top_down_map,
+    update_map_memory,
 )
-from home_mjx.viewer.pictures import map_picture
-from home_mjx.viewer.pictures.floor_map import FOG, GOAL, PATH
+from home_mjx.viewer.pictures import draw_map
+from home_mjx.viewer.pictures.floor_map import GOAL_COLOUR, PATH_COLOUR, UNSEEN_BRIGHTNESS
 
 SIZE = (4.0, 5.0, 3.0)
 CUPBOARD = Furniture((-2.0, 1.0), (0.8, 0.6, 2.4))  # hides what is behind it
@@ -46,7 +46,7 @@ def begun(env):
 
 @pytest.fixture(scope="module")
 def remember(env):
-    return jax.jit(lambda state, memory: remember_map(env.core.snapshot(env.params, state), memory))
+    return jax.jit(lambda state, memory: update_map_memory(env.core.snapshot(env.params, state), memory))
 
 
 @pytest.fixture(scope="module")
@@ -82,15 +82,15 @@ def test_ground_is_that_of_the_bank_and_of_the_boxes(env, begun, remember, draw)
     ground = np.asarray(draw(state, remember(state, None)).ground)
     number, first = np.asarray(env.bank.navigation.cell[0, 0]), int(env.bank.navigation.first_cell[0])
     free = (number >= 0) & (number - first < int(env.bank.navigation.num_cells[0]))
-    np.testing.assert_array_equal(ground == Ground.FREE, free)
+    np.testing.assert_array_equal(ground == CellOccupancy.FREE, free)
     x, y = middles(env)
     room = (x > -4.05) & (x < -0.05) & (np.abs(y) < 2.5)
     for item in (CUPBOARD, STOOL):
         under = (np.abs(x - item.position[0]) < item.size[0] / 2) & (np.abs(y - item.position[1]) < item.size[1] / 2)
-        assert (ground[room & under] == Ground.BLOCKED).all()
-    assert (ground[(x < -4.3) | (np.abs(y) > 2.8)] == Ground.OUTSIDE).all()
+        assert (ground[room & under] == CellOccupancy.BLOCKED).all()
+    assert (ground[(x < -4.3) | (np.abs(y) > 2.8)] == CellOccupancy.OUTSIDE).all()
     open_floor = (x > -3.7) & (x < -2.7) & (np.abs(y) < 2.1)
-    assert (ground[open_floor] == Ground.FREE).all()
+    assert (ground[open_floor] == CellOccupancy.FREE).all()
     assert not (free & ~((np.abs(x) < 4.05) & (np.abs(x) > 0.05) & (np.abs(y) < 2.5))).any()
 
 
@@ -158,7 +158,7 @@ def test_the_fog_lifts_and_does_not_fall(env, begun, remember, draw):
         state = at(env, begun, ((-3.0, -0.5), SECOND), (yaw, EAST), step)
         memory = remember(state, memory)
         found = draw(state, memory)
-        shares.append(float(np.asarray(found.seen)[np.asarray(found.ground) == Ground.FREE].mean()))
+        shares.append(float(np.asarray(found.seen)[np.asarray(found.ground) == CellOccupancy.FREE].mean()))
     assert (np.diff(shares) > 0).all()
 
 
@@ -172,15 +172,15 @@ def test_pointnavs_goal_is_its_cell(env, begun, remember, draw):
 def test_a_picture_shows_it(env, begun, remember, draw):
     state = at(env, begun, (FIRST, SECOND))
     found = draw(state, remember(state, None))
-    image = map_picture(found, 400)
+    image = draw_map(found, 400)
     assert 300 <= max(image.shape[:2]) <= 400
     colours = {tuple(colour) for colour in image.reshape(-1, 3).tolist()}
-    assert tuple(int(240 * FOG) for _ in range(3)) in colours
+    assert tuple(int(240 * UNSEEN_BRIGHTNESS) for _ in range(3)) in colours
     assert (240, 240, 240) in colours
     clear = found.replace(seen=jnp.ones_like(found.seen), visited=jnp.ones_like(found.visited))
-    assert (map_picture(clear) == np.array(PATH)).all(axis=-1).mean() > 0.5
+    assert (draw_map(clear) == np.array(PATH_COLOUR)).all(axis=-1).mean() > 0.5
     goal = found.replace(goal=jnp.ones_like(found.goal), visited=found.visited & False, seen=clear.seen)
-    assert (np.abs(map_picture(goal).astype(int)[..., 2] - np.mean(GOAL[2])) < 120).all()
+    assert (np.abs(draw_map(goal).astype(int)[..., 2] - np.mean(GOAL_COLOUR[2])) < 120).all()
 
 
 def test_goals_of_rows_are_their_rooms_and_things():
@@ -191,7 +191,7 @@ def test_goals_of_rows_are_their_rooms_and_things():
     def maps(key, row):
         state = env.core.begin(env.params, key, None, row)
         snapshot = env.core.snapshot(env.params, state)
-        return top_down_map(snapshot, state.task, remember_map(snapshot)), state.task.means
+        return top_down_map(snapshot, state.task, update_map_memory(snapshot)), state.task.means
 
     keys = jax.random.split(jax.random.key(0), rows)
     found, means = jax.tree.map(np.asarray, jax.jit(jax.vmap(maps))(keys, jnp.arange(rows)))

@@ -13,13 +13,13 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import VQA, HouseQA, chance, detokenize, prior_accuracy
-from home_mjx.tasks.language.phrases import COLUMN
-from home_mjx.tasks.language.vocabulary import spoken
-from home_mjx.tasks.questions.ask import NEXT_TO
+from home_mjx.tasks import VQA, HouseQA, chance_accuracy, detokenize, prior_accuracy
+from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
+from home_mjx.tasks.language.vocabulary import to_word
+from home_mjx.tasks.questions.ask import MAX_GAP_NEXT_TO
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.meaning import means_on_host
-from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Kind, Word
+from home_mjx.tasks.rules.meaning import resolve_targets_on_host
+from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
 
 THE = r"the (?:\w+ )*?\w+(?: in the \w+)?"
 ASKED = {"colour": Semantic.BASIC, "material": Semantic.MATERIAL, "size": Semantic.SIZE, "room": Semantic.ROOM_TYPE}
@@ -43,19 +43,19 @@ def asked(tasks):
 
 
 def descriptor(phrase):
-    """A row of words from a phrase such as `the small red chair in the kitchen`."""
-    found = np.full(len(Word), ANY, np.int32)
-    found[Word.KIND] = Kind.OBJECT
+    """A row of words from a phrase such as `definite_noun pack_field red chair in definite_noun kitchen`."""
+    found = np.full(len(Attribute), ANY, np.int32)
+    found[Attribute.KIND] = TargetKind.OBJECT
     body, _, room = phrase.removeprefix("the ").partition(" in the ")
     *adjectives, noun = body.split()
-    found[Word.COARSE] = number(Word.COARSE, noun)
+    found[Attribute.COARSE] = number(Attribute.COARSE, noun)
     if room:
-        found[Word.ROOM_TYPE] = number(Word.ROOM_TYPE, room)
+        found[Attribute.ROOM_TYPE] = number(Attribute.ROOM_TYPE, room)
     for adjective in adjectives:
         word = next(
             w
-            for w in (Word.SIZE, Word.COLOR, Word.MATERIAL)
-            if adjective in map(spoken, vocabularies()[COLUMN[w]]) and found[w] == ANY
+            for w in (Attribute.SIZE, Attribute.COLOR, Attribute.MATERIAL)
+            if adjective in map(to_word, vocabularies()[SEMANTIC_COLUMN[w]]) and found[w] == ANY
         )
         found[word] = number(word, adjective)
     return found
@@ -66,14 +66,14 @@ class Looker:
 
     def __init__(self, bank):
         self.bank = bank
-        self.boxes = {view.house: {t.object_id: t.box for t in view.things} for view in house_views(bank)}
+        self.boxes = {view.house: {t.object_id: t.box for t in view.objects} for view in house_views(bank)}
 
     def objects(self, house, *phrases):
         """Rows of the semantic table of what the first phrase means; further ones are what it refers to."""
-        whole = np.full((1, NUM_DESCRIPTORS, len(Word)), ANY, np.int32)
+        whole = np.full((1, NUM_DESCRIPTORS, len(Attribute)), ANY, np.int32)
         for at, phrase in enumerate(phrases):
             whole[0, at] = phrase if isinstance(phrase, np.ndarray) else descriptor(phrase)
-        mask = means_on_host(self.bank, house, whole).instance[0, 0]
+        mask = resolve_targets_on_host(self.bank, house, whole).instance[0, 0]
         rows = np.asarray(self.bank.semantics)[np.asarray(self.bank.geometry.instance_semantic[house])[mask]]
         return {int(row[Semantic.OBJECT]): row for row in rows}
 
@@ -84,7 +84,7 @@ class Looker:
 
     def on(self, house, category, bearer):
         upper = descriptor(f"the {category}")
-        upper[Word.ON] = 1
+        upper[Attribute.ON] = 1
         return self.objects(house, upper, bearer)
 
     def pair(self, house, a, b):
@@ -107,7 +107,7 @@ def answer(look, house, text):
     if match := re.fullmatch(rf"does ({THE}) have an? (\w+) on it", text):
         return yes(look.on(house, match[2], match[1]))
     if match := re.fullmatch(rf"(?:what|which thing) is on ({THE})", text):
-        names = [spoken(name) for name in vocabularies()[Semantic.COARSE]]
+        names = [to_word(name) for name in vocabularies()[Semantic.COARSE]]
         found = [name for name in dict.fromkeys(names) if look.on(house, name, match[1])]
         assert len(found) == 1
         return found[0]
@@ -119,7 +119,7 @@ def answer(look, house, text):
     ):
         if match := re.fullmatch(pattern, text):
             _, row = look.one(house, next(group for group in match.groups() if group))
-            return spoken(vocabularies()[ASKED[attribute]][row[ASKED[attribute]]])
+            return to_word(vocabularies()[ASKED[attribute]][row[ASKED[attribute]]])
     return compared(look, house, text)
 
 
@@ -136,7 +136,7 @@ def compared(look, house, text):
     assert match, text
     a, b, _, _ = look.pair(house, match[1], match[2])
     apart = np.maximum(np.maximum(a[0] - b[1], b[0] - a[1]), 0)
-    return yes(np.linalg.norm(apart) <= NEXT_TO)
+    return yes(np.linalg.norm(apart) <= MAX_GAP_NEXT_TO)
 
 
 def test_answers_are_found_again_from_texts_and_masks(bank, tasks):
@@ -155,17 +155,17 @@ def test_all_kinds_are_asked_in_all_houses(bank, tasks):
 
 
 def test_the_best_that_only_reads_is_at_chance(tasks):
-    assert prior_accuracy(tasks, tasks) == pytest.approx(chance(tasks), abs=1e-12)
-    assert 0.2 < chance(tasks) <= 0.5
+    assert prior_accuracy(tasks, tasks) == pytest.approx(chance_accuracy(tasks), abs=1e-12)
+    assert 0.2 < chance_accuracy(tasks) <= 0.5
 
 
 @pytest.mark.slow
 def test_the_best_that_only_reads_is_at_chance_in_houses_that_it_has_not_met():
     learned, held_out = (HouseQA().task_bank(load_bank(None, num_houses=8, split=split)) for split in ("train", "test"))
     for tasks in (learned, held_out):
-        assert prior_accuracy(tasks, tasks) == pytest.approx(chance(tasks), abs=1e-12)
+        assert prior_accuracy(tasks, tasks) == pytest.approx(chance_accuracy(tasks), abs=1e-12)
     assert len(held_out) > 100
-    assert prior_accuracy(learned, held_out) <= chance(held_out) + 1e-12
+    assert prior_accuracy(learned, held_out) <= chance_accuracy(held_out) + 1e-12
 
 
 def test_what_is_told_gives_no_answer_away(tasks):
@@ -174,12 +174,12 @@ def test_what_is_told_gives_no_answer_away(tasks):
     words = np.asarray(columns["descriptor"])[:, 0]
     for (_, text, _), own in zip(asked(tasks), words, strict=True):
         for start, word in (
-            ("what colour", Word.COLOR),
-            ("of which material", Word.MATERIAL),
-            ("where", Word.ROOM_TYPE),
+            ("what colour", Attribute.COLOR),
+            ("of which material", Attribute.MATERIAL),
+            ("where", Attribute.ROOM_TYPE),
         ):
             assert not text.startswith(start) or own[word] == ANY
-        assert own[Word.OBJECT_ID] == ANY
+        assert own[Attribute.OBJECT_ID] == ANY
 
 
 def test_views_show_what_they_are_asked_about(bank):
@@ -192,18 +192,18 @@ def test_views_show_what_they_are_asked_about(bank):
     kinds = set()
     for at, (_, text, said) in enumerate(asked(tasks)):
         if match := re.fullmatch(r"(?:do you see|is there) an? (\w+)(?: here)?", text):
-            assert said == yes((seen["coarse"][at] == number(Word.COARSE, match[1])).any())
+            assert said == yes((seen["coarse"][at] == number(Attribute.COARSE, match[1])).any())
             kinds.add(said)
         elif match := re.fullmatch(r"how many (\w+) (?:do you see|are there)", text):
-            mine = seen["coarse"][at] == number(Word.COARSE, match[1])
+            mine = seen["coarse"][at] == number(Attribute.COARSE, match[1])
             assert said == str(len(np.unique(seen["instance"][at][mine])))
             kinds.add("count")
         elif match := re.fullmatch(r"what (?:colour is|is the colour of) the (\w+)", text):
-            mine = seen["coarse"][at] == number(Word.COARSE, match[1])
+            mine = seen["coarse"][at] == number(Attribute.COARSE, match[1])
             assert {said} == {vocabularies()[Semantic.BASIC][c] for c in np.unique(seen["color"][at][mine])}
             kinds.add("colour")
     assert kinds == {"yes", "no", "count", "colour"}
-    assert prior_accuracy(tasks, tasks) == pytest.approx(chance(tasks), abs=1e-12)
+    assert prior_accuracy(tasks, tasks) == pytest.approx(chance_accuracy(tasks), abs=1e-12)
 
 
 def test_kinds_say_which_words_answer():

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import TaskBank, chance, prior_accuracy
+from home_mjx.tasks import TaskBank, chance_accuracy, prior_accuracy
 from home_mjx.tasks.base.state import Episodes
-from home_mjx.tasks.questions.balance import balanced
-from home_mjx.tasks.rules.build import Drawn, Row, padded
+from home_mjx.tasks.questions.balance import balance_rows
+from home_mjx.tasks.rules.build import FeasibleRow, TaskRow, pad_tokens
 
 HOUSES = 12
 
@@ -22,12 +22,12 @@ def offered(random, questions=20, kinds=3):
             answer = 100 + (0 if random.random() < 0.8 else int(random.integers(1, 4)))
             words = (1 + number, 1), (1 + number, 2), (1 + number, 3)
             group = f"kind {number % kinds}", f"question {number}"
-            row = Row([], [], tokens=words[0], wordings=words[1:], answer=answer, group=group)
-            yield Drawn(row, house, 0, {})
+            row = TaskRow([], [], tokens=words[0], paraphrases=words[1:], answer=answer, group=group)
+            yield FeasibleRow(row, house, 0, {})
 
 
 def bank_of(rows):
-    tokens = jnp.asarray([padded(row.row.tokens) for row in rows])
+    tokens = jnp.asarray([pad_tokens(row.row.tokens) for row in rows])
     columns = {"tokens": tokens, "answer": jnp.asarray([row.row.answer for row in rows])}
     zero = jnp.zeros(len(rows), jnp.int32)
     episodes = Episodes(house=zero, start=jnp.zeros((len(rows), 3)), yaw=jnp.zeros(len(rows)), columns=columns)
@@ -40,24 +40,24 @@ def drawn():
 
 
 def test_offered_questions_leak_and_chosen_ones_do_not(drawn):
-    kept = bank_of(balanced(drawn, 100, np.random.default_rng(1)))
-    assert 0.25 <= chance(kept) <= 0.5
-    assert prior_accuracy(bank_of(drawn), bank_of(drawn)) > chance(kept) + 0.1
-    assert prior_accuracy(kept, kept) == pytest.approx(chance(kept), abs=1e-12)
+    kept = bank_of(balance_rows(drawn, 100, np.random.default_rng(1)))
+    assert 0.25 <= chance_accuracy(kept) <= 0.5
+    assert prior_accuracy(bank_of(drawn), bank_of(drawn)) > chance_accuracy(kept) + 0.1
+    assert prior_accuracy(kept, kept) == pytest.approx(chance_accuracy(kept), abs=1e-12)
 
 
 def test_what_was_learned_elsewhere_does_not_help(drawn):
     """Not even where it was not balanced."""
-    kept = bank_of(balanced(drawn, 100, np.random.default_rng(1)))
+    kept = bank_of(balance_rows(drawn, 100, np.random.default_rng(1)))
     for seed in range(5):
         others = list(offered(np.random.default_rng(10 + seed)))
-        held_out = bank_of(balanced(others, 100, np.random.default_rng(seed)))
+        held_out = bank_of(balance_rows(others, 100, np.random.default_rng(seed)))
         for learned in (kept, bank_of(drawn)):
-            assert prior_accuracy(learned, held_out) <= chance(held_out) + 1e-12
+            assert prior_accuracy(learned, held_out) <= chance_accuracy(held_out) + 1e-12
 
 
 def test_each_text_has_its_answers_as_often_in_different_houses(drawn):
-    kept = balanced(drawn, 100, np.random.default_rng(1))
+    kept = balance_rows(drawn, 100, np.random.default_rng(1))
     texts = {}
     for row in kept:
         texts.setdefault(tuple(row.row.tokens), []).append((row.row.answer, row.house))
@@ -71,22 +71,24 @@ def test_each_text_has_its_answers_as_often_in_different_houses(drawn):
 
 def test_questions_whose_answers_have_no_room_are_refused():
     """One house, of which one row is kept, cannot have both answers: an empty list was an IndexError later."""
-    drawn = [Drawn(Row([], [], tokens=(1,), answer=answer, group=("a", "b")), 0, 0, {}) for answer in (100, 101)]
+    drawn = [
+        FeasibleRow(TaskRow([], [], tokens=(1,), answer=answer, group=("a", "b")), 0, 0, {}) for answer in (100, 101)
+    ]
     with pytest.raises(ConfigError, match=r"1 rows per house.*more houses"):
-        balanced(drawn, 1, np.random.default_rng(0))
+        balance_rows(drawn, 1, np.random.default_rng(0))
 
 
 def test_no_house_has_too_many_and_kinds_take_turns(drawn):
-    kept = balanced(drawn, 5, np.random.default_rng(1))
+    kept = balance_rows(drawn, 5, np.random.default_rng(1))
     assert np.bincount([row.house for row in kept]).max() <= 5
     kinds = np.unique([row.row.group[0] for row in kept], return_counts=True)[1]
     assert len(kinds) == 3
     assert kinds.max() <= 2.5 * kinds.min()
-    assert prior_accuracy(bank_of(kept), bank_of(kept)) == pytest.approx(chance(bank_of(kept)))
+    assert prior_accuracy(bank_of(kept), bank_of(kept)) == pytest.approx(chance_accuracy(bank_of(kept)))
 
 
 def test_the_same_seed_keeps_the_same(drawn):
-    first, again, other = (balanced(drawn, 5, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    first, again, other = (balance_rows(drawn, 5, np.random.default_rng(seed)) for seed in (1, 1, 2))
     key = [(row.house, row.row.group, row.row.tokens) for row in first]
     assert key == [(row.house, row.row.group, row.row.tokens) for row in again]
     assert key != [(row.house, row.row.group, row.row.tokens) for row in other]
@@ -95,6 +97,6 @@ def test_the_same_seed_keeps_the_same(drawn):
 def test_questions_with_one_answer_are_refused(drawn):
     same = [row for row in drawn if row.row.answer == 100]
     with pytest.raises(ConfigError, match="no question has two answers"):
-        balanced(same, 5, np.random.default_rng(0))
+        balance_rows(same, 5, np.random.default_rng(0))
     with pytest.raises(ConfigError, match="asks"):
-        chance(bank_of([Drawn(Row([], [], tokens=(1,)), 0, 0, {})]))
+        chance_accuracy(bank_of([FeasibleRow(TaskRow([], [], tokens=(1,)), 0, 0, {})]))

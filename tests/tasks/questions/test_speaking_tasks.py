@@ -28,11 +28,11 @@ from home_mjx.tasks import (
     save_tasks,
     tokenize,
 )
-from home_mjx.tasks.communication.talk import NUM_REPLIES, of_others, written_talk
-from home_mjx.tasks.questions.dialogue import QUESTIONS, UNKNOWN
+from home_mjx.tasks.communication.talk import NUM_REPLIES, pack_speech, words_of_others
+from home_mjx.tasks.questions.dialogue import QUESTION_WORDS, UNKNOWN
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.meaning import means_on_host
-from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Kind, Word
+from home_mjx.tasks.rules.meaning import resolve_targets_on_host
+from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
 
 STOPS = {"stop": True}
 MIX = HouseTasks(
@@ -81,7 +81,7 @@ def rows_of(env, name):
 
 
 def says(env, tokens):
-    """Actions of one agent that say these tokens; `stop` where one cannot be said."""
+    """Actions of one agent that say these tokens; `stopped` where one cannot be said."""
     names = env.core.action_names
     word = {int(tokenize(name.partition(":")[2])[0]): number for number, name in enumerate(names) if ":" in name}
     return np.array([word.get(int(token), 0) for token in tokens])
@@ -148,12 +148,12 @@ def test_the_oracle_tells_the_truth_and_enough(env, bank):
     """By masks: what it says of the thing holds, and what is to be asked means it alone."""
     columns = {name: column(env, name) for name in ("oracle", "ask", "descriptor")}
     houses = np.asarray(env.params.tasks.rows.house)
-    things = {(view.house, t.object_id): t for view in house_views(bank) for t in view.things}
-    word_of = {tokenize(question)[0]: word for word, question in QUESTIONS.items()}
+    things = {(view.house, t.object_id): t for view in house_views(bank) for t in view.objects}
+    word_of = {tokenize(question)[0]: word for word, question in QUESTION_WORDS.items()}
     for at in rows_of(env, "Dialogue"):
         category, target = columns["descriptor"][at, :2]
-        assert category[Word.OBJECT_ID] == ANY  # which one is meant is not told
-        told, number_of = category.astype(np.int32).copy(), int(target[Word.OBJECT_ID])
+        assert category[Attribute.OBJECT_ID] == ANY  # which one is meant is not told
+        told, number_of = category.astype(np.int32).copy(), int(target[Attribute.OBJECT_ID])
         thing = things[int(houses[at]), number_of]
         for place, (question, reply) in enumerate(columns["oracle"][at].tolist()):
             if question in word_of:
@@ -166,19 +166,19 @@ def test_the_oracle_tells_the_truth_and_enough(env, bank):
                 assert number_of in meant(bank, houses[at], alone)
                 if place < columns["ask"][at]:
                     told[word] = number(word, said)
-            elif question == tokenize("on")[0] and thing.word(Semantic.SUPPORTER) >= 0:
-                below = things[int(houses[at]), thing.word(Semantic.SUPPORTER)]
-                assert number(Word.COARSE, detokenize([reply])) == below.word(Semantic.COARSE)
+            elif question == tokenize("on")[0] and thing.semantic(Semantic.SUPPORTER) >= 0:
+                below = things[int(houses[at]), thing.semantic(Semantic.SUPPORTER)]
+                assert number(Attribute.COARSE, detokenize([reply])) == below.semantic(Semantic.COARSE)
         assert len(meant(bank, houses[at], category.astype(np.int32))) > 1
         assert meant(bank, houses[at], told) == {number_of}
 
 
 def meant(bank, house, words):
     """Objects that these words mean in a house."""
-    whole = np.full((1, NUM_DESCRIPTORS, len(Word)), ANY, np.int32)
+    whole = np.full((1, NUM_DESCRIPTORS, len(Attribute)), ANY, np.int32)
     whole[0, 0] = words
-    assert words[Word.KIND] == Kind.OBJECT
-    mask = means_on_host(bank, int(house), whole).instance[0, 0]
+    assert words[Attribute.KIND] == TargetKind.OBJECT
+    mask = resolve_targets_on_host(bank, int(house), whole).instance[0, 0]
     return set(np.asarray(bank.geometry.instance_object[int(house)])[mask].tolist())
 
 
@@ -188,7 +188,7 @@ def test_only_the_speaker_is_told_and_the_listener_hears_it_a_step_later(env, st
     words, told = (np.asarray(states.obs[name])[rows] for name in ("goal_words", "instruction"))
     assert (words[:, 0] == ANY).all()
     assert not told[:, 0].any()
-    assert (words[:, 1, Word.ROOM_TYPE] >= 0).all()
+    assert (words[:, 1, Attribute.ROOM_TYPE] >= 0).all()
     assert all(detokenize(text).startswith("go to the ") for text in told[:, 1])
     everybody = np.setdiff1d(np.arange(len(code)), rows)
     np.testing.assert_array_equal(*(np.asarray(states.obs["instruction"])[everybody, agent] for agent in (0, 1)))
@@ -201,8 +201,8 @@ def test_only_the_speaker_is_told_and_the_listener_hears_it_a_step_later(env, st
 
 
 def test_who_is_heard():
-    assert of_others(jnp.array([3])).tolist() == [-1]
-    assert of_others(jnp.array([-1, -1, 4])).tolist() == [4, 4, -1]
+    assert words_of_others(jnp.array([3])).tolist() == [-1]
+    assert words_of_others(jnp.array([-1, -1, 4])).tolist() == [4, 4, -1]
 
 
 def test_a_file_keeps_what_is_said(env, bank, tmp_path):
@@ -220,10 +220,10 @@ def test_a_file_keeps_what_is_said(env, bank, tmp_path):
 
 
 def test_an_oracle_has_room_for_some_questions():
-    assert written_talk(oracle=[(1, 2)] * NUM_REPLIES)["oracle"].shape == (NUM_REPLIES, 2)
+    assert pack_speech(oracle=[(1, 2)] * NUM_REPLIES)["oracle"].shape == (NUM_REPLIES, 2)
     for wrong in ({"oracle": [(1, 2)] * (NUM_REPLIES + 1)}, {"oracle": [(1, 2)], "ask": 2}):
         with pytest.raises(ConfigError, match="replies"):
-            written_talk(**wrong)
+            pack_speech(**wrong)
 
 
 @pytest.mark.slow

@@ -5,9 +5,15 @@ import numpy as np
 import pytest
 
 from home_mjx.houses import load_bank
-from home_mjx.physics.base.doors import Leaf
-from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
-from home_mjx.tasks.rules.fields import BRUSHES, MARGIN, STOREY, TURNING, CellGraph
+from home_mjx.physics.base.doors import DoorLeaves
+from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
+from home_mjx.tasks.rules.fields import (
+    BRUSH_COST_FACTOR,
+    MAX_HEIGHT_ON_STOREY,
+    MAX_TURN_DISTANCE,
+    MIN_LEAF_CLEARANCE,
+    CellGraph,
+)
 
 
 @pytest.fixture(scope="module")
@@ -19,21 +25,21 @@ def test_fields_to_the_banks_goals_are_the_banks(bank):
     """Also up stairs, close to walls and where things stand."""
     navigation = bank.navigation
     for house in range(bank.num_houses):
-        graph = CellGraph(bank, house, brushes=1.0)
-        ends = [graph.at(np.asarray(goal)) for goal in navigation.goal[house]]
+        graph = CellGraph(bank, house, brush_cost_factor=1.0)
+        ends = [graph.nearest_cell(np.asarray(goal)) for goal in navigation.goal[house]]
         ends = [(cells, np.zeros(1)) for cells, _ in ends]
-        found = graph.fields(ends)
+        found = graph.compute_fields(ends)
         first = int(navigation.first_cell[house])
         expected = np.asarray(navigation.field[first : first + len(found)])
-        assert ((found == FIELD_FAR) == (expected == FIELD_FAR)).all()
+        assert ((found == FIELD_UNREACHABLE) == (expected == FIELD_UNREACHABLE)).all()
         apart = np.abs(found.astype(float) - expected) * FIELD_UNIT
-        assert apart[found != FIELD_FAR].max() < 0.01
+        assert apart[found != FIELD_UNREACHABLE].max() < 0.01
 
 
 def test_the_cells_around_a_box_are_the_nearest_that_are_at_no_leaf(bank):
     graph = CellGraph(bank, 0)
     low = graph.place[np.flatnonzero(graph.at_leaf)[0]] - [0.5, 0.5, 0]
-    cells, away = graph.around(low, low + 1, 40)
+    cells, away = graph.nearest_cells(low, low + 1, 40)
     plan = graph.place[:, :2]
     gap = np.hypot(*np.maximum(np.maximum(low[:2] - plan, plan - low[:2] - 1), 0).T)
     np.testing.assert_allclose(gap[cells], away)
@@ -42,12 +48,12 @@ def test_the_cells_around_a_box_are_the_nearest_that_are_at_no_leaf(bank):
     assert not graph.at_leaf[cells].any()
     assert graph.at_leaf[gap <= away.max()].any()
     assert away.max() <= gap[others].min()
-    assert not len(graph.around(low + 50, low + 51, 40)[0])
+    assert not len(graph.nearest_cells(low + 50, low + 51, 40)[0])
 
 
 def test_cells_at_leaves_are_those_near_points_of_open_leaves(bank):
-    leaves = jax.tree.map(lambda x: x[0], Leaf.of(bank.physics))
-    pos, quat = (np.asarray(x) for x in leaves.moved(bank.physics.door_wide[0]))
+    leaves = jax.tree.map(lambda x: x[0], DoorLeaves.from_physics(bank.physics))
+    pos, quat = (np.asarray(x) for x in leaves.moved(bank.physics.door_fully_open[0]))
     graph = CellGraph(bank, 0)
     least = np.full(len(graph.place), np.inf)
     u, v = np.meshgrid(np.linspace(-1, 1, 81), np.linspace(-1, 1, 5))
@@ -58,20 +64,20 @@ def test_cells_at_leaves_are_those_near_points_of_open_leaves(bank):
         x, y = half[0] * u.ravel(), half[1] * v.ravel()
         points = middle[:2] + np.stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y], axis=1)
         away = np.linalg.norm(graph.place[:, None, :2] - points, axis=-1).min(axis=1)
-        least = np.minimum(least, np.where(np.abs(graph.place[:, 2] - middle[2]) < STOREY, away, np.inf))
-    reach = bank.spec.agent_radius + MARGIN
+        least = np.minimum(least, np.where(np.abs(graph.place[:, 2] - middle[2]) < MAX_HEIGHT_ON_STOREY, away, np.inf))
+    reach = bank.spec.agent_radius + MIN_LEAF_CLEARANCE
     assert graph.at_leaf.any()
     assert graph.at_leaf[least < reach - 0.02].all()
     assert not (graph.at_leaf & ~graph.cut_off)[least > reach + 0.02].any()
 
 
 def test_a_way_past_a_leaf_is_no_shorter(bank):
-    graph, plain = CellGraph(bank, 0), CellGraph(bank, 0, brushes=1.0)
-    ends = [graph.at(np.asarray(bank.navigation.goal[0, 0]))]
-    far, near = graph.distances(ends)[:, 0], plain.distances(ends)[:, 0]
+    graph, plain = CellGraph(bank, 0), CellGraph(bank, 0, brush_cost_factor=1.0)
+    ends = [graph.nearest_cell(np.asarray(bank.navigation.goal[0, 0]))]
+    far, near = graph.compute_distances(ends)[:, 0], plain.compute_distances(ends)[:, 0]
     assert (far >= near - 1e-9).all()
     assert (far[graph.at_leaf] > near[graph.at_leaf] + 0.1).any()
-    assert (far <= BRUSHES * near + 1e-9).all()
+    assert (far <= BRUSH_COST_FACTOR * near + 1e-9).all()
 
 
 def reached(begin: int, joined: dict[int, list[int]], free: np.ndarray) -> set[int]:
@@ -101,8 +107,8 @@ def test_what_leads_out_is_near_the_largest_part_of_what_is_wide(bank, share):
     largest = np.array(sorted(max(parts, key=len)))
     cells = np.arange(0, len(wide), 7)
     away = np.linalg.norm(graph.place[cells, None] - graph.place[largest], axis=-1).min(axis=1)
-    expected = away <= TURNING
-    np.testing.assert_array_equal(graph.leads_out(cells, wide), expected)
+    expected = away <= MAX_TURN_DISTANCE
+    np.testing.assert_array_equal(graph.has_turning_room(cells, wide), expected)
     assert len(parts) > 1
-    assert not graph.leads_out(cells, np.zeros(len(wide), bool)).any()
-    assert graph.leads_out(cells, np.ones(len(wide), bool))[~graph.cut_off[cells]].all()
+    assert not graph.has_turning_room(cells, np.zeros(len(wide), bool)).any()
+    assert graph.has_turning_room(cells, np.ones(len(wide), bool))[~graph.cut_off[cells]].all()

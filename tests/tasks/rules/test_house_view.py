@@ -7,9 +7,9 @@ import pytest
 
 from home_mjx.houses import load_bank
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.rules.house_view import HouseView, Thing, house_views
-from home_mjx.tasks.rules.words import Kind
-from home_mjx.tasks.sensors.sight import as_it_begins, clear, look_points
+from home_mjx.tasks.rules.house_view import HouseObject, HouseView, house_views
+from home_mjx.tasks.rules.words import TargetKind
+from home_mjx.tasks.sensors.sight import initial_scene, is_unobstructed, look_points
 
 WITHIN = 0.075  # [m], from the middle of a cell: there walks in steps of 0.25 m end
 EYES = 1.5  # [m], above the floor
@@ -26,8 +26,10 @@ def seen_one_by_one(view, eyes, boxes):
 
     @jax.jit
     def look(bank, house, eyes, boxes):
-        scene, nobody = as_it_begins(bank, house), jnp.full((), -1, jnp.int32)
-        return jax.vmap(lambda eye, box: clear(scene, eye, box, look_points(eye, box), nobody).any())(eyes, boxes)
+        scene, nobody = initial_scene(bank, house), jnp.full((), -1, jnp.int32)
+        return jax.vmap(lambda eye, box: is_unobstructed(scene, eye, box, look_points(eye, box), nobody).any())(
+            eyes, boxes
+        )
 
     def found(eyes, boxes):
         return look(view.bank, jnp.int32(view.house), *(jnp.asarray(x, jnp.float32) for x in (eyes, boxes)))
@@ -45,13 +47,15 @@ def in_one_piece(view):
 def test_things_that_nobody_gets_to_are_not_among_those_of_the_house(views):
     """A tree beyond the fence, and a roof; but not what stands in no room beside the house."""
     view = HouseView(views[0].bank, 0, views[0]._boxes, views[0]._device)
-    row, (low, high) = view.everything[0].row.copy(), np.asarray(view.bank.physics.lot[0])
+    row, (low, high) = view.all_objects[0].semantics.copy(), np.asarray(view.bank.physics.fence_rectangle[0])
     row[Semantic.ROOM] = -1
     size = np.array([0.5, 0.5, 0.5])
     corners = {"tree": [*(high + 0.1), 0.0], "roof": [0.0, 0.0, 4.5], "beside": [*(low + 0.1), 0.0]}
-    more = {name: Thing(9000 + i, row, np.array([at, at + size]), -1) for i, (name, at) in enumerate(corners.items())}
+    more = {
+        name: HouseObject(9000 + i, row, np.array([at, at + size]), -1) for i, (name, at) in enumerate(corners.items())
+    }
     view.__dict__["everything"] = (*views[0].everything, *more.values())
-    assert view.things == (*views[0].everything, more["beside"])
+    assert view.objects == (*views[0].everything, more["beside"])
 
 
 def test_what_ways_lead_to_is_seen_by_whoever_stops_beside_the_middle_of_a_cell(views, rng):
@@ -77,7 +81,7 @@ def test_of_several_things_the_one_that_is_nearest_is_seen(views):
         meant = [(thing, instance) for thing, instance in in_one_piece(view) if thing.coarse == kind]
         mask = np.zeros(view.bank.spec.num_instances, bool)
         mask[[instance for _, instance in meant]] = True
-        for cell in view.ends(Kind.OBJECT, mask, np.zeros(view.room_types.shape, bool), np.zeros(3))[0].tolist():
+        for cell in view.ends(TargetKind.OBJECT, mask, np.zeros(view.room_types.shape, bool), np.zeros(3))[0].tolist():
             middle = view.graph.place[cell] + [0, 0, view.bank.spec.agent_height / 2]
             gaps = [np.linalg.norm(np.clip(middle, *thing.box) - middle) for thing, _ in meant]
             eyes.append(view.graph.place[cell] + [0, 0, EYES])
@@ -92,4 +96,4 @@ def test_views_made_again_compile_nothing(views, caplog):
     with jax.log_compiles():
         again = house_views(load_bank(None, num_houses=4))
     assert not [record for record in caplog.records if "Compiling" in record.getMessage()]
-    assert again[0].things[0].box == pytest.approx(views[0].things[0].box)
+    assert again[0].objects[0].box == pytest.approx(views[0].things[0].box)

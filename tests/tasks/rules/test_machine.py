@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.machine import advance, conditions
-from home_mjx.tasks.rules.program import Go, Meant, Stage, When, check_success, written
-from home_mjx.tasks.rules.task_bank import program_of
+from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition, check_success, pack_program
+from home_mjx.tasks.rules.task_bank import extract_program
 from home_mjx.tasks.rules.words import (
     FAILURE,
     NUM_CONDITIONS,
@@ -22,9 +22,9 @@ from home_mjx.tasks.rules.words import (
 AGENTS = 3
 
 
-def drawn_when(random: np.random.Generator) -> When:
+def drawn_when(random: np.random.Generator) -> Condition:
     low, high = np.sort(random.uniform(-1, 1, 2))
-    return When(
+    return Condition(
         Feature(int(random.integers(len(Feature)))),
         int(random.integers(NUM_DESCRIPTORS)),
         int(random.integers(NUM_DESCRIPTORS)),
@@ -34,17 +34,17 @@ def drawn_when(random: np.random.Generator) -> When:
     )
 
 
-def drawn_stages(random: np.random.Generator) -> list[Stage]:
+def drawn_stages(random: np.random.Generator) -> list[TaskStage]:
     pool = [drawn_when(random) for _ in range(NUM_CONDITIONS)]
 
-    def some() -> tuple[When, ...]:
+    def some() -> tuple[Condition, ...]:
         return tuple(pool[i] for i in random.permutation(NUM_CONDITIONS)[: random.integers(0, 3)])
 
     count = int(random.integers(1, NUM_STAGES + 1))
     return [
-        Stage(
+        TaskStage(
             tuple(
-                Go(int(random.integers(FAILURE, count)), some(), some(), float(np.float32(random.normal())))
+                Transition(int(random.integers(FAILURE, count)), some(), some(), float(np.float32(random.normal())))
                 for _ in range(random.integers(0, NUM_TRANSITIONS + 1))
             )
         )
@@ -52,15 +52,15 @@ def drawn_stages(random: np.random.Generator) -> list[Stage]:
     ]
 
 
-def holds(when: When, table: np.ndarray) -> bool:
+def holds(when: Condition, table: np.ndarray) -> bool:
     agents = range(AGENTS) if when.agent < 0 else [when.agent]
     return any(when.least <= table[when.feature, a, when.first, when.second] <= when.most for a in agents)
 
 
-def by_hand(stages: list[Stage], stage: int, table: np.ndarray) -> tuple[int, float, bool]:
+def by_hand(stages: list[TaskStage], stage: int, table: np.ndarray) -> tuple[int, float, bool]:
     if stage >= 0:
-        for way in stages[stage].ways:
-            if all(holds(when, table) for when in way.needs) and not any(holds(when, table) for when in way.bars):
+        for way in stages[stage].transitions:
+            if all(holds(when, table) for when in way.require) and not any(holds(when, table) for when in way.forbid):
                 return way.next, way.reward, True
     return stage, 0.0, False
 
@@ -70,13 +70,13 @@ def test_any_program_takes_the_transitions_of_a_loop():
 
     @jax.jit
     def one(columns, stage, table):
-        program = program_of(columns)
-        return advance(program, stage, conditions(program, table))
+        program = extract_program(columns)
+        return take_transition(program, stage, evaluate_conditions(program, table))
 
     kinds = set()
     for _ in range(500):
         stages = drawn_stages(random)
-        columns = written([Meant.at((0, 0, 0))] * NUM_DESCRIPTORS, stages)
+        columns = pack_program([Selector.point((0, 0, 0))] * NUM_DESCRIPTORS, stages)
         columns["field"] = np.zeros(NUM_DESCRIPTORS, np.int16)
         table = random.uniform(-1, 1, (len(Feature), AGENTS, NUM_DESCRIPTORS, NUM_DESCRIPTORS)).astype(np.float32)
         for stage in (*range(len(stages)), SUCCESS, FAILURE):
@@ -90,24 +90,32 @@ def test_any_program_takes_the_transitions_of_a_loop():
 @pytest.mark.parametrize(
     ("descriptors", "stages", "text"),
     [
-        ([Meant.at((0, 0, 0))] * (NUM_DESCRIPTORS + 1), [Stage(())], "descriptors"),
+        ([Selector.point((0, 0, 0))] * (NUM_DESCRIPTORS + 1), [TaskStage(())], "descriptors"),
         ([], [], "stages"),
-        ([], [Stage(())] * (NUM_STAGES + 1), "stages"),
-        ([], [Stage((Go(SUCCESS),) * (NUM_TRANSITIONS + 1))], "transitions"),
-        ([], [Stage((Go(1),))], "leads to stage 1"),
-        ([], [Stage((Go(SUCCESS, (When(Feature.HELD, 0),)),))], "descriptor 0"),
-        ([Meant.at((0, 0, 0))], [Stage((Go(SUCCESS, (When(Feature.ON, 0, 1),)),))], "descriptor 1"),
-        ([], [Stage((), guide=2)], "descriptor 2"),
+        ([], [TaskStage(())] * (NUM_STAGES + 1), "stages"),
+        ([], [TaskStage((Transition(SUCCESS),) * (NUM_TRANSITIONS + 1))], "transitions"),
+        ([], [TaskStage((Transition(1),))], "leads to stage 1"),
+        ([], [TaskStage((Transition(SUCCESS, (Condition(Feature.HELD, 0),)),))], "descriptor 0"),
+        (
+            [Selector.point((0, 0, 0))],
+            [TaskStage((Transition(SUCCESS, (Condition(Feature.ON, 0, 1),)),))],
+            "descriptor 1",
+        ),
+        ([], [TaskStage((), guide=2)], "descriptor 2"),
     ],
 )
 def test_what_has_no_room_or_names_nothing_is_refused(descriptors, stages, text):
     with pytest.raises(ConfigError, match=text):
-        written(descriptors, stages)
+        pack_program(descriptors, stages)
 
 
 def test_stages_that_cannot_succeed_are_refused():
     """No transition that one gets to leads to success."""
-    check_success([Stage((Go(FAILURE), Go(1))), Stage((Go(0), Go(SUCCESS)))])
-    for stages in ([Stage((Go(FAILURE),))], [Stage((Go(0),)), Stage((Go(SUCCESS),))], [Stage(())]):
+    check_success([TaskStage((Transition(FAILURE), Transition(1))), TaskStage((Transition(0), Transition(SUCCESS)))])
+    for stages in (
+        [TaskStage((Transition(FAILURE),))],
+        [TaskStage((Transition(0),)), TaskStage((Transition(SUCCESS),))],
+        [TaskStage(())],
+    ):
         with pytest.raises(ConfigError, match="leads to SUCCESS"):
             check_success(stages)

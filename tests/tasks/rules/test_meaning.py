@@ -6,9 +6,9 @@ import pytest
 from home_mjx.houses import load_bank
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.meaning import COLUMNS, means_on_host
-from home_mjx.tasks.rules.program import Meant, Stage, written
-from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, Word
+from home_mjx.tasks.rules.meaning import SEMANTIC_COLUMNS, resolve_targets_on_host
+from home_mjx.tasks.rules.program import Selector, TaskStage, pack_program
+from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, Attribute
 
 
 @pytest.fixture(scope="module")
@@ -23,14 +23,15 @@ def views(bank):
 
 def some_words(thing, random) -> dict[str, int]:
     """Some words that a thing has."""
-    known = [word for word, columns in COLUMNS.items() if thing.word(columns[0]) >= 0]
+    known = [word for word, columns in SEMANTIC_COLUMNS.items() if thing.word(columns[0]) >= 0]
     chosen = random.permutation(len(known))[: random.integers(0, 4)]
-    return {known[i].name.lower(): thing.word(COLUMNS[known[i]][0]) for i in chosen}
+    return {known[i].name.lower(): thing.word(SEMANTIC_COLUMNS[known[i]][0]) for i in chosen}
 
 
 def has(thing, words: dict[str, int]) -> bool:
     return all(
-        any(thing.word(column) == value for column in COLUMNS[Word[name.upper()]]) for name, value in words.items()
+        any(thing.word(column) == value for column in SEMANTIC_COLUMNS[Attribute[name.upper()]])
+        for name, value in words.items()
     )
 
 
@@ -38,8 +39,8 @@ def test_words_mean_what_has_them_all(bank, views):
     random = np.random.default_rng(0)
     for view in views:
         words = [some_words(thing, random) for thing in view.things]
-        rows = np.stack([written([Meant.thing(**w)], [Stage(())])["descriptor"] for w in words])
-        found = means_on_host(bank, view.house, rows)
+        rows = np.stack([pack_program([Selector.objects(**w)], [TaskStage(())])["descriptor"] for w in words])
+        found = resolve_targets_on_host(bank, view.house, rows)
         ids = np.asarray(bank.geometry.instance_object[view.house])
         for row, wanted in enumerate(words):
             expected = {thing.object_id for thing in view.things if has(thing, wanted)}
@@ -54,8 +55,10 @@ def test_on_means_what_stands_on_it(bank, views):
             below = thing.word(Semantic.SUPPORTER)
             if below < 0:
                 continue
-            row = written([Meant.thing(on=1), Meant.thing(object_id=below)], [Stage(())])["descriptor"]
-            found = means_on_host(bank, view.house, row[None])
+            row = pack_program([Selector.objects(on=1), Selector.objects(object_id=below)], [TaskStage(())])[
+                "descriptor"
+            ]
+            found = resolve_targets_on_host(bank, view.house, row[None])
             ids = np.asarray(bank.geometry.instance_object[view.house])
             expected = {other.object_id for other in view.things if other.word(Semantic.SUPPORTER) == below}
             assert set(ids[found.instance[0, 0]].tolist()) == expected
@@ -69,12 +72,14 @@ def test_rooms_by_type_and_number(bank, views):
             if kind < 0:
                 continue
             rows = [
-                Meant.space(room_type=kind),
-                Meant.space(room=room),
-                Meant.space(),
-                Meant.space(room_type=kind, room=room),
+                Selector.rooms(room_type=kind),
+                Selector.rooms(room=room),
+                Selector.rooms(),
+                Selector.rooms(room_type=kind, room=room),
             ]
-            found = means_on_host(bank, view.house, written(rows, [Stage(())])["descriptor"][None]).room[0]
+            found = resolve_targets_on_host(
+                bank, view.house, pack_program(rows, [TaskStage(())])["descriptor"][None]
+            ).room[0]
             assert (found[0] == (view.room_types == kind)).all()
             assert np.flatnonzero(found[1]).tolist() == np.flatnonzero(found[3]).tolist() == [room]
             assert (found[2] == (view.room_types >= 0)).all()

@@ -27,7 +27,7 @@ def drawn(tasks: TaskBank):
     "weights", [(1, 2, 3, 4), (0.001, 0, 0.003, 0.1), (0, 0, 5, 0), (1e-20, 3e-20, 0, 0), (1e29, 2e29, 0, 1e29)]
 )
 def test_rows_are_drawn_by_weight_and_those_of_weight_0_never(weights):
-    numbers = np.bincount(drawn(bank_of(4).weighted(weights)), minlength=4)
+    numbers = np.bincount(drawn(bank_of(4).with_weights(weights)), minlength=4)
     share = np.array(weights) / sum(weights)
     assert (numbers[share == 0] == 0).all()
     some = share > 0
@@ -39,7 +39,7 @@ def test_many_rows_of_weight_0_are_never_drawn():
     """Where sums of floating-point numbers would round: 200,000 rows, of which every third has a weight."""
     count = 200_001
     weights = np.where(np.arange(count) % 3 == 0, np.random.default_rng(0).random(count) + 0.1, 0.0)
-    numbers = np.asarray(drawn(bank_of(count).weighted(weights)))
+    numbers = np.asarray(drawn(bank_of(count).with_weights(weights)))
     assert (numbers % 3 == 0).all()
     thirds = np.bincount(numbers * 3 // count, minlength=3)
     expected = np.array([weights[np.arange(count) * 3 // count == i].sum() for i in range(3)])
@@ -50,13 +50,13 @@ def test_weights_change_without_another_program():
     tasks = bank_of(5)
     program = jax.jit(lambda tasks, key: tasks.draw(key))
     for only in range(5):
-        weighted = tasks.weighted(jnp.arange(5) == only)
+        weighted = tasks.with_weights(jnp.arange(5) == only)
         assert int(program(weighted, jax.random.key(0))) == only
     assert program._cache_size() == 1
 
 
 def test_weights_go_with_their_rows():
-    tasks = bank_of(4).weighted([1, 0, 2, 3]).where(np.array([False, True, True, True]))
+    tasks = bank_of(4).with_weights([1, 0, 2, 3]).where(np.array([False, True, True, True]))
     assert tasks.weights.tolist() == [0, 2, 3]
     assert bank_of(4).pick(jnp.array([1])).weights is None
 
@@ -83,4 +83,4 @@ def test_weights_can_be_made_inside_a_program():
 )
 def test_weights_that_cannot_be_drawn_by_are_refused(weights, said):
     with pytest.raises(ConfigError, match=said):
-        bank_of(4).weighted(weights)
+        bank_of(4).with_weights(weights)

@@ -12,7 +12,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.tasks import EnvConfig, Exploration, HouseholdEnv, expert_action
-from home_mjx.tasks.scripted_agents.exploration import tiles_of
+from home_mjx.tasks.scripted_agents.exploration import divide_in_tiles
 
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 NUM, HORIZON = 8, 500
@@ -48,7 +48,7 @@ def home_cells(bank, house: int) -> np.ndarray:
 
 def test_tiles_hold_the_free_cells_and_the_room_of_their_middle(bank):
     for house in range(2):
-        tiles = jax.tree.map(np.asarray, jax.jit(tiles_of)(bank, jnp.int32(house)))
+        tiles = jax.tree.map(np.asarray, jax.jit(divide_in_tiles)(bank, jnp.int32(house)))
         cells, rooms = home_cells(bank, house), np.asarray(bank.navigation.room[house])
         expected = np.zeros_like(tiles.free)
         np.add.at(expected, (cells[:, 0], cells[:, 1] // 5, cells[:, 2] // 5), 1)

@@ -11,7 +11,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.tasks import EnvConfig, HouseholdEnv, PiedPiper, expert_action
-from home_mjx.tasks.suite.audio_nav import DISTRACTING, SPLITS
+from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 
 PHYSICS = PhysicsConfig(impl="kinematic", num_agents=3)
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PHYSICS)
@@ -60,7 +60,7 @@ def test_sounds_go_with_those_who_make_them(env, stands):
         assert (sounds.body == env.bank.spec.num_instances + np.array([1, 2])).all()
         names = np.array(CLIPS)[sounds.clip]
         assert set(names[:, 0]) <= set(SPLITS["heard"])
-        assert set(names[:, 1]) <= set(DISTRACTING)
+        assert set(names[:, 1]) <= set(DISTRACTOR_CLIPS)
 
 
 def test_only_the_follower_is_paid(stands):

@@ -10,17 +10,17 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.preset import LitShader
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.sensors.cameras import observe_images
+from home_mjx.tasks.sensors.cameras import render_images
 
 CAMERAS = (
     AgentCamera("back", ("depth", "instance"), Lens(9, 9), yaw=180.0),
-    AgentCamera("around", ("depth", "valid"), Lens(16, 4, "lidar", elevation=(0.0, 0.0)), looks=False),
+    AgentCamera("around", ("depth", "valid"), Lens(16, 4, "lidar", elevation=(0.0, 0.0)), follow_pitch=False),
     AgentCamera(
-        "plan", ("instance", "pose"), Lens(8, 8, "orthographic"), 4.0, (0.5, 0.0, 0.0), pitch=-90.0, looks=False
+        "plan", ("instance", "pose"), Lens(8, 8, "orthographic"), 4.0, (0.5, 0.0, 0.0), pitch=-90.0, follow_pitch=False
     ),
 )
 
@@ -38,7 +38,7 @@ def observe(bank, yaw=0.0, pitch=0.0, **options):
     bodies = bank.physics.body_pos[0], bank.physics.body_quat[0]
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         scene = make_scene(bank, jnp.int32(0), *bodies, pose.pos, jnp.array([[1.0, 0, 0, 0]]))
-        images = jax.jit(lambda s: observe_images(config, s, pose))(scene)
+        images = jax.jit(lambda s: render_images(config, s, pose))(scene)
     return {name: np.asarray(value)[0] for name, value in images.items()}
 
 
@@ -90,7 +90,7 @@ def test_environments_draw_with_the_preset_of_their_choice(bank):
     assert (fast.max(axis=-1) > 50).all()
     assert (lit == 0).all()
     light = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
-    assert (observe(light, rgb_preset=Lit(sun=0.0), **options)["pixels/head_rgb"].max(axis=-1) > 50).all()
+    assert (observe(light, rgb_preset=LitShader(sun=0.0), **options)["pixels/head_rgb"].max(axis=-1) > 50).all()
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,15 @@ from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS, agent_model
 from home_mjx.physics import PhysicsConfig
 from home_mjx.raycast_render import Lens
 from home_mjx.raycast_render.scene.scene import agent_sizes
-from home_mjx.schema import Body
+from home_mjx.schema import AgentBody
 from home_mjx.tasks import AgentCamera
 
 PIXELS, SPAN = 120, 2.4  # of a picture without perspective, and its edge [m]
-BODIES = (Body(), Body(radius=0.25, height=1.1, eye_height=0.9), Body(radius=0.15, height=2.0, eye_height=1.9))
+BODIES = (
+    AgentBody(),
+    AgentBody(radius=0.25, height=1.1, eye_height=0.9),
+    AgentBody(radius=0.15, height=2.0, eye_height=1.9),
+)
 YAW = (0.0, 2.5, -1.0)
 PLACES = ((-2.0, 0.0), (0.5, -0.7), (0.5, 0.7))  # the first looks at the others
 
@@ -89,5 +93,5 @@ def test_eyes_are_at_the_height_of_the_bodys(seen):
 
 def test_default_bodies_are_not_scaled():
     """Then there is nothing to compute."""
-    assert agent_sizes([Body(), Body(mass=30.0, eye_height=1.4)]) is None
+    assert agent_sizes([AgentBody(), AgentBody(mass=30.0, eye_height=1.4)]) is None
     np.testing.assert_allclose(agent_sizes(BODIES), [(0.1, 1.6), (0.25, 1.1), (0.15, 2.0)])

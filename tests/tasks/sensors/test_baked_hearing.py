@@ -9,10 +9,18 @@ import pytest
 from handmade import Slab, _architecture_rows, _room_planes, _rooms, _shell, build_house, shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
-from home_mjx.audio_jax import AudioConfig, BakeOptions, LateReverbBake, Listener, Source, baked_sound, energy_response
+from home_mjx.audio_jax import (
+    AudioConfig,
+    BakeOptions,
+    LateReverbBake,
+    Listener,
+    SoundSource,
+    energy_envelope,
+    lookup_late_sound,
+)
 from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
 from home_mjx.audio_jax.late_reverb.bake.store import entry_of
-from home_mjx.audio_jax.late_reverb.lookup.balance import leaf_openings
+from home_mjx.audio_jax.late_reverb.lookup.balance import effective_openings
 from home_mjx.errors import ConfigError
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet
@@ -21,7 +29,7 @@ from home_mjx.tasks import make_config
 from home_mjx.tasks.env.usable import check_bank
 from home_procgen.v1.dataset import generate_dataset
 
-FEW = BakeOptions(size=2.0, rays=40, bounces=40)
+FEW = BakeOptions(cell_size=2.0, rays=40, max_bounces=40)
 BAKED = AudioConfig(late="baked")
 OPTIONS = {"impl": "kinematic", "sensors": ("audio", "ear_levels"), "actions": "discrete"}
 
@@ -90,8 +98,8 @@ def test_levels_need_no_exceptions_of_dtype_or_rank(bank):
     scene = scene_of(bank, None)
     head = Listener(jnp.float32([1, 1, 1.5]), jnp.float32([0.5, 0.5, -0.5, -0.5]))
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        run = jax.jit(energy_response, static_argnums=4)
-        found = run(scene, Source(jnp.float32([-1, -1, 1])), head, jax.random.key(0), BAKED)
+        run = jax.jit(energy_envelope, static_argnums=4)
+        found = run(scene, SoundSource(jnp.float32([-1, -1, 1])), head, jax.random.key(0), BAKED)
     assert np.isfinite(np.asarray(found.energy)).all()
 
 
@@ -128,20 +136,20 @@ def house(tmp_path_factory):
 @pytest.mark.slow
 def test_shutting_a_door_makes_the_next_room_quiet(house):
     """By 8 dB or more (a hollow leaf has 14 dB at 125 Hz); half open it is in between; the own room gets no quieter."""
-    bank = add_bakes(HouseBank.from_compiled([house]), [house], LateReverbBake(BakeOptions(rays=60, bounces=60)))
+    bank = add_bakes(HouseBank.from_compiled([house]), [house], LateReverbBake(BakeOptions(rays=60, max_bounces=60)))
     physics, portals = bank.physics, house.navigation.portals
     inner = np.flatnonzero((portals.room >= 0).all(axis=1) & (portals.leaf[:, 0] >= 0))
     portal = int(inner[np.argmax(portals.width[inner])])
     source, listener = (_in_room(house, room) for room in portals.room[portal])
-    wide, closed = physics.door_wide[0], physics.door_closed[0]
+    wide, closed = physics.door_fully_open[0], physics.door_closed[0]
     leaf = int(house.doors.rows(bank.spec.num_doors, bank.spec.num_slides)[portals.leaf[portal, 0]])
-    assert float(leaf_openings(scene_of(bank, wide))[leaf]) == pytest.approx(1.0, abs=1e-3)
-    assert float(leaf_openings(scene_of(bank, closed))[leaf]) == pytest.approx(0.0, abs=1e-3)
+    assert float(effective_openings(scene_of(bank, wide))[leaf]) == pytest.approx(1.0, abs=1e-3)
+    assert float(effective_openings(scene_of(bank, closed))[leaf]) == pytest.approx(0.0, abs=1e-3)
 
     @jax.jit
     def levels(share):
         scene = scene_of(bank, closed + share * (wide - closed))
-        return [jnp.sum(baked_sound(scene, source, p, BAKED).energy, axis=0) for p in (listener, source + 0.3)]
+        return [jnp.sum(lookup_late_sound(scene, source, p, BAKED).energy, axis=0) for p in (listener, source + 0.3)]
 
     (far, near), (half, _), (shut, own) = [
         [10 * np.log10(np.asarray(x)) for x in levels(jnp.float32(share))] for share in (1.0, 0.3, 0.0)

@@ -7,7 +7,7 @@ import pytest
 from handmade import shoebox
 
 from home_mjx import HouseBank, HouseholdEnv, physics
-from home_mjx.audio_jax import CLIPS, AudioConfig, band_level, clip_power, clip_samples
+from home_mjx.audio_jax import CLIPS, AudioConfig, clip_power, clip_samples, mean_band_power
 from home_mjx.tasks import make_config, tokenize
 
 OCTAVES = 125 * 2.0 ** np.arange(7)
@@ -24,7 +24,7 @@ def heard():
     perceive = jax.jit(core.perceive)
     angle = physics.door_angle(template, begun.physics)
 
-    def hear(clip, yaw=0.0, lasts=jnp.inf, gain=1.0, said=SILENT):
+    def hear(clip, yaw=0.0, duration=jnp.inf, gain=1.0, spoken_token=SILENT):
         pos = jnp.array([[0.5, 0.2, 0.0], [-3.0, -2.5, 0.0]], jnp.float32)
         yaws = jnp.array([yaw, 0.0], jnp.float32)
         state = begun.replace(physics=physics.reset(template, env.bank, begun.world.house, pos, yaws, angle, None))
@@ -35,11 +35,11 @@ def heard():
             clip=jnp.full_like(sounds.clip, clip),
             body=jnp.full_like(sounds.body, agent if clip == -2 else -1),
             gain=jnp.full_like(sounds.gain, gain),
-            lasts=jnp.full_like(sounds.lasts, lasts),
+            duration=jnp.full_like(sounds.lasts, lasts),
         )
         for step in range(3):
             words = jnp.array([-1, said if step == 2 else -1], jnp.int32)
-            world = state.world.replace(sounds=sounds, step=jnp.int32(step), said=words)
+            world = state.world.replace(sounds=sounds, step=jnp.int32(step), spoken_token=words)
             state = perceive(env.params, state.replace(world=world))
         audio, levels = np.asarray(state.obs["audio"][0], float), np.asarray(state.obs["ear_levels"][0]).reshape(2, 7)
         np.testing.assert_allclose(state.obs["ear_difference"][0], levels[0] - levels[1], atol=1e-4)
@@ -92,13 +92,13 @@ def test_gains_schedules_and_silence(heard):
     _, silent, delay = heard(SILENT)
     assert (silent == -100).all()
     assert delay == 0
-    audio, ended, _ = heard(NOISE, lasts=0.5)  # only its reverberation is left in the third frame
+    audio, ended, _ = heard(NOISE, duration=0.5)  # only its reverberation is left in the third frame
     assert (ended[:, 2:6] < levels[:, 2:6] - 6).all()
     np.testing.assert_allclose(ended[:, 2:6].mean(), octave_levels(audio)[:, 2:6].mean(), atol=4.0)
 
 
 def test_voices_are_levels_as_well(heard):
-    audio, levels, _ = heard(-2, said=tokenize("yes")[0])
+    audio, levels, _ = heard(-2, spoken_token=tokenize("yes")[0])
     total = 10 * np.log10((10 ** (levels / 10)).sum()), 10 * np.log10((audio**2).mean(axis=1).sum())
     np.testing.assert_allclose(*total, atol=4.0)
     assert (heard(-2)[1] == -100).all()
@@ -111,7 +111,7 @@ def test_power_of_a_frame_by_hand():
     expected = np.zeros((2, 7))
     for bin_, ago in np.ndindex(3, 5):
         expected += envelope[ago] * power[4 + bin_ - ago] / 3
-    found = band_level(jnp.asarray(envelope, jnp.float32), jnp.asarray(power, jnp.float32))
+    found = mean_band_power(jnp.asarray(envelope, jnp.float32), jnp.asarray(power, jnp.float32))
     np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 

@@ -11,7 +11,7 @@ from home_mjx.audio_jax import log_mel, stft_magnitude
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COARSE, FINE
 from home_mjx.tasks import make_config
-from home_mjx.tasks.env.moves import moves_of
+from home_mjx.tasks.env.moves import decode_actions
 
 SENSES = ("prev_action", "prev_reward", "held_object")
 SOUNDS = ("log_mel", "stft")
@@ -60,13 +60,13 @@ def test_the_last_reward_is_told_until_the_episode_ends(steps):
 
 def test_continuous_actions_are_told_as_they_were_understood():
     config = make_config(sensors=("prev_action",))
-    moves = moves_of(config, jnp.array([0.5, -3.0, jnp.nan, 1.0]), jnp.zeros(1, bool))
+    moves = decode_actions(config, jnp.array([0.5, -3.0, jnp.nan, 1.0]), jnp.zeros(1, bool))
     np.testing.assert_array_equal(moves.action, [[0.5, -1, 0, 1]])
 
 
 def test_no_action_and_a_second_stop_are_told_as_such():
     config = make_config(actions="discrete", num_agents=2)
-    moves = moves_of(config, jnp.array([99, FORWARD]), jnp.array([False, True]))
+    moves = decode_actions(config, jnp.array([99, FORWARD]), jnp.array([False, True]))
     np.testing.assert_array_equal(moves.action, [[0] * 6, [1, 0, 0, 0, 0, 0]])
 
 

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.physics.kinematic.footprints import Footprints
-from home_mjx.tasks.sensors.reaching import room_at
+from home_mjx.tasks.sensors.reaching import check_placement
 
 HALF, TOP, TURN = (0.17, 0.6), 1.35, 0.5  # a narrow shelf [m], turned [rad]
 RADIUS = 0.1  # [m]
@@ -17,7 +17,7 @@ def spots_of(half):
     boxes = Footprints(*(jnp.array([x], jnp.float32) for x in shelf))
     across = np.linspace(-0.2, 0.2, 401)
     plan = jnp.asarray(np.stack([across * np.cos(TURN), across * np.sin(TURN)], axis=1), jnp.float32)
-    bears, apart = room_at(boxes, plan, jnp.full(len(across), TOP, jnp.float32), jnp.float32(RADIUS))
+    bears, apart = check_placement(boxes, plan, jnp.full(len(across), TOP, jnp.float32), jnp.float32(RADIUS))
     assert np.asarray(apart).all()
     return across, np.asarray(bears)
 

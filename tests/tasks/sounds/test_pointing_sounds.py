@@ -9,7 +9,7 @@ import pytest
 from handmade import shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
-from home_mjx.audio_jax import NoiseConfig, directivities, first_order
+from home_mjx.audio_jax import ContactSoundConfig, first_order_directivity, stack_directivities
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks import AutoReset, PointNav, Status, make_config
 from home_mjx.tasks.sensors.cameras import eye_position
@@ -29,11 +29,11 @@ class TurningRadio(PointNav):
         return snapshot.sounds.replace(
             pos=jnp.stack([place, jnp.zeros(3)]),
             quat=jax.vmap(lambda y: camera_quat(y, jnp.float32(0)))(yaw),
-            directivity=directivities([first_order(0.5), first_order(1.0)]),
+            directivity=stack_directivities([first_order_directivity(0.5), first_order_directivity(1.0)]),
         )
 
 
-@pytest.mark.parametrize("noises", [None, NoiseConfig(num_strikes=1, num_rubs=1)])
+@pytest.mark.parametrize("noises", [None, ContactSoundConfig(num_transients=1, num_sustained=1)])
 def test_a_radio_that_turns_away_is_heard_by_its_pattern(noises):
     """A cardioid: 1 ahead, 0.5 to the side, nothing behind, which is told."""
     core = HouseholdEnv(make_config(num_sources=2, noises=noises, **BARE), TurningRadio())

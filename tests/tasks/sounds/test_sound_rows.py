@@ -21,20 +21,20 @@ from home_mjx.tasks import (
     HouseholdEnv,
     HouseTasks,
     RoomNav,
-    Sound,
+    SoundEvent,
     expert_action,
     load_tasks,
     save_tasks,
 )
-from home_mjx.tasks.rules.words import Kind, Word
-from home_mjx.tasks.sounds.row import NUM_SOUNDS, emission_of, read_sounds, written_sounds
-from home_mjx.tasks.suite.audio_nav import DISTRACTING, SPLITS
+from home_mjx.tasks.rules.words import Attribute, TargetKind
+from home_mjx.tasks.sounds.row import NUM_SOUNDS, extract_sounds, pack_sounds, unpack_sounds
+from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 
 OPTIONS = {"stop": True}
 KINDS = {
     "place": AudioNav(**OPTIONS),
-    "object": AudioNav(emitter="object", distractors=2, schedule="intermittent", clip_split="unheard", **OPTIONS),
-    "moving": AudioNav(moving=True, distractors=1, schedule="once", **OPTIONS),
+    "object": AudioNav(emitter="object", num_distractors=2, schedule="intermittent", clip_split="unheard", **OPTIONS),
+    "moving": AudioNav(moving_source=True, num_distractors=1, schedule="once", **OPTIONS),
     "room": RoomNav(**OPTIONS),
 }
 MIX = HouseTasks(tasks=tuple(KINDS.values()), num_tasks=3)
@@ -80,30 +80,30 @@ def of(columns, kind: str) -> np.ndarray:
 
 def test_sounds_are_read_as_they_were_written():
     sounds = [
-        Sound(0, "bell"),
-        Sound(2, "hum", every=3.0, lasts=0.5, gain=0.25),
-        Sound(1, "ring", towards=2, speed=0.5),
+        SoundEvent(0, "bell"),
+        SoundEvent(2, "hum", every=3.0, lasts=0.5, gain=0.25),
+        SoundEvent(1, "ring", towards=2, speed=0.5),
     ]
-    arrays = written_sounds(sounds, 3)
+    arrays = pack_sounds(sounds, 3)
     assert {values.shape for values in arrays.values()} == {(NUM_SOUNDS,)}
-    assert read_sounds(arrays) == sounds
+    assert unpack_sounds(arrays) == sounds
     on_device = {name: jnp.asarray(values) for name, values in arrays.items()}
-    assert emission_of(on_device).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
+    assert extract_sounds(on_device).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
 
 
 @pytest.mark.parametrize(
     ("make", "what"),
     [
-        (lambda: Sound(0, "bel"), "Did you mean `bell`"),
-        (lambda: Sound(-1, "bell"), "emitter"),
-        (lambda: Sound(0, "bell", lasts=0.0), "lasts"),
-        (lambda: Sound(0, "bell", every=float("nan")), "every"),
-        (lambda: written_sounds([Sound(2, "bell")], 2), "descriptor 2"),
-        (lambda: written_sounds([Sound(0, "bell", towards=1)], 1), "descriptor 1"),
-        (lambda: written_sounds([Sound(0, "bell")] * 5, 1), "at most 4"),
+        (lambda: SoundEvent(0, "bel"), "Did you mean `bell`"),
+        (lambda: SoundEvent(-1, "bell"), "emitter"),
+        (lambda: SoundEvent(0, "bell", lasts=0.0), "lasts"),
+        (lambda: SoundEvent(0, "bell", every=float("nan")), "every"),
+        (lambda: pack_sounds([SoundEvent(2, "bell")], 2), "descriptor 2"),
+        (lambda: pack_sounds([SoundEvent(0, "bell", towards=1)], 1), "descriptor 1"),
+        (lambda: pack_sounds([SoundEvent(0, "bell")] * 5, 1), "at most 4"),
         (lambda: AudioNav(clip_split="new"), "new"),
         (lambda: AudioNav(schedule="seldom"), "seldom"),
-        (lambda: AudioNav(moving=True, distractors=2), "distractors"),
+        (lambda: AudioNav(moving_source=True, num_distractors=2), "distractors"),
     ],
 )
 def test_sounds_that_cannot_be_are_refused(make, what):
@@ -112,7 +112,7 @@ def test_sounds_that_cannot_be_are_refused(make, what):
 
 
 def test_splits_have_no_sound_in_common():
-    heard, unheard, distracting = (set(x) for x in (SPLITS["heard"], SPLITS["unheard"], DISTRACTING))
+    heard, unheard, distracting = (set(x) for x in (SPLITS["heard"], SPLITS["unheard"], DISTRACTOR_CLIPS))
     assert not heard & unheard
     assert not (heard | unheard) & distracting
     assert heard | unheard | distracting <= set(CLIPS)
@@ -124,8 +124,8 @@ def test_rows_play_the_sounds_of_their_split(columns):
         rows = of(columns, kind)
         assert len(rows) >= 4
         assert set(names[rows, 0]) <= set(SPLITS[KINDS[kind].clip_split])
-        count = 1 + KINDS[kind].distractors
-        assert set(names[rows, 1:count].ravel()) <= set(DISTRACTING)
+        count = 1 + KINDS[kind].num_distractors
+        assert set(names[rows, 1:count].ravel()) <= set(DISTRACTOR_CLIPS)
         assert (columns["sound_emitter"][rows, count:] == -1).all()
         assert (columns["sound_emitter"][rows, :count] >= 1).all()  # the first descriptor is hidden
     assert (columns["sound_emitter"][of(columns, "room")] == -1).all()
@@ -160,7 +160,7 @@ def test_sources_are_where_their_rows_say(env, bank, columns, walk):
     geometry, house = bank.geometry, np.asarray(env.params.tasks.rows.house)
     for row in rows:
         for source in range(3):
-            number = columns["descriptor"][row, source + 1, Word.OBJECT_ID]
+            number = columns["descriptor"][row, source + 1, Attribute.OBJECT_ID]
             assert sounds.body[row, source] == number
             instance = int(np.flatnonzero(np.asarray(geometry.instance_object[house[row]]) == number)[0])
             pose = np.asarray(geometry.instance_pose[house[row], instance])
@@ -235,9 +235,9 @@ class Nothing:
 
 def test_a_mix_plays_what_its_tasks_play():
     assert MIX.num_sources == 3
-    assert set(MIX.clips) == {*SPLITS["all"], *DISTRACTING}
+    assert set(MIX.clips) == {*SPLITS["all"], *DISTRACTOR_CLIPS}
     assert HouseTasks(tasks=(Nothing(),)).num_sources == 1
-    assert Kind.NOTHING == -1
+    assert TargetKind.NOTHING == -1
 
 
 @pytest.mark.slow

@@ -13,10 +13,19 @@ from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.schema.timing import Timing
-from home_mjx.tasks import Communication, HouseholdEnv, HouseTasks, Sound, load_tasks, make_config, save_tasks, tokenize
-from home_mjx.tasks.language.vocabulary import words
-from home_mjx.tasks.sounds.row import VOICE, VOICED, written_sounds
-from home_mjx.tasks.sounds.voice import NUM_WORDS, chord, num_remembered, voices, word_sound
+from home_mjx.tasks import (
+    Communication,
+    HouseholdEnv,
+    HouseTasks,
+    SoundEvent,
+    load_tasks,
+    make_config,
+    save_tasks,
+    tokenize,
+)
+from home_mjx.tasks.language.vocabulary import all_words
+from home_mjx.tasks.sounds.row import VOICE_CLIP, VOICE_CLIP_NUMBER, pack_sounds
+from home_mjx.tasks.sounds.voice import NUM_WORDS, num_audible_frames, synthesize_voices, synthesize_word, word_tones
 
 RATE, LISTENER, SPEAKER, LOOK_UP, LOOK_DOWN = 16000, 0, 1, 4, 5
 MIX = HouseTasks(tasks=(Communication(stop=True), Communication(stop=True, channel="audible")), num_tasks=8)
@@ -119,7 +128,7 @@ def test_who_says_nothing_is_not_heard_and_words_fade(env, step, quiet):
     rows = audible(env)
     np.testing.assert_array_equal(np.asarray(quiet.obs["audio"])[rows], 0)
     states, power = step(env.params, quiet, acts(drawn_words(env, 0))), []
-    for _ in range(num_remembered(env.config.audio)):
+    for _ in range(num_audible_frames(env.config.audio)):
         power.append(np.sum(np.asarray(states.obs["audio"])[rows] ** 2, axis=(-2, -1)))
         states = step(env.params, states, acts(np.full(len(env.params.tasks), LOOK_DOWN)))
     assert (power[0] > 0).all()
@@ -147,7 +156,7 @@ def test_both_voices_are_heard_where_they_are(env, step, quiet):
     assert recovered(env, after, said) == [1.0, 1.0]
     power = np.sum(np.asarray(after.obs["audio"])[audible(env)] ** 2, axis=(-2, -1))
     assert (power[:, LISTENER] > power[:, SPEAKER]).mean() > 0.9
-    assert np.asarray(after.world.sounds.clip)[audible(env)].tolist() == [[VOICED, VOICED]] * 16
+    assert np.asarray(after.world.sounds.clip)[audible(env)].tolist() == [[VOICE_CLIP_NUMBER, VOICE_CLIP_NUMBER]] * 16
 
 
 def test_the_level_falls_with_distance(env, step, quiet):
@@ -190,8 +199,8 @@ def test_the_level_falls_with_distance(env, step, quiet):
 
 
 def test_any_two_words_differ_in_two_tones_at_least():
-    assert len(words()) <= NUM_WORDS
-    tones = np.asarray(chord(jnp.arange(NUM_WORDS)))
+    assert len(all_words()) <= NUM_WORDS
+    tones = np.asarray(word_tones(jnp.arange(NUM_WORDS)))
     assert (np.sort(tones, axis=1) // 4 == np.arange(6)).all()
     sets = np.zeros((NUM_WORDS, 24), int)
     sets[np.arange(NUM_WORDS)[:, None], tones] = 1
@@ -203,38 +212,40 @@ def test_any_two_words_differ_in_two_tones_at_least():
 @pytest.mark.parametrize("rate", [8000, 16000, 48000])
 def test_a_word_is_as_loud_as_a_clip_at_any_rate(rate):
     config = AudioConfig(timing=Timing(sample_rate=rate))
-    sound = np.asarray(word_sound(jnp.int32(tokenize("kitchen")[0]), config), float)
+    sound = np.asarray(synthesize_word(jnp.int32(tokenize("kitchen")[0]), config), float)
     assert len(sound) == round(0.2 * rate)
     middle = sound[len(sound) // 10 : -len(sound) // 10]
     np.testing.assert_allclose(np.sqrt(np.mean(middle**2)), 0.1, rtol=0.03)
     assert np.abs(sound[[0, -1]]).max() < 0.01
-    assert not np.asarray(word_sound(jnp.int32(-1), config)).any()
+    assert not np.asarray(synthesize_word(jnp.int32(-1), config)).any()
 
 
 def test_frames_of_words_are_parts_of_one_long_sound():
     """By hand: words put at the begin of their frames; short frames, so that words overlap."""
     config = AudioConfig()
     said = np.random.default_rng(3).choice([-1, *range(40)], size=(12, 2))
-    frame, past, count = config.frame, config.memory_length - 1, num_remembered(config)
+    frame, past, count = config.frame, config.memory_length - 1, num_audible_frames(config)
     sound = np.zeros((2, past + 12 * frame + 4000))
     for number, who in itertools.product(range(12), range(2)):
-        word = np.asarray(word_sound(jnp.int32(said[number, who]), config))
+        word = np.asarray(synthesize_word(jnp.int32(said[number, who]), config))
         begin = past + number * frame
         sound[who, begin : begin + len(word)] += word
-    spoken = jax.jit(lambda words: voices(words, config))
+    spoken = jax.jit(lambda words: synthesize_voices(words, config))
     for number in range(12):
         rows = [said[number - ago] if ago <= number else [-1, -1] for ago in range(count)]
         expected = sound[:, number * frame : number * frame + past + frame]
         heard = np.asarray(spoken(jnp.asarray(rows)))
         np.testing.assert_allclose(heard[:, : past + frame], expected, atol=1e-6)
-        assert heard.shape[1] == past + frame + config.ahead
+        assert heard.shape[1] == past + frame + config.num_lookahead
 
 
 def test_voices_are_written_in_files(env, tmp_path):
     path = tmp_path / "tasks.jsonl"
     save_tasks(path, env.bank, env.params.tasks)
     lines = [json.loads(line) for line in path.read_text().splitlines()]
-    assert [{"emitter": 1, "clip": VOICE}, {"emitter": 2, "clip": VOICE}] in [line.get("sounds") for line in lines]
+    assert [{"emitter": 1, "clip": VOICE_CLIP}, {"emitter": 2, "clip": VOICE_CLIP}] in [
+        line.get("sounds") for line in lines
+    ]
     again = load_tasks(path, env.bank).rows.columns
     np.testing.assert_array_equal(again["sound_clip"], env.params.tasks.rows.columns["sound_clip"])
     env.with_tasks(load_tasks(path, env.bank))  # voices are no clips that an environment might lack
@@ -243,10 +254,10 @@ def test_voices_are_written_in_files(env, tmp_path):
 @pytest.mark.parametrize(
     ("make", "what"),
     [
-        (lambda: Sound(1, VOICE, every=3.0), "voice"),
-        (lambda: Sound(1, VOICE, towards=2, speed=0.3), "voice"),
+        (lambda: SoundEvent(1, VOICE_CLIP, every=3.0), "voice"),
+        (lambda: SoundEvent(1, VOICE_CLIP, towards=2, speed=0.3), "voice"),
         (lambda: Communication(channel="audable"), "Did you mean `audible`"),
-        (lambda: word_sound(jnp.int32(1), AudioConfig(timing=Timing(sample_rate=6000))), "6000 Hz"),
+        (lambda: synthesize_word(jnp.int32(1), AudioConfig(timing=Timing(sample_rate=6000))), "6000 Hz"),
     ],
 )
 def test_voices_that_cannot_be_are_refused(make, what):
@@ -255,7 +266,7 @@ def test_voices_that_cannot_be_are_refused(make, what):
 
 
 def test_only_agents_have_voices():
-    assert written_sounds([Sound(1, VOICE)], 2)["sound_clip"].tolist()[0] == VOICED
+    assert pack_sounds([SoundEvent(1, VOICE_CLIP)], 2)["sound_clip"].tolist()[0] == VOICE_CLIP_NUMBER
     audible_alone = HouseholdEnv(make_config(**OPTIONS | {"sensors": None}), Communication(channel="audible"))
     assert "heard_words" not in audible_alone.observation_spec
     assert audible_alone.config.num_sources == 2

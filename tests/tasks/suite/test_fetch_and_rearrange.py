@@ -32,14 +32,14 @@ from home_mjx.tasks import (
     save_tasks,
 )
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.machine import advance
-from home_mjx.tasks.rules.program import Meant, written
-from home_mjx.tasks.rules.task_bank import program_of
-from home_mjx.tasks.rules.words import NUM_CONDITIONS, Kind, Word
-from home_mjx.tasks.suite.carried import portable_things
+from home_mjx.tasks.rules.machine import take_transition
+from home_mjx.tasks.rules.program import Selector, pack_program
+from home_mjx.tasks.rules.task_bank import extract_program
+from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, TargetKind
+from home_mjx.tasks.suite.carried import find_portable_objects
 
 HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}
-TASKS = HouseTasks(tasks=(Fetch(stop=True), Rearrange(stop=True, num_things=2)), num_tasks=5)
+TASKS = HouseTasks(tasks=(Fetch(stop=True), Rearrange(stop=True, max_objects=2)), num_tasks=5)
 MOST_STEPS = 400
 
 
@@ -61,11 +61,11 @@ def views(bank):
 def meant_by(view, words: np.ndarray) -> list:
     """The things that a descriptor means, by a loop over what is in the house."""
     columns = {
-        Word.COARSE: (Semantic.COARSE,),
-        Word.COLOR: (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3),
-        Word.SIZE: (Semantic.SIZE,),
-        Word.MATERIAL: (Semantic.MATERIAL,),
-        Word.ROOM_TYPE: (Semantic.ROOM_TYPE,),
+        Attribute.COARSE: (Semantic.COARSE,),
+        Attribute.COLOR: (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3),
+        Attribute.SIZE: (Semantic.SIZE,),
+        Attribute.MATERIAL: (Semantic.MATERIAL,),
+        Attribute.ROOM_TYPE: (Semantic.ROOM_TYPE,),
     }
     used = {word: words[word] for word in columns if words[word] >= 0}
     return [
@@ -139,7 +139,7 @@ def test_here_is_where_the_episode_begins_and_lengths_have_all_legs(tasks, views
     texts = []
     for row in rows_of(tasks, "Fetch"):
         texts.append(detokenize(row["tokens"]))
-        if row["descriptor"][1, Word.KIND] == Kind.PLACE:
+        if row["descriptor"][1, Attribute.KIND] == TargetKind.PLACE:
             assert texts[-1].endswith("here")
             np.testing.assert_allclose(row["place"][1], row["start"], atol=1e-5)
         first = int(np.asarray(views[0].bank.navigation.first_cell)[row["house"]])
@@ -246,8 +246,8 @@ def test_who_takes_a_thing_can_turn_round_with_it(tasks, views, name):
 def test_a_bin_is_taken_from_where_one_can_turn_round_with_it():
     """Beside a toilet hands reach it from twelve cells that were tried; in some the turn sweeps it into the wall."""
     (view,) = house_views(load_bank("procedural:1?seed=130043", num_houses=1))
-    (thing,) = [x.thing for x in portable_things(view, 10.0, 0.5) if x.instance == 55]
-    cells, _ = view.taken(55)
+    (thing,) = [x.object for x in find_portable_objects(view, 10.0, 0.5) if x.instance == 55]
+    cells, _ = view.take_cells(55)
     assert 0 < len(cells) < 12
     assert all(turns_at(view, thing, cell, slack=0.05) for cell in cells.tolist())
 
@@ -255,7 +255,7 @@ def test_a_bin_is_taken_from_where_one_can_turn_round_with_it():
 def test_what_lies_in_a_pocket_is_not_to_be_carried():
     """A chair and a wardrobe leave 37 cm there: an agent fits through, the thing that it holds does not."""
     (view,) = house_views(load_bank("procedural:1?seed=110022", num_houses=1))
-    bodies = [portable.thing.body for portable in portable_things(view, 10.0, 0.5)]
+    bodies = [portable.object.body for portable in find_portable_objects(view, 10.0, 0.5)]
     assert 0 not in bodies
     assert bodies
     ahead = view.bank.physics.body_pos[0, 0]
@@ -267,18 +267,20 @@ def told(program, stage: int, **features: bool) -> tuple[int, float]:
     names = [f"{Feature(int(f)).name.lower()}{int(d)}" for f, d in zip(program.feature, program.first, strict=True)]
     holds = [features.get(name, features.get(name[:-1], False)) for name in names]
     bits = jnp.array([*holds, *[False] * (NUM_CONDITIONS - len(holds))][:NUM_CONDITIONS])
-    after, reward, _ = advance(program, jnp.int32(stage), bits)
+    after, reward, _ = take_transition(program, jnp.int32(stage), bits)
     return int(after), float(reward)
 
 
 def one_program(task, count: int):
     stages = task._stages(count)
-    arrays = written([Meant.thing(coarse=k) for k in range(2 * count)], stages)
-    return program_of({name: jnp.asarray(value) for name, value in arrays.items()} | {"field": jnp.zeros(4, jnp.int32)})
+    arrays = pack_program([Selector.objects(coarse=k) for k in range(2 * count)], stages)
+    return extract_program(
+        {name: jnp.asarray(value) for name, value in arrays.items()} | {"field": jnp.zeros(4, jnp.int32)}
+    )
 
 
 def test_two_things_one_after_the_other():
-    program = one_program(Rearrange(num_things=2), 2)
+    program = one_program(Rearrange(max_objects=2), 2)
     quarter = pytest.approx(2.5 / 4)
     assert told(program, 0) == (0, 0.0)
     assert told(program, 0, held0=True) == (1, quarter)
@@ -289,7 +291,7 @@ def test_two_things_one_after_the_other():
 
 
 def test_what_is_undone_is_paid_back():
-    program = one_program(Rearrange(num_things=2), 2)
+    program = one_program(Rearrange(max_objects=2), 2)
     _, gained = told(program, 0, held0=True)
     stage, lost = told(program, 1)  # neither in the hand nor where it should be
     assert stage == 0
@@ -300,7 +302,7 @@ def test_what_is_undone_is_paid_back():
 @pytest.mark.parametrize("stop", [False, True])
 def test_what_is_put_down_and_falls_is_to_be_put_back(stop):
     """Rewards of the second thing are paid back as well, and paid again for what has stayed done."""
-    program = one_program(Rearrange(num_things=2, stop=stop), 2)
+    program = one_program(Rearrange(max_objects=2, stop=stop), 2)
     part = pytest.approx(2.5 / 4)
     assert told(program, 2) == (0, -2 * part.expected)  # nothing in the hand: first things first
     assert told(program, 2, held2=True) == (3, part)

@@ -30,7 +30,7 @@ from home_mjx.tasks import (
     detokenize,
     expert_action,
     load_tasks,
-    new_combinations,
+    mask_new_combinations,
     save_tasks,
     tokenize,
 )
@@ -114,7 +114,7 @@ def test_mistakes_cost_and_end_episodes_only_if_told_to(bank):
     anywhere = PointGoals(stop=True, success_distance=1000.0)
     task = HouseTasks(tasks=(anywhere, ObjectNav(**STOPS)), num_tasks=2, failure_cost=0.25)
     for ends in (True, False):
-        env = HouseholdEnv(CONFIG, dataclasses.replace(task, mistakes_end=ends)).bind(bank)
+        env = HouseholdEnv(CONFIG, dataclasses.replace(task, terminate_on_failure=ends)).bind(bank)
         states, names, step = begun(env), env.core.action_names, jax.jit(jax.vmap(env.core.step, in_axes=(None, 0, 0)))
         num = len(states.reward)
         stays, stops, goes = (np.full(num, names.index(name)) for name in ("look_up", "stop", "move_forward"))
@@ -232,14 +232,14 @@ def test_ids(env_id, bank):
 def test_sentences_are_split_by_combinations(generated_bank):
     """Each sentence is for training or has something new, and a training one has none of the new combinations."""
     banks = {
-        name: InstructionFollowing(stop=True, num_tasks=24, combinations=name, unseen_part=0.4).task_bank(
+        name: InstructionFollowing(stop=True, num_tasks=24, combinations=name, unseen_fraction=0.4).task_bank(
             generated_bank
         )
         for name in ("all", "seen", "new")
     }
     assert len(banks["seen"]) + len(banks["new"]) == len(banks["all"])
-    assert new_combinations(banks["new"], 0.4).all()
-    assert not new_combinations(banks["seen"], 0.4).any()
+    assert mask_new_combinations(banks["new"], 0.4).all()
+    assert not mask_new_combinations(banks["seen"], 0.4).any()
     with pytest.raises(ConfigError, match="unknown kind of combinations"):
         InstructionFollowing(combinations="old")
 

@@ -25,17 +25,17 @@ from home_mjx.tasks import (
     RoomNav,
     Status,
     load_tasks,
-    mentions,
-    new_combinations,
+    mask_new_combinations,
+    mask_words,
     sample_episodes,
     save_episodes,
     save_tasks,
 )
 from home_mjx.tasks.base.state import check_rows
 from home_mjx.tasks.rules.fields import CellGraph
-from home_mjx.tasks.suite.navigation import mixable
-from home_mjx.tasks.validation.starts import can_stand
-from home_mjx.tasks.validation.waiting import least_steps
+from home_mjx.tasks.suite.navigation import check_mix
+from home_mjx.tasks.validation.starts import is_standable
+from home_mjx.tasks.validation.waiting import min_steps
 
 KINEMATIC = PhysicsConfig(impl="kinematic")
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=KINEMATIC)
@@ -170,14 +170,14 @@ def test_where_agents_can_stand_is_where_cells_of_ways_are(generated_bank, rng):
         shifts = rng.normal(0, [0.1, 0.1, 0.2], (300, 3))
         places += [(house, graph[rng.integers(len(graph))] + shift) for shift in shifts]
     houses, starts = np.array([house for house, _ in places]), np.stack([place for _, place in places])
-    found = can_stand(generated_bank, houses, starts)
+    found = is_standable(generated_bank, houses, starts)
     reach = np.array([1.5 * generated_bank.spec.cell, 1.5 * generated_bank.spec.cell, 0.3])
     for house in range(generated_bank.num_houses):
         graph = CellGraph(generated_bank, house).place
         for place, stands in zip(starts[houses == house], found[houses == house], strict=True):
             assert stands == np.any(np.all(np.abs(graph - place) < reach, axis=1)), place
     assert 0.2 < found.mean() < 0.8
-    assert not can_stand(generated_bank, np.zeros(2, int), np.array([[1e6, 0, 0], [0, -1e6, 0]])).any()
+    assert not is_standable(generated_bank, np.zeros(2, int), np.array([[1e6, 0, 0], [0, -1e6, 0]])).any()
 
 
 def brief(columns, stage=0, waited=0.0, seen=()):
@@ -201,7 +201,7 @@ def test_waiting_is_counted_along_the_shortest_way(rng):
         "feature": rng.choice([Feature.TIME, Feature.SEEN], (200, 8)),
         "least": rng.choice([-np.inf, 3.0, 10.0, 50.0, np.inf], (200, 8)),
     }
-    steps = least_steps(rows)
+    steps = min_steps(rows)
     assert steps.tolist() == [brief({name: x[t].tolist() for name, x in rows.items()}) for t in range(200)]
     assert len(np.unique(steps)) > 5
 
@@ -292,7 +292,7 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
         ({}, {"meant": [{"kind": "agent", "agent": 7}]}, "`meant.agent` must be a whole number from -1 to 0"),
         ({}, {"told": [3]}, "`told`"),
         ({}, {"needs": {"feature": "said", "least": 0.0}}, "`said` is never from 0"),
-        ({}, {"needs": {"feature": "held", "least": 1.0}}, "`held` .* always 0 here .* Give hands=True"),
+        ({}, {"needs": {"feature": "held", "least": 1.0}}, "`is_held` .* always 0 here .* Give hands=True"),
         ({"actions": "continuous"}, {"needs": {"feature": "stopped", "least": 1.0}}, "`stopped` .* always 0"),
     ],
 )
@@ -350,9 +350,9 @@ def test_what_is_no_mask_is_refused(env, mask):
 def test_words_and_seeds_that_cannot_be_used_are_refused(env):
     for wrong in ("bed", 5):
         with pytest.raises(ConfigError, match="several words"):
-            mentions(env.params.tasks, wrong)
+            mask_words(env.params.tasks, wrong)
     with pytest.raises(ConfigError, match="seed"):
-        new_combinations(env.params.tasks, 0.2, 10**30)
+        mask_new_combinations(env.params.tasks, 0.2, 10**30)
     with pytest.raises(ConfigError, match="task_seed"):
         RoomNav(task_seed=-1)
 
@@ -362,20 +362,20 @@ def test_words_and_seeds_that_cannot_be_used_are_refused(env):
 )
 def test_a_mix_of_what_is_no_task_of_rows_is_refused(tasks):
     with pytest.raises(ConfigError, match="mix") as raised:
-        mixable(tasks)
+        check_mix(tasks)
     assert raised.value.hint
 
 
 def test_a_mix_keeps_the_combinations_that_its_tasks_keep(generated_bank):
     """As `InstructionFollowing` alone does; sentences of the others stay."""
     options = {"num_tasks": 24, "task_seed": 1}
-    seen = InstructionFollowing(combinations="seen", unseen_part=0.4, **options)
+    seen = InstructionFollowing(combinations="seen", unseen_fraction=0.4, **options)
     mixed = HouseTasks(tasks=[RoomNav(), seen], **options).task_bank(generated_bank)
     of_sentences = np.asarray(mixed.rows.columns["task"]) == 1
     assert mixed.names == ("RoomNav", "InstructionFollowing")
     assert 0 < of_sentences.sum() < 48
     assert (~of_sentences).sum() == 48
-    assert not new_combinations(mixed.where(of_sentences), 0.4).any()
+    assert not mask_new_combinations(mixed.where(of_sentences), 0.4).any()
     hash(HouseTasks(tasks=[RoomNav(), seen]))
 
 
@@ -384,4 +384,4 @@ def test_pied_piper_is_for_as_many_agents_as_it_has(generated_bank):
     for num_agents, others, said in ((4, 1, "for 3 agents, got 4"), (3, 0, "for 2 agents, got 3"), (2, 1, "for 3")):
         physics = PhysicsConfig(num_agents=num_agents, impl="kinematic")
         with pytest.raises(ConfigError, match=said):
-            HouseholdEnv(CONFIG.replace(physics=physics), PiedPiper(others=others))
+            HouseholdEnv(CONFIG.replace(physics=physics), PiedPiper(num_others=others))

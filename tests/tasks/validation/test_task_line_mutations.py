@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from home_mjx.errors import ConfigError, HomeMjxError
-from home_mjx.schema.compiled import FIELD_FAR
+from home_mjx.schema.compiled import FIELD_UNREACHABLE
 from home_mjx.tasks import EnvParams, Status, load_tasks
 from home_mjx.tasks.rules.house_view import house_views
 from home_mjx.tasks.suite import task_lines
@@ -48,7 +48,7 @@ def played(env):
         return jax.tree.map(lambda a, b: jnp.append(b, a), finite(first), after)
 
     def run(tasks):
-        wide = jnp.pad(tasks.field, ((0, 0), (0, FIELDS - tasks.field.shape[1])), constant_values=FIELD_FAR)
+        wide = jnp.pad(tasks.field, ((0, 0), (0, FIELDS - tasks.field.shape[1])), constant_values=FIELD_UNREACHABLE)
         params = EnvParams(env.bank, tasks=tasks.replace(field=wide, names=("Any",)))
         return play(params, jax.random.key(0))
 
@@ -63,13 +63,13 @@ def places(value, path=()):
         yield from places(item, (*path, key))
 
 
-NUMBERS = st.one_of(
+NUMBERS = st.indefinite_noun(
     st.sampled_from([math.nan, math.inf, -math.inf, 1e300, -1e6, 1e39, 10**400, 2**31, 70_000, 300, -5, True, 1.0]),
     st.integers(-3, 9),
     st.floats(-30, 30),
 )
 TEXTS = st.sampled_from(["", "x", "success", "yes", "find the bed", "room", "voice", "chair", "Kitchen", "held"])
-VALUES = st.one_of(NUMBERS, TEXTS, st.none(), st.lists(NUMBERS, max_size=4), st.just({}), st.just([[]]))
+VALUES = st.indefinite_noun(NUMBERS, TEXTS, st.none(), st.lists(NUMBERS, max_size=4), st.just({}), st.just([[]]))
 
 
 @st.composite
@@ -146,9 +146,9 @@ def spoiled(draw, columns):
     array = columns[name]
     at = (1, *(draw(st.integers(0, n - 1)) for n in array.shape[1:]))
     if array.dtype.kind == "f":
-        return name, at, draw(st.one_of(st.floats(width=32), st.floats(-3, 3).map(array[at].item().__add__)))
+        return name, at, draw(st.indefinite_noun(st.floats(width=32), st.floats(-3, 3).map(array[at].item().__add__)))
     limits = np.iinfo(array.dtype)
-    return name, at, draw(st.one_of(st.integers(-3, 9), st.integers(int(limits.min), int(limits.max))))
+    return name, at, draw(st.indefinite_noun(st.integers(-3, 9), st.integers(int(limits.min), int(limits.max))))
 
 
 @pytest.mark.parametrize("examples", [60, pytest.param(2000, marks=pytest.mark.slow)])

@@ -10,9 +10,9 @@ from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.errors import ConfigError, UnknownNameError
 from home_mjx.tasks import EnvConfig, Variation
 from home_mjx.tasks.env.usable import check_variation
-from home_mjx.tasks.variation.draw import draw
-from home_mjx.tasks.variation.noise import MEAN, VARIANCE, noisy_depth, noisy_moves, noisy_rgb
-from home_mjx.tasks.variation.ranges import as_variation
+from home_mjx.tasks.variation.draw import sample_variation
+from home_mjx.tasks.variation.noise import ERROR_MEAN, ERROR_VARIANCE, add_depth_noise, add_move_noise, add_rgb_noise
+from home_mjx.tasks.variation.ranges import to_variation
 
 NUM, LAMPS = 20_000, 3
 RANGES = {
@@ -35,7 +35,7 @@ RANGES = {
 
 @pytest.fixture(scope="module")
 def program():
-    return jax.jit(lambda ranges, keys: jax.vmap(lambda key: draw(ranges, key, LAMPS))(keys))
+    return jax.jit(lambda ranges, keys: jax.vmap(lambda key: sample_variation(ranges, key, LAMPS))(keys))
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def numbers(drawn):
         "friction": drawn.bodies.friction,
         "mass": drawn.bodies.mass,
         "volume": drawn.volume,
-        "noise_volume": drawn.noise_volume,
+        "noise_volume": drawn.contact_sound_volume,
         "step_length": drawn.step_length,
     }
 
@@ -94,7 +94,9 @@ def test_draws_do_not_depend_on_each_other(drawn, keys):
     values = np.stack([np.asarray(x) for x in numbers(drawn).values()])
     between = np.corrcoef(values) - np.eye(len(values))
     assert np.abs(between).max() < 0.035
-    alone = jax.jit(lambda r: jax.vmap(lambda key: draw(r, key, LAMPS))(keys))(Variation.of(volume=RANGES["volume"]))
+    alone = jax.jit(lambda r: jax.vmap(lambda key: sample_variation(r, key, LAMPS))(keys))(
+        Variation.of(volume=RANGES["volume"])
+    )
     np.testing.assert_array_equal(alone.volume, drawn.volume)
     assert alone.mount is None
     assert alone.bodies is None
@@ -112,14 +114,14 @@ def test_other_ranges_need_no_other_program_and_the_same_key_draws_the_same(prog
 
 
 def test_nothing_is_drawn_from_none():
-    assert draw(None, jax.random.key(0), LAMPS) is None
+    assert sample_variation(None, jax.random.key(0), LAMPS) is None
 
 
 def test_ranges_go_to_names_and_back():
     variation = Variation.of(**RANGES)
-    assert as_variation(variation.named()).named() == variation.named()
-    assert jax.tree.all(jax.tree.map(jnp.allclose, as_variation(variation), variation))
-    assert as_variation(None) is None
+    assert to_variation(variation.to_dict()).to_dict() == variation.to_dict()
+    assert jax.tree.all(jax.tree.map(jnp.allclose, to_variation(variation), variation))
+    assert to_variation(None) is None
     assert Variation.of(exposure=2).exposure.tolist() == [2, 2]
     assert Variation.of(exposure=None).exposure is None
 
@@ -152,9 +154,9 @@ def test_wrong_ranges_are_refused(ranges, said):
 
 def test_what_is_no_variation_is_refused():
     with pytest.raises(UnknownNameError, match="lamps"):
-        as_variation({"lamp": 0.5})
+        to_variation({"lamp": 0.5})
     with pytest.raises(ConfigError, match="ranges by name"):
-        as_variation(0.5)
+        to_variation(0.5)
 
 
 @pytest.mark.parametrize(
@@ -179,10 +181,10 @@ def test_moves_have_the_errors_of_the_robot():
     keys = jax.random.split(jax.random.key(5), 40_000)
     for row, (drive, amount) in enumerate([((0.025, 0.0, 0.0), 0.25), ((0.0, 0.0, -0.0175), 0.175)]):
         given = jnp.array([drive], jnp.float32)
-        many = jax.jit(jax.vmap(lambda key, given=given: noisy_moves(jnp.float32(1.0), key, given, full)))(keys)
+        many = jax.jit(jax.vmap(lambda key, given=given: add_move_noise(jnp.float32(1.0), key, given, full)))(keys)
         error = np.asarray((many - given)[:, 0] * full[0]) * [1, -1, -1 if row else 1]
         for axis in range(3):
-            mean, deviation = MEAN[row, axis], np.sqrt(VARIANCE[row, axis])
+            mean, deviation = ERROR_MEAN[row, axis], np.sqrt(ERROR_VARIANCE[row, axis])
             low = (-0.95 * amount - mean) / deviation if axis == 2 * row else -3.0
             model = stats.truncnorm(max(low, -3.0), 3.0, mean, deviation)
             assert abs(error[:, axis].mean() - model.mean()) < 5 * model.std() / np.sqrt(len(keys))
@@ -193,14 +195,14 @@ def test_moves_have_the_errors_of_the_robot():
 def test_who_stands_still_and_noise_of_level_0_change_nothing():
     key, full = jax.random.key(0), jnp.ones((2, 3))
     drive = jnp.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]])
-    noisy = noisy_moves(jnp.float32(2.0), key, drive, full)
+    noisy = add_move_noise(jnp.float32(2.0), key, drive, full)
     assert noisy[0].tolist() == [0, 0, 0]
     assert (noisy[1] != drive[1]).all()
     assert (np.abs(noisy) <= 1).all()
-    np.testing.assert_array_equal(noisy_moves(jnp.float32(0.0), key, drive, full), drive)
+    np.testing.assert_array_equal(add_move_noise(jnp.float32(0.0), key, drive, full), drive)
     depth, rgb = jnp.full((8, 8, 1), 3.0), jnp.full((8, 8, 3), 90, jnp.uint8)
-    np.testing.assert_array_equal(noisy_depth(jnp.float32(0.0), key, depth, 10.0), depth)
-    np.testing.assert_array_equal(noisy_rgb(jnp.float32(0.0), key, rgb), rgb)
+    np.testing.assert_array_equal(add_depth_noise(jnp.float32(0.0), key, depth, 10.0), depth)
+    np.testing.assert_array_equal(add_rgb_noise(jnp.float32(0.0), key, rgb), rgb)
 
 
 def test_depth_noise_grows_with_its_level_and_the_square_of_the_distance():
@@ -208,9 +210,9 @@ def test_depth_noise_grows_with_its_level_and_the_square_of_the_distance():
 
     def deviation(level, distance):
         depth = jnp.full((64, 64, 1), distance)
-        return float(jnp.std(noisy_depth(jnp.float32(level), key, depth, 20.0)))
+        return float(jnp.std(add_depth_noise(jnp.float32(level), key, depth, 20.0)))
 
     assert 3.4 < deviation(3.0, 8.0) / deviation(3.0, 4.0) < 4.6
     assert 1.7 < deviation(6.0, 8.0) / deviation(3.0, 8.0) < 2.3
     far = jnp.full((8, 8, 1), 10.0)
-    np.testing.assert_array_equal(noisy_depth(jnp.float32(1.0), key, far, 10.0), far)
+    np.testing.assert_array_equal(add_depth_noise(jnp.float32(1.0), key, far, 10.0), far)

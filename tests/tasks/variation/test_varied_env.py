@@ -15,12 +15,12 @@ import home_mjx
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.errors import ConfigError, UnknownNameError
-from home_mjx.raycast_render.shaders.preset import Lit
+from home_mjx.raycast_render.shaders.preset import LitShader
 from home_mjx.registry import EnvSpec, find_spec
 from home_mjx.tasks import AutoReset, HouseholdEnv, PointNav, Variation, load_states, make_config, save_states
 
 NUM = 6
-LIT = Lit(num_lights=1, bounces=0)
+LIT = LitShader(num_lights=1, max_specular_depth=0)
 # With these nothing is other than without variation.
 NEUTRAL = {
     "lamps": 1.0,
@@ -179,7 +179,7 @@ def test_images_have_noise_of_each_step(env, played, neutral):
         off = [obs(a, name).astype(float) - obs(b, name) for a, b in zip(noisy, neutral, strict=True)]
         assert all(0 < np.abs(x).mean() < 30 for x in off)
         assert not np.array_equal(off[0], off[1])
-    assert obs(noisy[0], "pixels/head_depth").max() <= env.config.depth_max
+    assert obs(noisy[0], "pixels/head_depth").max() <= env.config.max_depth
     again = jax.jit(jax.vmap(env.core.observe, (None, 0)))(env.with_variation(NEUTRAL).params, noisy[0])
     assert_array_equal(again.obs["pixels/head_depth"], noisy[0].obs["pixels/head_depth"])
 
@@ -189,7 +189,7 @@ def test_what_was_drawn_is_saved_with_the_state(env, played, tmp_path):
     path = tmp_path / "states.npz"
     assert save_states(path, states) == NUM
     loaded = load_states(path, env.with_variation(NEUTRAL))
-    assert_array_equal(loaded.world.drawn.look.exposure, states.world.drawn.look.exposure)
+    assert_array_equal(loaded.world.variation.appearance.exposure, states.world.drawn.look.exposure)
 
 
 def test_resets_draw_anew():
@@ -226,7 +226,7 @@ def test_make_and_adapters_hand_ranges_on(bank):
 
 
 def test_ranges_are_part_of_what_a_run_is_made_of():
-    ranges = Variation.of(lamps=0.5, clips=("radio",)).named()
+    ranges = Variation.of(lamps=0.5, clips=("radio",)).to_dict()
     spec = dataclasses.replace(find_spec("PointNav-v0"), options={"variation": ranges})
     assert EnvSpec.from_json(spec.to_json()) == spec
 

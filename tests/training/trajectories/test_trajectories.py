@@ -13,21 +13,21 @@ pytest.importorskip("pyarrow", reason="needs the extra `data`")
 import home_mjx
 from home_mjx.cli import main
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
-from home_mjx.tasks.env.bound import BoundEnv
+from home_mjx.tasks.env.bound import Env
 from home_mjx.training.trajectories import Trajectories
-from home_mjx.training.trajectories.layout import num_complete
-from home_mjx.training.trajectories.writer import Writer
+from home_mjx.training.trajectories.layout import count_complete_episodes
+from home_mjx.training.trajectories.writer import TrajectoryWriter
 from home_procgen import generate_dataset
 
 SENSORS = ("rgb", "depth", "audio", "instruction", "goal")
 
 
 @pytest.fixture(scope="module")
-def env(generated_bank) -> BoundEnv:
+def env(generated_bank) -> Env:
     return home_mjx.make("RoomNav-v0", generated_bank, sensors=SENSORS, width=40, height=32, num_tasks=2)
 
 
-def drawn(env: BoundEnv, rng: np.random.Generator, length: int) -> dict:
+def drawn(env: Env, rng: np.random.Generator, length: int) -> dict:
     """An episode of noise."""
     seen = {
         name: rng.integers(0, 99, (length + 1, *spec.shape)).astype(spec.dtype)
@@ -39,9 +39,9 @@ def drawn(env: BoundEnv, rng: np.random.Generator, length: int) -> dict:
 
 
 @pytest.fixture
-def written(env: BoundEnv, rng: np.random.Generator, tmp_path: Path) -> tuple[Path, list[dict]]:
+def written(env: Env, rng: np.random.Generator, tmp_path: Path) -> tuple[Path, list[dict]]:
     episodes = [drawn(env, rng, length) for length in (3, 1, 7)]
-    with Writer(tmp_path / "set", env, "expert") as writer:
+    with TrajectoryWriter(tmp_path / "set", env, "expert") as writer:
         for number, episode in enumerate(episodes):
             writer.add(episode, {"instruction": f"task {number}"})
     return tmp_path / "set", episodes
@@ -79,7 +79,7 @@ def test_minari_reads_it(written):
         assert data.action_space.contains(np.int64(read.actions[0]))
 
 
-def test_a_killed_process_loses_only_what_was_not_whole(env: BoundEnv, rng: np.random.Generator, written):
+def test_a_killed_process_loses_only_what_was_not_whole(env: Env, rng: np.random.Generator, written):
     folder, episodes = written
     path = folder / "data" / "metadata.json"
     old = json.loads(path.read_text())
@@ -88,7 +88,7 @@ def test_a_killed_process_loses_only_what_was_not_whole(env: BoundEnv, rng: np.r
     shutil.copytree(folder / "data" / "2", folder / "data" / "4")  # by another thread, before 3 was whole
     assert len(Trajectories(folder)) == 1
     more = drawn(env, rng, 2)
-    with Writer(folder, env, "expert", resume=True) as writer:
+    with TrajectoryWriter(folder, env, "expert", resume=True) as writer:
         assert (writer.episodes, writer.steps) == (3, 11)
         writer.add(more, {})
     data = Trajectories(folder)
@@ -96,14 +96,14 @@ def test_a_killed_process_loses_only_what_was_not_whole(env: BoundEnv, rng: np.r
     same(data[3], more)
     same(data[2], episodes[2])
     assert not list((folder / "data").glob(".*"))
-    assert num_complete(folder / "data") == 4
+    assert count_complete_episodes(folder / "data") == 4
 
 
-def test_a_full_disk_is_said_and_writing_goes_on_later(env: BoundEnv, rng: np.random.Generator, tmp_path: Path):
+def test_a_full_disk_is_said_and_writing_goes_on_later(env: Env, rng: np.random.Generator, tmp_path: Path):
     short, long = (drawn(env, rng, length) for length in (1, 40))
 
     def write(episode: dict, resume: bool) -> None:
-        with Writer(tmp_path, env, "expert", resume=resume) as writer:
+        with TrajectoryWriter(tmp_path, env, "expert", resume=resume) as writer:
             writer.add(episode, {})
 
     write(short, False)
@@ -122,12 +122,12 @@ def test_a_full_disk_is_said_and_writing_goes_on_later(env: BoundEnv, rng: np.ra
     assert len(Trajectories(tmp_path)) == 2
 
 
-def test_mistakes_are_refused(env: BoundEnv, written, tmp_path: Path):
+def test_mistakes_are_refused(env: Env, written, tmp_path: Path):
     folder, _ = written
     with pytest.raises(ConfigError, match="contains a dataset"):
-        Writer(folder, env, "expert")
+        TrajectoryWriter(folder, env, "expert")
     with pytest.raises(ConfigError, match="another `observation_space`"):
-        Writer(folder, env, "expert", without=("goal",), resume=True)
+        TrajectoryWriter(folder, env, "expert", omit=("goal",), resume=True)
     with pytest.raises(MissingFileError, match="there is no dataset"):
         Trajectories(tmp_path)
     (folder / "data" / "1" / "part-0.arrow").write_bytes(b"ARROW1")

@@ -56,7 +56,7 @@ def test_it_begins_downstairs_before_a_closed_door(env, story, script):
 def test_it_ends_as_it_should(env, story, script):
     """The door is open, the agent upstairs, its hand empty, and the lamp stands on the table, upright and at rest."""
     last = story[-1].moment
-    assert abs(last.door_angle[0] - float(env.bank.physics.door_wide[0, 0])) < 0.15
+    assert abs(last.door_angle[0] - float(env.bank.physics.door_fully_open[0, 0])) < 0.15
     assert script.is_upstairs(last)
     assert last.held.tolist() == [-1, -1]
     assert script.stands(last)

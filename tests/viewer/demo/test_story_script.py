@@ -47,7 +47,7 @@ class Puppets:
         pos, yaw, pitch = self.now.pos.copy(), self.now.yaw.copy(), self.now.pitch.copy()
         for agent, body in enumerate(config.physics.agents):
             yaw[agent] += told[agent]["turn_left"] * body.turn_rate * dt
-            pitch[agent] += told[agent]["look_up"] * config.look_rate * dt
+            pitch[agent] += told[agent]["look_up"] * config.max_pitch_rate * dt
             step = told[agent]["forward"] * body.forward_speed * dt * np.array([np.cos(yaw[agent]), np.sin(yaw[agent])])
             if agent == WATCHER or not self._is_shut(pos[agent, :2] + step):
                 pos[agent, :2] += step

@@ -7,7 +7,7 @@ import pytest
 
 from home_mjx.tasks import EnvConfig, make_config
 from home_mjx.tasks.env.moves import action_names
-from home_mjx.viewer.episodes.keyboard import KeyboardPlayer, as_text, key_actions, key_help, keys_of
+from home_mjx.viewer.episodes.keyboard import KeyboardPlayer, image_to_text, key_actions, key_help, read_keys
 
 
 def typed(config: EnvConfig, text: str, num: int) -> list:
@@ -49,7 +49,7 @@ def test_a_terminal_gives_single_keys_and_is_left_as_it_was():
     outside, inside = pty.openpty()
     with open(inside) as terminal, open(outside, "wb", buffering=0) as person:
         before = termios.tcgetattr(terminal)
-        keys = keys_of(terminal)
+        keys = read_keys(terminal)
         for key in "wd ":
             person.write(key.encode())  # no end of a line
             assert next(keys) == key
@@ -61,7 +61,7 @@ def test_a_terminal_gives_single_keys_and_is_left_as_it_was():
 def test_a_picture_has_two_pixels_in_each_character():
     image = np.zeros((40, 80, 3), np.uint8)
     image[20:] = (255, 0, 0)
-    lines = as_text(image, 20).splitlines()
+    lines = image_to_text(image, 20).splitlines()
     assert len(lines) == 5
     assert [line.count("▀") for line in lines] == [20] * 5
     assert "48;2;255;0;0" in lines[-1]

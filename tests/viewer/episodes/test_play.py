@@ -15,8 +15,8 @@ from PIL import Image
 from home_mjx.cli import main
 from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.registry import EnvSpec, find_spec
-from home_mjx.viewer.episodes.episode import Outcome
-from home_mjx.viewer.episodes.film import Film, fitted, frame
+from home_mjx.viewer.episodes.episode import EpisodeResult
+from home_mjx.viewer.episodes.film import VideoWriter, compose_frame, fit_image
 from home_mjx.viewer.episodes.run import PlayOptions, _Reporter, run_play
 from home_procgen import generate_dataset
 
@@ -32,20 +32,20 @@ def film_of(path: Path) -> np.ndarray:
 
 def test_frames_have_even_sides_and_keep_what_they_show(rng: np.random.Generator):
     view, plan = rng.integers(0, 255, (60, 81, 3), np.uint8), np.full((200, 100, 3), 90, np.uint8)
-    picture = frame(view, plan, "go " * 100, "step", success=True)
+    picture = compose_frame(view, plan, "go " * 100, "step", success=True)
     assert [side % 2 for side in picture.shape[:2]] == [0, 0]
     assert np.array_equal(picture[34:94, 8:89], view)
-    assert fitted(plan, 50, 40).shape == (40, 50, 3)
-    assert np.array_equal(fitted(plan, 50, 40)[20, 25], [90, 90, 90])
+    assert fit_image(plan, 50, 40).shape == (40, 50, 3)
+    assert np.array_equal(fit_image(plan, 50, 40)[20, 25], [90, 90, 90])
 
 
 def test_a_film_runs_in_real_time_with_sound_and_never_slower_than_can_be_followed(tmp_path: Path):
-    silent, heard = Film(0.3), Film(0.3, 16000)
+    silent, heard = VideoWriter(0.3), VideoWriter(0.3, 16000)
     assert (silent.fps, heard.fps) == (6.0, pytest.approx(1 / 0.3))
     picture = np.zeros((64, 64, 3), np.uint8)
     for film in (silent, heard):
         film.add(picture)
-        film.end(picture + 200)
+        film.add_final(picture + 200)
         film.write(tmp_path, "film")
         frames = film_of(tmp_path / "film.mp4")
         assert len(frames) == len(film.frames) == 1 + round(1.5 * film.fps)
@@ -56,11 +56,11 @@ def test_a_film_runs_in_real_time_with_sound_and_never_slower_than_can_be_follow
 @pytest.mark.parametrize("size", [0, 1000, 50_000, 10**7])
 def test_a_full_disk_leaves_all_of_a_film_or_nothing(tmp_path: Path, rng: np.random.Generator, size: int):
     """Half a film was left, or one without its picture and its outcomes."""
-    reporter, film = object.__new__(_Reporter), Film(0.3)
-    film.end(np.zeros((64, 64, 3), np.uint8))
+    reporter, film = object.__new__(_Reporter), VideoWriter(0.3)
+    film.add_final(np.zeros((64, 64, 3), np.uint8))
     film.ends = [rng.integers(0, 255, (200, 300, 3), np.uint8)]  # a picture much larger than the film
     reporter.options, reporter.film = PlayOptions(find_spec("PointNav-v0"), out=tmp_path), film
-    outcome = Outcome(1, "PointNav", "", "a", 1.0, 1.0, 2, 3.0)
+    outcome = EpisodeResult(1, "PointNav", "", "a", 1.0, 1.0, 2, 3.0)
     if size == 10**7:
         reporter.write([outcome])
         assert {path.suffix for path in tmp_path.iterdir()} == {".mp4", ".png", ".jsonl"}
@@ -100,7 +100,7 @@ def test_an_expert_is_filmed(houses: Path, tmp_path: Path):
     lines: list[str] = []
     outcomes = run_play(options, lines.append)
     assert [outcome.success for outcome in outcomes] == [1.0, 1.0]
-    assert lines == [outcome.line() for outcome in outcomes]
+    assert lines == [outcome.format_line() for outcome in outcomes]
     assert all(outcome.spl > 0.8 for outcome in outcomes)
     kept = [json.loads(line) for line in (tmp_path / "RoomNav-v0_expert.jsonl").read_text().splitlines()]
     assert [line["steps"] for line in kept] == [outcome.steps for outcome in outcomes]

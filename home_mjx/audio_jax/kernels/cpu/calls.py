@@ -9,58 +9,58 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.base.shapes import filter_basis
 from home_mjx.audio_jax.kernels.cpu.fft import fast_size
 from home_mjx.audio_jax.kernels.cpu.operands import EARLY, LATE
-from home_mjx.audio_jax.kernels.reads import Reads, before, frame_begin, times, way_rows
-from home_mjx.audio_jax.kernels.tail import Late, octave_table, window_width
-from home_mjx.audio_jax.kernels.tail import frame_begin as late_begin
-from home_mjx.audio_jax.receivers.diffuse import knot_hats, noise
-from home_mjx.core.native.fork_guard import note_start
-from home_mjx.core.native.platforms import problem_of, works
+from home_mjx.audio_jax.kernels.reads import DelayReads, filter_history, frame_begin, pack_paths, sample_times
+from home_mjx.audio_jax.kernels.tail import LateResponse, octave_table, source_window_width
+from home_mjx.audio_jax.kernels.tail import late_frame_begin as late_begin
+from home_mjx.audio_jax.receivers.diffuse import knot_weights, octave_noise
+from home_mjx.core.native.fork_guard import record_process
+from home_mjx.core.native.platforms import find_problem, is_usable
 from home_mjx.core.native.sharding import varying_as
 from home_mjx.core.native.simd import LANES
-from home_mjx.core.native.vmap_call import batched, numbers
+from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 from home_mjx.schema.compiled import BANDS
 
 TARGET = "home_mjx_frames"
 NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all environments
 
-_kept: list[object] = []  # compiled functions that XLA may call until the process ends
+_compiled: list[object] = []  # compiled functions that XLA may call until the process ends
 
 
 @functools.cache
 def cpu_available() -> bool:
     """Return whether the compiled code works; warn once if there is a CPU backend on which it fails."""
-    return works("cpu", problem_of("cpu", _start), "moving sound uses slower XLA operations")
+    return is_usable("cpu", find_problem("cpu", _start), "moving sound uses slower XLA operations")
 
 
 def _start() -> None:
-    note_start()
+    record_process()
     from home_mjx.audio_jax.kernels.cpu.handler import build_handler
 
     compiled = build_handler()
-    _kept.extend(compiled)
+    _compiled.extend(compiled)
     jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(compiled[-1].ctypes), platform="cpu", api_version=1)
 
 
-def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
+def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
     """Render `motion.synthesis.early_frame` with the same arguments."""
-    share = jnp.moveaxis(reads.share, -1, -2)
+    share = jnp.moveaxis(reads.gain, -1, -2)
     share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
-    given = reads.source, reads.filtered, reads.start, way_rows(reads.ways), share
+    given = reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
     return _early_op(config)(*_early_tables(config), *(x[None] for x in given))[0][0]
 
 
 def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Float[Array, "two size"]]:
     """Return the spectra of the bus filters, padded to at least `LANES` buses, and the FFT twiddle factors."""
-    kernels, size = shapes(config.sample_rate).kernel.astype(np.float64), fast_size(times(config).shape[0])
+    kernels, size = filter_basis(config.sample_rate).kernel.astype(np.float64), fast_size(sample_times(config).shape[0])
     spectra = np.fft.fft(kernels, size).T / size
     spectra = np.pad(spectra, [(0, 0), (0, max(LANES - spectra.shape[1], 0))])
-    return _parts(spectra), _turns(size)
+    return _parts(spectra), _twiddles(size)
 
 
-def _turns(size: int) -> Array:
+def _twiddles(size: int) -> Array:
     return _parts(np.exp(-2j * np.pi * np.arange(size) / size))
 
 
@@ -71,43 +71,43 @@ def _parts(values: np.ndarray) -> Array:
 @functools.cache
 def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
     def run(spectra: Array, turns: Array, *given: Array) -> tuple[Array, ...]:
-        sizes = numbers((EARLY, frame_begin(config), before(config), times(config).shape[0]))
-        rate = numbers([config.sample_rate / config.speed_of_sound], jnp.float32)
+        sizes = traced_constant((EARLY, frame_begin(config), filter_history(config), sample_times(config).shape[0]))
+        rate = traced_constant([config.sample_rate / config.speed_of_sound], jnp.float32)
         return _call(config, sizes, spectra, turns, rate, *given)
 
-    return batched(run, NUM_EARLY_TABLES, 1)
+    return batch_kernel(run, NUM_EARLY_TABLES, 1)
 
 
-def hears(late: Late, config: AudioConfig) -> bool:
+def supports_late(late: LateResponse, config: AudioConfig) -> bool:
     """Return whether the compiled code supports this late sound: no common noise, and bins of at least `LANES`."""
-    return late.share.common.shape[-2] == 0 and config.bin_samples >= LANES
+    return late.shares.shared_power.shape[-2] == 0 and config.bin_samples >= LANES
 
 
-def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
+def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
     """Render `motion.synthesis.late_frame` with the same arguments."""
-    share = late.share
-    given = sources, share.amplitude(), share.mix, share.start, late.onset, late.tail
+    share = late.shares
+    given = sources, share.amplitude(), share.mix, share.start_bin, late.onset, late.tail
     return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]
 
 
 def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
     """Return the noise, the weights of its amplitude knots, octave gains and FFT twiddle factors."""
-    size = fast_size(window_width(config))
-    gains = octave_table(config, size) if config.num_tail else np.zeros((len(BANDS), size // 2 + 1))
-    tables = (jnp.asarray(x, jnp.float32) for x in (noise(config), knot_hats(config), gains))
-    return *tables, _turns(size)
+    size = fast_size(source_window_width(config))
+    gains = octave_table(config, size) if config.num_tail_repeats else np.zeros((len(BANDS), size // 2 + 1))
+    tables = (jnp.asarray(x, jnp.float32) for x in (octave_noise(config), knot_weights(config), gains))
+    return *tables, _twiddles(size)
 
 
 @functools.cache
 def _late_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    first, half = config.response_length - config.half_length, config.half_length
-    start = config.memory_length - first - config.tail_ringing
-    sizes = (LATE, first, half, config.num_tail, start, window_width(config), late_begin(config))
+    first, half = config.response_length - config.tail_period, config.tail_period
+    start = config.memory_length - first - config.num_tail_ringing
+    sizes = (LATE, first, half, config.num_tail_repeats, start, source_window_width(config), late_begin(config))
 
     def run(*given: Array) -> tuple[Array, ...]:
-        return _call(config, numbers(sizes), *given)
+        return _call(config, traced_constant(sizes), *given)
 
-    return batched(run, NUM_LATE_TABLES, 1)
+    return batch_kernel(run, NUM_LATE_TABLES, 1)
 
 
 def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:

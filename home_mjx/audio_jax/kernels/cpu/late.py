@@ -1,4 +1,4 @@
-"""Late sound of a chunk of environments: noise responses and convolution, as `frames.tail.frame_by_xla`."""
+"""Late sound of a chunk of environments: noise responses and convolution, as `frames.tail.render_late_by_xla`."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from typing import Any, NamedTuple, no_type_check
@@ -21,18 +21,18 @@ from home_mjx.audio_jax.kernels.cpu.operands import (
 )
 from home_mjx.core.native import ffi
 from home_mjx.core.native.ffi import NUMBER, WORD
-from home_mjx.core.native.memory import address_of, shifted
-from home_mjx.core.native.simd import LANES, load, multiply_add, spread, store
+from home_mjx.core.native.memory import address_of, offset_pointer
+from home_mjx.core.native.simd import LANES, broadcast, load, multiply_add, store
 
 _, NOISE, HATS, OCTAVES, TURNS, SOURCE, AMPLITUDE, MIX, BEGUN, ONSET, TAIL = range(11)  # operands
 _, FIRST, HALF, ECHOES, START, WIDTH, FRAME_BEGIN = range(7)  # constants
-FOUR = 4  # vectors per step, for instruction-level parallelism
+VECTORS_PER_STEP = 4  # vectors per step, for instruction-level parallelism
 ENDS, PARTS = 2, 2  # start and end of the frame; parts of a response
 ZERO, ONE, ONE_HALF = np.float32(0), np.float32(1), np.float32(0.5)
 compiled = njit(error_model="numpy")
 
 
-class Sizes(NamedTuple):
+class LateSizes(NamedTuple):
     """Sizes of the arrays of one environment."""
 
     sources: np.int64
@@ -51,11 +51,11 @@ class Sizes(NamedTuple):
     begin: np.int64  # first sample of the frame in the transforms' output
     frame: np.int64
     points: np.int64  # size of transforms
-    each: np.int64  # transforms per environment
-    together: np.int64  # environments per batch of transforms
+    transforms_per_env: np.int64  # transforms per environment
+    envs_per_batch: np.int64  # environments per batch of transforms
 
 
-class Room(NamedTuple):
+class LateScratch(NamedTuple):
     """Scratch memory of a thread."""
 
     responses: Any  # (together, ends, two channels, first and half)
@@ -71,23 +71,34 @@ class Room(NamedTuple):
 
 @compiled
 @no_type_check
-def make_late(frame, first, end):
+def render_late_chunk(frame, first, end):
     """Render the frames of environments `first` to `end` (exclusive), at most `LANES / 2` of them."""
     size = _sizes(frame)
-    room = _make_room(size)
+    room = _allocate(size)
     turns = complex_table(frame, TURNS, size.points)
     for left in range(0, size.channels, 2):
         for i in range(size.points * LANES):
             room.spectra[0][i], room.spectra[1][i] = ZERO, ZERO
-        for begin in range(first, end, size.together):
-            count = min(size.together, end - begin)
+        for begin in range(first, end, size.envs_per_batch):
+            count = min(size.envs_per_batch, end - begin)
             for source in range(size.sources):
                 for i in range(count):
                     _prepare(frame, begin + i, source, left, i, size, room)
                 _interleave(count, size, room)
-                heard = transform(size.points, size.together * size.each, turns, room.values, room.spare)
+                heard = transform(
+                    size.points, size.envs_per_batch * size.transforms_per_env, turns, room.values, room.spare
+                )
                 for i in range(count):
-                    _add_spectra(frame, begin + i, source, i * size.each, 2 * (begin - first + i), heard, size, room)
+                    _add_spectra(
+                        frame,
+                        begin + i,
+                        source,
+                        i * size.transforms_per_env,
+                        2 * (begin - first + i),
+                        heard,
+                        size,
+                        room,
+                    )
         made = transform(size.points, LANES, turns, room.spectra, room.unused)
         for env in range(first, end):
             _write(frame, env, left, 2 * (env - first), made, size)
@@ -100,22 +111,22 @@ def _prepare(frame, env, source, left, place, size, room):
     """Prepare the responses and windows of one source, and their addresses for the transforms."""
     number = env * size.sources + source
     most = size.first + size.half
-    responses = shifted(room.responses, place * ENDS * 2 * most)
+    responses = offset_pointer(room.responses, place * ENDS * 2 * most)
     for end in range(ENDS):
         for side in range(2):
-            to = shifted(responses, (2 * end + side) * most)
+            to = offset_pointer(responses, (2 * end + side) * most)
             if left + side < size.channels:
                 _make_response(frame, ENDS * number + end, left + side, to, size)
             else:
-                _silence(to, most)
+                _zero(to, most)
             for part in range(PARTS):
                 stream = place * size.each + PARTS * end + part
                 room.streams[2 * stream + side] = address_of(to) + NUMBER * size.first * part
                 room.lengths[stream] = size.half if part else size.first
     ahead, whole = _padding(size)
-    padded = shifted(room.padded, place * whole)
-    _silence(padded, whole)
-    signal = shifted(row(frame, SOURCE, env), source * size.length)
+    padded = offset_pointer(room.padded, place * whole)
+    _zero(padded, whole)
+    signal = offset_pointer(row(frame, SOURCE, env), source * size.length)
     for i in range(size.length):
         padded[ahead + i] = signal[i]
     for window in range(2 * (size.each - ENDS * PARTS)):
@@ -137,7 +148,7 @@ def _padding(size):
 
 @compiled
 @no_type_check
-def _silence(values, count):
+def _zero(values, count):
     for i in range(count):
         values[i] = ZERO
 
@@ -149,20 +160,28 @@ def _make_response(frame, number, channel, response, size):
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0
     length = size.bins * size.bin
-    noise = shifted(table(frame, NOISE), own * noises * bands * length)
+    noise = offset_pointer(table(frame, NOISE), own * noises * bands * length)
     hats = table(frame, HATS)
-    mix = shifted(row(frame, MIX, 0), (number * size.channels + channel) * noises * bands)
-    amplitudes = shifted(row(frame, AMPLITUDE, 0), (number * size.bins * size.channels + channel) * size.knots * bands)
+    mix = offset_pointer(row(frame, MIX, 0), (number * size.channels + channel) * noises * bands)
+    amplitudes = offset_pointer(
+        row(frame, AMPLITUDE, 0), (number * size.bins * size.channels + channel) * size.knots * bands
+    )
     begun = int_row(frame, BEGUN, 0)[number]
     onset = min(max(int_row(frame, ONSET, 0)[number], 0), length)
     for i in range(onset):
         response[i] = ZERO
     for b in range(onset // size.bin, size.bins):
         k = (b + begun) % size.bins
-        amplitude = shifted(amplitudes, b * size.channels * size.knots * bands)
-        for first in range(0, size.bin, FOUR * LANES):
+        amplitude = offset_pointer(amplitudes, b * size.channels * size.knots * bands)
+        for first in range(0, size.bin, VECTORS_PER_STEP * LANES):
             _make_piece(
-                amplitude, mix, shifted(noise, k * size.bin), hats, first, size, shifted(response, b * size.bin)
+                amplitude,
+                mix,
+                offset_pointer(noise, k * size.bin),
+                hats,
+                first,
+                size,
+                offset_pointer(response, b * size.bin),
             )
     for i in range(onset // size.bin * size.bin, onset):
         response[i] = ZERO
@@ -174,16 +193,16 @@ def _make_piece(amplitude, mix, noise, hats, first, size, response):
     """Generate four vectors of a bin at once, to hide latency; the last ones may overlap."""
     bands, length, last = size.bands, size.bins * size.bin, size.bin - LANES
     at = min(first, last), min(first + LANES, last), min(first + 2 * LANES, last), min(first + 3 * LANES, last)
-    a = b = c = d = spread(ZERO)
+    a = b = c = d = broadcast(ZERO)
     for band in range(bands):
-        e = f = g = h = spread(ZERO)
+        e = f = g = h = broadcast(ZERO)
         for number in range(size.noises):
-            share, place = mix[number * bands + band], shifted(noise, (number * bands + band) * length)
+            share, place = mix[number * bands + band], offset_pointer(noise, (number * bands + band) * length)
             e, f = multiply_add(share, load(place, at[0]), e), multiply_add(share, load(place, at[1]), f)
             g, h = multiply_add(share, load(place, at[2]), g), multiply_add(share, load(place, at[3]), h)
-        i = j = k = m = spread(ZERO)
+        i = j = k = m = broadcast(ZERO)
         for knot in range(size.knots):
-            loud, hat = amplitude[knot * bands + band], shifted(hats, knot * size.bin)
+            loud, hat = amplitude[knot * bands + band], offset_pointer(hats, knot * size.bin)
             i, j = multiply_add(loud, load(hat, at[0]), i), multiply_add(loud, load(hat, at[1]), j)
             k, m = multiply_add(loud, load(hat, at[2]), k), multiply_add(loud, load(hat, at[3]), m)
         a, b, c, d = multiply_add(e, i, a), multiply_add(f, j, b), multiply_add(g, k, c), multiply_add(h, m, d)
@@ -212,15 +231,15 @@ def _interleave(count, size, room):
 
 @compiled
 @no_type_check
-def _find_levels(frame, env, source, size, levels):
+def _find_gains(frame, env, source, size, levels):
     """Compute the gain of each tail repetition over frequency, at both ends of the frame."""
     half, octaves = size.points // 2 + 1, table(frame, OCTAVES)
     number = (env * size.sources + source) * ENDS * size.echoes * size.bands
-    given = shifted(row(frame, TAIL, 0), number)
+    given = offset_pointer(row(frame, TAIL, 0), number)
     for echo in range(ENDS * size.echoes):
         for first in range(0, half, LANES):
             at = min(first, half - LANES)
-            level = spread(ZERO)
+            level = broadcast(ZERO)
             for band in range(size.bands):
                 level = multiply_add(given[echo * size.bands + band], load(octaves, band * half + at), level)
             store(levels, echo * half + at, level)
@@ -230,7 +249,7 @@ def _find_levels(frame, env, source, size, levels):
 @no_type_check
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
     """Add the conjugate products of window and response spectra to lanes `to` and `to + 1`."""
-    _find_levels(frame, env, source, size, room.levels)
+    _find_gains(frame, env, source, size, room.levels)
     lanes, half, points = size.together * size.each, size.points // 2 + 1, size.points
     far = size.echoes * half
     for f in range(half):
@@ -293,7 +312,7 @@ def _write(frame, env, left, lane, made, size):
 @no_type_check
 def _sizes(frame):
     each = ENDS * PARTS + 1 + (constant(frame, ECHOES) + 1) // 2
-    return Sizes(
+    return LateSizes(
         dim(frame, SOURCE, 1),
         dim(frame, SOURCE, 2),
         dim(frame, AMPLITUDE, 4),
@@ -317,7 +336,7 @@ def _sizes(frame):
 
 @compiled
 @no_type_check
-def _make_room(size):
+def _allocate(size):
     """Allocate one block of memory that begins at `responses`."""
     lanes = size.together * size.each
     responses = size.together * ENDS * 2 * (size.first + size.half) + 2 * LANES
@@ -330,7 +349,7 @@ def _make_room(size):
     values = loud + NUMBER * levels
     spectra = values + 4 * NUMBER * whole
     words = (spectra + 4 * NUMBER * kept + WORD - 1) // WORD * WORD
-    return Room(
+    return LateScratch(
         float_pointer(at),
         float_pointer(pads),
         float_pointer(loud),

@@ -9,9 +9,9 @@ from home_mjx.core.native import ffi
 from home_mjx.core.native.ffi import NUMBER
 from home_mjx.core.native.memory import pointer_to
 
-CHUNK = 8  # environments per task of a thread
+ENVS_PER_CHUNK = 8  # environments per task of a thread
 CONSTANTS = 0  # operand: kind of frame, and sizes that no shape contains
-WHAT = 0  # constant: kind of frame
+KIND = 0  # constant: kind of frame
 EARLY, LATE = range(2)  # kinds of frames
 float_pointer, int_pointer, word_pointer = map(pointer_to, (types.float32, types.int32, types.int64))
 compiled = njit(error_model="numpy")

@@ -1,4 +1,4 @@
-"""Delay-line reads of a frame's paths, mixed with gains per path, as `reads.sums_of`.
+"""Delay-line reads of a frame's paths, mixed with gains per path, as `reads.mix_paths`.
 
 Delays hardly change from sample to sample, so neighbouring samples are mostly read at neighbouring places, in vectors.
 Signals have twice their rate, with even and odd half samples in separate arrays.
@@ -10,21 +10,21 @@ from typing import NamedTuple, no_type_check
 import numpy as np
 from numba import njit
 
-from home_mjx.audio_jax.base.delays import FIRST, HALF_WIDTH, READ, read_polynomials, windowed_sinc
-from home_mjx.core.native.memory import shifted
-from home_mjx.core.native.simd import LANES, load, multiply_add, spread, store
+from home_mjx.audio_jax.base.delays import FIRST_READ, HALF_WIDTH, NUM_READ, interpolation_polynomials, windowed_sinc
+from home_mjx.core.native.memory import offset_pointer
+from home_mjx.core.native.simd import LANES, broadcast, load, multiply_add, store
 
-BLOCK = 512  # samples per block
-WAY = 3  # values of a path before those of its ears: lengths at both ends, bend
+BLOCK_SAMPLES = 512  # samples per block
+PATH_VALUES = 3  # values of a path before those of its ears: lengths at both ends, bend
 ZERO, ONE, TWO, FOUR = (np.float32(x) for x in (0.0, 1.0, 2.0, 4.0))
-LEAST = np.float32(1e-6)  # [m], minimum divisor
+MIN_DIVISOR = np.float32(1e-6)  # [m], minimum divisor
 TAPS = tuple(np.float32(x) for x in windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5))
-TABLE = tuple(tuple(np.float32(x) for x in row) for row in read_polynomials())  # lowest power first
+READ_POLYNOMIALS = tuple(tuple(np.float32(x) for x in row) for row in interpolation_polynomials())  # lowest power first
 compiled = njit(error_model="numpy")
 inlined = njit(error_model="numpy", forceinline=True)
 
 
-class Sizes(NamedTuple):
+class EarlySizes(NamedTuple):
     """Sizes of the arrays of one environment."""
 
     sources: np.int64
@@ -41,7 +41,7 @@ class Sizes(NamedTuple):
 
 @compiled
 @no_type_check
-def double(signal, count, padded, on, between):
+def upsample(signal, count, padded, on, between):
     """Upsample a signal by two into its samples and those between; it is zero before and after."""
     for i in range(HALF_WIDTH):
         padded[i] = ZERO
@@ -52,7 +52,7 @@ def double(signal, count, padded, on, between):
         padded[i] = ZERO
     for first in range(0, count, LANES):
         i = max(min(first, count - LANES), 0)  # a signal has more samples than a vector
-        value = spread(ZERO)
+        value = broadcast(ZERO)
         for t in range(2 * HALF_WIDTH):
             value = multiply_add(TAPS[t], load(padded, i + t + 1), value)
         store(between, i, value)
@@ -60,7 +60,7 @@ def double(signal, count, padded, on, between):
 
 @compiled
 @no_type_check
-def hear_block(way, ear, rate, places, signal, begin, count, size, base, rest, heard):
+def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, heard):
     """Read a path for one ear: `count` samples from index `begin` of the buses on.
 
     `places`: half sample at zero delay, and the lowest and highest half samples that a read may begin with; `signal`:
@@ -73,7 +73,7 @@ def hear_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
         while stop < count and base[stop] == here:
             stop += 1
         place = here + 2 * (begin + k)
-        _read_run(signal, place, shifted(rest, k), stop - k, shifted(heard, k))
+        _read_run(signal, place, offset_pointer(rest, k), stop - k, offset_pointer(heard, k))
         k = stop
 
 
@@ -82,7 +82,11 @@ def hear_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
 def _delays(way, ear, rate, places, begin, count, size, base, rest):
     """Compute the first half sample read for each sample, minus twice its index, and the fractional position."""
     old, change, bend = way[0], way[1] - way[0], way[2]
-    first, middle, last = way[WAY + ear], way[WAY + size.ears + ear], way[WAY + 2 * size.ears + ear]
+    first, middle, last = (
+        way[PATH_VALUES + ear],
+        way[PATH_VALUES + size.ears + ear],
+        way[PATH_VALUES + 2 * size.ears + ear],
+    )
     curved, turned = FOUR * (middle - (first + last) / TWO), last - first
     start, lowest, highest = places
     for k in range(count):
@@ -91,11 +95,11 @@ def _delays(way, ear, rate, places, begin, count, size, base, rest):
         curve = time * (ONE - time)
         line, across = old + time * change, curve * bend
         root = np.sqrt(max(line * line - across, ZERO))
-        samples = (line - across / max(line + root, LEAST)) * rate
+        samples = (line - across / max(line + root, MIN_DIVISOR)) * rate
         whole = np.floor(samples)
         back = -TWO * (samples - whole + first + time * turned + curve * curved)
         low = np.floor(back)
-        place = start + np.int32(low) + FIRST + 2 * (number - np.int32(whole))
+        place = start + np.int32(low) + FIRST_READ + 2 * (number - np.int32(whole))
         base[k] = np.int32(min(max(place, lowest), highest) - 2 * number)
         rest[k] = back - low
 
@@ -107,9 +111,9 @@ def _read_run(signal, place, rest, count, heard):
     on, between = signal
     odd, i = place & 1, place >> 1
     if odd:
-        even, uneven = shifted(between, i), shifted(on, i + 1)
+        even, uneven = offset_pointer(between, i), offset_pointer(on, i + 1)
     else:
-        even, uneven = shifted(on, i), shifted(between, i)
+        even, uneven = offset_pointer(on, i), offset_pointer(between, i)
     if count >= LANES:
         for first in range(0, count, LANES):
             k = min(first, count - LANES)
@@ -135,32 +139,32 @@ def _read(even, uneven, k, rest):
 @inlined
 @no_type_check
 def _weight(i, rest):
-    a, b, c, d, e, f = TABLE[i]
-    value = multiply_add(rest, spread(f), spread(e))
-    value = multiply_add(rest, value, spread(d))
-    value = multiply_add(rest, value, spread(c))
-    value = multiply_add(rest, value, spread(b))
-    return multiply_add(rest, value, spread(a))
+    a, b, c, d, e, f = READ_POLYNOMIALS[i]
+    value = multiply_add(rest, broadcast(f), broadcast(e))
+    value = multiply_add(rest, value, broadcast(d))
+    value = multiply_add(rest, value, broadcast(c))
+    value = multiply_add(rest, value, broadcast(b))
+    return multiply_add(rest, value, broadcast(a))
 
 
 @compiled
 @no_type_check
 def _read_one(even, uneven, k, rest):
     value = ZERO
-    for i in range(READ):
+    for i in range(NUM_READ):
         weight = ZERO
-        for j in range(len(TABLE[0])):
-            weight = weight * rest + TABLE[i][len(TABLE[0]) - 1 - j]
+        for j in range(len(READ_POLYNOMIALS[0])):
+            weight = weight * rest + READ_POLYNOMIALS[i][len(READ_POLYNOMIALS[0]) - 1 - j]
         value += weight * (uneven[k + i // 2] if i & 1 else even[k + i // 2])
     return value
 
 
 @compiled
 @no_type_check
-def add_block(heard, share, which, far, begin, count, size, sums):
+def mix_block(heard, share, which, far, begin, count, size, sums):
     """Mix `count` samples of paths into buses, with gains that are interpolated over the frame.
 
-    `heard`: signals of paths, at a stride of `BLOCK`; `share`: gains of paths into each bus at the frame's start, and
+    `heard`: signals of paths, at a stride of `BLOCK_SAMPLES`; `share`: gains of paths into each bus at the frame's start, and
     their change until its end, at a stride of `far`; `which`: number of audible paths, then their indices.
     """
     shapes = size.shapes
@@ -170,10 +174,10 @@ def add_block(heard, share, which, far, begin, count, size, sums):
         to = (begin + k) * shapes
         for first in range(0, shapes, LANES):
             lane = min(first, shapes - LANES)
-            at_first, coming = spread(ZERO), spread(ZERO)
+            at_first, coming = broadcast(ZERO), broadcast(ZERO)
             for i in range(which[0]):
                 way = which[1 + i]
-                value, weights = heard[way * BLOCK + k], way * far + lane
+                value, weights = heard[way * BLOCK_SAMPLES + k], way * far + lane
                 at_first = multiply_add(value, load(share, weights), at_first)
                 coming = multiply_add(value, load(share, weights + shapes), coming)
             store(sums, to + lane, multiply_add(fade, coming, at_first))

@@ -11,64 +11,64 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
-from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.base.shapes import filter_basis
 from home_mjx.audio_jax.kernels.cuda import kernels as cuda
-from home_mjx.audio_jax.kernels.reads import Reads, before, frame_begin, times, way_rows
-from home_mjx.core.native.platforms import call_kernel, shared_bytes
-from home_mjx.core.native.vmap_call import batched, numbers
+from home_mjx.audio_jax.kernels.reads import DelayReads, filter_history, frame_begin, pack_paths, sample_times
+from home_mjx.core.native.platforms import call_kernel, max_shared_bytes
+from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 
-WINDOW = 0.08  # [s], source window in shared memory beyond the length of a frame
-SUMS, SUMS_THREADS = 20, 384  # buses per thread at a time, and threads per block, as in sums.cu
+WINDOW_SECONDS = 0.08  # [s], source window in shared memory beyond the length of a frame
+BUSES_PER_THREAD, MIX_THREADS = 20, 384  # buses per thread at a time, and threads per block, as in sums.cu
 
 
-def available(reads: Reads, config: AudioConfig) -> bool:
+def available(reads: DelayReads, config: AudioConfig) -> bool:
     """Return whether the kernels work on a GPU and its shared memory is sufficient for these arrays."""
     if not cuda.cuda_available():
         return False
-    size, most = cuda.transform_size(times(config).shape[0]), shared_bytes()
+    size, most = cuda.transform_size(sample_times(config).shape[0]), max_shared_bytes()
     fits = size is not None and filter_bytes(size) <= most
     return fits and _sums_bytes(config, *(x[None] for x in read_operands(reads))) <= most
 
 
-def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
+def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
     """Render `motion.synthesis.early_frame` with two kernels."""
-    kernels, begin = shapes(config.sample_rate).kernel, frame_begin(config)
+    kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
     return _filter_sums(_add_reads(reads, config), kernels, begin, config.frame)
 
 
-def _add_reads(reads: Reads, config: AudioConfig) -> Float[Array, "e s k"]:
-    shapes, ears = reads.share.shape[3], reads.ways.ears.shape[-1]
+def _add_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
+    shapes, ears = reads.gain.shape[3], reads.paths.ear_delays.shape[-1]
     return _sums_op(config, shapes, ears)(*(x[None] for x in read_operands(reads)))[0][0]
 
 
-def read_operands(reads: Reads) -> tuple[Array, ...]:
+def read_operands(reads: DelayReads) -> tuple[Array, ...]:
     """Return the arrays of one environment in the order of the kernel's operands."""
-    share = jnp.pad(reads.share, [(0, 0)] * 3 + [(0, -reads.share.shape[3] % SUMS), (0, 0)])
-    return reads.source, reads.filtered, reads.start, way_rows(reads.ways), share
+    share = jnp.pad(reads.gain, [(0, 0)] * 3 + [(0, -reads.gain.shape[3] % BUSES_PER_THREAD), (0, 0)])
+    return reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
 
 
 @functools.cache
 def _sums_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[Array, ...]]:
-    return batched(functools.partial(run_sums, config, shapes, ears), 0, 1)
+    return batch_kernel(functools.partial(launch_mix, config, shapes, ears), 0, 1)
 
 
-def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tuple[Array, ...]:
+def launch_mix(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tuple[Array, ...]:
     """Launch the kernel for environments (e ...); see `read_operands`."""
     source, filtered, _, way, share = given
-    channels, count = share.shape[3], times(config).shape[0]
+    channels, count = share.shape[3], sample_times(config).shape[0]
     sizes = (*source.shape[1:], filtered.shape[3], way.shape[2], ears, channels, shapes, count)
     taps = windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5).tolist()
     rate = config.sample_rate / config.speed_of_sound
-    tables = numbers(taps, jnp.float32), numbers([rate], jnp.float32)
-    operands = (*given, *tables, numbers((*sizes, config.frame, before(config), _window(config))))
+    tables = traced_constant(taps, jnp.float32), traced_constant([rate], jnp.float32)
+    operands = (*given, *tables, traced_constant((*sizes, config.frame, filter_history(config), _window(config))))
     result = jax.ShapeDtypeStruct((source.shape[0], channels, shapes, count), jnp.float32)
     ptx, grid = cuda.ptx_of(cuda.SUMS_SOURCES, 0), (source.shape[0], 1)
-    return call_kernel("add_paths", ptx, grid, SUMS_THREADS, _sums_bytes(config, *given), operands, result)
+    return call_kernel("add_paths", ptx, grid, MIX_THREADS, _sums_bytes(config, *given), operands, result)
 
 
 def _window(config: AudioConfig) -> int:
     """Return the source samples kept at a time: they suffice for paths whose lengths differ by at most 25 m."""
-    return times(config).shape[0] + math.ceil(WINDOW * config.sample_rate)
+    return sample_times(config).shape[0] + math.ceil(WINDOW_SECONDS * config.sample_rate)
 
 
 def _sums_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
@@ -89,20 +89,20 @@ def filter_tables(
     """Return the spectra of filters and the twiddle factors of the transform of at least `count` samples."""
     size = cuda.transform_size(count)
     assert size is not None
-    return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.turns_of(size)
+    return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.twiddle_factors(size)
 
 
 @functools.cache
 def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
-    return batched(functools.partial(run_filter, begin, frame), 2, 1)
+    return batch_kernel(functools.partial(launch_filter, begin, frame), 2, 1)
 
 
-def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
+def launch_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
     """Launch the kernel for buses of environments (e ...), the last operand; the tables before it are shared."""
     spectra, turns, sums = given
     envs, channels, shapes, count = sums.shape
     size = spectra.shape[1]
-    operands = sums, spectra, turns, numbers((channels, shapes, count, begin, frame))
+    operands = sums, spectra, turns, traced_constant((channels, shapes, count, begin, frame))
     result = jax.ShapeDtypeStruct((envs, channels, frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.FILTER_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
     return call_kernel("filter_sums", ptx, grid, threads, filter_bytes(size), operands, result)

@@ -8,12 +8,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.filters import causal_octaves
+from home_mjx.audio_jax.base.filters import causal_octave_log_spectra
 from home_mjx.audio_jax.base.shapes import octave_levels
 from home_mjx.audio_jax.kernels.cuda import kernels as cuda
-from home_mjx.audio_jax.kernels.first import num_filtered, num_ringing
-from home_mjx.core.native.platforms import call_kernel, shared_bytes
-from home_mjx.core.native.vmap_call import batched, numbers
+from home_mjx.audio_jax.kernels.first import num_filter_samples, num_output_samples
+from home_mjx.core.native.platforms import call_kernel, max_shared_bytes
+from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 
 NUM_TABLES, ENDS = 2, 2
 
@@ -21,13 +21,13 @@ NUM_TABLES, ENDS = 2, 2
 def available(config: AudioConfig) -> bool:
     """Return whether the kernel works on a GPU and its shared memory is sufficient."""
     size = _size(config)
-    return cuda.cuda_available() and size is not None and _bytes(size) <= shared_bytes()
+    return cuda.cuda_available() and size is not None and _bytes(size) <= max_shared_bytes()
 
 
-def filtered(
+def filter_direct(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Compute `frames.first.filtered_by_xla` with a kernel."""
+    """Compute `frames.first.filter_direct_by_xla` with a kernel."""
     given = source, begin, *octave_levels(gain)
     return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
 
@@ -36,27 +36,27 @@ def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Floa
     """Return the log spectra of the octave filters and the twiddle factors of the transform."""
     size = _size(config)
     assert size is not None
-    return cuda.as_pairs(causal_octaves(size, config.sample_rate)), cuda.turns_of(size)
+    return cuda.as_pairs(causal_octave_log_spectra(size, config.sample_rate)), cuda.twiddle_factors(size)
 
 
 @functools.cache
 def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    return batched(functools.partial(run_first, config), NUM_TABLES, 1)
+    return batch_kernel(functools.partial(launch_direct, config), NUM_TABLES, 1)
 
 
-def run_first(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
+def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     """Launch the kernel for sources (e ...); they share the first operands, see `first_tables`."""
     octaves, turns, source, begin, level, sounds = given
     (count, length), size = source.shape, 2 * (octaves.shape[1] - 1)
-    sizes = numbers((length, num_ringing(config), num_filtered(config)))
+    sizes = traced_constant((length, num_filter_samples(config), num_output_samples(config)))
     operands = source, begin, level, sounds, octaves, turns, sizes
-    result = jax.ShapeDtypeStruct((count, ENDS, num_filtered(config)), jnp.float32)
-    ptx, threads = cuda.ptx_of(cuda.FIRST_SOURCES, size), size // cuda.PER_THREAD
+    result = jax.ShapeDtypeStruct((count, ENDS, num_output_samples(config)), jnp.float32)
+    ptx, threads = cuda.ptx_of(cuda.DIRECT_SOURCES, size), size // cuda.PER_THREAD
     return call_kernel("filter_first", ptx, (count, 1), threads, _bytes(size), operands, result)
 
 
 def _size(config: AudioConfig) -> int | None:
-    return cuda.transform_size(num_ringing(config) + num_filtered(config))
+    return cuda.transform_size(num_filter_samples(config) + num_output_samples(config))
 
 
 def _bytes(size: int) -> int:

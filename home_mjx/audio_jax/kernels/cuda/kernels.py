@@ -9,26 +9,26 @@ import numpy as np
 from jaxtyping import Array
 
 from home_mjx.audio_jax.kernels.passes import num_passes, radices
-from home_mjx.core.native.platforms import problem_of, ptx_for_all, works
+from home_mjx.core.native.platforms import compile_ptx_for_all, find_problem, is_usable
 
 FOLDER = Path(__file__).parent
-FIRST_SOURCES = (FOLDER / "fft.cuh", FOLDER / "first.cu")
+DIRECT_SOURCES = (FOLDER / "fft.cuh", FOLDER / "first.cu")
 SUMS_SOURCES = (FOLDER / "sums.cu",)
 FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "filtered.cu")
 NOISE_SOURCES = (FOLDER / "noise.cu",)
 LATE_SOURCES = (FOLDER / "fft.cuh", FOLDER / "late.cu")
-PER_THREAD, MOST_THREADS = 8, 768  # values of a transform per thread, as in fft.cuh, and maximum threads per block
+PER_THREAD, MAX_THREADS = 8, 768  # values of a transform per thread, as in fft.cuh, and maximum threads per block
 WARP = 32
 
 
 @functools.cache
 def cuda_available() -> bool:
     """Return whether the kernels work; warn once if there is an NVIDIA GPU on which they fail."""
-    return works("cuda", problem_of("cuda", _start), "moving sound uses slower XLA operations")
+    return is_usable("cuda", find_problem("cuda", _start), "moving sound uses slower XLA operations")
 
 
 def _start() -> None:
-    for sources in (FIRST_SOURCES, SUMS_SOURCES, FILTER_SOURCES, LATE_SOURCES):
+    for sources in (DIRECT_SOURCES, SUMS_SOURCES, FILTER_SOURCES, LATE_SOURCES):
         ptx_of(sources, PER_THREAD * WARP)
     ptx_of(NOISE_SOURCES, 1)
 
@@ -36,7 +36,7 @@ def _start() -> None:
 @functools.cache
 def ptx_of(sources: tuple[Path, ...], size: int) -> str:
     """Compile PTX that all GPUs of this process can run; `size` is its transform size or the number of noises."""
-    return ptx_for_all(sources, {"SIZE": size})
+    return compile_ptx_for_all(sources, {"SIZE": size})
 
 
 @functools.cache
@@ -48,17 +48,17 @@ def transform_size(count: int) -> int | None:
         (2560, None)
     """
     block = PER_THREAD * WARP
-    sizes = [size for size in range(block, PER_THREAD * MOST_THREADS + 1, block) if size >= count and num_passes(size)]
+    sizes = [size for size in range(block, PER_THREAD * MAX_THREADS + 1, block) if size >= count and num_passes(size)]
     return min(sizes, key=lambda size: size * (num_passes(size) + 1), default=None)
 
 
-def turns_of(size: int) -> Array:
+def twiddle_factors(size: int) -> Array:
     """Return the twiddle factors of a transform as pairs, see `transform` in fft.cuh."""
-    each = [np.outer(1 + np.arange(rows), np.arange(done)) / (done * radix) for done, rows, radix in _joined(size)]
+    each = [np.outer(1 + np.arange(rows), np.arange(done)) / (done * radix) for done, rows, radix in _pass_sizes(size)]
     return as_pairs(np.exp(-2j * np.pi * np.concatenate([x.ravel() for x in each])))
 
 
-def _joined(size: int) -> list[tuple[int, int, int]]:
+def _pass_sizes(size: int) -> list[tuple[int, int, int]]:
     """Return for each pass but the first: size of the transforms before it, rows of twiddle factors, and radix.
 
     The order is that of `radix_of` in fft.cuh, the number of rows that of `turned`.
@@ -75,4 +75,4 @@ def as_pairs(values: np.ndarray) -> Array:
 
 def transform_bytes(size: int) -> int:
     """Return the memory for the values of a transform and its twiddle factors [bytes]."""
-    return 8 * (size + size // 16 + sum(done * rows for done, rows, _ in _joined(size)))
+    return 8 * (size + size // 16 + sum(done * rows for done, rows, _ in _pass_sizes(size)))

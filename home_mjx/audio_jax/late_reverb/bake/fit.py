@@ -7,13 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.late_reverb.lookup.spans import FINE, SILENT, SPANS
+from home_mjx.audio_jax.late_reverb.lookup.spans import FINE_BINS, MIN_ENERGY, SPAN_STARTS
 
-BLOCK = 10  # [bins], resolution of the search for gaps in a decay
-PRIOR = 0.05  # weight of the rooms' distribution over spans in that of each pair of cells
+GAP_BLOCK = 10  # [bins], resolution of the search for gaps in a decay
+ROOM_PRIOR = 0.05  # weight of the rooms' distribution over spans in that of each pair of cells
 
 
-class Tally:
+class Accumulator:
     """Accumulator of the energy between cells and between rooms; one call of `add` per octave.
 
     Args:
@@ -30,7 +30,7 @@ class Tally:
         self.room, self.distance, self.metres, self.bins = room, distance, metres, bins
         self.arrival = np.floor(distance / metres).astype(int)  # bin of the first possible arrival
         count, rooms = len(room), room.max() + 1
-        self.pair = np.zeros((count, count, len(SPANS), bands))
+        self.pair = np.zeros((count, count, len(SPAN_STARTS), bands))
         self.shape = np.zeros((rooms, rooms, bands, bins))
         self.valid: list[int] = []
 
@@ -61,27 +61,27 @@ class Tally:
         """Return the log energy per pair, span and octave, and the decay shapes per pair of rooms.
 
         Args:
-            seen: Visibility between cells. Pairs of rooms without any visible pair of cells are smoothed, see `apart`.
+            seen: Visibility between cells. Pairs of rooms without any visible pair of cells are smoothed, see `factor_hidden_pairs`.
                 None: all cells are visible.
         """
         shape = self.shape + np.swapaxes(self.shape, 0, 1)
-        valid = int(np.clip(np.median(self.valid), 3 * FINE, shape.shape[3]))
+        valid = int(np.clip(np.median(self.valid), 3 * FINE_BINS, shape.shape[3]))
         rooms = np.arange(len(shape))
-        slowest = [_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
-        found = np.add.reduceat(shape, SPANS, axis=3)
+        slowest = [_decay_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
+        found = np.add.reduceat(shape, SPAN_STARTS, axis=3)
         for index in np.ndindex(*shape.shape[:3]):
-            _extend(shape[index], valid, slowest[index[2]])
-        spans = np.add.reduceat(shape, SPANS, axis=3)  # (r, r, bands, spans)
-        longer = np.moveaxis(np.where(found > 0, spans / np.maximum(found, SILENT**2), 1.0), 3, 2)
-        pair = alike((self.pair + np.swapaxes(self.pair, 0, 1)) / 2, self.room)
-        pair = apart(pair, self.room, seen) if seen is not None else pair
+            _extrapolate(shape[index], valid, slowest[index[2]])
+        spans = np.add.reduceat(shape, SPAN_STARTS, axis=3)  # (r, r, bands, spans)
+        longer = np.moveaxis(np.where(found > 0, spans / np.maximum(found, MIN_ENERGY**2), 1.0), 3, 2)
+        pair = smooth_octaves((self.pair + np.swapaxes(self.pair, 0, 1)) / 2, self.room)
+        pair = factor_hidden_pairs(pair, self.room, seen) if seen is not None else pair
         a, b = self.room[:, None], self.room[None]
         pair *= longer[a, b]
-        form = np.moveaxis(spans / np.maximum(spans.sum(axis=3, keepdims=True), SILENT), 3, 2)[a, b]
-        pair = (pair + PRIOR * pair.sum(axis=2, keepdims=True) * form) / (1 + PRIOR)
-        width = np.diff([*SPANS, shape.shape[3]])
-        shape /= np.maximum(np.repeat(spans, width, axis=3), SILENT)
-        return np.log(np.maximum(pair, SILENT)), shape
+        form = np.moveaxis(spans / np.maximum(spans.sum(axis=3, keepdims=True), MIN_ENERGY), 3, 2)[a, b]
+        pair = (pair + ROOM_PRIOR * pair.sum(axis=2, keepdims=True) * form) / (1 + ROOM_PRIOR)
+        width = np.diff([*SPAN_STARTS, shape.shape[3]])
+        shape /= np.maximum(np.repeat(spans, width, axis=3), MIN_ENERGY)
+        return np.log(np.maximum(pair, MIN_ENERGY)), shape
 
 
 @jax.jit
@@ -89,16 +89,16 @@ def _sums(
     heard: Float[Array, "m m k"], arrival: Int[Array, "m m"], member: Float[Array, "m r"]
 ) -> tuple[Float[Array, "m m s"], Float[Array, "r r k"]]:
     """Sum the energy between cells over each span, and between rooms over their cells."""
-    after = _after(heard, arrival)
+    after = _shift_to_arrival(heard, arrival)
     return _spans(after), jnp.einsum("ia,ijk,jb->abk", member, after, member, precision="highest")
 
 
 @jax.jit
 def _sums_of_spans(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m s"]:
-    return _spans(_after(heard, arrival))
+    return _spans(_shift_to_arrival(heard, arrival))
 
 
-def _after(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m k"]:
+def _shift_to_arrival(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m k"]:
     """Shift decays to the first possible arrival, and add earlier energy to that bin."""
     heard, first = heard.astype(jnp.float32), arrival[:, :, None]
     count, bins = heard.shape[2], jnp.arange(heard.shape[2], dtype=jnp.int32)
@@ -108,10 +108,10 @@ def _after(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Ar
 
 
 def _spans(after: Float[Array, "m m k"]) -> Float[Array, "m m s"]:
-    return jnp.stack([after[:, :, a:b].sum(axis=2) for a, b in pairwise([*SPANS, after.shape[2]])], axis=2)
+    return jnp.stack([after[:, :, a:b].sum(axis=2) for a, b in pairwise([*SPAN_STARTS, after.shape[2]])], axis=2)
 
 
-def alike(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
+def smooth_octaves(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
     """Smooth the pattern over the cells of each pair of rooms across neighbouring octaves.
 
     The ratio of a cell's energy to its room's mean depends on its position and changes slowly with frequency. Each
@@ -121,13 +121,13 @@ def alike(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Fl
     count = member.sum(axis=0)
     mean = np.einsum("ia,ijsb,jc->acsb", member, pair, member, optimize=True)
     mean /= np.maximum(count[:, None] * count[None], 1)[..., None, None]
-    mean = np.maximum(mean, SILENT**2)[room[:, None], room[None]]
+    mean = np.maximum(mean, MIN_ENERGY**2)[room[:, None], room[None]]
     bands = pair.shape[-1]
     near = np.abs(np.subtract.outer(np.arange(bands), np.arange(bands))) <= 1
     return (pair / mean) @ (near / near.sum(axis=0)) * mean
 
 
-def apart(
+def factor_hidden_pairs(
     pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"], seen: Bool[np.ndarray, "n n"]
 ) -> Float[np.ndarray, "n n s b"]:
     """Replace energies between rooms without mutual visibility by a product of one factor per cell.
@@ -142,32 +142,32 @@ def apart(
         if not len(rows) or not len(columns) or seen[block].any() or seen.T[block].any():
             continue
         of, to = pair[block].sum(axis=1, keepdims=True), pair[block].sum(axis=0, keepdims=True)
-        out[block] = of * to / np.maximum(of.sum(axis=0, keepdims=True), SILENT**2)
+        out[block] = of * to / np.maximum(of.sum(axis=0, keepdims=True), MIN_ENERGY**2)
         out[np.ix_(columns, rows)] = np.swapaxes(out[block], 0, 1)
     return out
 
 
-def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:
+def _dense_end(decay: Float[np.ndarray, " k"], valid: int) -> int:
     """Return the start of the first mostly empty block before `valid`, else `valid`; early blocks are exempt."""
-    blocks = decay[: valid // BLOCK * BLOCK].reshape(-1, BLOCK) > 0
+    blocks = decay[: valid // GAP_BLOCK * GAP_BLOCK].reshape(-1, GAP_BLOCK) > 0
     empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
-    empty = empty[empty > FINE // BLOCK]
-    return int(empty[0] * BLOCK) if empty.size else valid
+    empty = empty[empty > FINE_BINS // GAP_BLOCK]
+    return int(empty[0] * GAP_BLOCK) if empty.size else valid
 
 
-def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
+def _decay_rate(decay: Float[np.ndarray, " k"], end: int) -> float:
     """Estimate the decay rate before `end` [1/bin]; 0 if the energy does not fall.
 
     The rate is the log ratio of the energies in the last two quarters before `end`.
     """
-    half = (end - max(end // 2, FINE)) // 2
+    half = (end - max(end // 2, FINE_BINS)) // 2
     if half < 1:
         return 0.0
     before, after = decay[end - 2 * half : end - half].sum(), decay[end - half : end].sum()
     return float(np.log(before / after) / half) if before > after > 0 else 0.0
 
 
-def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
+def _extrapolate(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
     """Extend a decay in place beyond the traced time, at its last rate.
 
     Args:
@@ -175,9 +175,9 @@ def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
         valid: Bin up to which nearly all rays were traced.
         slowest: Final decay rate of the rooms themselves [1/bin]; a lower bound for all rooms that they excite.
     """
-    end = _dense(decay, valid)
-    first, rate = max(end - (end - FINE) // 4, FINE), max(_rate(decay, end), slowest)
-    if decay[FINE:].sum() <= 0 or rate <= 0 or end <= first:
+    end = _dense_end(decay, valid)
+    first, rate = max(end - (end - FINE_BINS) // 4, FINE_BINS), max(_decay_rate(decay, end), slowest)
+    if decay[FINE_BINS:].sum() <= 0 or rate <= 0 or end <= first:
         return
     width = (end - first) / 2
     mean = np.sinh(rate * width) / (rate * width)  # mean of an exponential over the last quarter re its middle
@@ -185,7 +185,7 @@ def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
     decay[end:] = decay[first:end].mean() / mean * np.exp(-rate * time)
 
 
-def neighbours(
+def weigh_cells(
     center: Float[np.ndarray, "n 3"],
     place: Float[np.ndarray, "p 3"],
     seen: Bool[np.ndarray, "p n"],

@@ -6,43 +6,45 @@ import numpy as np
 from jaxtyping import Float, Int
 
 
-class Flow(NamedTuple):
-    """Loss and exchange of rooms per octave; from sums of `flight.Gave` over all sources."""
+class RoomExchange(NamedTuple):
+    """Loss and exchange of rooms per octave; from sums of `flight.TraceEnergy` over all sources."""
 
     loss: Float[np.ndarray, "r bands"]
     opening: Float[np.ndarray, "r r bands"]
     wall: Float[np.ndarray, "r r bands"]
 
 
-def flow_of(
+def estimate_exchange(
     volume: Float[np.ndarray, " r"],
-    lived: Float[np.ndarray, "bands r"],
-    lost: Float[np.ndarray, "bands r"],
-    moved: Float[np.ndarray, "bands r r"],
-    through: Float[np.ndarray, "bands r r"],
+    path_length: Float[np.ndarray, "bands r"],
+    absorbed: Float[np.ndarray, "bands r"],
+    exchanged: Float[np.ndarray, "bands r r"],
+    transmitted: Float[np.ndarray, "bands r r"],
     joined: Int[np.ndarray, "p 2"],
-) -> Flow:
+) -> RoomExchange:
     """Compute losses and exchange of rooms; exchange areas [m²] are symmetric.
 
     Args:
         volume: Volumes of the rooms [m³].
-        lived: See `Gave`.
-        lost: See `Gave`.
-        moved: See `Gave`.
-        through: See `Gave`.
+        path_length: See `TraceEnergy`.
+        absorbed: See `TraceEnergy`.
+        exchanged: See `TraceEnergy`.
+        transmitted: See `TraceEnergy`.
         joined: Pairs of rooms with a portal. If there are any, exchange across a third room is assigned to the rooms on
             the way.
     """
-    rate = volume / np.maximum(lived, 1e-30)  # (bands, r)
-    exchange = [np.moveaxis(_both_ways(x * rate[:, :, None]), 0, -1) for x in (moved, through)]
-    return Flow((lost / np.maximum(lived, 1e-30)).T, _stepwise(exchange[0], joined), exchange[1])
+    rate = volume / np.maximum(path_length, 1e-30)  # (bands, r)
+    exchange = [np.moveaxis(_symmetric(x * rate[:, :, None]), 0, -1) for x in (exchanged, transmitted)]
+    return RoomExchange(
+        (absorbed / np.maximum(path_length, 1e-30)).T, _route_exchange(exchange[0], joined), exchange[1]
+    )
 
 
-def _both_ways(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands r r"]:
+def _symmetric(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands r r"]:
     return 0.5 * (flow + np.swapaxes(flow, 1, 2))
 
 
-def _stepwise(
+def _route_exchange(
     exchange: Float[np.ndarray, "r r bands"], joined: Int[np.ndarray, "p 2"]
 ) -> Float[np.ndarray, "r r bands"]:
     """Route the exchange of rooms without a common portal through the room that connects both best."""

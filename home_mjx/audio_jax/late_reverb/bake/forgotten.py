@@ -9,15 +9,15 @@ Few of them reach distant rooms: too few for each cell, but enough for all cells
 import numpy as np
 from jaxtyping import Float, Int
 
-EDGES = (0, 2, 6, 14, 30, 55, 87)  # [bins] after a portal state; energies are summed between edges
-TOLD = EDGES[-1]  # [bins], recorded time of rays without termination
-USUAL = 0.15  # prior relative error of the portal model; weights the Monte Carlo correction
-MOST = 3.0  # maximum correction factor, and its reciprocal the minimum
-SILENT = 1e-30  # minimum energy in ratios
+INTERVAL_EDGES = (0, 2, 6, 14, 30, 55, 87)  # [bins] after a portal state; energies are summed between edges
+RECORDED_BINS = INTERVAL_EDGES[-1]  # [bins], recorded time of rays without termination
+PRIOR_STD = 0.15  # prior relative error of the portal model; weights the Monte Carlo correction
+MAX_CORRECTION = 3.0  # maximum correction factor, and its reciprocal the minimum
+MIN_ENERGY = 1e-30  # minimum energy in ratios
 
 
-def remembered(
-    ours: Float[np.ndarray, "b g n k"], theirs: Float[np.ndarray, "b g n m"], room: Int[np.ndarray, " n"]
+def portal_ratio(
+    predicted: Float[np.ndarray, "b g n k"], measured: Float[np.ndarray, "b g n m"], room: Int[np.ndarray, " n"]
 ) -> Float[np.ndarray, "g n k"]:
     """Return the ratio of measured to predicted energy for each portal state over time, equal in all cells of a room.
 
@@ -25,23 +25,25 @@ def remembered(
     octaves and from the share of octaves without a ray. Noisy ratios are shrunk towards 1.
 
     Args:
-        ours: Predicted energy per octave, portal state, cell and bin.
-        theirs: Energy in the first bins from rays without termination; zeros for states without such rays.
+        predicted: Predicted energy per octave, portal state, cell and bin.
+        measured: Energy in the first bins from rays without termination; zeros for states without such rays.
         room: Room of each cell.
     """
     member = np.eye(room.max() + 1)[room]
-    said, told = (_by_room(x, member) for x in (ours, theirs))
-    known = (said > SILENT) & (told.sum(axis=(2, 3), keepdims=True) > 0)
-    ratio = np.where(known, told / np.maximum(said, SILENT), 1.0)
+    said, told = (_sum_rooms(x, member) for x in (predicted, measured))
+    known = (said > MIN_ENERGY) & (told.sum(axis=(2, 3), keepdims=True) > 0)
+    ratio = np.where(known, told / np.maximum(said, MIN_ENERGY), 1.0)
     missed = (told <= 0).mean(axis=0) * known.any(axis=0)
     noise = np.maximum(ratio.var(axis=0, ddof=1) / len(ratio), missed**2)
-    factor = 1 + USUAL**2 / (USUAL**2 + noise) * (ratio.mean(axis=0) - 1)
-    middle = np.convolve(EDGES, [0.5, 0.5], "valid") - 0.5
-    factor = np.clip(factor, 1 / MOST, MOST)
-    return np.stack([[np.interp(np.arange(ours.shape[3]), middle, one) for one in gate] for gate in factor])[:, room]
+    factor = 1 + PRIOR_STD**2 / (PRIOR_STD**2 + noise) * (ratio.mean(axis=0) - 1)
+    middle = np.convolve(INTERVAL_EDGES, [0.5, 0.5], "valid") - 0.5
+    factor = np.clip(factor, 1 / MAX_CORRECTION, MAX_CORRECTION)
+    return np.stack([[np.interp(np.arange(predicted.shape[3]), middle, one) for one in gate] for gate in factor])[
+        :, room
+    ]
 
 
-def _by_room(heard: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:
+def _sum_rooms(heard: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:
     """Sum energies over the cells of each room and between edges."""
-    parts = np.add.reduceat(heard[..., :TOLD], EDGES[:-1], axis=3)
+    parts = np.add.reduceat(heard[..., :RECORDED_BINS], INTERVAL_EDGES[:-1], axis=3)
     return np.einsum("bgne,nr->bgre", parts, member)

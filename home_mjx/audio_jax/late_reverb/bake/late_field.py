@@ -9,11 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int, Int8, UInt8
 
-from home_mjx.audio_jax.late_reverb.lookup.spans import SILENT
-from home_mjx.bank.records.sound import LateSound
+from home_mjx.audio_jax.late_reverb.lookup.spans import MIN_ENERGY
+from home_mjx.bank.records.sound import LateReverb
 
 # Multiples to which the first axes of each field are padded; other axes have equal lengths in all houses.
-AXES: dict[str, tuple[int, ...]] = {
+AXIS_PADDING: dict[str, tuple[int, ...]] = {
     **dict.fromkeys(("arrival", "level", "comes_from"), (16, 16)),
     "room": (16,),
     **dict.fromkeys(("shape", "opening", "wall"), (4, 4)),
@@ -22,10 +22,10 @@ AXES: dict[str, tuple[int, ...]] = {
     "floor": (1,),
     **dict.fromkeys(("portal_room", "portal_share", "portal_leaf", "portal_leak"), (4,)),
 }
-HALF = ("level", "shape", "weight", "loss", "opening", "wall", "portal_leak")
-PADDING: dict[str, Any] = {
-    "level": np.log(SILENT),
-    "shape": np.log(SILENT),
+HALF_FIELDS = ("level", "shape", "weight", "loss", "opening", "wall", "portal_leak")
+PAD_VALUES: dict[str, Any] = {
+    "level": np.log(MIN_ENERGY),
+    "shape": np.log(MIN_ENERGY),
     "floor": np.inf,
     "volume": 1.0,
     "loss": 1.0,
@@ -35,7 +35,7 @@ PADDING: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class LateField:
-    """Baked late reverberation of one house; see `bank.records.sound.LateSound` for its fields."""
+    """Baked late reverberation of one house; see `bank.records.sound.LateReverb` for its fields."""
 
     arrival: UInt8[np.ndarray, "n n"]
     level: Float[np.ndarray, "n n spans bands"]
@@ -62,14 +62,14 @@ class LateField:
         return sum(x.nbytes for x in vars(self).values())
 
 
-def small(values: dict[str, np.ndarray]) -> LateField:
+def pack_field(values: dict[str, np.ndarray]) -> LateField:
     """Convert arrays to the lowest sufficient precision and return them as a field."""
-    half = {name: np.clip(values[name], -6e4, 6e4).astype(np.float16) for name in HALF}
+    half = {name: np.clip(values[name], -6e4, 6e4).astype(np.float16) for name in HALF_FIELDS}
     rest = {n: x.astype(np.float32) if x.dtype == np.float64 else x for n, x in values.items() if n not in half}
     return LateField(**rest, **half)
 
 
-def stacked(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " k"]]) -> LateSound:
+def stack_fields(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " k"]]) -> LateReverb:
     """Stack the fields of several houses, padded to the largest.
 
     Args:
@@ -78,15 +78,15 @@ def stacked(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " k
     """
     rows = [np.append(row, -1)[field.portal_leaf] for field, row in zip(fields, leaf_rows, strict=True)]
     fields = [dataclasses.replace(field, portal_leaf=leaf) for field, leaf in zip(fields, rows, strict=True)]
-    return LateSound(**{f.name: jnp.asarray(_padded(f.name, fields)) for f in dataclasses.fields(LateField)})
+    return LateReverb(**{f.name: jnp.asarray(_pad(f.name, fields)) for f in dataclasses.fields(LateField)})
 
 
-def _padded(name: str, fields: Sequence[LateField]) -> np.ndarray:
+def _pad(name: str, fields: Sequence[LateField]) -> np.ndarray:
     arrays = [np.asarray(getattr(field, name)) for field in fields]
     size = np.max([x.shape for x in arrays], axis=0).astype(int)
-    for axis, block in enumerate(AXES.get(name, ())):
+    for axis, block in enumerate(AXIS_PADDING.get(name, ())):
         size[axis] = max(-(-size[axis] // block), 1) * block
-    out = np.full((len(arrays), *size), PADDING.get(name, 0), arrays[0].dtype)
+    out = np.full((len(arrays), *size), PAD_VALUES.get(name, 0), arrays[0].dtype)
     for row, x in enumerate(arrays):
         out[(row, *(slice(n) for n in x.shape))] = x
     return out

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions, bake_house
-from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stacked
+from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stack_fields
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.records.sound import LATE_REVERB, LateSound
+from home_mjx.bank.records.sound import LATE_REVERB, LateReverb
 from home_mjx.schema.compiled import CompiledHouse
 
-VERSION = 9  # raise it whenever the same house and options would give another field
+CACHE_VERSION = 9  # raise it whenever the same house and options would give another field
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class LateReverbBake:
 
     options: BakeOptions = field(default_factory=BakeOptions)
     name = LATE_REVERB
-    version = VERSION
+    version = CACHE_VERSION
     record = LateField
     unused = frozenset(("lights", "gloss", "ground_floor", "lot", "agent_materials"))
 
@@ -39,7 +39,7 @@ class LateReverbBake:
         """
         return bake_house(house, self.options, bank, index)
 
-    def stack(self, records: Sequence[LateField], houses: Sequence[CompiledHouse], bank: HouseBank) -> LateSound:
+    def stack(self, records: Sequence[LateField], houses: Sequence[CompiledHouse], bank: HouseBank) -> LateReverb:
         """Return the records of all houses as one pytree, padded to the largest."""
         spec = bank.spec
-        return stacked(records, [house.doors.rows(spec.num_doors, spec.num_slides) for house in houses])
+        return stack_fields(records, [house.doors.bank_rows(spec.num_doors, spec.num_slides) for house in houses])

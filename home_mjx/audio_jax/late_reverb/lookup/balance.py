@@ -6,30 +6,30 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.late_reverb.lookup.rooms import fallen
-from home_mjx.bank.records.sound import LateSound
+from home_mjx.audio_jax.late_reverb.lookup.rooms import decay_in_rooms
+from home_mjx.bank.records.sound import LateReverb
 from home_mjx.core.transforms import compose, invert
 from home_mjx.raycast_render.scene.types import Scene
 
-LEAST = 1e-20  # minimum energy density in ratios, against division by zero
-MOST_GAIN = 30.0  # maximum energy ratio of current to open doors; closed doors can raise a room's energy
+MIN_ENERGY_DENSITY = 1e-20  # minimum energy density in ratios, against division by zero
+MAX_DOOR_GAIN = 30.0  # maximum energy ratio of current to open doors; closed doors can raise a room's energy
 
 
-class Rooms(NamedTuple):
-    """Correction of baked energy for doors and walls over time, see `balance`."""
+class RoomCorrection(NamedTuple):
+    """Correction of baked energy for doors and walls over time, see `solve_energy_balance`."""
 
-    kept: Float[Array, "k bands"]  # ratio of energy with current doors to energy with all doors open
-    added: Float[Array, "k bands"]  # energy transmitted by walls and closed leaves, re the free field at 1 m
+    gain: Float[Array, "k bands"]  # ratio of energy with current doors to energy with all doors open
+    transmitted: Float[Array, "k bands"]  # energy transmitted by walls and closed leaves, re the free field at 1 m
 
 
-def balance(
-    late: LateSound,
+def solve_energy_balance(
+    late: LateReverb,
     scene: Scene,
     source: Float[Array, " r"],
     listener: Float[Array, " r"],
     bins: int,
     metres: float,
-) -> Rooms:
+) -> RoomCorrection:
     """Compute the effect of current door leaves and of walls on the energy between two positions.
 
     The energy density w of each room decays by absorption and exchange (Kuttruff, Room Acoustics, coupled rooms):
@@ -48,18 +48,18 @@ def balance(
     house = scene.house
     volume, loss = late.volume[house], late.loss[house].astype(jnp.float32)
     free = late.opening[house].astype(jnp.float32)
-    open_share, leaky_share = _shares(late, scene, leaf_openings(scene))
+    open_share, leaky_share = _exchange_shares(late, scene, effective_openings(scene))
     shut = free * (1 - open_share)
     leaky = free * (leaky_share - open_share) + late.wall[house].astype(jnp.float32)
-    states = jnp.stack([_matrix(volume, loss, k) for k in (free, free - shut)])
+    states = jnp.stack([_rate_matrix(volume, loss, k) for k in (free, free - shut)])
     through = states[1] - jnp.moveaxis(leaky, -1, 0) / volume[None, :, None]
     rates = jnp.concatenate([states, through[None]]) * metres  # (3, bands, r, r)
-    found = fallen(rates, source / volume, listener, bins)  # (3, k, bands)
-    kept = jnp.minimum(found[1] / jnp.maximum(found[0], LEAST), MOST_GAIN)
-    return Rooms(kept, 4 * jnp.pi * metres * jnp.maximum(found[2] - found[1], 0.0))
+    found = decay_in_rooms(rates, source / volume, listener, bins)  # (3, k, bands)
+    kept = jnp.minimum(found[1] / jnp.maximum(found[0], MIN_ENERGY_DENSITY), MAX_DOOR_GAIN)
+    return RoomCorrection(kept, 4 * jnp.pi * metres * jnp.maximum(found[2] - found[1], 0.0))
 
 
-def leaf_openings(scene: Scene) -> Float[Array, " doors"]:
+def effective_openings(scene: Scene) -> Float[Array, " doors"]:
     """Return the effective opening of each leaf in a diffuse field: 0 shut, 1 wide open.
 
     Sound reaches a doorway through the gap between the leaf's free edge and the opposite jamb. Sound that is incident
@@ -71,24 +71,24 @@ def leaf_openings(scene: Scene) -> Float[Array, " doors"]:
     first, count = scene.bank.spec.num_bodies, scene.bank.spec.num_doors
     placed = geometry.instance_pose[house, jnp.maximum(physics.door_instance[house], 0)]
     turn = jax.vmap(compose)(scene.moving.pose[first : first + count], jax.vmap(invert)(placed))
-    slide, closed, wide = physics.door_slide[house], physics.door_closed[house], physics.door_wide[house]
+    slide, closed, wide = physics.door_slide[house], physics.door_closed[house], physics.door_fully_open[house]
     slides = jnp.any(slide != 0, axis=-1)
     angle, way = jnp.arctan2(turn[:, 1, 0], turn[:, 0, 0]), jnp.sum(turn[:, :2, 3] * slide, axis=-1)
     slid = jnp.abs(way - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-3)
-    hinged = _gap(angle - closed) / jnp.maximum(_gap(wide - closed), 1e-3)
+    hinged = _open_share(angle - closed) / jnp.maximum(_open_share(wide - closed), 1e-3)
     valid = physics.door_valid[house]
     return jnp.where(valid, jnp.clip(jnp.where(slides, slid, hinged), 0.0, 1.0), 1.0)
 
 
-def _gap(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
+def _open_share(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
     """Compute the open share of a doorway re the leaf's width."""
     turned = jnp.clip(jnp.abs(jnp.arctan2(jnp.sin(angle), jnp.cos(angle))), 0.0, jnp.pi / 2)
     gap = 2 * jnp.sin(turned / 2)
     return gap * (1 - gap / 4)
 
 
-def _shares(
-    late: LateSound, scene: Scene, opening: Float[Array, " doors"]
+def _exchange_shares(
+    late: LateReverb, scene: Scene, opening: Float[Array, " doors"]
 ) -> tuple[Float[Array, "r r 1"], Float[Array, "r r bands"]]:
     """Compute the share of each room pair's exchange that current leaves leave open, without and with transmission."""
     house, rooms = scene.house, late.volume.shape[1]
@@ -107,7 +107,7 @@ def _shares(
     return by_pair(shut[:, None]), by_pair(tight)
 
 
-def _matrix(
+def _rate_matrix(
     volume: Float[Array, " r"], loss: Float[Array, "r bands"], exchange: Float[Array, "r r bands"]
 ) -> Float[Array, "bands r r"]:
     """Return M of dw / dx = -M w."""

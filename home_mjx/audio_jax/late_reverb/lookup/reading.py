@@ -6,33 +6,37 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.late_reverb.lookup.balance import balance
-from home_mjx.audio_jax.late_reverb.lookup.spans import SPANS, between, span_of
+from home_mjx.audio_jax.late_reverb.lookup.balance import solve_energy_balance
+from home_mjx.audio_jax.late_reverb.lookup.spans import SPAN_STARTS, knot_weights, span_index
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.records.sound import LATE_REVERB, LateSound
+from home_mjx.bank.records.sound import LATE_REVERB, LateReverb
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 
-TOP_ROOMS = 2  # maximum rooms per point between which decays are interpolated
+MAX_INTERPOLATED_ROOMS = 2  # maximum rooms per point between which decays are interpolated
 
 
-class Arrivals(Pytree):
+class LateArrivals(Pytree):
     """Late reverberation at a listener, independent of its receiver."""
 
     energy: Float[Array, "k bands"]  # per time bin, re the free field of the source at 1 m
-    comes_from: Float[Array, "spans 3"]  # mean direction of arrival, world; length 0: isotropic, 1: one direction
-    leaves_to: Float[Array, "spans 3"]  # mean direction of emission, by reciprocity that of arrival at the source
-    span: Float[Array, "k spans"]  # share of each bin in each span
+    arrival_direction: Float[
+        Array, "spans 3"
+    ]  # mean direction of arrival, world; length 0: isotropic, 1: one direction
+    emission_direction: Float[
+        Array, "spans 3"
+    ]  # mean direction of emission, by reciprocity that of arrival at the source
+    span_share: Float[Array, "k spans"]  # share of each bin in each span
 
 
-class _Place(Pytree):
+class _CellWeights(Pytree):
     cell: Int[Array, " e"]
     weight: Float[Array, " e"]
     room: Float[Array, " r"]  # weight of each room
 
 
-def late_of(bank: HouseBank) -> LateSound:
+def require_late_sound(bank: HouseBank) -> LateReverb:
     """Return the baked sound of a bank.
 
     Raises:
@@ -44,11 +48,13 @@ def late_of(bank: HouseBank) -> LateSound:
     return bank.bakes[LATE_REVERB]
 
 
-def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], config: AudioConfig) -> Arrivals:
+def lookup_late_sound(
+    scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], config: AudioConfig
+) -> LateArrivals:
     """Look up late reverberation between two points, without direct sound and first-order architectural reflections.
 
     Levels are interpolated between the cells around both points, and decays between their rooms. The energy balance of
-    the rooms then adds the effect of doors and walls, see `balance`.
+    the rooms then adds the effect of doors and walls, see `solve_energy_balance`.
 
     Args:
         scene: Environment whose bank has baked sound.
@@ -60,9 +66,9 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
     Raises:
         ConfigError: The bank has no baked sound.
     """
-    late, house = late_of(scene.bank), scene.house
+    late, house = require_late_sound(scene.bank), scene.house
     metres, bins = config.bin_seconds * config.speed_of_sound, config.num_bins
-    start, end = _around(late, house, source), _around(late, house, listener)
+    start, end = _interpolate_cells(late, house, source), _interpolate_cells(late, house, listener)
     both = start.weight[:, None] * end.weight[None]
     pair = house, start.cell[:, None], end.cell[None]
     level = jnp.exp(late.level[pair].astype(jnp.float32))
@@ -75,25 +81,29 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
         jnp.einsum("ij,ijsx->sx", both, late.comes_from[x].astype(jnp.float32) / 127, precision="highest")
         for x in (pair, back)
     )
-    member = jnp.asarray(np.eye(len(SPANS), dtype=np.float32)[span_of(bins)])
-    energy = _shape(late, house, start, end, bins) * jnp.matmul(member, level, precision="highest")
-    rooms = balance(late, scene, start.room, end.room, bins, metres)
-    heard = _delayed(energy, first) * rooms.kept + rooms.added
-    return Arrivals(heard, comes_from, leaves_to, _delayed(member, first))
+    member = jnp.asarray(np.eye(len(SPAN_STARTS), dtype=np.float32)[span_index(bins)])
+    energy = _interpolate_decay(late, house, start, end, bins) * jnp.matmul(member, level, precision="highest")
+    rooms = solve_energy_balance(late, scene, start.room, end.room, bins, metres)
+    heard = _delay(energy, first) * rooms.gain + rooms.transmitted
+    return LateArrivals(heard, comes_from, leaves_to, _delay(member, first))
 
 
-def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, bins: int) -> Float[Array, "k bands"]:
+def _interpolate_decay(
+    late: LateReverb, house: Int[Array, ""], start: _CellWeights, end: _CellWeights, bins: int
+) -> Float[Array, "k bands"]:
     """Interpolate the decay per bin between the rooms of two places; each span sums to 1."""
-    count = min(TOP_ROOMS, late.volume.shape[1])
+    count = min(MAX_INTERPOLATED_ROOMS, late.volume.shape[1])
     (from_weight, from_room), (to_weight, to_room) = (jax.lax.top_k(place.room, count) for place in (start, end))
     share = from_weight[:, None] * to_weight[None]
     share = share / jnp.maximum(jnp.sum(share), 1e-6)
     knots = late.shape[house, from_room[:, None], to_room[None]].astype(jnp.float32)
-    decay = jnp.exp(jnp.einsum("rqbn,kn->rqkb", knots, jnp.asarray(between(bins), jnp.float32), precision="highest"))
+    decay = jnp.exp(
+        jnp.einsum("rqbn,kn->rqkb", knots, jnp.asarray(knot_weights(bins), jnp.float32), precision="highest")
+    )
     return jnp.einsum("rq,rqkb->kb", share, decay, precision="highest")
 
 
-def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) -> _Place:
+def _interpolate_cells(late: LateReverb, house: Int[Array, ""], point: Float[Array, "3"]) -> _CellWeights:
     """Interpolate the cells around a point and their weights from the four nearest lattice points of its storey."""
     floor = late.floor[house]
     level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
@@ -112,10 +122,10 @@ def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) ->
     cell, weight = jnp.concatenate(cells), jnp.concatenate(weights)
     weight = weight / jnp.maximum(jnp.sum(weight), 1e-6)
     member = jax.nn.one_hot(late.room[house, cell], late.volume.shape[1], dtype=jnp.float32)
-    return _Place(cell, weight, jnp.matmul(weight, member, precision="highest"))
+    return _CellWeights(cell, weight, jnp.matmul(weight, member, precision="highest"))
 
 
-def _delayed(energy: Float[Array, "k n"], bins: Float[Array, ""]) -> Float[Array, "k n"]:
+def _delay(energy: Float[Array, "k n"], bins: Float[Array, ""]) -> Float[Array, "k n"]:
     """Delay energies by a fractional number of bins, with linear interpolation."""
     count = energy.shape[0]
     below = jnp.floor(bins)

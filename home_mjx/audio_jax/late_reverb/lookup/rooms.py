@@ -8,18 +8,25 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from home_mjx.core.native.platforms import by_platform, call_kernel, problem_of, ptx_for_all, shared_bytes, works
-from home_mjx.core.native.vmap_call import batched, numbers
+from home_mjx.core.native.platforms import (
+    call_kernel,
+    compile_ptx_for_all,
+    find_problem,
+    is_usable,
+    max_shared_bytes,
+    with_fallback_gradient,
+)
+from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 
-TERMS = 6  # terms of the exponential series
+SERIES_TERMS = 6  # terms of the exponential series
 HALVINGS = 3  # halvings of the step before the series is evaluated
 SOURCE = Path(__file__).with_name("rooms.cu")
 THREADS, WARP = 64, 32  # threads of a block, as in rooms.cu, and of a warp
-RUN = 8  # consecutive bins computed from one column, as in rooms.cu
-MOST_NUMBERS = 100  # maximum matrix elements in a thread's registers
+BINS_PER_COLUMN = 8  # consecutive bins computed from one column, as in rooms.cu
+MAX_REGISTER_ELEMENTS = 100  # maximum matrix elements in a thread's registers
 
 
-def fallen(
+def decay_in_rooms(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
     """Compute the energy density at a listener after n = 0, 1, 2 ... bins from dw / dn = -M w.
@@ -31,31 +38,31 @@ def fallen(
         bins: Number of bins.
     """
     rooms = start.shape[0]
-    fast = {"cuda": functools.partial(_by_cuda, bins=bins)} if _available(rooms) else {}
-    return by_platform(functools.partial(fallen_by_xla, bins=bins), fast)(rates, start, listener)
+    fast = {"cuda": functools.partial(_decay_by_cuda, bins=bins)} if _available(rooms) else {}
+    return with_fallback_gradient(functools.partial(decay_in_rooms_by_xla, bins=bins), fast)(rates, start, listener)
 
 
-def fallen_by_xla(
+def decay_in_rooms_by_xla(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Compute `fallen` with XLA operations."""
-    return _over_time(_exponential(rates), start, listener, bins)
+    """Compute `decay_in_rooms` with XLA operations."""
+    return _propagate(_matrix_exponential(rates), start, listener, bins)
 
 
-def _exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
+def _matrix_exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
     """Compute exp(-matrix) by scaling and squaring of its series."""
     small = -matrix / 2**HALVINGS
     one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
     power = total = jnp.broadcast_to(one, small.shape)
-    for n in range(1, TERMS):
-        power = _product(power, small) / n
+    for n in range(1, SERIES_TERMS):
+        power = _multiply(power, small) / n
         total = total + power
     for _ in range(HALVINGS):
-        total = _product(total, total)
+        total = _multiply(total, total)
     return total
 
 
-def _over_time(
+def _propagate(
     step: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
     """Compute the energy density at the listener after 0, 1, 2 ... steps.
@@ -65,19 +72,19 @@ def _over_time(
     """
     powers = [step]
     while 2 ** len(powers) < bins:
-        powers.append(_product(powers[-1], powers[-1]))
+        powers.append(_multiply(powers[-1], powers[-1]))
     half = len(powers) // 2
     row = jnp.broadcast_to(listener, (*step.shape[:2], 1, listener.size))
     column = jnp.broadcast_to(start[:, None], (*step.shape[:3], 1))
     for power in powers[:half]:
-        row = jnp.concatenate([row, _product(row, power)], axis=-2)
+        row = jnp.concatenate([row, _multiply(row, power)], axis=-2)
     for power in powers[half:]:
-        column = jnp.concatenate([column, _product(power, column)], axis=-1)
-    heard = _product(jnp.swapaxes(column, -1, -2), jnp.swapaxes(row, -1, -2))  # (s, bands, a, b)
+        column = jnp.concatenate([column, _multiply(power, column)], axis=-1)
+    heard = _multiply(jnp.swapaxes(column, -1, -2), jnp.swapaxes(row, -1, -2))  # (s, bands, a, b)
     return jnp.swapaxes(heard.reshape(*step.shape[:2], -1)[..., :bins], 1, 2)
 
 
-def _product(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
+def _multiply(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
     """Multiply many small matrices as sums, which compilers fuse, instead of one library call per product."""
     return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)
 
@@ -85,7 +92,7 @@ def _product(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Flo
 @functools.cache
 def _cuda_available() -> bool:
     """Return whether the kernel works; warn once if there is an NVIDIA GPU on which it fails."""
-    return works("cuda", problem_of("cuda", _start), "room energy decay uses slower XLA operations")
+    return is_usable("cuda", find_problem("cuda", _start), "room energy decay uses slower XLA operations")
 
 
 def _start() -> None:
@@ -95,10 +102,10 @@ def _start() -> None:
 @functools.cache
 def ptx_of(rooms: int) -> str:
     """Compile PTX for a number of rooms; all GPUs of this process can run it."""
-    return ptx_for_all(SOURCE, {"SIZE": rooms, "LANES": lanes_of(rooms)})
+    return compile_ptx_for_all(SOURCE, {"SIZE": rooms, "LANES": threads_per_matrix(rooms)})
 
 
-def lanes_of(rooms: int) -> int:
+def threads_per_matrix(rooms: int) -> int:
     """Return the threads per matrix, a power of two; above `WARP` if the matrix is too large.
 
     Each thread holds some columns of the matrix in registers.
@@ -108,21 +115,21 @@ def lanes_of(rooms: int) -> int:
         (1, 4, 64)
     """
     lanes = 1
-    while rooms * -(-rooms // lanes) > MOST_NUMBERS and lanes <= WARP:
+    while rooms * -(-rooms // lanes) > MAX_REGISTER_ELEMENTS and lanes <= WARP:
         lanes *= 2
     return lanes
 
 
 def _available(rooms: int) -> bool:
-    return rooms > 0 and lanes_of(rooms) <= WARP and _cuda_available() and _bytes(rooms) <= shared_bytes()
+    return rooms > 0 and threads_per_matrix(rooms) <= WARP and _cuda_available() and _bytes(rooms) <= max_shared_bytes()
 
 
 def _bytes(rooms: int) -> int:
-    """Return the shared memory of a block [bytes]: elements and `RUN` rows per matrix, at an odd pitch."""
-    return 4 * (THREADS // lanes_of(rooms) + 1) * rooms * (rooms + RUN)
+    """Return the shared memory of a block [bytes]: elements and `BINS_PER_COLUMN` rows per matrix, at an odd pitch."""
+    return 4 * (THREADS // threads_per_matrix(rooms) + 1) * rooms * (rooms + BINS_PER_COLUMN)
 
 
-def _by_cuda(
+def _decay_by_cuda(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
     return _op(bins)(rates[None], start[None], listener[None])[0][0]
@@ -130,13 +137,13 @@ def _by_cuda(
 
 @functools.cache
 def _op(bins: int) -> Callable[..., tuple[Array, ...]]:
-    return batched(functools.partial(run_rooms, bins), 0, 1)
+    return batch_kernel(functools.partial(launch_decay, bins), 0, 1)
 
 
-def run_rooms(bins: int, *given: Array) -> tuple[Array, ...]:
+def launch_decay(bins: int, *given: Array) -> tuple[Array, ...]:
     """Launch the kernel for matrices (e s bands r r), starts (e r), listeners (e r); return (e s bins bands)."""
     envs, states, octaves, rooms, _ = given[0].shape
-    blocks = -(-envs * states * octaves // (THREADS // lanes_of(rooms)))
+    blocks = -(-envs * states * octaves // (THREADS // threads_per_matrix(rooms)))
     result = jax.ShapeDtypeStruct((envs, states, bins, octaves), jnp.float32)
-    operands = *given, numbers((envs, states, octaves, bins))
+    operands = *given, traced_constant((envs, states, octaves, bins))
     return call_kernel("fall_in_rooms", ptx_of(rooms), (blocks, 1), THREADS, _bytes(rooms), operands, result)

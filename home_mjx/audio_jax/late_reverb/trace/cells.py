@@ -8,9 +8,9 @@ from jaxtyping import Float, Int
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import CompiledHouse
 
-FROM_FLOOR = 0.9  # [m], height of cells above the floor, above most furniture
-FROM_CEILING = 0.2  # [m], from the top of cells to the ceiling
-MOST_CELLS = 160  # maximum per house; all pairs then fit into 3 MB
+CELL_FLOOR_GAP = 0.9  # [m], height of cells above the floor, above most furniture
+CELL_CEILING_GAP = 0.2  # [m], from the top of cells to the ceiling
+MAX_CELLS = 160  # maximum per house; all pairs then fit into 3 MB
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,12 @@ class Cells:
     step: float
 
 
-def divide(house: CompiledHouse, size: float = 1.0) -> Cells:
+def divide_rooms(house: CompiledHouse, size: float = 1.0) -> Cells:
     """Divide each room into equal rows and columns of about `size` metres.
 
     Args:
         house: House to divide.
-        size: Target edge length of a cell [m]; increased if there would be more than `MOST_CELLS` cells.
+        size: Target edge length of a cell [m]; increased if there would be more than `MAX_CELLS` cells.
 
     Raises:
         ConfigError: The house has no room.
@@ -51,18 +51,18 @@ def divide(house: CompiledHouse, size: float = 1.0) -> Cells:
     grid = house.navigation.room
     if not (grid >= 0).any():
         raise ConfigError(f"house {house.id} has no room: there is nothing to bake sound for")
-    lookup = _numbered(grid, house.navigation.cell, size)
-    while lookup.max() >= MOST_CELLS:
+    lookup = _number_cells(grid, house.navigation.cell, size)
+    while lookup.max() >= MAX_CELLS:
         size *= 1.1
-        lookup = _numbered(grid, house.navigation.cell, size)
+        lookup = _number_cells(grid, house.navigation.cell, size)
     level, row, column = np.nonzero(lookup >= 0)
     cell, count = lookup[level, row, column], lookup.max() + 1
     area = np.bincount(cell, minlength=count)
     middle = [np.bincount(cell, axis + 0.5, count) / area * house.navigation.cell for axis in (column, row)]
     room = np.zeros(count, int)
     room[cell] = grid[level, row, column]
-    low = house.rooms.floor[room] + FROM_FLOOR
-    high = np.maximum(house.rooms.ceiling[room] - FROM_CEILING, low + 0.2)
+    low = house.rooms.floor[room] + CELL_FLOOR_GAP
+    high = np.maximum(house.rooms.ceiling[room] - CELL_CEILING_GAP, low + 0.2)
     center = np.stack(
         [*(np.asarray(m) + o for m, o in zip(middle, house.navigation.origin, strict=True)), (low + high) / 2], 1
     )
@@ -70,7 +70,7 @@ def divide(house: CompiledHouse, size: float = 1.0) -> Cells:
     return Cells(room, center, low, high, volume, lookup, house.navigation.origin, house.navigation.cell)
 
 
-def _numbered(grid: Int[np.ndarray, "l ny nx"], step: float, size: float) -> Int[np.ndarray, "l ny nx"]:
+def _number_cells(grid: Int[np.ndarray, "l ny nx"], step: float, size: float) -> Int[np.ndarray, "l ny nx"]:
     """Return the cell over each place, numbered room by room; -1 if none."""
     lookup, first = np.full(grid.shape, -1), 0
     for room in np.unique(grid[grid >= 0]):

@@ -8,7 +8,7 @@ from home_mjx.audio_jax.late_reverb.trace.cells import Cells
 from home_mjx.core.pytree import Pytree, static
 
 
-class Grid(Pytree):
+class CellGrid(Pytree):
     """`Cells` on the device."""
 
     lookup: Int[Array, "levels rows columns"]
@@ -22,7 +22,7 @@ class Grid(Pytree):
     step: float = static()  # [m]
 
 
-def grid_of(cells: Cells, free: Float[np.ndarray, " n"], joined: Bool[np.ndarray, "r r"]) -> Grid:
+def make_grid(cells: Cells, free: Float[np.ndarray, " n"], joined: Bool[np.ndarray, "r r"]) -> CellGrid:
     """Put a house's cells on the device, padded so that houses of similar size share a program.
 
     Args:
@@ -38,7 +38,7 @@ def grid_of(cells: Cells, free: Float[np.ndarray, " n"], joined: Bool[np.ndarray
     def padded(values: np.ndarray, fill: float, kind: type = np.float32) -> Array:
         return jnp.asarray(np.pad(values, (0, beyond), constant_values=fill).astype(kind))
 
-    return Grid(
+    return CellGrid(
         lookup=jnp.asarray(lookup, jnp.int32),
         origin=jnp.asarray(cells.origin, jnp.float32),
         low=padded(cells.low, np.inf),

@@ -5,32 +5,32 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.audio_jax.late_reverb.trace.flight import Gone
-from home_mjx.audio_jax.late_reverb.trace.stage import Start
+from home_mjx.audio_jax.late_reverb.trace.flight import PortalRays
+from home_mjx.audio_jax.late_reverb.trace.stage import FlightStart
 from home_mjx.schema.compiled import BANDS
 
 
-class Pool:
+class RayPool:
     """Rays that reached portal states, from which new flights start."""
 
     def __init__(self) -> None:
         self.rays: list[tuple[np.ndarray, ...]] = []
 
-    def add(self, ended: Gone, source: Int[np.ndarray, " f"]) -> None:
+    def add(self, ended: PortalRays, source: Int[np.ndarray, " f"]) -> None:
         """Add ended rays of flights (f, 2, n): those that left a room, and those that aged there.
 
         Args:
             ended: Host arrays of rays, octave after octave; rays without energy are skipped.
             source: Source of each flight.
         """
-        ray, (_, kinds, count) = ended.ray, ended.entered.shape
+        ray, (_, kinds, count) = ended.ray, ended.entered_room.shape
         kept = np.flatnonzero(ray.energy > 0)
-        values = (ray.origin, ray.direction, ray.travelled, ray.energy, ray.room, ended.entered)
+        values = (ray.origin, ray.direction, ray.travelled, ray.energy, ray.room, ended.entered_room)
         flat = (np.reshape(x, (-1, *np.shape(x)[3:]))[kept] for x in values)
         octave = kept % count // (count // len(BANDS))
         self.rays.append((*flat, octave, source[kept // (kinds * count)]))
 
-    def starts(
+    def draw_flights(
         self,
         rooms: Int[np.ndarray, "g 2"],
         number: Int[np.ndarray, "*s r r"],
@@ -38,7 +38,7 @@ class Pool:
         size: tuple[int, int],
         age: float,
         rng: np.random.Generator,
-    ) -> list[list[Start]]:
+    ) -> list[list[FlightStart]]:
         """Draw flights from each of some portal states, by energy from rays of the same octave.
 
         Args:
@@ -69,13 +69,13 @@ class Pool:
                 out.append([])
                 continue
             own = [order[a:b] if b > a else np.sort(mine) for a, b in pairwise(cuts)]
-            drawn = np.stack([_draw(rows, energy, count * flights, rng) for rows in own])
+            drawn = np.stack([_draw_rows(rows, energy, count * flights, rng) for rows in own])
             every = np.moveaxis(drawn.reshape(bands, flights, count), 1, 0).reshape(flights, -1)
-            out.append([Start(origin[pick], direction[pick], travelled[pick], int(here), age) for pick in every])
+            out.append([FlightStart(origin[pick], direction[pick], travelled[pick], int(here), age) for pick in every])
         return out
 
 
-def _draw(
+def _draw_rows(
     rows: Int[np.ndarray, " n"], energy: Float[np.ndarray, " m"], count: int, rng: np.random.Generator
 ) -> Int[np.ndarray, " count"]:
     """Draw rows by energy with systematic sampling, in random order."""

@@ -8,11 +8,11 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.schema.compiled import BANDS
 
-SEARCH = {"gpu": "scan_unrolled"}  # one kernel instead of several per bisection; slower on CPUs
-EVEN = 0.7  # 0: rays in proportion to a room's energy; 1: equal numbers of rays in all rooms
+SEARCH_METHOD = {"gpu": "scan_unrolled"}  # one kernel instead of several per bisection; slower on CPUs
+EVENNESS = 0.7  # 0: rays in proportion to a room's energy; 1: equal numbers of rays in all rooms
 
 
-def share_out(
+def resample_rays(
     energy: Float[Array, " n"], room: Int[Array, " n"], octave: Int[Array, " n"], rooms: int, key: Array
 ) -> tuple[Int[Array, " n"], Float[Array, " n"]]:
     """Resample rays; return the index of the ray that each new ray continues, and its energy.
@@ -37,11 +37,11 @@ def share_out(
     """
     count = energy.size // len(BANDS)
     held = jnp.zeros((len(BANDS), rooms), jnp.float32).at[octave, room].add(energy)
-    weight = energy / jnp.maximum(held[octave, room], 1e-30) ** EVEN
+    weight = energy / jnp.maximum(held[octave, room], 1e-30) ** EVENNESS
     parts = jnp.cumsum(weight.reshape(len(BANDS), count), axis=1)
     total = parts[:, -1:]
     place = (jnp.arange(count, dtype=jnp.float32) + jax.random.uniform(key, (len(BANDS), 1), jnp.float32)) / count
-    search = partial(jnp.searchsorted, side="right", method=SEARCH.get(jax.default_backend(), "scan"))
+    search = partial(jnp.searchsorted, side="right", method=SEARCH_METHOD.get(jax.default_backend(), "scan"))
     pick = jax.vmap(search)(parts, place * total)
     pick = jnp.minimum(pick, count - 1).astype(jnp.int32) + count * jnp.arange(len(BANDS), dtype=jnp.int32)[:, None]
     pick = pick.reshape(-1)

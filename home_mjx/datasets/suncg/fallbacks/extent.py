@@ -5,8 +5,8 @@ from jaxtyping import Float
 
 from home_mjx.schema.house import ModelInfo
 
-EVEN = 1e-3  # weight of "length = width", which decides for objects at 45 degrees, where both are undetermined
-LEAST = 0.005  # [m], minimum length of an edge
+SQUARE_WEIGHT = 1e-3  # weight of "length = width", which decides for objects at 45 degrees, where both are undetermined
+MIN_EDGE = 0.005  # [m], minimum length of an edge
 
 Bounds = Float[np.ndarray, "2 3"]
 
@@ -21,7 +21,7 @@ def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds
     """
     if info.low is not None and info.dims is not None:
         low = np.array(info.low)
-        return np.stack([low, low + np.maximum(info.dims, LEAST)])
+        return np.stack([low, low + np.maximum(info.dims, MIN_EDGE)])
     return None if bbox is None else _turned_back(transform, bbox)
 
 
@@ -34,7 +34,7 @@ def _turned_back(transform: Float[np.ndarray, "4 4"], bbox: Bounds) -> Bounds:
     linear = transform[:3, :3]
     size = np.linalg.norm(linear, axis=0)
     middle = np.linalg.solve(linear, bbox.mean(axis=0) - transform[:3, 3])
-    even = EVEN * np.array([[size[0], 0.0, -size[2]]])
+    even = SQUARE_WEIGHT * np.array([[size[0], 0.0, -size[2]]])
     rows, wanted = np.concatenate([abs(linear), even]), np.append(np.ptp(bbox, axis=0) / 2, 0.0)
-    half = np.maximum(np.linalg.lstsq(rows, wanted, rcond=None)[0], LEAST / 2)
+    half = np.maximum(np.linalg.lstsq(rows, wanted, rcond=None)[0], MIN_EDGE / 2)
     return np.stack([middle - half, middle + half])

@@ -44,13 +44,13 @@ _KNOWN = (
         "s__2041",
     ),
 )
-KNOWN_MODELS = {name: ModelInfo(name, *classes) for classes, names in _KNOWN for name in names.split()}
+BUILTIN_MODELS = {name: ModelInfo(name, *classes) for classes, names in _KNOWN for name in names.split()}
 
 
-UNKNOWN = ModelInfo("").coarse
+UNKNOWN_CATEGORY = ModelInfo("").coarse
 
 
-def with_known_models(tables: Metadata) -> Metadata:
+def add_builtin_categories(tables: Metadata) -> Metadata:
     """Add the built-in categories of SUNCG's doors, windows and similar models that the tables lack.
 
     Args:
@@ -60,9 +60,11 @@ def with_known_models(tables: Metadata) -> Metadata:
         >>> with_known_models(Metadata({})).info("122_0").coarse
         'door'
     """
-    merged = Metadata({**KNOWN_MODELS, **tables.models}, tables.lights)
-    unnamed = {name: info for name, info in tables.models.items() if info.coarse == UNKNOWN}  # rows with sizes only
-    known = {name: KNOWN_MODELS[base] for name in unnamed if (base := _base(merged, name)) in KNOWN_MODELS}
+    merged = Metadata({**BUILTIN_MODELS, **tables.models}, tables.lights)
+    unnamed = {
+        name: info for name, info in tables.models.items() if info.coarse == UNKNOWN_CATEGORY
+    }  # rows with sizes only
+    known = {name: BUILTIN_MODELS[base] for name in unnamed if (base := _base(merged, name)) in BUILTIN_MODELS}
     named = {
         name: replace(unnamed[name], fine=info.fine, coarse=info.coarse, nyu40=info.nyu40)
         for name, info in known.items()
@@ -70,14 +72,14 @@ def with_known_models(tables: Metadata) -> Metadata:
     return Metadata({**merged.models, **named}, tables.lights)
 
 
-def has_row(tables: Metadata, model_id: str) -> bool:
+def has_category(tables: Metadata, model_id: str) -> bool:
     """Return whether the tables have the category of a model, or of the base of a variant.
 
     Args:
         tables: Tables of the dataset.
         model_id: Id of the model.
     """
-    return tables.info(model_id).coarse != UNKNOWN
+    return tables.info(model_id).coarse != UNKNOWN_CATEGORY
 
 
 def _base(tables: Metadata, model_id: str) -> str:

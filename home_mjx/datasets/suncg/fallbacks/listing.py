@@ -3,25 +3,25 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from home_mjx.schema.house import STAND_INS, House, Level, Material, StandIn
+from home_mjx.schema.house import FALLBACK_KINDS, Fallback, House, Level, Material
 
 PLURALS = {"material library": "material libraries", "room mesh": "room meshes", "metadata row": "metadata rows"}
-COLOUR, GREY = "the material's colour", "grey materials"
+COLOR_WORDS, LIBRARY_WORDS = "the material's colour", "grey materials"
 
 
-def lacking_materials_of(house: House) -> list[StandIn]:
+def list_missing_materials(house: House) -> list[Fallback]:
     """List textures and material libraries that the dataset lacks, each once, with its first user.
 
     Args:
         house: House as read.
     """
-    found: dict[tuple[str, str], StandIn] = {}
+    found: dict[tuple[str, str], Fallback] = {}
     for owner, material in _materials(house):
-        if material.lacking:
-            library = material.lacking.endswith(".mtl")
+        if material.missing_file:
+            library = material.missing_file.endswith(".mtl")
             kind = "material library" if library else "texture"
-            taken = GREY if library else COLOUR
-            found.setdefault((kind, material.lacking), StandIn(kind, material.lacking, owner, taken))
+            taken = LIBRARY_WORDS if library else COLOR_WORDS
+            found.setdefault((kind, material.missing_file), Fallback(kind, material.missing_file, owner, taken))
     return list(found.values())
 
 
@@ -40,7 +40,7 @@ def _parts(level: Level) -> Iterator:
     yield from (part for part in (*rooms, *(ground.mesh for ground in level.grounds)) if part is not None)
 
 
-def counts_of(stand_ins: Sequence[StandIn]) -> dict[str, int]:
+def count_fallbacks(stand_ins: Sequence[Fallback]) -> dict[str, int]:
     """Count the fallbacks by kind.
 
     Args:
@@ -51,10 +51,10 @@ def counts_of(stand_ins: Sequence[StandIn]) -> dict[str, int]:
         1
     """
     found = Counter(item.kind for item in stand_ins)
-    return {kind: found[kind] for kind in STAND_INS}
+    return {kind: found[kind] for kind in FALLBACK_KINDS}
 
 
-def in_words(stand_ins: Sequence[StandIn]) -> str:
+def describe_fallbacks(stand_ins: Sequence[Fallback]) -> str:
     """Describe the counts of missing parts, for a message.
 
     Args:
@@ -64,7 +64,7 @@ def in_words(stand_ins: Sequence[StandIn]) -> str:
         >>> in_words([StandIn("texture", "wood_8", "122.obj", ""), StandIn("texture", "wood_9", "122.obj", "")])
         '2 textures'
     """
-    counts = counts_of(stand_ins).items()
+    counts = count_fallbacks(stand_ins).items()
     return ", ".join(
         f"{count} {PLURALS.get(kind, f'{kind}s') if count > 1 else kind}" for kind, count in counts if count
     )

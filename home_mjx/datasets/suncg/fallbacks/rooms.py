@@ -8,31 +8,31 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.geometry.outline import outline
-from home_mjx.geometry.pieces import CUT, Piece, join_pieces, wall_pieces
-from home_mjx.geometry.slabs import grow, simplify, slab, triangulate
-from home_mjx.geometry.wall_groups import direction_across, wall_faces
-from home_mjx.geometry.wall_prisms import DEPTH, RISE, Hole, Wall
-from home_mjx.schema.house import Material, Mesh, Room
+from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
+from home_mjx.geometry.slabs import offset_outwards, simplify, slab, triangulate
+from home_mjx.geometry.wall_groups import facing_axis, wall_faces
+from home_mjx.geometry.wall_prisms import WALL_DEPTH, WALL_EXTRA_HEIGHT, Hole, WallSegment
+from home_mjx.schema.house import Material, Mesh, RoomNode
 
 # All in [m]; dimensions of SUNCG's own meshes.
-THICKNESS = 0.05  # of floors and ceilings
-OUTSET = DEPTH / 5  # of floors and ceilings beyond the centre lines of walls
-OUTER = DEPTH / 2 - DEPTH / 19  # extent of walls beyond their centre lines
-CEILING_LOW = 0.01  # offset of a ceiling's underside below the nominal height
-SHRINK = 0.02  # inset of a hole relative to the box of its door or window
-HEIGHT = 2.7  # default height of walls
-HEIGHTS = (1.5, 12.0)  # plausible heights of walls; others come from wrong boxes
-SWUNG = 0.75  # maximum enlargement of a room's box by an open door leaf
-OFF = 0.15  # maximum distance of an opening from the centre line of its wall
-LEAST = 0.05  # minimum width of an opening along a wall
-SOUND = 0.1  # minimum sine of the angle between two adjacent walls
+SLAB_THICKNESS = 0.05  # of floors and ceilings
+SLAB_OUTSET = WALL_DEPTH / 5  # of floors and ceilings beyond the centre lines of walls
+WALL_OUTER_EXTENT = WALL_DEPTH / 2 - WALL_DEPTH / 19  # extent of walls beyond their centre lines
+CEILING_OFFSET = 0.01  # offset of a ceiling's underside below the nominal height
+HOLE_INSET = 0.02  # inset of a hole relative to the box of its door or window
+DEFAULT_HEIGHT = 2.7  # default height of walls
+HEIGHT_RANGE = (1.5, 12.0)  # plausible heights of walls; others come from wrong boxes
+MAX_LEAF_SWING = 0.75  # maximum enlargement of a room's box by an open door leaf
+MAX_OPENING_OFFSET = 0.15  # maximum distance of an opening from the centre line of its wall
+MIN_OPENING_WIDTH = 0.05  # minimum width of an opening along a wall
+MIN_CORNER_SINE = 0.1  # minimum sine of the angle between two adjacent walls
 
-FLOOR, PLASTER = (0.62, 0.52, 0.42), (0.88, 0.87, 0.84)  # sRGB
+FLOOR_COLOR, PLASTER_COLOR = (0.62, 0.52, 0.42), (0.88, 0.87, 0.84)  # sRGB
 Polygon = Float[np.ndarray, "n 2"]  # (x, z), counter-clockwise with x right and z up
 
 
 @dataclass(frozen=True)
-class Gap:
+class OpeningSpan:
     """Span of a door, window or arch, which makes a hole in every wall along it.
 
     Attributes:
@@ -49,7 +49,7 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Shape:
+class RoomShape:
     """Outline and height of a room.
 
     Attributes:
@@ -65,7 +65,7 @@ class Shape:
     source: str
 
 
-def room_shape(room: Room, gaps: Sequence[Gap]) -> Shape | None:
+def find_room_shape(room: RoomNode, gaps: Sequence[OpeningSpan]) -> RoomShape | None:
     """Determine the outline of a room from its floor, ceiling, walls or box, in this order; None if all are missing.
 
     Args:
@@ -75,23 +75,23 @@ def room_shape(room: Room, gaps: Sequence[Gap]) -> Shape | None:
     """
     low, height = _heights(room)
     for mesh, source in ((room.floor, "its floor"), (room.ceiling, "its ceiling")):
-        if mesh is not None and (corners := _sound(grow(_slab_outline(mesh), -OUTSET))) is not None:
-            return Shape(corners, low, height, source)
+        if mesh is not None and (corners := _sound(offset_outwards(_slab_outline(mesh), -SLAB_OUTSET))) is not None:
+            return RoomShape(corners, low, height, source)
     if room.walls is not None and (corners := _sound(_wall_lines(room.walls))) is not None:
-        return Shape(corners, low, height, "its walls")
+        return RoomShape(corners, low, height, "its walls")
     if room.bbox is None:
         return None
     corners = _sound(_box_lines(room.bbox, gaps))
-    return None if corners is None else Shape(corners, low, height, "its bounding box")
+    return None if corners is None else RoomShape(corners, low, height, "its bounding box")
 
 
-def stand_in_part(
-    kind: str, shape: Shape, room: Room, path: Path, gaps: Sequence[Gap], materials: Sequence[Material]
+def build_fallback_part(
+    kind: str, shape: RoomShape, room: RoomNode, path: Path, gaps: Sequence[OpeningSpan], materials: Sequence[Material]
 ) -> Mesh:
     """Build the fallback floor, ceiling or walls of a room.
 
     Args:
-        kind: `Floor`, `Ceiling` or `Wall`.
+        kind: `FloorModel`, `Ceiling` or `WallSegment`.
         shape: Outline and height of the room.
         room: The room.
         path: Path of the missing OBJ.
@@ -100,9 +100,9 @@ def stand_in_part(
     """
     if kind == "Wall":
         return _walls(shape, room.id, path, gaps, materials)
-    low = shape.low if kind == "Floor" else shape.low + shape.height - CEILING_LOW
-    plain = Material("", FLOOR if kind == "Floor" else PLASTER, None, 1.0)
-    return slab_mesh(f"{kind}#{room.id}", shape.corners, (low, low + THICKNESS), path, materials, plain)
+    low = shape.low if kind == "Floor" else shape.low + shape.height - CEILING_OFFSET
+    plain = Material("", FLOOR_COLOR if kind == "Floor" else PLASTER_COLOR, None, 1.0)
+    return slab_mesh(f"{kind}#{room.id}", shape.corners, (low, low + SLAB_THICKNESS), path, materials, plain)
 
 
 def slab_mesh(
@@ -112,7 +112,7 @@ def slab_mesh(
     path: Path,
     materials: Sequence[Material],
     plain: Material,
-    outset: float = OUTSET,
+    outset: float = SLAB_OUTSET,
 ) -> Mesh:
     """Build a slab over a polygon with the outset of SUNCG's floors.
 
@@ -126,48 +126,54 @@ def slab_mesh(
         outset: Distance by which the slab reaches beyond the polygon [m].
     """
     vertices, faces, uv = slab([corners], *heights, outset)
-    return join_pieces(path, [Piece(group, vertices, faces, uv, np.zeros(len(faces), int))], [*materials, plain][:1])
+    return join_pieces(
+        path, [MeshPiece(group, vertices, faces, uv, np.zeros(len(faces), int))], [*materials, plain][:1]
+    )
 
 
-def _walls(shape: Shape, room_id: str, path: Path, gaps: Sequence[Gap], materials: Sequence[Material]) -> Mesh:
-    plain = Material("", PLASTER, None, 1.0)
+def _walls(
+    shape: RoomShape, room_id: str, path: Path, gaps: Sequence[OpeningSpan], materials: Sequence[Material]
+) -> Mesh:
+    plain = Material("", PLASTER_COLOR, None, 1.0)
     inside, outside = (materials[0], materials[2]) if len(materials) > 2 else (plain, plain)
-    pieces: list[Piece] = []
+    pieces: list[MeshPiece] = []
     for number, (start, end) in enumerate(zip(shape.corners, np.roll(shape.corners, -1, axis=0), strict=True)):
         holes = tuple(hole for gap in gaps if (hole := _hole(gap, start, end, shape)) is not None)
         first, last = (np.array([x, shape.low, z]) for x, z in (start, end))
-        wall = Wall(first, last, shape.height, holes)
+        wall = WallSegment(first, last, shape.height, holes)
         pieces += [replace(p, slot=p.slot + 3 * number) for p in wall_pieces(wall, f"{room_id}_{number}")]
     solid = [piece for piece in pieces if len(piece.faces)]
     if not solid:  # holes cover all walls
         return _walls(shape, room_id, path, (), materials)
-    return join_pieces(path, solid, [inside, CUT, outside] * len(shape.corners))
+    return join_pieces(path, solid, [inside, CUT_MATERIAL, outside] * len(shape.corners))
 
 
-def _hole(gap: Gap, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], shape: Shape) -> Hole | None:
+def _hole(
+    gap: OpeningSpan, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], shape: RoomShape
+) -> Hole | None:
     """Compute the hole of an opening in a wall; None if the wall does not run along it."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.stack([gap.start, gap.end]) - start
     along, off = np.sort(ends @ way), abs(ends @ np.array([-way[1], way[0]]))
-    left, right = float(along[0]) + SHRINK, float(along[1]) - SHRINK
-    low, high = gap.low - shape.low + SHRINK, gap.high - shape.low - SHRINK
-    inside = min(right, length) - max(left, 0.0) >= LEAST and high > max(low, 0.0) and low < shape.height
-    return (left, right, low, high) if off.max() <= OFF and inside else None
+    left, right = float(along[0]) + HOLE_INSET, float(along[1]) - HOLE_INSET
+    low, high = gap.low - shape.low + HOLE_INSET, gap.high - shape.low - HOLE_INSET
+    inside = min(right, length) - max(left, 0.0) >= MIN_OPENING_WIDTH and high > max(low, 0.0) and low < shape.height
+    return (left, right, low, high) if off.max() <= MAX_OPENING_OFFSET and inside else None
 
 
-def _heights(room: Room) -> tuple[float, float]:
+def _heights(room: RoomNode) -> tuple[float, float]:
     """Return base and nominal height of the walls [m], from existing meshes, else from the box."""
     lows = [m.vertices[:, 1].min() for m in (room.walls, room.floor) if m is not None]
-    tops = [] if room.walls is None else [room.walls.vertices[:, 1].max() - RISE]
-    tops += [] if room.ceiling is None else [room.ceiling.vertices[:, 1].min() + CEILING_LOW]
+    tops = [] if room.walls is None else [room.walls.vertices[:, 1].max() - WALL_EXTRA_HEIGHT]
+    tops += [] if room.ceiling is None else [room.ceiling.vertices[:, 1].min() + CEILING_OFFSET]
     if room.bbox is not None:
         lows.append(room.bbox[0, 1])
-        tops.append(room.bbox[1, 1] - THICKNESS + CEILING_LOW)
+        tops.append(room.bbox[1, 1] - SLAB_THICKNESS + CEILING_OFFSET)
     top = float(tops[0]) if tops else None
-    low = float(lows[0]) if lows else (top or 0.0) - HEIGHT
-    height = HEIGHT if top is None else top - low
-    return low, height if HEIGHTS[0] <= height <= HEIGHTS[1] else HEIGHT
+    low = float(lows[0]) if lows else (top or 0.0) - DEFAULT_HEIGHT
+    height = DEFAULT_HEIGHT if top is None else top - low
+    return low, height if HEIGHT_RANGE[0] <= height <= HEIGHT_RANGE[1] else DEFAULT_HEIGHT
 
 
 def _slab_outline(mesh: Mesh) -> Polygon:
@@ -197,32 +203,42 @@ def _wall_lines(walls: Mesh) -> Polygon:
     if len(found) == len(lines) >= 3 and _sound(found) is not None:
         return found
     points = walls.vertices[:, [0, 2]]
-    return _rectangle(points.min(axis=0) + OUTER, points.max(axis=0) - OUTER)
+    return _rectangle(points.min(axis=0) + WALL_OUTER_EXTENT, points.max(axis=0) - WALL_OUTER_EXTENT)
 
 
 def _middle_line(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Float[np.ndarray, "2"], float]:
     """Return the direction across a wall, and the offset of its middle plane from the origin along it [m]."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    across = direction_across(normal[:, [0, 2]], np.linalg.norm(normal, axis=1))
+    across = facing_axis(normal[:, [0, 2]], np.linalg.norm(normal, axis=1))
     off = triangles[..., [0, 2]] @ across
     return across, float(off.min() + off.max()) / 2
 
 
 def _meeting(a: tuple[np.ndarray, float], b: tuple[np.ndarray, float]) -> Float[np.ndarray, "2"] | None:
     normals = np.stack([a[0], b[0]])
-    if abs(np.linalg.det(normals)) < SOUND:
+    if abs(np.linalg.det(normals)) < MIN_CORNER_SINE:
         return None
     return np.linalg.solve(normals, np.array([a[1], b[1]]))
 
 
-def _box_lines(bbox: Float[np.ndarray, "2 3"], gaps: Sequence[Gap]) -> Polygon:
-    low, high = bbox[0, [0, 2]] + OUTER, bbox[1, [0, 2]] - OUTER
+def _box_lines(bbox: Float[np.ndarray, "2 3"], gaps: Sequence[OpeningSpan]) -> Polygon:
+    low, high = bbox[0, [0, 2]] + WALL_OUTER_EXTENT, bbox[1, [0, 2]] - WALL_OUTER_EXTENT
     for axis in (0, 1):
-        beside = [gap for gap in gaps if abs(gap.end - gap.start)[axis] < SOUND * np.linalg.norm(gap.end - gap.start)]
+        beside = [
+            gap
+            for gap in gaps
+            if abs(gap.end - gap.start)[axis] < MIN_CORNER_SINE * np.linalg.norm(gap.end - gap.start)
+        ]
         at = np.array([(gap.start + gap.end)[[axis, 1 - axis]] / 2 for gap in beside]).reshape(-1, 2)
         here = at[(at[:, 1] > low[1 - axis]) & (at[:, 1] < high[1 - axis]), 0]
-        low[axis] = min(here[abs(here - low[axis] - SWUNG / 2) <= SWUNG / 2 + OUTER], default=low[axis])
-        high[axis] = max(here[abs(here - high[axis] + SWUNG / 2) <= SWUNG / 2 + OUTER], default=high[axis])
+        low[axis] = min(
+            here[abs(here - low[axis] - MAX_LEAF_SWING / 2) <= MAX_LEAF_SWING / 2 + WALL_OUTER_EXTENT],
+            default=low[axis],
+        )
+        high[axis] = max(
+            here[abs(here - high[axis] + MAX_LEAF_SWING / 2) <= MAX_LEAF_SWING / 2 + WALL_OUTER_EXTENT],
+            default=high[axis],
+        )
     return _rectangle(low, high)
 
 

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from home_mjx.core.files import is_file, is_folder
-from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.datasets.suncg.formats.element import Location
 from home_mjx.datasets.suncg.formats.obj import read_obj
-from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.errors import MissingFileError
 from home_mjx.schema.house import Mesh, base_model
 
@@ -15,13 +15,13 @@ class AssetLibrary:
 
     Args:
         root: Absolute dataset root.
-        tolerant: Accept missing textures and material libraries, see `Material.lacking`.
+        tolerant: Accept missing textures and material libraries, see `Material.missing_file`.
     """
 
     def __init__(self, root: Path, tolerant: bool = False) -> None:
         self.root = root
         self.tolerant = tolerant
-        self.textures = Textures(root, tolerant)
+        self.textures = TextureLookup(root, tolerant)
         self._models: dict[str, Mesh] = {}
 
     def model_path(self, model_id: str, key: str) -> Path:
@@ -30,7 +30,7 @@ class AssetLibrary:
         folder = base_model(model_id, lambda name: name not in ("", ".", "..") and is_folder(objects / name))
         return objects / folder / f"{key}.obj"
 
-    def model(self, model_id: str, key: str, place: Place) -> Mesh:
+    def model(self, model_id: str, key: str, place: Location) -> Mesh:
         """Return a library model, parsed on first use or if a missing file has appeared.
 
         Args:
@@ -48,10 +48,10 @@ class AssetLibrary:
 
     def _has_arrived(self, mesh: Mesh) -> bool:
         """Return whether a file that a mesh lacked when it was read now exists."""
-        names = {material.lacking for material in mesh.materials if material.lacking}
+        names = {material.missing_file for material in mesh.materials if material.missing_file}
         return any(self.textures.find(n) or (n.endswith(".mtl") and is_file(mesh.path.with_name(n))) for n in names)
 
-    def find_model(self, model_id: str, key: str, place: Place) -> Path:
+    def find_model(self, model_id: str, key: str, place: Location) -> Path:
         """Return the path of an existing model's OBJ; arguments as in `model`.
 
         Raises:

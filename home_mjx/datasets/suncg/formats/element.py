@@ -13,21 +13,21 @@ from jaxtyping import Float
 from home_mjx.core.files import read_text
 from home_mjx.errors import DatasetError
 
-LIMIT = 1e6  # [m], maximum coordinate; larger ones are mistakes, and their products overflow float32
-MAX_SHOWN = 500  # maximum length of a message [characters]
+MAX_COORDINATE = 1e6  # [m], maximum coordinate; larger ones are mistakes, and their products overflow float32
+MAX_MESSAGE_LENGTH = 500  # maximum length of a message [characters]
 MAX_JSON_BYTES = 1 << 24  # maximum file size; a value of two characters may take a hundred bytes of memory
 MAX_ENTRIES = 100_000  # maximum length of a list
-MAX_NAME = 200  # [bytes], maximum length of a file name, with room for an extension
+MAX_NAME_BYTES = 200  # [bytes], maximum length of a file name, with room for an extension
 
 
 def printable(text: str) -> str:
     """Escape unprintable characters in `text` and shorten it to a few lines."""
-    text = text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
+    text = text if len(text) <= MAX_MESSAGE_LENGTH else f"{text[:MAX_MESSAGE_LENGTH]}…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 @dataclass(frozen=True)
-class Place:
+class Location:
     """Location in a dataset: a file, and a line or an element path in it.
 
     Example:
@@ -52,7 +52,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Value(Place):
+class JsonValue(Location):
     """A JSON value with its location; absent and `null` are equivalent, as in the JavaScript that wrote SUNCG.
 
     Example:
@@ -62,26 +62,28 @@ class Value(Place):
     """
 
     data: Any = None
-    given: bool = True  # True if the file has the key, even with `null`
+    has_key: bool = True  # True if the file has the key, even with `null`
 
     @property
-    def present(self) -> bool:
+    def has_value(self) -> bool:
         """True if the file has a value other than `null`."""
         return self.data is not None
 
-    def member(self, key: str) -> "Value":
+    def member(self, key: str) -> "JsonValue":
         """Return the value of `key`; raise `DatasetError` if this is not an object."""
         if not isinstance(self.data, dict):
             raise self._expected("an object")
-        return Value(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key), key in self.data)
+        return JsonValue(
+            self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key), key in self.data
+        )
 
-    def entries(self) -> list["Value"]:
+    def entries(self) -> list["JsonValue"]:
         """Return the values of a list."""
         if not isinstance(self.data, list):
             raise self._expected("a list")
         if len(self.data) > MAX_ENTRIES:
             raise self.error(f"expected at most {MAX_ENTRIES} entries, got {len(self.data)}")
-        return [Value(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
+        return [JsonValue(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
 
     def text(self) -> str:
         """Return a string."""
@@ -95,8 +97,8 @@ class Value(Place):
         if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
             hint = "It must not be empty, contain `/` or lead out of its folder."
             raise self.error(f"`{text[:60]}` is not a plain name", hint)
-        if len(text.encode("utf-8", "replace")) > MAX_NAME:
-            raise self.error(f"`{text[:60]}…` is too long for a name", f"Names have at most {MAX_NAME} bytes.")
+        if len(text.encode("utf-8", "replace")) > MAX_NAME_BYTES:
+            raise self.error(f"`{text[:60]}…` is too long for a name", f"Names have at most {MAX_NAME_BYTES} bytes.")
         return text
 
     def integer(self) -> int:
@@ -116,13 +118,13 @@ class Value(Place):
     def coordinate(self) -> float:
         """Return a coordinate: a number within a million metres of 0."""
         number = self.number()
-        if abs(number) > LIMIT:
-            raise self.error(f"expected a number between -{LIMIT:g} and {LIMIT:g}, got {number:g}")
+        if abs(number) > MAX_COORDINATE:
+            raise self.error(f"expected a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}, got {number:g}")
         return number
 
     def flag(self, default: bool = False) -> bool:
         """Return a flag written as 0, 1, "0", "1", true or false; `default` if absent."""
-        if not self.present:
+        if not self.has_value:
             return default
         if self.data in (0, "0"):
             return False
@@ -160,23 +162,23 @@ class Value(Place):
 
     def _shown(self) -> str:
         try:
-            return json.dumps(self.data, default=str) if self.given else "nothing"
+            return json.dumps(self.data, default=str) if self.has_key else "nothing"
         except RecursionError:  # nesting close to the limit of the JSON reader
             return type(self.data).__name__
 
 
-def read_json(path: Path, hint: str | None = None) -> Value:
+def read_json(path: Path, hint: str | None = None) -> JsonValue:
     """Read the JSON document in a file.
 
     Raises:
         DatasetError: The file is missing, not UTF-8, or not JSON (with line and column).
     """
     text = read_text(path, hint, MAX_JSON_BYTES)
-    place = Place(path)
+    place = Location(path)
     try:
-        return Value(path, "", json.loads(text))
+        return JsonValue(path, "", json.loads(text))
     except json.JSONDecodeError as error:
-        place = Place(path, f"line {error.lineno}, column {error.colno}")
+        place = Location(path, f"line {error.lineno}, column {error.colno}")
         raise place.error(
             f"not valid JSON: {error.msg}", "The file may be truncated: fetch or write it again."
         ) from None

@@ -2,25 +2,25 @@
 
 from typing import Any
 
-from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.formats.element import JsonValue
 
-HOUSE = {"version", "id", "up", "front", "scaleToMeters", "levels", "bbox", "materials", "camera"}
-LEVEL = {"id", "bbox", "nodes", "valid"}
+HOUSE_FIELDS = {"version", "id", "up", "front", "scaleToMeters", "levels", "bbox", "materials", "camera"}
+LEVEL_FIELDS = {"id", "bbox", "nodes", "valid"}
 _NODE = {"id", "type", "valid", "bbox", "transform", "materials", "materialIndices"}
-NODES = {
+NODE_FIELDS = {
     "object": _NODE | {"modelId", "state", "isMirrored"},
     "box": _NODE | {"dimensions", "isMirrored"},
     "room": _NODE | {"modelId", "nodeIndices", "roomTypes", "hideCeiling", "hideFloor", "hideWalls", "stats"},
     "ground": _NODE | {"modelId", "hideFloor"},
 }
-KEPT = {"camera", "stats"}  # known, but unused; preserved for writing
+PRESERVED_FIELDS = {"camera", "stats"}  # known, but unused; preserved for writing
 
 
-def kept_fields(value: Value, known: set[str]) -> dict[str, Any]:
-    """Return the fields of a JSON object that are only needed for writing: unknown ones and `KEPT`, unchanged."""
-    return unknown_fields(value, known - KEPT)
+def preserved_fields(value: JsonValue, known: set[str]) -> dict[str, Any]:
+    """Return the fields of a JSON object that are only needed for writing: unknown ones and `PRESERVED_FIELDS`, unchanged."""
+    return unknown_fields(value, known - PRESERVED_FIELDS)
 
 
-def unknown_fields(value: Value, known: set[str]) -> dict[str, Any]:
+def unknown_fields(value: JsonValue, known: set[str]) -> dict[str, Any]:
     """Return the unknown fields of a JSON object, unchanged."""
     return {key: data for key, data in value.data.items() if key not in known} if isinstance(value.data, dict) else {}

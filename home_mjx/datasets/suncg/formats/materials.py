@@ -1,17 +1,17 @@
 """Reader of material overrides in house.json and arch.json."""
 
-from home_mjx.datasets.suncg.formats.element import Value
-from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.schema.house import Material
 
 MAX_SLOTS = 1_000  # maximum slots of one model; SUNCG has at most 18
 
 
-def read_materials(node: Value, shared: Value | None, textures: Textures) -> tuple[Material, ...]:
+def read_materials(node: JsonValue, shared: JsonValue | None, textures: TextureLookup) -> tuple[Material, ...]:
     """Read the material overrides of a node, by slot position.
 
     Args:
-        node: Node with `materials`, with `materialIndices` into the house's list, or with neither.
+        node: Node with `sound_materials`, with `materialIndices` into the house's list, or with neither.
         shared: Material list of the house.
         textures: Texture lookup of the dataset.
 
@@ -19,38 +19,40 @@ def read_materials(node: Value, shared: Value | None, textures: Textures) -> tup
         DatasetError: A texture is missing, or a value has the wrong type.
     """
     values = node.member("materials")
-    if values.present:
+    if values.has_value:
         return tuple(read_material(value, textures) for value in _few(values))
     indices = node.member("materialIndices")
-    if not indices.present:
+    if not indices.has_value:
         return ()
-    table = shared.entries() if shared and shared.present else []
+    table = shared.entries() if shared and shared.has_value else []
     return tuple(read_material(table[_position(value, len(table))], textures) for value in _few(indices))
 
 
-def read_material(value: Value, textures: Textures) -> Material:
+def read_material(value: JsonValue, textures: TextureLookup) -> Material:
     """Read one override; raise `DatasetError` like `read_materials`."""
-    if not value.present:
+    if not value.has_value:
         return Material("")
     name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))
     shown = (
-        textures.of_material(texture.text(), lambda: textures.named(texture.text(), texture)) if texture.data else {}
+        textures.material_fields(texture.text(), lambda: textures.find_required(texture.text(), texture))
+        if texture.data
+        else {}
     )
     return Material(
-        name=name.text() if name.present else "",
+        name=name.text() if name.has_value else "",
         diffuse=diffuse.color() if diffuse.data else None,
         **shown,
     )
 
 
-def _few(value: Value) -> list[Value]:
+def _few(value: JsonValue) -> list[JsonValue]:
     entries = value.entries()
     if len(entries) > MAX_SLOTS:
         raise value.error(f"expected at most {MAX_SLOTS} materials, got {len(entries)}")
     return entries
 
 
-def _position(value: Value, count: int) -> int:
+def _position(value: JsonValue, count: int) -> int:
     index = value.integer()
     if not 0 <= index < count:
         raise value.error(f"expected an index into the house's {count} materials, got {index}")

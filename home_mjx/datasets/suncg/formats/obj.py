@@ -11,20 +11,20 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.core.files import below, read_text
-from home_mjx.datasets.suncg.formats.element import LIMIT, Place
+from home_mjx.core.files import read_text, resolve_below
+from home_mjx.datasets.suncg.formats.element import MAX_COORDINATE, Location
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
 from home_mjx.datasets.suncg.formats.obj_normals import smooth_normals
-from home_mjx.datasets.suncg.formats.polygons import Rows, fan, line_numbers, read_corners
-from home_mjx.datasets.suncg.formats.texture_paths import Textures, escape
+from home_mjx.datasets.suncg.formats.polygons import Rows, line_numbers, read_corners, triangulate_fans
+from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup, escape_error
 from home_mjx.errors import DatasetError, did_you_mean
 from home_mjx.schema.house import Material, Mesh
 
-GREY = (0.7, 0.7, 0.7)  # sRGB of faces with a missing material library
-PLAIN = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # material of faces above the first usemtl
+MISSING_COLOR = (0.7, 0.7, 0.7)  # sRGB of faces with a missing material library
+DEFAULT_MATERIAL = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # material of faces above the first usemtl
 
 
-def read_obj(path: Path, textures: Textures) -> Mesh:
+def read_obj(path: Path, textures: TextureLookup) -> Mesh:
     """Read a mesh with its materials; polygons become triangle fans, including degenerate triangles.
 
     Args:
@@ -37,11 +37,11 @@ def read_obj(path: Path, textures: Textures) -> Mesh:
     """
     rows = _scan(read_text(path))
     if not rows["f"]:
-        raise Place(path).error("mesh has no faces", "Export the model again or remove the nodes that use it.")
+        raise Location(path).error("mesh has no faces", "Export the model again or remove the nodes that use it.")
     vertices = _table(rows["v"], 3, path)
     uv = np.vstack([np.zeros(2), _table(rows["vt"], 2, path)])
     index, sides = read_corners(rows, path)
-    corner, face = fan(sides)
+    corner, face = triangulate_fans(sides)
     materials, slot = _materials(rows, path, textures)
     groups, group = _groups(rows)
     return Mesh(
@@ -72,12 +72,12 @@ def _table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
         table = np.array([float(word) for word in words]).reshape(len(rows), width)
     except ValueError:
         number, rest = next(row for row in rows if not _numeric(row[1], width))
-        raise Place(path, f"line {number}").error(f"expected {width} numbers, got `{rest.strip()[:60]}`") from None
-    usable = (abs(table) <= LIMIT).all(axis=1)  # False for NaN
+        raise Location(path, f"line {number}").error(f"expected {width} numbers, got `{rest.strip()[:60]}`") from None
+    usable = (abs(table) <= MAX_COORDINATE).all(axis=1)  # False for NaN
     if not usable.all():
         number, rest = rows[int(usable.argmin())]
-        hint = f"Coordinates must be finite and below {LIMIT:g}: export the model again."
-        raise Place(path, f"line {number}").error(f"expected finite numbers, got `{rest.strip()[:60]}`", hint)
+        hint = f"Coordinates must be finite and below {MAX_COORDINATE:g}: export the model again."
+        raise Location(path, f"line {number}").error(f"expected finite numbers, got `{rest.strip()[:60]}`", hint)
     return table
 
 
@@ -94,24 +94,24 @@ def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
 
 
 def _materials(
-    rows: dict[str, Rows], path: Path, textures: Textures
+    rows: dict[str, Rows], path: Path, textures: TextureLookup
 ) -> tuple[tuple[Material, ...], Int[np.ndarray, " f"]]:
-    libraries: dict[Path, Place] = {}  # each library is read once, even if named repeatedly
+    libraries: dict[Path, Location] = {}  # each library is read once, even if named repeatedly
     for row in rows["mtllib"]:
         libraries.setdefault(*_library(row, path, textures))
     materials = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
     if textures.tolerant:
-        materials += lacking_materials(rows["usemtl"], materials, next(iter(libraries), path.with_suffix(".mtl")).name)
+        materials += missing_materials(rows["usemtl"], materials, next(iter(libraries), path.with_suffix(".mtl")).name)
     slots = {material.name: slot for slot, material in enumerate(materials)}
     used = [_slot(row, slots, path) for row in rows["usemtl"]]
     current = _current(rows["usemtl"], rows["f"])
     if (current < 0).any():
-        materials += (PLAIN,)
+        materials += (DEFAULT_MATERIAL,)
     # Index -1, for faces above every usemtl, selects the plain material at the end of both.
     return materials, np.array([*used, len(materials) - 1], np.int32)[current]
 
 
-def _read_library(library: Path, place: Place, textures: Textures) -> tuple[Material, ...]:
+def _read_library(library: Path, place: Location, textures: TextureLookup) -> tuple[Material, ...]:
     """Read the materials of a library; empty if it is missing or broken and the lookup is tolerant."""
     try:
         return read_mtl(library, textures, _remedy(place))
@@ -121,7 +121,7 @@ def _read_library(library: Path, place: Place, textures: Textures) -> tuple[Mate
         return ()
 
 
-def lacking_materials(used: Rows, known: Sequence[Material], library: str) -> tuple[Material, ...]:
+def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tuple[Material, ...]:
     """Create grey materials for names without a definition, in SUNCG's order `material_0`, `material_1`, ...
 
     Args:
@@ -135,29 +135,29 @@ def lacking_materials(used: Rows, known: Sequence[Material], library: str) -> tu
     slots = [f"material_{i}" for i in range(len(known), max(numbers, default=-1) + 1)]  # slots are positions
     named = [name for name in slots if name not in names or name in missing]
     others = [name for name in names if name in missing and name not in named]
-    return tuple(Material(name, GREY, None, 1.0, lacking=library) for name in (*named, *others))
+    return tuple(Material(name, MISSING_COLOR, None, 1.0, missing_file=library) for name in (*named, *others))
 
 
-def _library(row: tuple[int, str], path: Path, textures: Textures) -> tuple[Path, Place]:
-    place = Place(path, f"line {row[0]}")
-    library = below(textures.root, path.parent, row[1].strip())
+def _library(row: tuple[int, str], path: Path, textures: TextureLookup) -> tuple[Path, Location]:
+    place = Location(path, f"line {row[0]}")
+    library = resolve_below(textures.root, path.parent, row[1].strip())
     if library is None:
-        raise escape(row[1].strip(), place)
+        raise escape_error(row[1].strip(), place)
     return library, place
 
 
-def _remedy(place: Place) -> str:
+def _remedy(place: Location) -> str:
     return f"{place.file} needs it: fetch or write it again, or correct {place.element} there."
 
 
 def _slot(row: tuple[int, str], slots: dict[str, int], path: Path) -> int:
     name = row[1].strip()
     if name not in slots:
-        raise _unknown_material(name, slots, Place(path, f"line {row[0]}"))
+        raise _unknown_material(name, slots, Location(path, f"line {row[0]}"))
     return slots[name]
 
 
-def _unknown_material(name: str, slots: dict[str, int], place: Place) -> DatasetError:
+def _unknown_material(name: str, slots: dict[str, int], place: Location) -> DatasetError:
     hint = did_you_mean(name, slots) if slots else "Add a `mtllib` line that names an MTL file."
     return place.error(f"material `{name[:60]}` is not in the material library", hint)
 

@@ -5,7 +5,7 @@ from jaxtyping import Float, Int
 
 from home_mjx.datasets.suncg.formats.polygons import Rows
 
-FLAT = 1e-3  # minimum deviation from face normals of useful vertex normals
+MIN_NORMAL_DEVIATION = 1e-3  # minimum deviation from face normals of useful vertex normals
 
 
 def smooth_normals(
@@ -26,7 +26,7 @@ def smooth_normals(
     normals = _unit(table)[index - 1]
     faces = _unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
     sized = np.linalg.norm(faces, axis=1) > 0
-    return normals if (abs(normals - faces[:, None])[sized] > FLAT).any() else None
+    return normals if (abs(normals - faces[:, None])[sized] > MIN_NORMAL_DEVIATION).any() else None
 
 
 def _numbers(rows: Rows) -> Float[np.ndarray, "n 3"] | None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.datasets.suncg.formats.element import Location
 
 Rows = list[tuple[int, str]]  # line number and the text after the keyword
 MAX_CORNERS = 1 << 22  # maximum corners of one mesh
@@ -22,13 +22,13 @@ def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 
     count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
     if count > MAX_CORNERS:
         message = f"faces have about {count} corners, at most {MAX_CORNERS} are read"
-        raise Place(path).error(message, "Simplify the model: SUNCG's largest has 33,000 faces.")
+        raise Location(path).error(message, "Simplify the model: SUNCG's largest has 33,000 faces.")
     faces = [rest.partition("#")[0].split() for _, rest in rows["f"]]
     sides = np.array([len(words) for words in faces])
     raw = _indices(faces)
     if raw is None or sides.min() < 3:
         number, rest = next(row for row, words in zip(rows["f"], faces, strict=True) if _malformed(words))
-        raise Place(path, f"line {number}").error(
+        raise Location(path, f"line {number}").error(
             f"expected a face such as `f 1/1/1 2/2/2 3/3/3`, got `{rest.strip()[:60]}`"
         )
     face = np.repeat(np.arange(len(faces)), sides)
@@ -69,14 +69,14 @@ def _absolute(
         bad = ~absent & ((index[:, column] < 1) | (index[:, column] > len(rows[kind])))
         if bad.any():
             first = int(bad.argmax())
-            raise Place(path, f"line {line[first]}").error(
+            raise Location(path, f"line {line[first]}").error(
                 f"face refers to `{kind}` {raw[first, column]}, but the file has {len(rows[kind])}",
                 "The file may be truncated: fetch or export it again.",
             )
     return index
 
 
-def fan(sides: Int[np.ndarray, " f"]) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
+def triangulate_fans(sides: Int[np.ndarray, " f"]) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
     """Split polygons into triangles (0, k, k + 1); return corner indices and the polygon of each triangle."""
     count = sides - 2
     face = np.repeat(np.arange(len(sides)), count)

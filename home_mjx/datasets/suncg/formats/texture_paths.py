@@ -5,14 +5,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from home_mjx.core.files import below, is_file
-from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.core.files import is_file, resolve_below
+from home_mjx.datasets.suncg.formats.element import Location
 from home_mjx.errors import MissingFileError
 
 EXTENSIONS = (".png", ".jpg")
 
 
-class Textures:
+class TextureLookup:
     """Lookup in the `texture/` folder of a dataset.
 
     Args:
@@ -26,7 +26,7 @@ class Textures:
         self.folder = root / "texture"
         self._known: dict[str, Path | None] = {}
 
-    def named(self, name: str, place: Place) -> Path:
+    def find_required(self, name: str, place: Location) -> Path:
         """Return the image of a texture named without extension, as in house.json.
 
         Args:
@@ -37,8 +37,8 @@ class Textures:
             MissingFileError: The image does not exist.
             DatasetError: The name leads out of the dataset.
         """
-        if below(self.root, self.folder, name) is None:
-            raise escape(name, place)
+        if resolve_below(self.root, self.folder, name) is None:
+            raise escape_error(name, place)
         path = self.find(name)
         if path is None:
             hint = f"Put {name}.png or {name}.jpg into {self.folder} or name another texture."
@@ -51,15 +51,15 @@ class Textures:
             self._known[name] = self._find(name)
         return self._known[name]
 
-    def of_material(self, name: str, find: Callable[[], Path]) -> dict[str, Any]:
-        """Return a material's field `texture`; or `lacking`, if the image is missing and the lookup is tolerant.
+    def material_fields(self, name: str, find: Callable[[], Path]) -> dict[str, Any]:
+        """Return a material's field `texture`; or `missing_file`, if the image is missing and the lookup is tolerant.
 
         Args:
             name: Name of the texture, without extension.
             find: Returns its image.
 
         Raises:
-            MissingFileError, DatasetError: As in `named`; a tolerant lookup does not raise `MissingFileError`.
+            MissingFileError, DatasetError: As in `find_required`; a tolerant lookup does not raise `MissingFileError`.
         """
         try:
             return {"texture": find()}
@@ -68,7 +68,7 @@ class Textures:
                 raise
             return {"lacking": name}
 
-    def mapped(self, relative: str, folder: Path, place: Place) -> Path:
+    def find_color_map(self, relative: str, folder: Path, place: Location) -> Path:
         """Return the image of a `map_Kd`, or else the image with the same stem in `texture/`.
 
         Args:
@@ -77,12 +77,12 @@ class Textures:
             place: Line of the MTL, for errors.
 
         Raises:
-            MissingFileError, DatasetError: As in `named`.
+            MissingFileError, DatasetError: As in `find_required`.
         """
-        path = below(self.root, folder, relative)
+        path = resolve_below(self.root, folder, relative)
         if path is None:
-            raise escape(relative, place)
-        return path if is_file(path) else self.named(path.stem, place)
+            raise escape_error(relative, place)
+        return path if is_file(path) else self.find_required(path.stem, place)
 
     def _find(self, name: str) -> Path | None:
         digits = name.isascii() and name.isdigit()
@@ -100,6 +100,6 @@ class Textures:
         return {path.relative_to(self.folder).as_posix().lower(): path for path in sorted(files)}
 
 
-def escape(relative: str, place: Place) -> Exception:
+def escape_error(relative: str, place: Location) -> Exception:
     """Create the error for a path that leads out of the dataset root."""
     return place.error(f"path `{relative[:80]}` leads out of the dataset", "Paths must stay below the dataset root.")

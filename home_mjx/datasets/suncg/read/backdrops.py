@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.suncg.formats.element import Place
-from home_mjx.datasets.suncg.read.reading import Reading
-from home_mjx.schema.house import Box, Ground, Node, Object, Room
+from home_mjx.datasets.suncg.formats.element import Location
+from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.schema.house import BoxNode, GroundNode, Node, ObjectNode, RoomNode
 
-LONG = 20.0  # [m], maximum edge of ordinary boxes; longer ones may be backdrops
-AXIS = 1e-3  # maximum sine of the angle between the axes and a box that is cut
+MAX_BOX_EDGE = 20.0  # [m], maximum edge of ordinary boxes; longer ones may be backdrops
+MAX_AXIS_SINE = 1e-3  # maximum sine of the angle between the axes and a box that is cut
 
 
-def cut_backdrops(nodes: Sequence[Node], place: Place, reading: Reading) -> list[Node]:
+def cut_backdrops(nodes: Sequence[Node], place: Location, reading: ReaderState) -> list[Node]:
     """Cut long boxes of a level to the extent of all other nodes; drop long boxes outside of it.
 
     Args:
@@ -25,7 +25,9 @@ def cut_backdrops(nodes: Sequence[Node], place: Place, reading: Reading) -> list
     extent = None if reading.options.backdrops else level_extent(nodes)
     if extent is None:
         return list(nodes)
-    return [kept for node in nodes if (kept := _cut(node, extent, Place(place.file, node.path), reading)) is not None]
+    return [
+        kept for node in nodes if (kept := _cut(node, extent, Location(place.file, node.path), reading)) is not None
+    ]
 
 
 def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
@@ -33,28 +35,28 @@ def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
 
     The file's boxes of rooms are not usable, since they enclose the members, including backdrops.
     """
-    rooms = [part for node in nodes if isinstance(node, Room) for part in (node.floor, node.ceiling, node.walls)]
-    meshes = [*rooms, *(node.mesh for node in nodes if isinstance(node, Ground))]
+    rooms = [part for node in nodes if isinstance(node, RoomNode) for part in (node.floor, node.ceiling, node.walls)]
+    meshes = [*rooms, *(node.mesh for node in nodes if isinstance(node, GroundNode))]
     corners = [[mesh.vertices.min(0), mesh.vertices.max(0)] for mesh in meshes if mesh is not None]
-    corners += [list(node.bbox) for node in nodes if isinstance(node, Object) and node.bbox is not None]
+    corners += [list(node.bbox) for node in nodes if isinstance(node, ObjectNode) and node.bbox is not None]
     if not corners:
         return None
     low, high = np.array(corners).transpose(1, 0, 2)
     return np.stack([low.min(0), high.max(0)])
 
 
-def box_bounds(box: Box) -> Float[np.ndarray, "2 3"]:
+def box_bounds(box: BoxNode) -> Float[np.ndarray, "2 3"]:
     """Return the axis-aligned bounds of a box in the scene [m]."""
     half = abs(box.transform[:3, :3]) @ box.dimensions / 2
     return np.stack([box.transform[:3, 3] - half, box.transform[:3, 3] + half])
 
 
-def _cut(node: Node, extent: Float[np.ndarray, "2 3"], place: Place, reading: Reading) -> Node | None:
-    if not isinstance(node, Box):
+def _cut(node: Node, extent: Float[np.ndarray, "2 3"], place: Location, reading: ReaderState) -> Node | None:
+    if not isinstance(node, BoxNode):
         return node
     bounds = box_bounds(node)
     inside = np.stack([np.maximum(bounds[0], extent[0]), np.minimum(bounds[1], extent[1])])
-    if np.ptp(bounds, axis=0).max() <= LONG or np.array_equal(inside, bounds):
+    if np.ptp(bounds, axis=0).max() <= MAX_BOX_EDGE or np.array_equal(inside, bounds):
         return node
     if (inside[1] - inside[0] <= 0).any() or not _along_axes(node):
         reading.note(place, "backdrop", "backdrop box: left out")
@@ -63,12 +65,12 @@ def _cut(node: Node, extent: Float[np.ndarray, "2 3"], place: Place, reading: Re
     return _resize(node, inside)
 
 
-def _along_axes(box: Box) -> bool:
+def _along_axes(box: BoxNode) -> bool:
     columns = abs(box.transform[:3, :3] / np.linalg.norm(box.transform[:3, :3], axis=0))
-    return bool((np.sort(columns, axis=0)[:2] < AXIS).all())
+    return bool((np.sort(columns, axis=0)[:2] < MAX_AXIS_SINE).all())
 
 
-def _resize(box: Box, bounds: Float[np.ndarray, "2 3"]) -> Box:
+def _resize(box: BoxNode, bounds: Float[np.ndarray, "2 3"]) -> BoxNode:
     """Resize a box to fill axis-aligned bounds, in the same orientation."""
     transform = box.transform.copy()
     transform[:3, 3] = bounds.mean(axis=0)

@@ -8,13 +8,13 @@ from typing import Any, TypeVar
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.datasets.suncg.formats.element import Value, read_json
-from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, kept_fields
+from home_mjx.datasets.suncg.formats.element import JsonValue, read_json
+from home_mjx.datasets.suncg.formats.fields import HOUSE_FIELDS, LEVEL_FIELDS, NODE_FIELDS, preserved_fields
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
 from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
-from home_mjx.datasets.suncg.read.reading import Reading
-from home_mjx.datasets.suncg.read.stand_ins import all_stand_ins, stand_in_for_parts
-from home_mjx.schema.house import Box, Ground, House, Level, Metadata, Node, Object, Room, Unknown
+from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.read.stand_ins import add_part_fallbacks, collect_fallbacks
+from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Metadata, Node, ObjectNode, RoomNode, UnknownNode
 
 MAX_NODES = 10_000  # maximum nodes of one level; SUNCG's largest houses have about two thousand
 MAX_LEVELS = 100
@@ -38,7 +38,7 @@ def read_house(
         DatasetError: house.json or a file that it needs is missing or broken.
     """
     document = read_json(house_path(house_id, assets))
-    house = build_house(document, Reading(house_id, assets, left_out, options, tables=tables))
+    house = build_house(document, ReaderState(house_id, assets, left_out, options, tables=tables))
     if not any(level.rooms or level.objects or level.boxes or level.grounds for level in house.levels):
         raise document.member("levels").error("house has no visible node", "Remove its folder from the dataset.")
     return house
@@ -49,7 +49,7 @@ def house_path(house_id: str, assets: AssetLibrary) -> Path:
     return assets.root / "house" / house_id / "house.json"
 
 
-def build_house(document: Value, reading: Reading) -> House:
+def build_house(document: JsonValue, reading: ReaderState) -> House:
     """Build the house that a document describes; `reading` collects errors and problems."""
     reading.materials = document.member("materials")
     reading.scale = reading.attempt(_scale, document.member("scaleToMeters")) or 1.0
@@ -63,105 +63,105 @@ def build_house(document: Value, reading: Reading) -> House:
         path=document.file,
         levels=tuple(level for level in levels if level is not None),
         models=reading.models,
-        others=reading.others,
+        other_state_models=reading.other_state_models,
         problems=tuple(problem for _, problem in reading.notes),
-        extra=kept_fields(document, HOUSE),
+        extra=preserved_fields(document, HOUSE_FIELDS),
     )
-    return replace(house, stand_ins=all_stand_ins(house, reading)) if reading.tolerant else house
+    return replace(house, fallbacks=collect_fallbacks(house, reading)) if reading.tolerant else house
 
 
-def _bounded(value: Value, most: int) -> list[Value]:
+def _bounded(value: JsonValue, most: int) -> list[JsonValue]:
     entries = value.entries()
     if len(entries) > most:
         raise value.error(f"expected at most {most} entries, got {len(entries)}")
     return entries
 
 
-def _scale(value: Value) -> float:
-    scale = value.number() if value.present else 1.0
+def _scale(value: JsonValue) -> float:
+    scale = value.number() if value.has_value else 1.0
     if not 1e-4 <= scale <= 1e4:
         raise value.error(f"expected metres per unit above 0, 0.0001 to 10000, got {scale:g}", "SUNCG writes 1.")
     return scale
 
 
-def _check_header(document: Value, reading: Reading) -> None:
+def _check_header(document: JsonValue, reading: ReaderState) -> None:
     version, house_id = document.member("version"), document.member("id")
-    if not version.present or not version.text().startswith("suncg"):
+    if not version.has_value or not version.text().startswith("suncg"):
         reading.note(version, "format-version", f"version is {json.dumps(version.data)}: read as suncg@1.0.0")
-    if not house_id.present or house_id.text() != reading.house_id:
+    if not house_id.has_value or house_id.text() != reading.house_id:
         reading.note(house_id, "house-id", f"id is {json.dumps(house_id.data)}: the folder's name is used")
     for key, axis in AXES:
         value = document.member(key)
-        if value.present and value.vector(3).tolist() != axis:
+        if value.has_value and value.vector(3).tolist() != axis:
             reading.note(value, "axes", f"expected {axis}: ignored, as other readers do")
 
 
-def read_level(level: Value, index: int, reading: Reading) -> Level | None:
+def read_level(level: JsonValue, index: int, reading: ReaderState) -> Level | None:
     """Read one storey; None if it is disabled."""
     if not level.member("valid").flag(default=True):
         return None
     nodes = level.member("nodes")
-    if not nodes.present:
+    if not nodes.has_value:
         reading.note(nodes, "empty-level", "level without nodes")
-    values = _bounded(nodes, MAX_NODES) if nodes.present else []
+    values = _bounded(nodes, MAX_NODES) if nodes.has_value else []
     read = [reading.attempt(_read_node, value, f"{index}_{i}", i, reading) for i, value in enumerate(values)]
     found = [node for node in read if node is not None]
     same = _duplicates(found, values, reading)
     if reading.tolerant:
-        found = stand_in_for_parts(found, reading)
+        found = add_part_fallbacks(found, reading)
     found = cut_backdrops([node for node in found if node.index not in same], level, reading)
-    kinds = {node.index: isinstance(node, Object | Box) for node in found if not isinstance(node, Unknown)}
-    rooms = [_with_members(room, values, kinds, same, reading) for room in _of_type(found, Room)]
+    kinds = {node.index: isinstance(node, ObjectNode | BoxNode) for node in found if not isinstance(node, UnknownNode)}
+    rooms = [_with_members(room, values, kinds, same, reading) for room in _of_type(found, RoomNode)]
     return Level(
         id=_id(level, str(index), reading),
         index=index,
         rooms=tuple(rooms),
-        objects=_of_type(found, Object),
-        boxes=_of_type(found, Box),
-        grounds=_of_type(found, Ground),
-        unknown=_of_type(found, Unknown),
+        objects=_of_type(found, ObjectNode),
+        boxes=_of_type(found, BoxNode),
+        grounds=_of_type(found, GroundNode),
+        unknown=_of_type(found, UnknownNode),
         hidden=_hidden(values, index, {node.index for node in found}),
-        extra=kept_fields(level, LEVEL),
+        extra=preserved_fields(level, LEVEL_FIELDS),
     )
 
 
-def _hidden(values: Sequence[Value], level: int, shown: Collection[int]) -> tuple[Unknown, ...]:
+def _hidden(values: Sequence[JsonValue], level: int, shown: Collection[int]) -> tuple[UnknownNode, ...]:
     """Return empty and disabled nodes, which occupy positions in the list of nodes."""
     found = [(i, value) for i, value in enumerate(values) if i not in shown and isinstance(value.data, dict)]
     off = [(i, value) for i, value in found if not value.data or value.data.get("valid", 1) in (0, "0", False)]
-    return tuple(Unknown(f"{level}_{i}", i, value.element, None, data=value.data) for i, value in off)
+    return tuple(UnknownNode(f"{level}_{i}", i, value.element, None, data=value.data) for i, value in off)
 
 
 def _of_type(nodes: Sequence[Node], kind: type[N]) -> tuple[N, ...]:
     return tuple(node for node in nodes if isinstance(node, kind))
 
 
-def _read_node(value: Value, default_id: str, index: int, reading: Reading) -> Node | None:
+def _read_node(value: JsonValue, default_id: str, index: int, reading: ReaderState) -> Node | None:
     if not value.data:
         reading.note(value, "empty-node", "empty node: left out")
         return None
     if not value.member("valid").flag(default=True):
         return None  # the format's own way of hiding a node
     kind = value.member("type")
-    reader = READERS.get(kind.text().lower()) if kind.present else None
+    reader = READERS.get(kind.text().lower()) if kind.has_value else None
     common: dict[str, Any] = {"id": _id(value, default_id, reading), "index": index, "path": value.element}
     if reader is None:
         reading.note(kind, "node-type", f"unknown node type {json.dumps(kind.data)}: kept, but not shown")
-        return Unknown(**common, bbox=None, data=value.data)
-    extra = kept_fields(value, NODES[kind.text().lower()])
+        return UnknownNode(**common, bbox=None, data=value.data)
+    extra = preserved_fields(value, NODE_FIELDS[kind.text().lower()])
     return reader(value, common | {"bbox": read_bbox(value, reading), "extra": extra}, reading)
 
 
-def _id(value: Value, default: str, reading: Reading) -> str:
+def _id(value: JsonValue, default: str, reading: ReaderState) -> str:
     """Return the id as a string; some files have a number or no id."""
     found = value.member("id")
-    if not found.present:
+    if not found.has_value:
         reading.note(found, "missing-id", f"no id: `{default}` is used")
         return default
     return found.data if isinstance(found.data, str) else str(found.integer())
 
 
-def _duplicates(nodes: Sequence[Node], values: Sequence[Value], reading: Reading) -> dict[int, int]:
+def _duplicates(nodes: Sequence[Node], values: Sequence[JsonValue], reading: ReaderState) -> dict[int, int]:
     """Return exact repetitions of earlier nodes, by index; a node that only shares its id is kept."""
     first: dict[str, Node] = {}
     same: dict[int, int] = {}
@@ -179,8 +179,12 @@ def _duplicates(nodes: Sequence[Node], values: Sequence[Value], reading: Reading
 
 
 def _with_members(
-    room: Room, values: Sequence[Value], kinds: Mapping[int, bool], same: Mapping[int, int], reading: Reading
-) -> Room:
+    room: RoomNode,
+    values: Sequence[JsonValue],
+    kinds: Mapping[int, bool],
+    same: Mapping[int, int],
+    reading: ReaderState,
+) -> RoomNode:
     """Return the room with its valid members, each once; `kinds` maps a node's index to True for furniture."""
     place = values[room.index].member("nodeIndices")
     beyond = [index for index in room.members if not 0 <= index < len(values)]

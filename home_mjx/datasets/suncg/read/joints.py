@@ -7,14 +7,14 @@ from itertools import pairwise
 from pathlib import Path
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.joints import KINDS, Joint, Joints, Vector
-from home_mjx.datasets.suncg.formats.element import LIMIT, Place
+from home_mjx.datasets.joints import JOINT_KINDS, Joint, Joints, Vector
+from home_mjx.datasets.suncg.formats.element import MAX_COORDINATE, Location
 from home_mjx.datasets.suncg.formats.polygons import MAX_CORNERS
-from home_mjx.datasets.suncg.read.metadata import read_rows, triple
+from home_mjx.datasets.suncg.read.metadata import parse_triple, read_rows
 
 JOINTS = "joints.csv"
 COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")
-UNIT = 1e-4  # maximum deviation of an axis's length from 1
+UNIT_TOLERANCE = 1e-4  # maximum deviation of an axis's length from 1
 MAX_FACES = MAX_CORNERS  # maximum faces of a mesh
 _RUN = re.compile(r"([0-9]{1,7})-([0-9]{1,7})")
 
@@ -37,42 +37,42 @@ def read_joints(folder: Path) -> Joints:
     return {model_id: tuple(parts.values()) for model_id, parts in found.items()}
 
 
-def _joint(cells: list[str], place: Place) -> Joint:
+def _joint(cells: list[str], place: Location) -> Joint:
     model_id, part, kind, axis, point, limits, faces = cells
     if not model_id or not part:
         raise place.error("joint lacks the id of its model or the name of its part")
-    if kind not in KINDS:
-        raise place.error(f"unknown kind of joint `{kind}`", f"Known: {', '.join(KINDS)}.")
+    if kind not in JOINT_KINDS:
+        raise place.error(f"unknown kind of joint `{kind}`", f"Known: {', '.join(JOINT_KINDS)}.")
     low, high = _limits(limits, place)
     return Joint(model_id, part, kind, _axis(axis, place), _point(point, place), low, high, _runs(faces, place))  # type: ignore[arg-type]
 
 
-def _axis(text: str, place: Place) -> Vector:
-    axis = triple(text, place)
-    if not abs(math.hypot(*axis) - 1) <= UNIT:
+def _axis(text: str, place: Location) -> Vector:
+    axis = parse_triple(text, place)
+    if not abs(math.hypot(*axis) - 1) <= UNIT_TOLERANCE:
         raise place.error(f"axis `{text}` is {math.hypot(*axis):.4g} long", "It must be a unit vector.")
     return axis
 
 
-def _point(text: str, place: Place) -> Vector:
-    point = triple(text, place)
-    if max(map(abs, point)) > LIMIT:
-        raise place.error(f"point `{text}` is too far away", f"Coordinates are below {LIMIT:g}.")
+def _point(text: str, place: Location) -> Vector:
+    point = parse_triple(text, place)
+    if max(map(abs, point)) > MAX_COORDINATE:
+        raise place.error(f"point `{text}` is too far away", f"Coordinates are below {MAX_COORDINATE:g}.")
     return point
 
 
-def _limits(text: str, place: Place) -> tuple[float, float]:
+def _limits(text: str, place: Location) -> tuple[float, float]:
     """Parse the range, which must contain 0, the pose in the OBJ."""
     try:
         low, high = (float(word) for word in text.split(","))
     except ValueError:
         low = high = math.nan
-    if not -LIMIT <= low <= 0.0 <= high <= LIMIT or low == high:
+    if not -MAX_COORDINATE <= low <= 0.0 <= high <= MAX_COORDINATE or low == high:
         raise place.error(f"expected a range such as `0.0, 1.57` that contains 0, got `{text}`")
     return low, high
 
 
-def _runs(text: str, place: Place) -> tuple[tuple[int, int], ...]:
+def _runs(text: str, place: Location) -> tuple[tuple[int, int], ...]:
     """Parse runs of faces such as `0-11 24-35`, in ascending order."""
     matches = [_RUN.fullmatch(word) for word in text.split()]
     runs = [(int(match[1]), int(match[2])) for match in matches if match is not None]

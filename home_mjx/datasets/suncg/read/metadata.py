@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from home_mjx.core.files import is_file, read_text
-from home_mjx.datasets.suncg.formats.element import Place, Value, read_json
+from home_mjx.datasets.suncg.formats.element import JsonValue, Location, read_json
 from home_mjx.schema.house import Light, Metadata, ModelInfo
 
 CATEGORIES = "ModelCategoryMapping.csv"
 SIZES = "models.csv"
 LIGHTS = "suncgModelLights.json"
-FRONT = ModelInfo("").front
+DEFAULT_FRONT = ModelInfo("").front
 LIGHT_KINDS = ("PointLight", "SpotLight", "LineLight")
 
 
@@ -39,7 +39,7 @@ def _read_categories(path: Path) -> dict[str, ModelInfo]:
     models: dict[str, ModelInfo] = {}
     for place, (model_id, fine, coarse, nyu40, front) in read_rows(path, columns, hint, ("front",)):
         _check_new(model_id, models, place)
-        facing = triple(front, place) if front else FRONT
+        facing = parse_triple(front, place) if front else DEFAULT_FRONT
         models[model_id] = ModelInfo(model_id, fine or "unknown", coarse or "unknown", nyu40 or "void", front=facing)
     return models
 
@@ -49,21 +49,23 @@ def _read_sizes(path: Path, named: Metadata) -> dict[str, ModelInfo]:
     models: dict[str, ModelInfo] = {}
     for place, (model_id, front, low, high) in read_rows(path, ("id", "front", "minPoint", "maxPoint"), None):
         _check_new(model_id, models, place)
-        (x0, y0, z0), (x1, y1, z1) = triple(low, place), triple(high, place)
+        (x0, y0, z0), (x1, y1, z1) = parse_triple(low, place), parse_triple(high, place)
         # `aligned.dims` is not used: it belongs to the model rotated to its front.
         dims = (x1 - x0, y1 - y0, z1 - z0)
         info = named.info(model_id)
-        facing = triple(front, place) if info.front == FRONT else info.front  # v2's category table is more accurate
+        facing = (
+            parse_triple(front, place) if info.front == DEFAULT_FRONT else info.front
+        )  # v2's category table is more accurate
         models[model_id] = replace(info, model_id=model_id, dims=dims, front=facing, low=(x0, y0, z0))
     return models
 
 
-def _check_new(model_id: str, models: dict[str, ModelInfo], place: Place) -> None:
+def _check_new(model_id: str, models: dict[str, ModelInfo], place: Location) -> None:
     if model_id in models:
         raise place.error(f"model `{model_id}` has two rows", "Keep one of them.")
 
 
-def triple(text: str, place: Place) -> tuple[float, float, float]:
+def parse_triple(text: str, place: Location) -> tuple[float, float, float]:
     """Parse three finite numbers separated by commas; raise `DatasetError` at `place` otherwise."""
     try:
         x, y, z = (float(word) for word in text.split(","))
@@ -76,22 +78,22 @@ def triple(text: str, place: Place) -> tuple[float, float, float]:
 
 def read_rows(
     path: Path, columns: tuple[str, ...], hint: str | None, optional: tuple[str, ...] = ()
-) -> Iterator[tuple[Place, list[str]]]:
+) -> Iterator[tuple[Location, list[str]]]:
     """Yield the named columns of every row of a CSV file; optional columns are empty if missing."""
     table = csv.reader(read_text(path, hint).splitlines(), strict=True)
     try:
         header = next(table, [])
         missing = [column for column in columns if column not in header]
         if missing:
-            raise Place(path, "line 1").error(f"table lacks the column(s) {', '.join(missing)}", hint)
+            raise Location(path, "line 1").error(f"table lacks the column(s) {', '.join(missing)}", hint)
         for row in table:
-            place = Place(path, f"line {table.line_num}")
+            place = Location(path, f"line {table.line_num}")
             if len(row) != len(header):
                 raise place.error(f"expected {len(header)} cells, got {len(row)}", "The file may be truncated.")
             cells = dict(zip(header, row, strict=True))
             yield place, [cells.get(column, "") for column in (*columns, *optional)]
     except csv.Error as error:
-        raise Place(path, f"line {table.line_num}").error(f"not valid CSV: {error}") from None
+        raise Location(path, f"line {table.line_num}").error(f"not valid CSV: {error}") from None
 
 
 def _read_lights(path: Path) -> dict[str, tuple[Light, ...]]:
@@ -101,7 +103,7 @@ def _read_lights(path: Path) -> dict[str, tuple[Light, ...]]:
     return {key: tuple(_light(value) for value in document.member(key).entries()) for key in document.data}
 
 
-def _light(value: Value) -> Light:
+def _light(value: JsonValue) -> Light:
     kind = value.member("type").text()
     if kind not in LIGHT_KINDS:
         raise value.member("type").error(f"unknown light `{kind}`", f"Known: {', '.join(LIGHT_KINDS)}.")
@@ -112,16 +114,16 @@ def _light(value: Value) -> Light:
         color=value.member("color").color(),
         position=_point(value.member("position")),
         direction=_optional_point(value.member("direction")),
-        cutoff=cutoff.number() if cutoff.present else None,
-        dropoff=dropoff.number() if dropoff.present else 0.0,
+        cutoff=cutoff.number() if cutoff.has_value else None,
+        dropoff=dropoff.number() if dropoff.has_value else 0.0,
         end=_optional_point(value.member("position2")),
     )
 
 
-def _point(value: Value) -> tuple[float, float, float]:
+def _point(value: JsonValue) -> tuple[float, float, float]:
     x, y, z = value.vector(3).tolist()
     return x, y, z
 
 
-def _optional_point(value: Value) -> tuple[float, float, float] | None:
-    return _point(value) if value.present else None
+def _optional_point(value: JsonValue) -> tuple[float, float, float] | None:
+    return _point(value) if value.has_value else None

@@ -12,27 +12,27 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.formats.element import JsonValue
 from home_mjx.datasets.suncg.formats.materials import read_materials
 from home_mjx.datasets.suncg.read.parts import read_part
-from home_mjx.datasets.suncg.read.reading import Reading
-from home_mjx.datasets.suncg.read.stand_ins import stand_in_for_model
+from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.read.stand_ins import add_model_fallback
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
-from home_mjx.schema.house import Box, Ground, Material, Mesh, Node, Object, Room
+from home_mjx.schema.house import BoxNode, GroundNode, Material, Mesh, Node, ObjectNode, RoomNode
 
 TEXT_INDEX = re.compile("[0-9]{1,9}")
 
 
-def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object | None:
+def read_object(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> ObjectNode | None:
     """Read an object and store its model in `reading.models`; None if it has no volume or the options exclude it."""
     model_id = node.member("modelId").name()
-    if reading.left_out(model_id):
+    if reading.is_excluded(model_id):
         return None
     transform = _transform(node, reading)
     if transform is None:
         return None
-    item = Object(
+    item = ObjectNode(
         **common,
         model_id=model_id,
         state=_state(node.member("state"), model_id, reading),
@@ -40,7 +40,7 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
         materials=_materials(node, reading),
     )
     if reading.tolerant:
-        return read_or_stand_in(item, node, reading)
+        return read_or_fallback(item, node, reading)
     mesh = reading.attempt(reading.model, model_id, item.model_key, node.member("modelId"))
     if mesh is None:
         return None
@@ -48,17 +48,17 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
     return item
 
 
-def read_or_stand_in(item: Object, node: Value, reading: Reading) -> Object:
+def read_or_fallback(item: ObjectNode, node: JsonValue, reading: ReaderState) -> ObjectNode:
     """Store the object's model or its fallback in `reading.models` and return the object."""
-    if item.model_key not in reading.stood_in:
+    if item.model_key not in reading.fallback_keys:
         try:
             _keep(item, reading.model(item.model_id, item.model_key, node.member("modelId")), node, reading)
         except DatasetError as error:
-            stand_in_for_model(item, error, reading)
+            add_model_fallback(item, error, reading)
     return item
 
 
-def _keep(item: Object, mesh: Mesh, node: Value, reading: Reading) -> None:
+def _keep(item: ObjectNode, mesh: Mesh, node: JsonValue, reading: ReaderState) -> None:
     reading.models[item.model_key] = mesh
     _read_other(item, node, reading)
     if len(item.materials) > len(mesh.materials):
@@ -66,17 +66,17 @@ def _keep(item: Object, mesh: Mesh, node: Value, reading: Reading) -> None:
         reading.note(node.member("materials"), "extra-materials", extra)
 
 
-def _read_other(item: Object, node: Value, reading: Reading) -> None:
+def _read_other(item: ObjectNode, node: JsonValue, reading: ReaderState) -> None:
     """Read the object's other state, if it exists; it is not visible, so a broken one is only noted."""
-    key = item.other_key
-    if key not in reading.others and is_file(reading.assets.model_path(item.model_id, key)):
+    key = item.other_state_key
+    if key not in reading.other_state_models and is_file(reading.assets.model_path(item.model_id, key)):
         try:
-            reading.others[key] = reading.model(item.model_id, key, node)
+            reading.other_state_models[key] = reading.model(item.model_id, key, node)
         except DatasetError as error:
             reading.note(node.member("modelId"), "broken-variant", f"other state is not used: {error}")
 
 
-def read_box(node: Value, common: dict[str, Any], reading: Reading) -> Box | None:
+def read_box(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> BoxNode | None:
     """Read a box; None if it has no volume."""
     transform = _transform(node, reading)
     dimensions = node.member("dimensions").vector(3)
@@ -85,24 +85,24 @@ def read_box(node: Value, common: dict[str, Any], reading: Reading) -> Box | Non
         transform = None
     if transform is None:
         return None
-    return Box(**common, dimensions=dimensions, transform=transform, materials=_materials(node, reading))
+    return BoxNode(**common, dimensions=dimensions, transform=transform, materials=_materials(node, reading))
 
 
-def read_room(node: Value, common: dict[str, Any], reading: Reading) -> Room:
+def read_room(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> RoomNode:
     """Read a room with its meshes; `members` are unchecked indices from the file."""
     members = node.member("nodeIndices")
-    return Room(
+    return RoomNode(
         **common,
         model_id=node.member("modelId").name(),
         types=_room_types(node.member("roomTypes"), reading),
-        members=_members(members, reading) if members.present else (),
+        members=_members(members, reading) if members.has_value else (),
         floor=reading.attempt(read_part, node, "Floor", common["id"], reading),
         ceiling=reading.attempt(read_part, node, "Ceiling", common["id"], reading),
         walls=reading.attempt(read_part, node, "Wall", common["id"], reading),
     )
 
 
-def _members(values: Value, reading: Reading) -> tuple[int, ...]:
+def _members(values: JsonValue, reading: ReaderState) -> tuple[int, ...]:
     """Read indices of nodes; exports of deep-synth and PlanIT write them as strings."""
     entries = values.entries()
     if any(isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data) for entry in entries):
@@ -116,13 +116,13 @@ def _members(values: Value, reading: Reading) -> tuple[int, ...]:
     return tuple(entry.integer() for entry in entries)
 
 
-def read_ground(node: Value, common: dict[str, Any], reading: Reading) -> Ground:
+def read_ground(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> GroundNode:
     """Read a slab of outdoor ground."""
     mesh = reading.attempt(read_part, node, "Ground", common["id"], reading)
-    return Ground(**common, model_id=node.member("modelId").name(), mesh=mesh)
+    return GroundNode(**common, model_id=node.member("modelId").name(), mesh=mesh)
 
 
-READERS: dict[str, Callable[[Value, dict[str, Any], Reading], Node | None]] = {
+READERS: dict[str, Callable[[JsonValue, dict[str, Any], ReaderState], Node | None]] = {
     "object": read_object,
     "box": read_box,
     "room": read_room,
@@ -130,10 +130,10 @@ READERS: dict[str, Callable[[Value, dict[str, Any], Reading], Node | None]] = {
 }
 
 
-def read_bbox(node: Value, reading: Reading) -> Float[np.ndarray, "2 3"] | None:
+def read_bbox(node: JsonValue, reading: ReaderState) -> Float[np.ndarray, "2 3"] | None:
     """Read the bounding box [m]; None, with a problem, if it is missing or its minimum exceeds its maximum."""
     bbox = node.member("bbox")
-    if not bbox.present:
+    if not bbox.has_value:
         reading.note(bbox, "missing-bbox", "no bounding box")
         return None
     corners = np.stack([bbox.member("min").vector(3), bbox.member("max").vector(3)])
@@ -143,12 +143,12 @@ def read_bbox(node: Value, reading: Reading) -> Float[np.ndarray, "2 3"] | None:
     return corners * reading.scale
 
 
-def _transform(node: Value, reading: Reading) -> Float[np.ndarray, "4 4"] | None:
+def _transform(node: JsonValue, reading: ReaderState) -> Float[np.ndarray, "4 4"] | None:
     """Read the transform scene from model [m]; None, with a problem, if it is singular."""
     value = node.member("transform")
-    if not value.present:
+    if not value.has_value:
         reading.note(value, "missing-transform", "no transform: identity is used")
-    matrix = value.vector(16).reshape(4, 4).T if value.present else np.eye(4)
+    matrix = value.vector(16).reshape(4, 4).T if value.has_value else np.eye(4)
     if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
         hint = "Transforms are column-major: the translation is in numbers 12 to 14."
         raise value.error(f"expected an affine transform, its last row is {matrix[3].tolist()}", hint)
@@ -158,13 +158,13 @@ def _transform(node: Value, reading: Reading) -> Float[np.ndarray, "4 4"] | None
         reading.note(value, "flat-transform", "transform has no volume: node left out")
         return None
     mirrored = node.member("isMirrored")
-    if mirrored.present and mirrored.flag() != (determinant < 0):
+    if mirrored.has_value and mirrored.flag() != (determinant < 0):
         reading.note(mirrored, "mirror-flag", "isMirrored contradicts the transform, which is used")
     return np.diag([reading.scale] * 3 + [1.0]) @ matrix
 
 
-def _state(value: Value, model_id: str, reading: Reading) -> int | None:
-    if not value.present:
+def _state(value: JsonValue, model_id: str, reading: ReaderState) -> int | None:
+    if not value.has_value:
         return None
     state = value.integer()
     if state < 0:
@@ -177,12 +177,12 @@ def _state(value: Value, model_id: str, reading: Reading) -> int | None:
     return state
 
 
-def _materials(node: Value, reading: Reading) -> tuple[Material, ...]:
+def _materials(node: JsonValue, reading: ReaderState) -> tuple[Material, ...]:
     return reading.attempt(read_materials, node, reading.materials, reading.assets.textures) or ()
 
 
-def _room_types(values: Value, reading: Reading) -> tuple[str, ...]:
-    types = tuple(value.text() for value in values.entries()) if values.present else ()
+def _room_types(values: JsonValue, reading: ReaderState) -> tuple[str, ...]:
+    types = tuple(value.text() for value in values.entries()) if values.has_value else ()
     for name in types:
         if name not in ROOM_TYPES:
             reading.note(values, "room-type", f"unknown room type `{name}`")

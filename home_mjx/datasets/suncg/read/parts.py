@@ -4,68 +4,68 @@ from dataclasses import replace
 from pathlib import Path
 
 from home_mjx.core.files import is_file, is_folder
-from home_mjx.datasets.suncg.formats.element import Value
-from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.read.reading import ReaderState
 from home_mjx.errors import DatasetError, MissingFileError
-from home_mjx.schema.house import Mesh, StandIn
+from home_mjx.schema.house import Fallback, Mesh
 
-SUFFIX = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
-HIDDEN_BY = {"Floor": "hideFloor", "Ceiling": "hideCeiling", "Wall": "hideWalls", "Ground": "hideFloor"}
+MESH_SUFFIX = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
+HIDING_FLAG = {"Floor": "hideFloor", "Ceiling": "hideCeiling", "Wall": "hideWalls", "Ground": "hideFloor"}
 
 
-def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | None:
+def read_part(node: JsonValue, kind: str, node_id: str, reading: ReaderState) -> Mesh | None:
     """Read a mesh of a room or ground [m]; None if it is hidden or, with a problem, missing.
 
-    With fallbacks enabled, missing or broken meshes are recorded in `reading.lacking_parts`.
+    With fallbacks enabled, missing or broken meshes are recorded in `reading.missing_parts`.
 
     Args:
         node: Node of the room or ground.
-        kind: `Floor`, `Ceiling`, `Wall` or `Ground`.
+        kind: `FloorModel`, `Ceiling`, `Wall` or `Ground`.
         node_id: Id of the node in the architecture file.
         reading: State of the reader.
 
     Raises:
         DatasetError: The house has neither a folder of meshes nor an architecture file, or one of them is broken.
     """
-    if node.member(HIDDEN_BY[kind]).flag():
+    if node.member(HIDING_FLAG[kind]).flag():
         return None
-    stem = node.member("modelId").name() + SUFFIX[kind]
+    stem = node.member("modelId").name() + MESH_SUFFIX[kind]
     if reading.tolerant:
         return _found_or_lacking(node, kind, node_id, stem, reading)
     path = reading.assets.room_path(reading.house_id, stem)
     if is_file(path):
-        return reading.once(f"room/{stem}", _mesh, path, reading)
+        return reading.cached(f"room/{stem}", _mesh, path, reading)
     return _built(node, kind, node_id, stem, reading)
 
 
-def _found_or_lacking(node: Value, kind: str, node_id: str, stem: str, reading: Reading) -> Mesh | None:
-    """Read the mesh's file, else the architecture file; if both fail, record it in `lacking_parts` and return None."""
+def _found_or_lacking(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
+    """Read the mesh's file, else the architecture file; if both fail, record it in `missing_parts` and return None."""
     path, reason = reading.assets.room_path(reading.house_id, stem), ""
     try:
         if is_file(path):
-            return reading.once(f"room/{stem}", _mesh, path, reading)
+            return reading.cached(f"room/{stem}", _mesh, path, reading)
     except DatasetError as error:
         reason = error.message
     try:
         architecture = reading.architecture
-        mesh = reading.once(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
+        mesh = reading.cached(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
     except DatasetError as error:
         mesh, reason = None, reason or error.message
     if mesh is None:
-        reading.lacking_parts[node.element, kind] = reason
+        reading.missing_parts[node.element, kind] = reason
     elif is_folder(path.parent):  # only v1 has this folder; in v2 the architecture file is the regular source
-        reading.stand_ins.append(StandIn("room mesh", stem, node.element, "the architecture file's", reason))
+        reading.fallbacks.append(Fallback("room mesh", stem, node.element, "the architecture file's", reason))
     return mesh
 
 
-def _mesh(path: Path, reading: Reading) -> Mesh:
+def _mesh(path: Path, reading: ReaderState) -> Mesh:
     mesh = reading.assets.mesh(path)
     return replace(mesh, vertices=mesh.vertices * reading.scale) if reading.scale != 1 else mesh
 
 
-def _built(node: Value, kind: str, node_id: str, stem: str, reading: Reading) -> Mesh | None:
+def _built(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
     folder, architecture = reading.assets.room_path(reading.house_id, stem).parent, reading.architecture
-    mesh = reading.once(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
+    mesh = reading.cached(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
     if mesh is None and architecture is None and not is_folder(folder):
         hint = (
             f"SUNCG v2 comes without room meshes: fetch them with `download_suncg.py -v v1 -t room`, "

@@ -7,41 +7,41 @@ from typing import Any, ParamSpec, TypeVar
 from home_mjx.core.files import is_file
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.datasets.suncg.formats.element import Place, Value, printable
+from home_mjx.datasets.suncg.formats.element import JsonValue, Location, printable
 from home_mjx.datasets.suncg.read.arch_json import Architecture, read_architecture
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import Mesh, Metadata, Problem, StandIn
+from home_mjx.schema.house import Fallback, Mesh, Metadata, Problem
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 
 @dataclass
-class Reading:
+class ReaderState:
     """State of the reader for one house."""
 
     house_id: str
     assets: AssetLibrary
-    left_out: Callable[[str], bool] = lambda model_id: False  # returns whether the options leave out a model
+    is_excluded: Callable[[str], bool] = lambda model_id: False  # returns whether the options leave out a model
     options: ReadOptions = field(default_factory=ReadOptions)
-    materials: Value | None = None  # material list of the house, for nodes with `materialIndices`
+    materials: JsonValue | None = None  # material list of the house, for nodes with `materialIndices`
     scale: float = 1.0  # [m] per unit of the file
     models: dict[str, Mesh] = field(default_factory=dict)
-    others: dict[str, Mesh] = field(default_factory=dict)
-    notes: list[tuple[Place, Problem]] = field(default_factory=list)
+    other_state_models: dict[str, Mesh] = field(default_factory=dict)
+    notes: list[tuple[Location, Problem]] = field(default_factory=list)
     errors: list[DatasetError] | None = None  # if a list, errors are collected here and broken nodes dropped
-    kept: dict[str, Any] = field(default_factory=dict)  # results and errors of `once`
+    results: dict[str, Any] = field(default_factory=dict)  # results and errors of `cached`
     tables: Metadata = field(default_factory=lambda: Metadata({}))  # tables of the dataset, for fallbacks
-    stand_ins: list[StandIn] = field(default_factory=list)  # fallbacks for missing parts, if the assets are tolerant
-    stood_in: set[str] = field(default_factory=set)  # keys of `models` that are fallbacks
-    lacking_parts: dict[tuple[str, str], str] = field(default_factory=dict)  # reason, by room path and kind of mesh
+    fallbacks: list[Fallback] = field(default_factory=list)  # fallbacks for missing parts, if the assets are tolerant
+    fallback_keys: set[str] = field(default_factory=set)  # keys of `models` that are fallbacks
+    missing_parts: dict[tuple[str, str], str] = field(default_factory=dict)  # reason, by room path and kind of mesh
 
     @property
     def tolerant(self) -> bool:
         """True if missing parts get fallbacks."""
         return self.assets.tolerant
 
-    def note(self, place: Place, rule: str, message: str) -> None:
+    def note(self, place: Location, rule: str, message: str) -> None:
         """Record a tolerated irregularity with the validator rule that it violates."""
         self.notes.append((place, Problem(printable(place.element), printable(message), rule)))
 
@@ -55,21 +55,21 @@ class Reading:
             self.errors.append(error)
             return None
 
-    def once(self, key: str, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    def cached(self, key: str, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Return the cached result or error of the first call with this key; thousands of nodes may use one file."""
-        if key not in self.kept:
+        if key not in self.results:
             try:
-                self.kept[key] = read(*args, **kwargs)
+                self.results[key] = read(*args, **kwargs)
             except DatasetError as error:
-                self.kept[key] = error
-        if isinstance(self.kept[key], DatasetError):
-            raise self.kept[key].with_traceback(None)
-        return self.kept[key]
+                self.results[key] = error
+        if isinstance(self.results[key], DatasetError):
+            raise self.results[key].with_traceback(None)
+        return self.results[key]
 
-    def model(self, model_id: str, key: str, place: Place) -> Mesh:
+    def model(self, model_id: str, key: str, place: Location) -> Mesh:
         """Return a library model; arguments and errors as in `AssetLibrary.model`."""
         self.assets.find_model(model_id, key, place)
-        return self.once(f"object/{key}", self.assets.model, model_id, key, place)
+        return self.cached(f"object/{key}", self.assets.model, model_id, key, place)
 
     @property
     def architecture(self) -> Architecture | None:
@@ -78,7 +78,7 @@ class Reading:
         Raises:
             DatasetError: The file is broken.
         """
-        return self.once("architecture", self._read_architecture)
+        return self.cached("architecture", self._read_architecture)
 
     def _read_architecture(self) -> Architecture | None:
         path = self.assets.root / "wall" / self.house_id / f"{self.house_id}.arch.json"

@@ -8,23 +8,23 @@ import numpy as np
 
 from home_mjx.core.files import is_file
 from home_mjx.datasets.suncg.fallbacks.extent import model_box
-from home_mjx.datasets.suncg.fallbacks.known_models import has_row, with_known_models
-from home_mjx.datasets.suncg.fallbacks.listing import lacking_materials_of
+from home_mjx.datasets.suncg.fallbacks.known_models import add_builtin_categories, has_category
+from home_mjx.datasets.suncg.fallbacks.listing import list_missing_materials
 from home_mjx.datasets.suncg.fallbacks.models import fallback_model
-from home_mjx.datasets.suncg.fallbacks.rooms import Gap, room_shape, slab_mesh, stand_in_part
-from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.datasets.suncg.fallbacks.rooms import OpeningSpan, build_fallback_part, find_room_shape, slab_mesh
+from home_mjx.datasets.suncg.formats.element import Location
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
-from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.datasets.suncg.read.reading import ReaderState
 from home_mjx.errors import DatasetError, MissingFileError
-from home_mjx.schema.house import Ground, House, Material, Metadata, ModelInfo, Node, Object, Room, StandIn
+from home_mjx.schema.house import Fallback, GroundNode, House, Material, Metadata, ModelInfo, Node, ObjectNode, RoomNode
 
-OPENINGS = ("door", "window", "arch", "garage_door")
-FIELDS = {"Floor": "floor", "Ceiling": "ceiling", "Wall": "walls"}
-LETTERS = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
-LAWN = Material("", (0.45, 0.55, 0.35), None, 1.0)
+OPENING_CATEGORIES = ("door", "window", "arch", "garage_door")
+MESH_FIELD = {"Floor": "floor", "Ceiling": "ceiling", "Wall": "walls"}
+MESH_SUFFIX = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
+GROUND_MATERIAL = Material("", (0.45, 0.55, 0.35), None, 1.0)
 
 
-def stand_in_for_model(item: Object, error: DatasetError, reading: Reading) -> None:
+def add_model_fallback(item: ObjectNode, error: DatasetError, reading: ReaderState) -> None:
     """Store a fallback for an object's model in `reading.models`; for a door, also for its other state.
 
     Args:
@@ -36,11 +36,11 @@ def stand_in_for_model(item: Object, error: DatasetError, reading: Reading) -> N
     box, closed = model_box(info, item.transform, item.bbox), item.model_key != item.model_id
     path = reading.assets.model_path(item.model_id, item.model_key)
     reading.models[item.model_key], words = fallback_model(path, info.fine, box, closed)
-    reading.stood_in.add(item.model_key)
+    reading.fallback_keys.add(item.model_key)
     if info.fine == "door":
-        other = path.with_name(f"{item.other_key}.obj")
-        reading.others[item.other_key] = fallback_model(other, info.fine, box, not closed)[0]
-    reading.stand_ins.append(StandIn("model", item.model_key, item.path, words, _reason(error)))
+        other = path.with_name(f"{item.other_state_key}.obj")
+        reading.other_state_models[item.other_state_key] = fallback_model(other, info.fine, box, not closed)[0]
+    reading.fallbacks.append(Fallback("model", item.model_key, item.path, words, _reason(error)))
 
 
 def _reason(error: DatasetError) -> str:
@@ -48,27 +48,27 @@ def _reason(error: DatasetError) -> str:
 
 
 def _info(tables: Metadata, model_id: str) -> ModelInfo:
-    return with_known_models(tables).info(model_id)
+    return add_builtin_categories(tables).info(model_id)
 
 
-def stand_in_for_parts(nodes: Sequence[Node], reading: Reading) -> list[Node]:
+def add_part_fallbacks(nodes: Sequence[Node], reading: ReaderState) -> list[Node]:
     """Return a level's nodes, with fallbacks for missing meshes of rooms and grounds.
 
     Args:
         nodes: Nodes of a level.
         reading: State of the reader.
     """
-    if not reading.lacking_parts:
+    if not reading.missing_parts:
         return list(nodes)
-    gaps = [gap for node in nodes if isinstance(node, Object) and (gap := _gap(node, reading)) is not None]
-    found = {node.path: _with_parts(node, gaps, reading) for node in nodes if isinstance(node, Room | Ground)}
+    gaps = [gap for node in nodes if isinstance(node, ObjectNode) and (gap := _gap(node, reading)) is not None]
+    found = {node.path: _with_parts(node, gaps, reading) for node in nodes if isinstance(node, RoomNode | GroundNode)}
     return [found.get(node.path, node) for node in nodes]
 
 
-def _gap(item: Object, reading: Reading) -> Gap | None:
+def _gap(item: ObjectNode, reading: ReaderState) -> OpeningSpan | None:
     """Return the wall span of a door, window or arch; None for other objects."""
     info = _info(reading.tables, item.model_id)
-    if info.coarse not in OPENINGS:
+    if info.coarse not in OPENING_CATEGORIES:
         return None
     mesh = reading.models[item.model_key]
     box = model_box(info, item.transform, item.bbox)
@@ -76,27 +76,29 @@ def _gap(item: Object, reading: Reading) -> Gap | None:
     ends = np.array([[box[0, 0], box[0, 1], 0.0], [box[1, 0], box[1, 1], 0.0]])
     moved = ends @ item.transform[:3, :3].T + item.transform[:3, 3]
     low, high = np.sort(moved[:, 1]).tolist()
-    return Gap(moved[0, [0, 2]], moved[1, [0, 2]], low, high)
+    return OpeningSpan(moved[0, [0, 2]], moved[1, [0, 2]], low, high)
 
 
-def _with_parts(node: Room | Ground, gaps: Sequence[Gap], reading: Reading) -> Room | Ground:
-    kinds = [kind for kind in LETTERS if (node.path, kind) in reading.lacking_parts]
-    if isinstance(node, Ground):
+def _with_parts(
+    node: RoomNode | GroundNode, gaps: Sequence[OpeningSpan], reading: ReaderState
+) -> RoomNode | GroundNode:
+    kinds = [kind for kind in MESH_SUFFIX if (node.path, kind) in reading.missing_parts]
+    if isinstance(node, GroundNode):
         return _with_ground(node, reading) if kinds else node
-    shape = room_shape(node, gaps) if kinds else None
+    shape = find_room_shape(node, gaps) if kinds else None
     for kind in kinds:
         path, reason = _lacking(node, kind, reading)
         if shape is None:
             _give_up(node, path, reading)
             continue
-        mesh = stand_in_part(kind, shape, node, path, gaps, _materials(path, reading))
-        node = replace(node, **{FIELDS[kind]: mesh})
+        mesh = build_fallback_part(kind, shape, node, path, gaps, _materials(path, reading))
+        node = replace(node, **{MESH_FIELD[kind]: mesh})
         taken = f"{kind.lower()} made from {shape.source}"
-        reading.stand_ins.append(StandIn("room mesh", path.stem, node.path, taken, reason))
+        reading.fallbacks.append(Fallback("room mesh", path.stem, node.path, taken, reason))
     return node
 
 
-def _with_ground(node: Ground, reading: Reading) -> Ground:
+def _with_ground(node: GroundNode, reading: ReaderState) -> GroundNode:
     path, reason = _lacking(node, "Ground", reading)
     size = np.zeros(3) if node.bbox is None else node.bbox[1] - node.bbox[0]
     if node.bbox is None or size.min() <= 0:
@@ -104,23 +106,23 @@ def _with_ground(node: Ground, reading: Reading) -> Ground:
         return node
     (x0, y0, z0), (x1, y1, z1) = node.bbox.tolist()
     corners = np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
-    mesh = slab_mesh(f"Ground#{node.id}", corners, (y0, y1), path, _materials(path, reading), LAWN)
-    reading.stand_ins.append(StandIn("room mesh", path.stem, node.path, "ground made from its bounding box", reason))
+    mesh = slab_mesh(f"Ground#{node.id}", corners, (y0, y1), path, _materials(path, reading), GROUND_MATERIAL)
+    reading.fallbacks.append(Fallback("room mesh", path.stem, node.path, "ground made from its bounding box", reason))
     return replace(node, mesh=mesh)
 
 
-def _lacking(node: Room | Ground, kind: str, reading: Reading) -> tuple[Path, str]:
+def _lacking(node: RoomNode | GroundNode, kind: str, reading: ReaderState) -> tuple[Path, str]:
     """Return the path of a missing mesh, and the reason if the file exists but cannot be read."""
-    path = reading.assets.room_path(reading.house_id, node.model_id + LETTERS[kind])
-    return path, reading.lacking_parts[node.path, kind]
+    path = reading.assets.room_path(reading.house_id, node.model_id + MESH_SUFFIX[kind])
+    return path, reading.missing_parts[node.path, kind]
 
 
-def _give_up(node: Room | Ground, path: Path, reading: Reading) -> None:
-    place = Place(reading.assets.root, f"{node.path}.modelId")
+def _give_up(node: RoomNode | GroundNode, path: Path, reading: ReaderState) -> None:
+    place = Location(reading.assets.root, f"{node.path}.modelId")
     reading.note(place, "missing-part", f"mesh {path.name} is missing, and its outline is unknown: not shown")
 
 
-def _materials(path: Path, reading: Reading) -> Sequence[Material]:
+def _materials(path: Path, reading: ReaderState) -> Sequence[Material]:
     """Read the materials of a missing mesh, if its MTL exists."""
     library = path.with_suffix(".mtl")
     try:
@@ -129,17 +131,17 @@ def _materials(path: Path, reading: Reading) -> Sequence[Material]:
         return ()
 
 
-def all_stand_ins(house: House, reading: Reading) -> tuple[StandIn, ...]:
-    """Return all fallbacks of a house in the order of `STAND_INS`, each once.
+def collect_fallbacks(house: House, reading: ReaderState) -> tuple[Fallback, ...]:
+    """Return all fallbacks of a house in the order of `FALLBACK_KINDS`, each once.
 
     Args:
         house: House as read.
         reading: State of the reader.
     """
     nodes = [node for level in house.levels for node in level.objects]
-    without = {node.model_id: node for node in nodes if not has_row(reading.tables, node.model_id)}
+    without = {node.model_id: node for node in nodes if not has_category(reading.tables, node.model_id)}
     rows = [
-        StandIn("metadata row", name, node.path, f"category `{_info(reading.tables, name).fine}`")
+        Fallback("metadata row", name, node.path, f"category `{_info(reading.tables, name).fine}`")
         for name, node in without.items()
     ]
-    return (*lacking_materials_of(house), *reading.stand_ins, *rows)
+    return (*list_missing_materials(house), *reading.fallbacks, *rows)

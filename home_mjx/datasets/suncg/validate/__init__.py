@@ -1,1 +1,1 @@
-"""Validator rules beyond those of the reader; each module has one function of a `Subject`."""
+"""Validator rules beyond those of the reader; each module has one function of a `ValidationContext`."""

@@ -3,18 +3,18 @@
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.suncg.formats.element import Value
-from home_mjx.datasets.suncg.read.backdrops import LONG
+from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.read.backdrops import MAX_BOX_EDGE
 from home_mjx.datasets.suncg.read.nodes import read_bbox
-from home_mjx.datasets.suncg.validate.subject import Subject, level_nodes
-from home_mjx.schema.house import Box, Node, Object
+from home_mjx.datasets.suncg.validate.subject import ValidationContext, level_nodes
+from home_mjx.schema.house import BoxNode, Node, ObjectNode
 
-TOLERANCE = 1e-3  # [m]; SUNCG's numbers were rounded to float32
+BOX_TOLERANCE = 1e-3  # [m]; SUNCG's numbers were rounded to float32
 
 Bounds = Float[np.ndarray, "2 3"]
 
 
-def check_boxes(subject: Subject) -> None:
+def check_boxes(subject: ValidationContext) -> None:
     """Check boxes of nodes against vertices, of levels against nodes, of the house against levels; report backdrops."""
     for node in subject.nodes:
         _check_node(subject, node)
@@ -26,20 +26,20 @@ def check_boxes(subject: Subject) -> None:
     _check_union(subject, subject.document, levels)
 
 
-def _check_node(subject: Subject, node: Node) -> None:
+def _check_node(subject: ValidationContext, node: Node) -> None:
     bounds = subject.bounds(node)
     if bounds is None:
         return
-    if isinstance(node, Box) and np.ptp(bounds, axis=0).max() > LONG:
+    if isinstance(node, BoxNode) and np.ptp(bounds, axis=0).max() > MAX_BOX_EDGE:
         subject.report("backdrop", node.path, f"box of {np.ptp(bounds, axis=0).max():.0f} m")
-    if node.bbox is not None and isinstance(node, Object | Box):
+    if node.bbox is not None and isinstance(node, ObjectNode | BoxNode):
         _report(subject, "bbox-mismatch", node.path, abs(bounds - node.bbox), "from the vertices of the base model")
     elif node.bbox is not None:  # boxes of rooms also enclose their members
         outside = np.maximum((bounds - node.bbox) * [[-1], [1]], 0)
         _report(subject, "room-bbox", node.path, outside, "inside the mesh")
 
 
-def _check_union(subject: Subject, owner: Value, parts: list[Bounds | None]) -> Bounds | None:
+def _check_union(subject: ValidationContext, owner: JsonValue, parts: list[Bounds | None]) -> Bounds | None:
     """Compare the box of a level or house with that around its parts, and return the latter."""
     boxes = [box for box in parts if box is not None]
     if not boxes:
@@ -51,8 +51,8 @@ def _check_union(subject: Subject, owner: Value, parts: list[Bounds | None]) -> 
     return union
 
 
-def _report(subject: Subject, rule: str, element: str, off: Bounds, what: str) -> None:
-    if off.max() > TOLERANCE:
+def _report(subject: ValidationContext, rule: str, element: str, off: Bounds, what: str) -> None:
+    if off.max() > BOX_TOLERANCE:
         side, axis = np.unravel_index(off.argmax(), off.shape)
         place = f"{element}.bbox.{('min', 'max')[side]}[{axis}]".lstrip(".")
         subject.report(rule, place, f"{off.max():.3g} m {what}")

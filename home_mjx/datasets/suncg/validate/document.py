@@ -2,17 +2,17 @@
 
 from collections import defaultdict
 
-from home_mjx.datasets.suncg.formats.element import Value
-from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_fields
+from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.fields import HOUSE_FIELDS, LEVEL_FIELDS, NODE_FIELDS, unknown_fields
 from home_mjx.datasets.suncg.read.nodes import TEXT_INDEX
-from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.datasets.suncg.validate.subject import ValidationContext
 
 
-def check_document(subject: Subject) -> None:
+def check_document(subject: ValidationContext) -> None:
     """Check for unknown fields, ids that are not positions, shared or hidden members, and missing mirror flags."""
-    _check_fields(subject, subject.document, HOUSE)
+    _check_fields(subject, subject.document, HOUSE_FIELDS)
     for index, level, nodes in subject.entries():
-        _check_fields(subject, level, LEVEL)
+        _check_fields(subject, level, LEVEL_FIELDS)
         for position, node in enumerate(nodes):
             if isinstance(node.data, dict) and node.data:
                 _check_node(subject, node, f"{index}_{position}")
@@ -22,20 +22,20 @@ def check_document(subject: Subject) -> None:
             subject.report("missing-mirror-flag", item.path, "the transform mirrors the model")
 
 
-def _check_fields(subject: Subject, value: Value, known: set[str]) -> None:
+def _check_fields(subject: ValidationContext, value: JsonValue, known: set[str]) -> None:
     for key in unknown_fields(value, known):
         subject.report("unknown-field", value.member(key).element, "kept, but no reader uses this")
 
 
-def _check_node(subject: Subject, node: Value, expected: str) -> None:
+def _check_node(subject: ValidationContext, node: JsonValue, expected: str) -> None:
     kind, node_id = node.data.get("type"), node.data.get("id")
-    _check_fields(subject, node, NODES.get(str(kind).lower(), set(node.data)))
+    _check_fields(subject, node, NODE_FIELDS.get(str(kind).lower(), set(node.data)))
     if isinstance(node_id, str | int) and str(node_id) != expected:
         subject.report("id-position", f"{node.element}.id", f"expected `{expected}`, got `{node_id}`")
 
 
-def _check_members(subject: Subject, nodes: list[Value]) -> None:
-    rooms: dict[int, list[Value]] = defaultdict(list)
+def _check_members(subject: ValidationContext, nodes: list[JsonValue]) -> None:
+    rooms: dict[int, list[JsonValue]] = defaultdict(list)
     for node in nodes:
         for index in set(_members(node, len(nodes))):
             rooms[index].append(node)
@@ -47,7 +47,7 @@ def _check_members(subject: Subject, nodes: list[Value]) -> None:
             subject.report("hidden-member", f"{owners[0].element}.nodeIndices", f"node {index} is not shown")
 
 
-def _members(node: Value, count: int) -> list[int]:
+def _members(node: JsonValue, count: int) -> list[int]:
     """Return members in range; the reader reports other indices, and values that are not lists of numbers."""
     listed = node.data.get("nodeIndices") if _shown(node) else None
     if not isinstance(listed, list):
@@ -56,10 +56,10 @@ def _members(node: Value, count: int) -> list[int]:
     return [int(i) for i in numbers if isinstance(i, int | float) and 0 <= i < count]
 
 
-def _shown(node: Value) -> bool:
+def _shown(node: JsonValue) -> bool:
     return isinstance(node.data, dict) and bool(node.data) and node.data.get("valid", 1) not in (0, "0")
 
 
-def _data(subject: Subject, path: str) -> dict:
+def _data(subject: ValidationContext, path: str) -> dict:
     level, node = (int(part.partition("]")[0]) for part in path.split("[")[1:3])
     return subject.document.data["levels"][level]["nodes"][node]

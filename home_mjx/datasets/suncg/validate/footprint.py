@@ -8,14 +8,14 @@ from jaxtyping import Bool, Float
 
 from home_mjx.schema.house import Mesh
 
-STEP = 0.1  # [m], minimum edge of a cell
+MIN_CELL_SIZE = 0.1  # [m], minimum edge of a cell
 MAX_CELLS = 512  # maximum cells along one axis; levels of more than 51 m get a coarser grid
 MAX_TRIANGLES = 2_000  # maximum triangles of one mesh; real floors and walls have a few dozen
 
 Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
-def upward(mesh: Mesh) -> Triangles:
+def upward_faces(mesh: Mesh) -> Triangles:
     """Return the upward faces of a mesh in plan."""
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -23,7 +23,7 @@ def upward(mesh: Mesh) -> Triangles:
 
 
 @dataclass(frozen=True)
-class Raster:
+class FootprintGrid:
     """A grid of square cells."""
 
     low: Float[np.ndarray, "2"]  # [m], corner of the first cell
@@ -31,11 +31,11 @@ class Raster:
     shape: tuple[int, int]
 
     @classmethod
-    def around(cls, areas: Sequence[Triangles]) -> "Raster":
+    def around(cls, areas: Sequence[Triangles]) -> "FootprintGrid":
         """Create a grid around areas, with a margin of two cells."""
         corners = np.concatenate([area.reshape(-1, 2) for area in areas])
         low, high = corners.min(axis=0), corners.max(axis=0)
-        step = max(STEP, float((high - low).max()) / MAX_CELLS)
+        step = max(MIN_CELL_SIZE, float((high - low).max()) / MAX_CELLS)
         columns, rows = (np.ceil((high - low) / step).astype(int) + 4).tolist()
         return cls(low - 2 * step, step, (columns, rows))
 

@@ -7,24 +7,27 @@ import numpy as np
 
 from home_mjx.core.files import read_bytes
 from home_mjx.core.images import open_texture
-from home_mjx.datasets.suncg.formats.obj import PLAIN
-from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.datasets.suncg.formats.obj import DEFAULT_MATERIAL
+from home_mjx.datasets.suncg.validate.subject import ValidationContext
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Material, Mesh
 
-KINDS = {b"\x89PNG": (".png",), b"\xff\xd8\xff": (".jpg", ".jpeg")}  # extensions by the first bytes of a file
+EXTENSIONS_BY_MAGIC = {
+    b"\x89PNG": (".png",),
+    b"\xff\xd8\xff": (".jpg", ".jpeg"),
+}  # extensions by the first bytes of a file
 
 
-def check_materials(subject: Subject) -> None:
+def check_materials(subject: ValidationContext) -> None:
     """Check for slots without faces, faces without slots, and textures that do not decode or have a wrong extension."""
-    meshes = {mesh.path: mesh for mesh in subject.reading.kept.values() if isinstance(mesh, Mesh)}
+    meshes = {mesh.path: mesh for mesh in subject.reading.results.values() if isinstance(mesh, Mesh)}
     for mesh in (mesh for path, mesh in meshes.items() if path.suffix == ".obj"):
         _check_slots(subject, mesh)
     for texture in sorted({m.texture for m in _materials(subject) if m.texture}):
         _check_texture(subject, texture)
 
 
-def _materials(subject: Subject) -> Iterator[Material]:
+def _materials(subject: ValidationContext) -> Iterator[Material]:
     for level in subject.house.levels:
         for node in (*level.objects, *level.boxes):
             yield from node.materials
@@ -36,8 +39,8 @@ def _materials(subject: Subject) -> Iterator[Material]:
         yield from mesh.materials
 
 
-def _check_slots(subject: Subject, mesh: Mesh) -> None:
-    if mesh.materials[-1] is PLAIN:
+def _check_slots(subject: ValidationContext, mesh: Mesh) -> None:
+    if mesh.materials[-1] is DEFAULT_MATERIAL:
         count = int((mesh.slot == len(mesh.materials) - 1).sum())
         subject.report("missing-slot", "", f"{count} faces have no `usemtl` above them", mesh.path)
     used = set(np.unique(mesh.slot).tolist())
@@ -46,13 +49,13 @@ def _check_slots(subject: Subject, mesh: Mesh) -> None:
         subject.report("unused-slot", ", ".join(unused), "no face is of this material", mesh.path)
 
 
-def _check_texture(subject: Subject, path: Path) -> None:
+def _check_texture(subject: ValidationContext, path: Path) -> None:
     try:
         open_texture(path)
     except DatasetError as error:
         subject.report("texture-broken", "", error.message, path)
         return
     start = read_bytes(path)[:4]
-    fitting = next(extensions for magic, extensions in KINDS.items() if start.startswith(magic))
+    fitting = next(extensions for magic, extensions in EXTENSIONS_BY_MAGIC.items() if start.startswith(magic))
     if path.suffix.lower() not in fitting:
         subject.report("texture-type", "", f"expected the extension {fitting[0]} for the file's content", path)

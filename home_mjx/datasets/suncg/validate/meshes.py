@@ -3,18 +3,18 @@
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.suncg.validate.subject import Subject
-from home_mjx.geometry.wall_groups import direction_across, wall_faces
+from home_mjx.datasets.suncg.validate.subject import ValidationContext
+from home_mjx.geometry.wall_groups import facing_axis, wall_faces
 from home_mjx.schema.house import Mesh
 
-THICKEST = 1.0  # [m], maximum thickness of a wall; SUNCG's have 0.1 m
-FLAT = 0.7  # minimum cosine to the vertical: slopes below 45 degrees
-SAME = 1e-3  # [m], maximum difference in height within one surface
+MAX_WALL_THICKNESS = 1.0  # [m], maximum thickness of a wall; SUNCG's have 0.1 m
+MIN_UPWARD_COSINE = 0.7  # minimum cosine to the vertical: slopes below 45 degrees
+HEIGHT_TOLERANCE = 1e-3  # [m], maximum difference in height within one surface
 
 Corners = Float[np.ndarray, "_ 3 3"]  # [m], Y up
 
 
-def check_meshes(subject: Subject) -> None:
+def check_meshes(subject: ValidationContext) -> None:
     """Check for walls that are too thick to be one wall, and floors that face down."""
     for room in (room for level in subject.house.levels for room in level.rooms):
         if room.walls is not None:
@@ -24,10 +24,10 @@ def check_meshes(subject: Subject) -> None:
             subject.report("floor-down", ", ".join(room.floor.groups), message, room.floor.path)
 
 
-def _check_walls(subject: Subject, walls: Mesh) -> None:
+def _check_walls(subject: ValidationContext, walls: Mesh) -> None:
     for faces in wall_faces(walls):
         thickness = _thickness(walls, faces)
-        if thickness > THICKEST:
+        if thickness > MAX_WALL_THICKNESS:
             groups = [walls.groups[i] for i in np.unique(walls.group[faces]) if i >= 0]
             message = f"{thickness:.1f} m thick: give every wall a mesh group of its own"
             subject.report("thick-wall", ", ".join(groups), message, walls.path)
@@ -37,15 +37,15 @@ def _thickness(walls: Mesh, faces: np.ndarray) -> float:
     """Compute the extent of a wall in the direction that most of its area faces [m], as in the compiler."""
     corners = walls.vertices[walls.faces[faces]].astype(np.float64)
     normal, area = _normals(corners)
-    return float(np.ptp(corners[..., [0, 2]] @ direction_across(normal[:, [0, 2]], area)))
+    return float(np.ptp(corners[..., [0, 2]] @ facing_axis(normal[:, [0, 2]], area)))
 
 
 def _faces_up(floor: Mesh) -> bool:
     """Return whether a face of the floor's upper side faces up; that of an inverted slab faces down."""
     corners = floor.vertices[floor.faces].astype(np.float64)
     normal, area = _normals(corners)
-    height = np.where(abs(normal[:, 1]) > FLAT * area, corners[..., 1].mean(axis=1), -np.inf)
-    return bool((normal[height > height.max() - SAME, 1] > 0).any())
+    height = np.where(abs(normal[:, 1]) > MIN_UPWARD_COSINE * area, corners[..., 1].mean(axis=1), -np.inf)
+    return bool((normal[height > height.max() - HEIGHT_TOLERANCE, 1] > 0).any())
 
 
 def _normals(corners: Corners) -> tuple[Float[np.ndarray, "_ 3"], Float[np.ndarray, " _"]]:

@@ -6,25 +6,25 @@ import numpy as np
 from jaxtyping import Float
 from scipy import ndimage
 
-from home_mjx.datasets.suncg.validate.footprint import Raster, upward
-from home_mjx.datasets.suncg.validate.subject import Subject
-from home_mjx.schema.house import Ground, Level, Mesh, Object, Room
+from home_mjx.datasets.suncg.validate.footprint import FootprintGrid, upward_faces
+from home_mjx.datasets.suncg.validate.subject import ValidationContext
+from home_mjx.schema.house import GroundNode, Level, Mesh, ObjectNode, RoomNode
 
-NEAR = 0.15  # [m], maximum distance: one and a half wall thicknesses
+MAX_WALL_DISTANCE = 0.15  # [m], maximum distance: one and a half wall thicknesses
 MAX_EDGES = 20_000  # maximum edges of a level's walls; real levels have a few hundred
-OPENINGS = ("door", "window", "arch", "garage_door")
+OPENING_CATEGORIES = ("door", "window", "arch", "garage_door")
 
 Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
-def check_rooms(subject: Subject) -> None:
+def check_rooms(subject: ValidationContext) -> None:
     """Check for overlapping rooms, objects outside of rooms, doors off walls and models without categories."""
     for level in subject.house.levels:
         rooms = [(room, area) for room in level.rooms if (area := footprint(room)) is not None]
         if rooms:
             areas = [area for _, area in rooms]
             areas += [area for ground in level.grounds if (area := footprint(ground)) is not None]
-            raster = Raster.around(areas)
+            raster = FootprintGrid.around(areas)
             _check_overlap(subject, rooms, raster)
             _check_outside(subject, level, areas, raster)
         edges = _wall_edges([room.walls for room in level.rooms if room.walls is not None])
@@ -32,19 +32,21 @@ def check_rooms(subject: Subject) -> None:
             _check_category(subject, item, edges)
 
 
-def footprint(node: Room | Ground) -> Triangles | None:
+def footprint(node: RoomNode | GroundNode) -> Triangles | None:
     """Return upward faces of the floor, else the ceiling, else the walls' box, in plan; None without meshes."""
-    slabs = (node.floor, node.ceiling) if isinstance(node, Room) else (node.mesh,)
+    slabs = (node.floor, node.ceiling) if isinstance(node, RoomNode) else (node.mesh,)
     for mesh in slabs:
-        if mesh is not None and len(area := upward(mesh)):
+        if mesh is not None and len(area := upward_faces(mesh)):
             return area
-    if not isinstance(node, Room) or node.walls is None:
+    if not isinstance(node, RoomNode) or node.walls is None:
         return None
     (x0, _, z0), (x1, _, z1) = node.walls.vertices.min(0), node.walls.vertices.max(0)
     return np.array([[[x0, z0], [x1, z0], [x1, z1]], [[x0, z0], [x1, z1], [x0, z1]]])
 
 
-def _check_overlap(subject: Subject, rooms: Sequence[tuple[Room, Triangles]], raster: Raster) -> None:
+def _check_overlap(
+    subject: ValidationContext, rooms: Sequence[tuple[RoomNode, Triangles]], raster: FootprintGrid
+) -> None:
     owner = np.full(raster.shape, -1)
     for number, (room, area) in enumerate(rooms):
         mask = raster.mask(area)
@@ -56,9 +58,9 @@ def _check_overlap(subject: Subject, rooms: Sequence[tuple[Room, Triangles]], ra
         owner[mask & (owner < 0)] = number
 
 
-def _check_outside(subject: Subject, level: Level, areas: Sequence[Triangles], raster: Raster) -> None:
+def _check_outside(subject: ValidationContext, level: Level, areas: Sequence[Triangles], raster: FootprintGrid) -> None:
     covered = np.any([raster.mask(area) for area in areas], axis=0)
-    cells = int(np.ceil(NEAR / raster.step))
+    cells = int(np.ceil(MAX_WALL_DISTANCE / raster.step))
     near = ndimage.binary_dilation(covered, iterations=cells)
     for node in (*level.objects, *level.boxes):
         if not raster.at(near, node.transform[[0, 2], 3]):
@@ -67,19 +69,19 @@ def _check_outside(subject: Subject, level: Level, areas: Sequence[Triangles], r
 
 def _wall_edges(walls: Sequence[Mesh]) -> Float[np.ndarray, "e 2 2"]:
     """Return the edges of the walls' upward faces: outlines of walls and of sills."""
-    tops = np.concatenate([np.zeros((0, 3, 2)), *(upward(mesh) for mesh in walls)])
+    tops = np.concatenate([np.zeros((0, 3, 2)), *(upward_faces(mesh) for mesh in walls)])
     return np.stack([tops, np.roll(tops, -1, axis=1)], axis=2).reshape(-1, 2, 2)[:MAX_EDGES]
 
 
-def _check_category(subject: Subject, item: Object, edges: Float[np.ndarray, "e 2 2"]) -> None:
+def _check_category(subject: ValidationContext, item: ObjectNode, edges: Float[np.ndarray, "e 2 2"]) -> None:
     if subject.metadata is None:
         return
     info = subject.metadata.info(item.model_id)
     if info.coarse == "unknown":
         subject.report("unknown-model", f"{item.path}.modelId", f"model `{item.model_id}` has no category")
-    if info.coarse in OPENINGS and len(edges):
+    if info.coarse in OPENING_CATEGORIES and len(edges):
         distance = _distance(edges, item.transform[[0, 2], 3])
-        if distance > NEAR:
+        if distance > MAX_WALL_DISTANCE:
             subject.report("door-off-wall", item.path, f"{info.coarse} {distance:.2f} m away from the nearest wall")
 
 

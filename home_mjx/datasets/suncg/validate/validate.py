@@ -4,22 +4,22 @@ from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.datasets.suncg.formats.element import read_json
 from home_mjx.datasets.suncg.read.house_json import build_house, house_path
-from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.datasets.suncg.read.reading import ReaderState
 from home_mjx.datasets.suncg.validate.boxes import check_boxes
 from home_mjx.datasets.suncg.validate.document import check_document
-from home_mjx.datasets.suncg.validate.finding import RULES, Finding
+from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
 from home_mjx.datasets.suncg.validate.joints import check_joints
 from home_mjx.datasets.suncg.validate.materials import check_materials
 from home_mjx.datasets.suncg.validate.meshes import check_meshes
 from home_mjx.datasets.suncg.validate.rooms import check_rooms
-from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.datasets.suncg.validate.subject import ValidationContext
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import Mesh, Metadata, Room
+from home_mjx.schema.house import Mesh, Metadata, RoomNode
 
-__all__ = ["RULES", "Finding", "validate_house"]
+__all__ = ["RULES", "ValidationFinding", "validate_house"]
 
 
-def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[Finding, ...]:
+def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFinding, ...]:
     """Validate a house and the files that it uses: return all faults, errors first.
 
     Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
@@ -43,8 +43,8 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[Finding, ...]:
         document.member("levels")
     except DatasetError as error:
         return (_unreadable(error, str(path)),)
-    reading = Reading(house_id, dataset.assets, options=ReadOptions(backdrops=True), errors=[])
-    subject = Subject(document, reading, build_house(document, reading), _metadata(dataset, reading))
+    reading = ReaderState(house_id, dataset.assets, options=ReadOptions(backdrops=True), errors=[])
+    subject = ValidationContext(document, reading, build_house(document, reading), _metadata(dataset, reading))
     subject.joints = reading.attempt(lambda: dataset.joints) or {}
     if not any(subject.nodes):
         subject.report("nothing-shown", "levels", "house has no visible node")
@@ -55,21 +55,21 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[Finding, ...]:
     return _sorted(subject, str(path))
 
 
-def _meshes(room: Room) -> tuple[Mesh | None, ...]:
+def _meshes(room: RoomNode) -> tuple[Mesh | None, ...]:
     return room.floor, room.ceiling, room.walls
 
 
-def _metadata(dataset: SuncgDataset, reading: Reading) -> Metadata | None:
+def _metadata(dataset: SuncgDataset, reading: ReaderState) -> Metadata | None:
     return reading.attempt(lambda: dataset.metadata)
 
 
-def _sorted(subject: Subject, path: str) -> tuple[Finding, ...]:
+def _sorted(subject: ValidationContext, path: str) -> tuple[ValidationFinding, ...]:
     """Sort findings: errors first, otherwise in the order of checks; faults of shared files are reported once."""
-    notes = [Finding(str(place.file), p.element, p.rule, p.message) for place, p in subject.reading.notes]
+    notes = [ValidationFinding(str(place.file), p.element, p.rule, p.message) for place, p in subject.reading.notes]
     errors = [_unreadable(error, path) for error in subject.reading.errors or []]
     found = dict.fromkeys((*errors, *notes, *subject.findings))
     return tuple(sorted(found, key=lambda finding: finding.severity))
 
 
-def _unreadable(error: DatasetError, path: str) -> Finding:
-    return Finding(error.file or path, error.element or "", "unreadable", error.message)
+def _unreadable(error: DatasetError, path: str) -> ValidationFinding:
+    return ValidationFinding(error.file or path, error.element or "", "unreadable", error.message)

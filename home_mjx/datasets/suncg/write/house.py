@@ -18,16 +18,16 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
-from home_mjx.core.files import read_bytes, read_text, write_whole
+from home_mjx.core.files import read_bytes, read_text, write_atomically
 from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, joints_csv, lights_json, sizes_csv
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import Box, Ground, House, Level, Material, Mesh, Node, Object, Room
+from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Material, Mesh, Node, ObjectNode, RoomNode
 
 DIGESTS = "sha256.json"  # digests of the files of a house's folder
 JOINTS_DIGEST = "joints.sha256.json"  # separate, so that datasets written before joints existed stay valid
-PARTIAL = ".partial-"  # prefix of incomplete folders
+PARTIAL_PREFIX = ".partial-"  # prefix of incomplete folders
 
 log = logging.getLogger(__name__)
 
@@ -62,7 +62,7 @@ def write_house(root: Path, house: House) -> None:
     _write_folder(root, Path("house") / house.id, {"house.json": document, DIGESTS: json.dumps(digests)})
 
 
-def is_whole_house(root: Path, house_id: str) -> bool:
+def is_house_complete(root: Path, house_id: str) -> bool:
     """Return whether a house is complete, by the digests of its files.
 
     Without digests, as in former versions, return whether its `house.json` is JSON and its rooms exist.
@@ -146,7 +146,7 @@ def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = Fal
     Args:
         root: Dataset root.
         models: The models, in the order of their rows.
-        digests: Also write digests of the tables, for `is_whole_folder`.
+        digests: Also write digests of the tables, for `is_folder_complete`.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -178,7 +178,7 @@ def _digests(files: Mapping[str, str]) -> dict[str, str]:
     return {DIGESTS: json.dumps({name: _digest(text) for name, text in files.items()})}
 
 
-def is_whole_folder(folder: Path, digests_name: str = DIGESTS) -> bool:
+def is_folder_complete(folder: Path, digests_name: str = DIGESTS) -> bool:
     """Return whether a folder written with digests still contains the same files.
 
     Args:
@@ -206,7 +206,7 @@ def _write_folder(
                 _mend(target / name, content)
             return
         target.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=PARTIAL, dir=root))
+        temporary = Path(tempfile.mkdtemp(prefix=PARTIAL_PREFIX, dir=root))
         try:
             for name, content in files.items():
                 _write_file(temporary / name, content)
@@ -224,7 +224,7 @@ def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
     if not _holds(path, content):
         if path.exists():
             log.warning("broken file %s is rewritten", path)
-        with write_whole(path) as file:
+        with write_atomically(path) as file:
             if isinstance(content, str):
                 file.write(content.encode())
             else:
@@ -296,33 +296,33 @@ def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[s
     """Convert a node to JSON; `place` maps a node's index to its position in the written list."""
     entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__, "valid": 1}
     match node:
-        case Room():
+        case RoomNode():
             members = [place[i] for i in node.members]
             entry |= {"modelId": node.model_id, "nodeIndices": members, "roomTypes": list(node.types)}
             hidden = {"hideCeiling": node.ceiling, "hideFloor": node.floor, "hideWalls": node.walls}
             entry |= {key: 1 for key, mesh in hidden.items() if mesh is None}
             return entry | {"bbox": bbox}
-        case Ground():
+        case GroundNode():
             return entry | {"modelId": node.model_id, "bbox": bbox}
-        case Box():
+        case BoxNode():
             entry |= {"transform": _numbers(node.transform.T), "dimensions": _numbers(node.dimensions)}
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
-        case Object():
+        case ObjectNode():
             entry |= {"modelId": node.model_id} | ({"state": node.state} if node.state else {})
-            entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.mirrored else {})
+            entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.is_mirrored else {})
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
     raise TypeError(f"unknown node {type(node).__name__}")
 
 
-def _bounds(node: Object | Box | Ground, house: House) -> Bounds:
+def _bounds(node: ObjectNode | BoxNode | GroundNode, house: House) -> Bounds:
     match node:
-        case Object():
+        case ObjectNode():
             if node.model_id not in house.models and node.bbox is not None:
                 return node.bbox
             points = house.models.get(node.model_id, house.models[node.model_key]).vertices
-        case Box():
+        case BoxNode():
             points = _BOX_CORNERS * node.dimensions
-        case Ground():
+        case GroundNode():
             return _mesh_bounds(node.mesh) if node.mesh is not None else np.zeros((2, 3))
     # By columns: reductions over axes of length three are several times as slow in NumPy.
     moved = np.ascontiguousarray((points @ node.transform[:3, :3].T).T) + node.transform[:3, 3:]

@@ -14,7 +14,7 @@ from home_mjx.datasets.joints import Joint
 from home_mjx.schema.house import Light, Mesh, ModelInfo
 
 # Rows 0..4 of every ModelCategoryMapping.csv.
-PSEUDO = (
+PSEUDO_ROWS = (
     ("Empty", "empty", "empty", "0", "void", "n03284308", "empty.n.01"),
     ("Wall", "wall", "wall", "1", "wall", "n04546855", "wall.n.01"),
     ("Ceiling", "ceiling", "ceiling", "1", "ceiling", "n02990373", "ceiling.n.01"),
@@ -50,7 +50,7 @@ class LibraryModel:
 
 def categories_csv(models: Sequence[LibraryModel]) -> str:
     """Format `ModelCategoryMapping.csv`; the index of a row is the label of its pixels."""
-    rows = [*PSEUDO, *(_category_row(model) for model in models)]
+    rows = [*PSEUDO_ROWS, *(_category_row(model) for model in models)]
     return _csv(_CATEGORY_COLUMNS, ((i, *row) for i, row in enumerate(rows)))
 
 
@@ -62,7 +62,9 @@ def _category_row(model: LibraryModel) -> tuple[str, ...]:
 
 def sizes_csv(models: Sequence[LibraryModel]) -> str:
     """Format `models.csv`; variants have rows of their own, with the index of their base."""
-    return _csv(_SIZE_COLUMNS, (row for i, model in enumerate(models, len(PSEUDO)) for row in _size_rows(model, i)))
+    return _csv(
+        _SIZE_COLUMNS, (row for i, model in enumerate(models, len(PSEUDO_ROWS)) for row in _size_rows(model, i))
+    )
 
 
 def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
@@ -81,7 +83,7 @@ def joints_csv(models: Sequence[LibraryModel]) -> str:
 
 
 def _joint_row(joint: Joint) -> tuple[str, ...]:
-    runs = " ".join(f"{first}-{last}" for first, last in joint.ranges)
+    runs = " ".join(f"{first}-{last}" for first, last in joint.face_ranges)
     axis, point = (_triple(np.asarray(values)) for values in (joint.axis, joint.point))
     return joint.model_id, joint.part, joint.kind, axis, point, f"{joint.low}, {joint.high}", runs
 

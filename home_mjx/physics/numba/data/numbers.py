@@ -6,19 +6,19 @@ import jax
 import numpy as np
 
 from home_mjx.mjcf import agent
-from home_mjx.mjcf.boxes import DOOR_DRAG
+from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS
 
 Values = TypeVar("Values", jax.Array, np.ndarray)  # (*batch, 5)
-ITERATIONS = 50  # maximum number of Newton iterations; most physics steps converge in one to three
-BY_FORCE = 1.0  # value of `control` for force control
+MAX_NEWTON_ITERATIONS = 50  # maximum number of Newton iterations; most physics steps converge in one to three
+FORCE_CONTROL = 1.0  # value of `control` for force control
 # Maximum speeds and acceleration of a body at rest; a body below them for a whole control step may fall asleep.
-REST_SPEED, REST_SPIN, REST_PULL = 2e-3, 1e-2, 0.1  # [m/s], [rad/s], [m/s^2]
+MAX_REST_SPEED, MAX_REST_SPIN, MAX_REST_ACCELERATION = 2e-3, 1e-2, 0.1  # [m/s], [rad/s], [m/s^2]
 
 
-class Numbers(NamedTuple):
+class StepParams(NamedTuple):
     """Parameters in [m], [kg], [s], [N] and their products; arrays have the same order."""
 
     sim_dt: float
@@ -55,15 +55,15 @@ class Numbers(NamedTuple):
     door_torque: float
 
 
-def numbers_of(config: PhysicsConfig) -> Numbers:
+def step_params(config: PhysicsConfig) -> StepParams:
     """Return the parameters of a template."""
     dt = config.timing.sim_dt
     constant = max(agent.TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
-    return Numbers(
+    return StepParams(
         sim_dt=dt,
         substeps=config.timing.substeps,
         gravity=servo.GRAVITY,
-        control=BY_FORCE if config.control == "force" else 0.0,
+        control=FORCE_CONTROL if config.control == "force" else 0.0,
         response_time=config.response_time,
         max_body_speed=config.max_body_speed,
         max_body_spin=config.max_body_spin,
@@ -72,26 +72,26 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         impedance_low=agent.SOLIMP[0],
         impedance_high=agent.SOLIMP[1],
         impedance_width=agent.SOLIMP[2],
-        iterations=ITERATIONS,
+        iterations=MAX_NEWTON_ITERATIONS,
         corner_radius=CORNER_RADIUS,
         sleep=float(config.sleep),
-        rest_speed=REST_SPEED,
-        rest_spin=REST_SPIN,
-        rest_pull=REST_PULL,
-        on_ramp=servo.ON_RAMP,
-        hand_time=servo.hand_time(config),
-        hand_speed=servo.HAND_SPEED,
-        hand_spin=servo.HAND_SPIN,
-        hand_twist=servo.HAND_TWIST,
-        hand_acceleration=servo.HAND_ACCELERATION,
-        hand_force=servo.HAND_FORCE,
+        rest_speed=MAX_REST_SPEED,
+        rest_spin=MAX_REST_SPIN,
+        rest_pull=MAX_REST_ACCELERATION,
+        on_ramp=servo.MAX_RAMP_GAP,
+        hand_time=servo.hand_time_constant(config),
+        hand_speed=servo.MAX_HAND_SPEED,
+        hand_spin=servo.MAX_HAND_SPIN,
+        hand_twist=servo.MAX_HAND_ANGULAR_ACCELERATION,
+        hand_acceleration=servo.MAX_HAND_ACCELERATION,
+        hand_force=servo.MAX_HAND_FORCE,
         hand_stiffness=servo.HAND_STIFFNESS,
-        hand_slack=servo.HAND_SLACK,
-        hand_leash=servo.HAND_LEASH,
-        door_drag=DOOR_DRAG,
-        door_time=servo.DOOR_TIME,
-        door_speed=servo.DOOR_SPEED,
-        door_torque=servo.DOOR_TORQUE,
+        hand_slack=servo.MIN_SPRING_LAG,
+        hand_leash=servo.MAX_SPRING_LAG,
+        door_drag=DOOR_DAMPING_RATE,
+        door_time=servo.DOOR_TIME_CONSTANT,
+        door_speed=servo.MAX_DOOR_SPEED,
+        door_torque=servo.MAX_DOOR_TORQUE,
     )
 
 

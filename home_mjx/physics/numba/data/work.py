@@ -17,19 +17,19 @@ from home_mjx.physics.numba.data.limits import (
     BODY_DOFS,
     DOOR_COLUMNS,
     DOOR_DOFS,
-    MOST_POINTS,
-    NEAR,
-    POINTS_PER_MOBILE,
+    MAX_NEAR_BOXES,
+    MAX_PAIR_POINTS,
+    POINTS_PER_BODY,
     SURFACE_COLUMNS,
 )
 
-NUM_CONTACTS, LOST_STATIC, LOST_POINTS, NEWTON_STEPS = range(4)  # indices in `counts`
+NUM_CONTACTS, STATIC_OVERFLOW, POINT_OVERFLOW, NEWTON_STEPS = range(4)  # indices in `counts`
 
 Pointer = Any  # to float64 or int64
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 
 
-class Work(NamedTuple):
+class Workspace(NamedTuple):
     """Arrays of one environment.
 
     Dynamic bodies are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds.
@@ -37,7 +37,7 @@ class Work(NamedTuple):
 
     num_agents: int
     num_free: int  # number of agents and bodies; also the index of the first door
-    num_mobiles: int  # m
+    num_dynamic: int  # m
     num_static: int  # c
     most_points: int  # n
     pos: Pointer  # (m, 3) centres
@@ -89,20 +89,20 @@ class Work(NamedTuple):
 
 @njit(error_model="numpy")
 @no_type_check
-def make_work(num_agents, num_bodies, num_doors, num_static):
-    """Allocate zeroed memory for environments of these sizes; release it with `free_work`."""
-    _, size = _carve(0, num_agents, num_bodies, num_doors, num_static)  # from address 0: the total size
+def allocate_workspace(num_agents, num_bodies, num_doors, num_static):
+    """Allocate zeroed memory for environments of these sizes; release it with `free_workspace`."""
+    _, size = _lay_out(0, num_agents, num_bodies, num_doors, num_static)  # from address 0: the total size
     block = allocate(size)
     zeros = ints(block)
     for i in range(size // WORD):
         zeros[i] = 0
-    work, _ = _carve(block, num_agents, num_bodies, num_doors, num_static)
+    work, _ = _lay_out(block, num_agents, num_bodies, num_doors, num_static)
     return work
 
 
 @njit(error_model="numpy", inline="always")
 @no_type_check
-def dofs(work, m):
+def num_contact_dofs(work, m):
     """Return the number of a dynamic body's DoFs that contacts act on."""
     if m < work.num_agents:
         return AGENT_DOFS
@@ -111,10 +111,10 @@ def dofs(work, m):
 
 @njit(error_model="numpy")
 @no_type_check
-def _carve(at, num_agents, num_bodies, num_doors, num_static):
+def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
     """Lay out the arrays one after another from an address on; return them and the address behind the last."""
     m, c = num_agents + num_bodies + num_doors, num_static
-    n, d = POINTS_PER_MOBILE * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies + DOOR_DOFS * num_doors
+    n, d = POINTS_PER_BODY * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies + DOOR_DOFS * num_doors
     pos, at = floats(at), at + WORD * (3 * m)
     quat, at = floats(at), at + WORD * (4 * m)
     rot, at = floats(at), at + WORD * (9 * m)
@@ -136,7 +136,7 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
     static_pos, at = floats(at), at + WORD * (3 * c)
     static_rot, at = floats(at), at + WORD * (9 * c)
     static_half, at = floats(at), at + WORD * (3 * c)
-    near, at = ints(at), at + WORD * (NEAR * m)
+    near, at = ints(at), at + WORD * (MAX_NEAR_BOXES * m)
     num_near, at = ints(at), at + WORD * m
     near_from, at = floats(at), at + WORD * (12 * m)
     first, at = ints(at), at + WORD * n
@@ -157,10 +157,10 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
     hessian, at = floats(at), at + WORD * (d * d)
     gradient, at = floats(at), at + WORD * d
     search, at = floats(at), at + WORD * d
-    points, at = floats(at), at + WORD * (4 * MOST_POINTS)
+    points, at = floats(at), at + WORD * (4 * MAX_PAIR_POINTS)
     normals, at = floats(at), at + WORD * 6
     counts, at = ints(at), at + WORD * 4
-    work = Work(
+    work = Workspace(
         num_agents,
         num_agents + num_bodies,
         m,
@@ -217,6 +217,6 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
 
 @njit(error_model="numpy")
 @no_type_check
-def free_work(work):
+def free_workspace(work):
     """Release the memory."""
     release(address_of(work.pos))

@@ -17,11 +17,14 @@ from numba import njit, types
 
 from home_mjx.core.native.memory import stack_of
 
-MOST_POINTS = 16  # maximum number of contact points of a pair of shapes
+MAX_PAIR_POINTS = 16  # maximum number of contact points of a pair of shapes
 
-NEARLY_PARALLEL = 1e-15  # minimum length of the cross product of edge directions; shorter: parallel edges
-PREFER_FACES = 1 - 1e-12  # maximum overlap of an edge axis over that of the best face axis
-ALIKE, ALIKE_FACTOR = 0.99, 0.95  # cosine to the face normal from which on that maximum is `ALIKE_FACTOR`
+MIN_CROSS_LENGTH = 1e-15  # minimum length of the cross product of edge directions; shorter: parallel edges
+MAX_EDGE_OVERLAP_RATIO = 1 - 1e-12  # maximum overlap of an edge axis over that of the best face axis
+ALIGNED_COSINE, ALIGNED_OVERLAP_RATIO = (
+    0.99,
+    0.95,
+)  # cosine to the face normal from which on that maximum is `ALIGNED_OVERLAP_RATIO`
 APART, NO_EDGE = -2, -1
 EDGE = 6  # codes from here on: EDGE + 3 * axis of the first box + axis of the second one
 
@@ -41,7 +44,7 @@ def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
         pos2: Centre of the second box.
         rot2: Its axes.
         half2: Its half extents.
-        points: Result (`MOST_POINTS`, 4): position [m] half-way between the surfaces, and distance [m], negative.
+        points: Result (`MAX_PAIR_POINTS`, 4): position [m] half-way between the surfaces, and distance [m], negative.
         normal: Result (3): unit, from the first box to the second one.
 
     Returns:
@@ -95,7 +98,11 @@ def _least_overlap(between, cosine, half1, half2, axis):
     edge, over, likeness = _best_edge(between, cosine, half1, half2, code, axis)
     if edge == APART:
         return -1, -1
-    if edge >= 0 and over < least * PREFER_FACES and (likeness < ALIKE or over < ALIKE_FACTOR * least):
+    if (
+        edge >= 0
+        and over < least * MAX_EDGE_OVERLAP_RATIO
+        and (likeness < ALIGNED_COSINE or over < ALIGNED_OVERLAP_RATIO * least)
+    ):
         return EDGE + edge, code
     return code, code
 
@@ -115,7 +122,7 @@ def _best_edge(between, cosine, half1, half2, face, axis):
             p, q = (i + 1) % 3, (i + 2) % 3
             x, y = -cosine[3 * q + j], cosine[3 * p + j]
             length = sqrt(x * x + y * y)
-            if length < NEARLY_PARALLEL:
+            if length < MIN_CROSS_LENGTH:
                 continue
             x, y = x / length, y / length
             apart = x * between[p] + y * between[q]
@@ -251,7 +258,7 @@ def _clip(corner, edges, size, points):
             start[k] = corner[k] + (edges[by + k] if by >= 0 else 0.0)
             edge[k] = edges[along + k]
         number = _crossings(start, edge, size, points, number)
-    number = _covered(corner, edges, size, points, number)
+    number = _covered_corners(corner, edges, size, points, number)
     for i in range(4):
         x, y, z = corner[0], corner[1], corner[2]
         if i & 1:
@@ -268,7 +275,7 @@ def _clip(corner, edges, size, points):
 def _crossings(start, edge, size, points, number):
     """Add the points where an edge crosses the border of the rectangle."""
     for q in range(2):
-        if abs(edge[q]) <= NEARLY_PARALLEL:
+        if abs(edge[q]) <= MIN_CROSS_LENGTH:
             continue
         for side in (-1.0, 1.0):
             border = side * size[q]
@@ -283,7 +290,7 @@ def _crossings(start, edge, size, points, number):
 
 @compiled
 @no_type_check
-def _covered(corner, edges, size, points, number):
+def _covered_corners(corner, edges, size, points, number):
     """Add the corners of the rectangle that are covered by the parallelogram."""
     a, c = edges[0], edges[1]
     b, d = edges[3], edges[4]
@@ -303,7 +310,7 @@ def _covered(corner, edges, size, points, number):
 @no_type_check
 def _add(x, y, z, points, number):
     """Add the midpoint between a point and the plane above it."""
-    if z > 0 or number >= MOST_POINTS:
+    if z > 0 or number >= MAX_PAIR_POINTS:
         return number
     points[4 * number], points[4 * number + 1], points[4 * number + 2], points[4 * number + 3] = x, y, z / 2, z
     return number + 1

@@ -88,16 +88,16 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
     for k in range(3):
         center[k] = rot[k] * (pos[0] - box[0]) + rot[3 + k] * (pos[1] - box[1]) + rot[6 + k] * (pos[2] - box[2])
         axis[k] = rot[6 + k] * length
-    first, second = _places(center, axis, length, half)
-    count = _touch(center, axis, first, radius, box, rot, half, points, normals, 0)
+    first, second = _sphere_positions(center, axis, length, half)
+    count = _add_sphere_contact(center, axis, first, radius, box, rot, half, points, normals, 0)
     if second == second:  # not NaN
-        count = _touch(center, axis, second, radius, box, rot, half, points, normals, count)
+        count = _add_sphere_contact(center, axis, second, radius, box, rot, half, points, normals, count)
     return count
 
 
 @compiled
 @no_type_check
-def _touch(center, axis, t, radius, box, rot, half, points, normals, count):
+def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals, count):
     """Add the contact of the sphere at t of the axis, in world coordinates."""
     point, normal = quad(), vector()
     x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
@@ -112,12 +112,12 @@ def _touch(center, axis, t, radius, box, rot, half, points, normals, count):
 
 @compiled
 @no_type_check
-def _places(center, axis, length, half):
+def _sphere_positions(center, axis, length, half):
     """Return the positions of the two spheres on the axis, from -1 to 1; the second is NaN if there is only one."""
     best, t, kind, on, corner, at = _nearest_end(center, axis, half)
     best, t, kind, on, corner, at = _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at)
     if kind == FACE:
-        return t, t + _beside_face(center, axis, half, t, on)
+        return t, t + _length_beside_face(center, axis, half, t, on)
     if kind == NONE:
         return t, np.nan
     forward = 0  # bit mask of the box axes along which the capsule's axis increases
@@ -125,8 +125,8 @@ def _places(center, axis, length, half):
         if axis[k] > 0:
             forward += 1 << k
     if kind == CORNER:
-        return t, t + _from_corner(axis, length, half, t, forward ^ corner)
-    return t, t + _from_edge(axis, half, t, on, at, forward, (forward ^ corner) & (7 - (1 << on)))
+        return t, t + _length_from_corner(axis, length, half, t, forward ^ corner)
+    return t, t + _length_from_edge(axis, half, t, on, at, forward, (forward ^ corner) & (7 - (1 << on)))
 
 
 @compiled
@@ -193,7 +193,7 @@ def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
 
 @compiled
 @no_type_check
-def _beside_face(center, axis, half, end, face):
+def _length_beside_face(center, axis, half, end, face):
     """Return the signed length from an end along the axis that stays in front of its face; NaN for an end inside."""
     if face < 0:
         return np.nan
@@ -210,7 +210,7 @@ def _beside_face(center, axis, half, end, face):
 
 @compiled
 @no_type_check
-def _from_corner(axis, length, half, t, turn):
+def _length_from_corner(axis, length, half, t, turn):
     """Return the signed length from a corner along its edge or face; NaN if the axis points away or at the corner."""
     if turn in (0, 7):
         return np.nan
@@ -227,7 +227,7 @@ def _from_corner(axis, length, half, t, turn):
 
 @compiled
 @no_type_check
-def _from_edge(axis, half, t, edge, at, forward, turn):
+def _length_from_edge(axis, half, t, edge, at, forward, turn):
     """Return the signed length from an edge across the face least inclined to the axis; NaN if the axis points away."""
     if turn not in (1, 2, 4):
         return np.nan

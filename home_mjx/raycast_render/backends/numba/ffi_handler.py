@@ -11,7 +11,7 @@ from home_mjx.core.native import ffi
 from home_mjx.core.native import memory as native_memory
 from home_mjx.core.native import simd as lanes
 from home_mjx.core.native.memory import call, stack_of, symbol_address
-from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.raycast_render.backends.numba import intersect as native_intersect
 from home_mjx.raycast_render.backends.numba import packet as native_packet
 from home_mjx.raycast_render.backends.numba import traverse as native
@@ -21,7 +21,7 @@ ANY_HIT, WIDTH = 0, 1  # indices of attributes, which are sorted by name
 NUM_OPERANDS, NUM_RESULTS = 24, 6
 # Operands whose shapes define the numbers of rows
 NODE, TRIANGLE, MODEL, HOUSE, INSTANCE_MODEL, MATERIAL, MOVING_INSTANCE = 1, 2, 4, 5, 6, 10, 12
-NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY
+NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY_OPERAND
 CHUNK = 16  # packets per chunk of work
 WORK, TASK = "home_mjx_cast_work", "home_mjx_cast_task"
 
@@ -31,7 +31,7 @@ work_address, task_address = symbol_address(WORK), symbol_address(TASK)
 compiled = njit(error_model="numpy")
 
 
-@with_checked_cache
+@verify_cache
 def build_handler() -> tuple[Any, Any, Any]:
     """Compile the work, the task and the handler, or load them from Numba's cache on disk.
 
@@ -40,7 +40,7 @@ def build_handler() -> tuple[Any, Any, Any]:
     """
     # The cache checks this file only. The functions refer to the digest, so that a change of the others invalidates it.
     parts: tuple[Any, ...] = (ffi, lanes, limits, native, native_intersect, native_memory, native_packet)
-    digest = ffi.digest(*(part.__file__ for part in parts))
+    digest = ffi.hash_sources(*(part.__file__ for part in parts))
 
     @cfunc(types.intp(types.intp), cache=True)
     @no_type_check
@@ -56,7 +56,7 @@ def build_handler() -> tuple[Any, Any, Any]:
     def task(job):
         _ = digest
         call(work_address(), job)
-        ffi.leave(job)
+        ffi.release_job(job)
         return 0
 
     llvmlite.binding.add_symbol(TASK, task.address)
@@ -65,7 +65,7 @@ def build_handler() -> tuple[Any, Any, Any]:
     @no_type_check
     def handler(frame):
         _ = digest
-        if ffi.wants_work(frame):
+        if ffi.is_execute_call(frame):
             job = ffi.open_job(frame, -(-_num_packets(frame) // CHUNK), task_address())
             call(work_address(), job)
             ffi.close_job(job)
@@ -82,7 +82,7 @@ def _work(job):
         chunk = ffi.next_chunk(job)
         if chunk < 0:
             return
-        _cast_chunk(ffi.frame_of(job), chunk)
+        _cast_chunk(ffi.job_frame(job), chunk)
         ffi.chunk_done(job)
 
 
@@ -93,7 +93,7 @@ def _cast_chunk(frame, chunk):
     for i in range(NUM_OPERANDS):
         operands[i] = ffi.data(frame, ffi.OPERANDS, i)
     for i in range(NUM_RAY_FIELDS):
-        counts[i] = ffi.dim(frame, ffi.OPERANDS, native_packet.FIRST_RAY + i, 1)
+        counts[i] = ffi.dim(frame, ffi.OPERANDS, native_packet.FIRST_RAY_OPERAND + i, 1)
     for i in range(NUM_RESULTS):
         results[i] = ffi.data(frame, ffi.RESULTS, i)
     sizes, tiles, any_hit = _sizes(frame), _tiling(frame), ffi.attribute(frame, ANY_HIT) != 0
@@ -104,7 +104,7 @@ def _cast_chunk(frame, chunk):
 @compiled
 @no_type_check
 def _sizes(frame):
-    return native_packet.Sizes(
+    return native_packet.RowCounts(
         ffi.dim(frame, ffi.OPERANDS, NODE, 0),
         ffi.dim(frame, ffi.OPERANDS, TRIANGLE, 0),
         ffi.dim(frame, ffi.OPERANDS, MODEL, 0),
@@ -124,4 +124,4 @@ def _num_packets(frame):
 @compiled
 @no_type_check
 def _tiling(frame):
-    return native_packet.tiling(ffi.dim(frame, ffi.RESULTS, 0, 1), np.int64(ffi.attribute(frame, WIDTH)))
+    return native_packet.make_tiling(ffi.dim(frame, ffi.RESULTS, 0, 1), np.int64(ffi.attribute(frame, WIDTH)))

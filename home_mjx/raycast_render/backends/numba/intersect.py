@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit
 
-from home_mjx.core.native.simd import any_lane, greatest, least, magnitude, spread, where
+from home_mjx.core.native.simd import absolute, any_lane, broadcast, maximum, minimum, select
 from home_mjx.raycast_render.scene import constants as limits
 
 # As float32, since Numba would otherwise compute in float64.
@@ -17,7 +17,7 @@ Lane = Any  # a SIMD vector of `LANES` items
 compiled = njit(error_model="numpy", forceinline=True)
 
 
-class Ray(NamedTuple):
+class PacketRays(NamedTuple):
     """Rays of a packet in one frame, with inverse directions for box tests, masks and the kind of query."""
 
     ox: Lane
@@ -34,7 +34,7 @@ class Ray(NamedTuple):
     any_hit: np.bool_
 
 
-class Instance(NamedTuple):
+class ModelInstance(NamedTuple):
     """One placed model."""
 
     number: np.int32
@@ -42,7 +42,7 @@ class Instance(NamedTuple):
     material: np.int32
 
 
-class Best(NamedTuple):
+class BestHits(NamedTuple):
     """Best hits up to now."""
 
     t: Lane
@@ -55,41 +55,41 @@ class Best(NamedTuple):
 
 @compiled
 @no_type_check
-def slab(box, index, ray):
+def intersect_box(box, index, ray):
     """Return the distance t at which the rays enter a box, at least t_min; infinity on a miss."""
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
     z0, z1 = (box[at + 2] - ray.oz) * ray.iz, (box[at + 5] - ray.oz) * ray.iz
-    near = greatest(greatest(least(x0, x1), least(y0, y1)), greatest(least(z0, z1), ray.t_min))
-    far = least(least(greatest(x0, x1), greatest(y0, y1)), greatest(z0, z1)) * FAR_SLACK
-    return where(near <= far, near, INF)
+    near = maximum(maximum(minimum(x0, x1), minimum(y0, y1)), maximum(minimum(z0, z1), ray.t_min))
+    far = minimum(minimum(maximum(x0, x1), maximum(y0, y1)), maximum(z0, z1)) * FAR_SLACK
+    return select(near <= far, near, INF)
 
 
 @compiled
 @no_type_check
-def prepare(rays, alive, any_hit):
+def prepare_packet(rays, alive, any_hit):
     """Prepare a packet for traversal; lanes that are not alive get t_min = infinity."""
     origin, direction = (rays.ox, rays.oy, rays.oz), (rays.dx, rays.dy, rays.dz)
-    return _ray(origin, direction, where(alive, rays.t_min, INF), rays.mask, any_hit)
+    return _ray(origin, direction, select(alive, rays.t_min, INF), rays.mask, any_hit)
 
 
 @compiled
 @no_type_check
 def _ray(origin, direction, t_min, mask, any_hit):
     inverse = (_inverse(direction[0]), _inverse(direction[1]), _inverse(direction[2]))
-    return Ray(*origin, *direction, *inverse, t_min, mask, any_hit)
+    return PacketRays(*origin, *direction, *inverse, t_min, mask, any_hit)
 
 
 @compiled
 @no_type_check
 def _inverse(x):
-    return ONE / where(magnitude(x) >= TINY, x, where(x >= ZERO, spread(TINY), -TINY))
+    return ONE / select(absolute(x) >= TINY, x, select(x >= ZERO, broadcast(TINY), -TINY))
 
 
 @compiled
 @no_type_check
-def into(inverse, index, ray, sees):
+def transform_rays(inverse, index, ray, sees):
     """Transform the rays that see an instance into its frame."""
     at = 12 * index
     ox = inverse[at] * ray.ox + inverse[at + 1] * ray.oy + inverse[at + 2] * ray.oz + inverse[at + 3]
@@ -98,10 +98,10 @@ def into(inverse, index, ray, sees):
     dx = inverse[at] * ray.dx + inverse[at + 1] * ray.dy + inverse[at + 2] * ray.dz
     dy = inverse[at + 4] * ray.dx + inverse[at + 5] * ray.dy + inverse[at + 6] * ray.dz
     dz = inverse[at + 8] * ray.dx + inverse[at + 9] * ray.dy + inverse[at + 10] * ray.dz
-    return _ray((ox, oy, oz), (dx, dy, dz), where(sees, ray.t_min, INF), ray.mask, ray.any_hit)
+    return _ray((ox, oy, oz), (dx, dy, dz), select(sees, ray.t_min, INF), ray.mask, ray.any_hit)
 
 
-class Shear(NamedTuple):
+class ShearedRays(NamedTuple):
     """Rays prepared for triangle tests: the longest axis of each direction becomes its z."""
 
     along_x: Lane
@@ -116,14 +116,14 @@ class Shear(NamedTuple):
 
 @compiled
 @no_type_check
-def shear_of(ray):
+def shear_rays(ray):
     """Prepare the rays of this frame for triangle tests."""
-    x, y, z = magnitude(ray.dx), magnitude(ray.dy), magnitude(ray.dz)
+    x, y, z = absolute(ray.dx), absolute(ray.dy), absolute(ray.dz)
     along_x = (x >= y) & (x >= z)
     along_y = ~along_x & (y >= z)
     ox, oy, oz = _turn(along_x, along_y, ray.ox, ray.oy, ray.oz)
     dx, dy, dz = _turn(along_x, along_y, ray.dx, ray.dy, ray.dz)
-    return Shear(along_x, along_y, ox, oy, oz, dx, dy, ONE / dz)
+    return ShearedRays(along_x, along_y, ox, oy, oz, dx, dy, ONE / dz)
 
 
 @compiled
@@ -131,9 +131,9 @@ def shear_of(ray):
 def _turn(along_x, along_y, x, y, z):
     """Permute the axes cyclically so that the longest one becomes z."""
     return (
-        where(along_x, y, where(along_y, z, x)),
-        where(along_x, z, where(along_y, x, y)),
-        where(along_x, x, where(along_y, y, z)),
+        select(along_x, y, select(along_y, z, x)),
+        select(along_x, z, select(along_y, x, y)),
+        select(along_x, x, select(along_y, y, z)),
     )
 
 
@@ -142,7 +142,7 @@ def _turn(along_x, along_y, x, y, z):
 def _corner(triangle, at, shear):
     """Shear a corner so that the rays run along z through the origin; z is in units of t."""
     px, py, pz = _turn(
-        shear.along_x, shear.along_y, spread(triangle[at]), spread(triangle[at + 1]), spread(triangle[at + 2])
+        shear.along_x, shear.along_y, broadcast(triangle[at]), broadcast(triangle[at + 1]), broadcast(triangle[at + 2])
     )
     z = (pz - shear.oz) * shear.iz
     x = (px - shear.ox) - shear.dx * z
@@ -151,7 +151,7 @@ def _corner(triangle, at, shear):
 
 @compiled
 @no_type_check
-def test(world, instance, triangle, ray, shear, reaches, best):
+def test_triangle(world, instance, triangle, ray, shear, reaches, best):
     """Update the best hits with one triangle, for rays in `reaches` only."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
@@ -177,11 +177,11 @@ def test(world, instance, triangle, ray, shear, reaches, best):
     if not any_lane(wins):
         return best
     front = positive == (shear.iz > ZERO)
-    return Best(
-        where(wins, spread(-INF) if ray.any_hit else t, best.t),
-        where(wins, number, best.instance),
-        where(wins, triangle, best.triangle),
-        where(wins, v / total, best.u),
-        where(wins, w / total, best.v),
-        where(wins, front, best.front),
+    return BestHits(
+        select(wins, broadcast(-INF) if ray.any_hit else t, best.t),
+        select(wins, number, best.instance),
+        select(wins, triangle, best.triangle),
+        select(wins, v / total, best.u),
+        select(wins, w / total, best.v),
+        select(wins, front, best.front),
     )

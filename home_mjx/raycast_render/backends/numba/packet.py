@@ -7,12 +7,12 @@ import numpy as np
 from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to, stack_of
-from home_mjx.core.native.simd import LANES, load, spread, store, where
+from home_mjx.core.native.simd import LANES, broadcast, load, select, store
 from home_mjx.raycast_render.backends.numba.intersect import INF, ONE, ZERO, Lane
 from home_mjx.raycast_render.scene import constants as limits
 
-TILE = 4  # [px], width of the image tile of a packet
-FIRST_RAY = 18  # index of the first operand that is a field of `types.Rays`
+TILE_WIDTH = 4  # [px], width of the image tile of a packet
+FIRST_RAY_OPERAND = 18  # index of the first operand that is a field of `types.Rays`
 
 MISS = np.float32(limits.MISS)
 float_pointer, int_pointer, byte_pointer = map(pointer_to, (types.float32, types.int32, types.uint8))
@@ -31,7 +31,7 @@ class Tiling(NamedTuple):
     packets: np.int64
 
 
-class Sizes(NamedTuple):
+class RowCounts(NamedTuple):
     """Numbers of rows of the arrays: instances per house, moving ones per environment."""
 
     nodes: np.int64
@@ -60,25 +60,25 @@ class Packet(NamedTuple):
 
 @compiled
 @no_type_check
-def known(row, count):
+def clip_row(row, count):
     """Clip a row index to the rows of an array."""
     return min(max(np.int64(row), np.int64(0)), count - 1)
 
 
 @compiled
 @no_type_check
-def tiling(rays, width):
+def make_tiling(rays, width):
     """Return the packets of `rays` rays that form an image of the given width; 0 if they form none."""
-    if width < TILE or rays % width != 0:
+    if width < TILE_WIDTH or rays % width != 0:
         across = (rays + LANES - 1) // LANES
         return Tiling(rays, rays, LANES, across, across)
-    across, rows = (width + TILE - 1) // TILE, rays // width
-    return Tiling(rays, width, TILE, across, across * ((rows + LANES // TILE - 1) // (LANES // TILE)))
+    across, rows = (width + TILE_WIDTH - 1) // TILE_WIDTH, rays // width
+    return Tiling(rays, width, TILE_WIDTH, across, across * ((rows + LANES // TILE_WIDTH - 1) // (LANES // TILE_WIDTH)))
 
 
 @compiled
 @no_type_check
-def place(tiles, packet, rows):
+def assign_lanes(tiles, packet, rows):
     """Write the index of each lane's ray within its environment; -1 none."""
     x0, y0 = packet % tiles.across * tiles.tile_width, packet // tiles.across * (LANES // tiles.tile_width)
     for lane in range(LANES):
@@ -88,11 +88,11 @@ def place(tiles, packet, rows):
 
 @compiled
 @no_type_check
-def read(operands, counts, env, rows):
+def read_packet(operands, counts, env, rows):
     """Read the rays of the lanes; t_min is infinity in lanes without a ray."""
-    origin, direction = float_pointer(operands[FIRST_RAY]), float_pointer(operands[FIRST_RAY + 1])
-    t_min, t_max = float_pointer(operands[FIRST_RAY + 2]), float_pointer(operands[FIRST_RAY + 3])
-    exclude, mask = int_pointer(operands[FIRST_RAY + 4]), int_pointer(operands[FIRST_RAY + 5])
+    origin, direction = float_pointer(operands[FIRST_RAY_OPERAND]), float_pointer(operands[FIRST_RAY_OPERAND + 1])
+    t_min, t_max = float_pointer(operands[FIRST_RAY_OPERAND + 2]), float_pointer(operands[FIRST_RAY_OPERAND + 3])
+    exclude, mask = int_pointer(operands[FIRST_RAY_OPERAND + 4]), int_pointer(operands[FIRST_RAY_OPERAND + 5])
     floats, ints = lane_floats(), lane_ints()
     for lane in range(LANES):
         row = max(rows[lane], 0)
@@ -126,15 +126,15 @@ def _index(counts, field, env, row):
 
 @compiled
 @no_type_check
-def write(results, first, rows, best):
+def write_hits(results, first, rows, best):
     """Write the hits of the lanes that have a ray; `first` is the first ray of their environment."""
     t, instance, triangle = float_pointer(results[0]), int_pointer(results[1]), int_pointer(results[2])
     u, v, front = float_pointer(results[3]), float_pointer(results[4]), byte_pointer(results[5])
     floats, ints = lane_floats(), lane_ints()
-    store(floats, 0, where(best.instance >= np.int32(0), best.t, MISS))
+    store(floats, 0, select(best.instance >= np.int32(0), best.t, MISS))
     store(floats, LANES, best.u)
     store(floats, 2 * LANES, best.v)
-    store(floats, 3 * LANES, where(best.front, spread(ONE), ZERO))
+    store(floats, 3 * LANES, select(best.front, broadcast(ONE), ZERO))
     store(ints, 0, best.instance)
     store(ints, LANES, best.triangle)
     for lane in range(LANES):

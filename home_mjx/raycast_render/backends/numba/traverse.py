@@ -19,20 +19,27 @@ import numpy as np
 from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to, stack_of
-from home_mjx.core.native.simd import FLOATS, any_lane, count, spread, where
-from home_mjx.geometry.bvh import EMPTY, MAX_DEPTH
+from home_mjx.core.native.simd import FLOATS, any_lane, broadcast, count_lanes, select
+from home_mjx.geometry.bvh import EMPTY_LEAF, MAX_DEPTH
 from home_mjx.raycast_render.backends.numba.intersect import (
     INF,
     ZERO,
-    Best,
-    Instance,
-    into,
-    prepare,
-    shear_of,
-    slab,
-    test,
+    BestHits,
+    ModelInstance,
+    intersect_box,
+    prepare_packet,
+    shear_rays,
+    test_triangle,
+    transform_rays,
 )
-from home_mjx.raycast_render.backends.numba.packet import Sizes, known, lane_rows, place, read, write
+from home_mjx.raycast_render.backends.numba.packet import (
+    RowCounts,
+    assign_lanes,
+    clip_row,
+    lane_rows,
+    read_packet,
+    write_hits,
+)
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
 float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
@@ -41,8 +48,8 @@ code_stack, enter_stack = stack_of(types.int32, 2 * MAX_DEPTH), stack_of(FLOATS,
 compiled = njit(error_model="numpy", forceinline=True)
 
 
-class Operands(NamedTuple):
-    """Arrays of `Geometry` that rays need, then the houses of the environments and arrays of `Moving`."""
+class SceneArrays(NamedTuple):
+    """Arrays of `Geometry` that rays need, then the houses of the environments and arrays of `DynamicInstances`."""
 
     node_box: Pointer  # (n, 2, 6) float32
     node_child: Pointer  # (n, 2) int32
@@ -62,7 +69,7 @@ class Operands(NamedTuple):
     moving_box: Pointer  # (e, d, 2, 3) float32
     moving_object: Pointer  # (e, d) int32
     moving_material: Pointer  # (e, d) int32
-    sizes: Sizes
+    sizes: RowCounts
 
 
 @njit(error_model="numpy")
@@ -71,7 +78,7 @@ def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> Non
     """Cast one packet.
 
     Args:
-        operands: Addresses of the arrays of `Operands` in its order, then of `types.Rays`.
+        operands: Addresses of the arrays of `SceneArrays` in its order, then of `types.Rays`.
         counts: Number of values per environment of each field of the rays: the number of rays, or one.
         results: Addresses of t, instance, triangle, u, v and front.
         sizes: Numbers of rows of the arrays.
@@ -82,19 +89,19 @@ def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> Non
     world = _world(operands, sizes)
     env = packet // tiles.packets
     rows = lane_rows()
-    place(tiles, packet % tiles.packets, rows)
-    rays = read(operands, counts, env, rows)
-    alive, none = rays.t_min <= rays.t_max, spread(np.int32(-1))
-    best = Best(where(alive, rays.t_max, -INF), none, none, spread(ZERO), spread(ZERO), spread(False))
+    assign_lanes(tiles, packet % tiles.packets, rows)
+    rays = read_packet(operands, counts, env, rows)
+    alive, none = rays.t_min <= rays.t_max, broadcast(np.int32(-1))
+    best = BestHits(select(alive, rays.t_max, -INF), none, none, broadcast(ZERO), broadcast(ZERO), broadcast(False))
     if any_lane(alive):
-        best = _cast(world, env, prepare(rays, alive, any_hit), rays.exclude, best, code_stack(), enter_stack())
-    write(results, env * tiles.count, rows, best)
+        best = _cast(world, env, prepare_packet(rays, alive, any_hit), rays.exclude, best, code_stack(), enter_stack())
+    write_hits(results, env * tiles.count, rows, best)
 
 
 @compiled
 @no_type_check
 def _world(at, sizes):
-    return Operands(
+    return SceneArrays(
         float_pointer(at[0]),
         int_pointer(at[1]),
         float_pointer(at[2]),
@@ -121,38 +128,42 @@ def _world(at, sizes):
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
     """Visit static instances through the house's top tree, then the moving ones one by one."""
-    house, num_instances, left = known(world.house[env], world.sizes.houses), world.sizes.instances, world.sizes.nodes
+    house, num_instances, left = (
+        clip_row(world.house[env], world.sizes.houses),
+        world.sizes.instances,
+        world.sizes.nodes,
+    )
     code, enter, size = world.house_root[house], ray.t_min, 0
-    while code != EMPTY:
+    while code != EMPTY_LEAF:
         if code >= 0:
             if left <= 0:
                 break
             left -= 1
-            code, enter, size = _open(world, code, ray, best.t, codes, enters, size)
+            code, enter, size = _open_node(world, code, ray, best.t, codes, enters, size)
         else:
             for i in range(~code >> 4, min((~code >> 4) + (~code & 15), num_instances)):
                 at = house * num_instances + i
-                sees = _sees(world.instance_object[at], exclude) & (enter <= best.t)
+                sees = _is_visible(world.instance_object[at], exclude) & (enter <= best.t)
                 if any_lane(sees):
-                    instance = Instance(np.int32(i), world.instance_model[at], world.instance_material[at])
-                    inside = into(world.instance_inverse, at, ray, sees)
+                    instance = ModelInstance(np.int32(i), world.instance_model[at], world.instance_material[at])
+                    inside = transform_rays(world.instance_inverse, at, ray, sees)
                     best = _cast_model(world, instance, inside, best, codes, enters)
-            code = np.int32(EMPTY)
-        if code == EMPTY:
+            code = np.int32(EMPTY_LEAF)
+        if code == EMPTY_LEAF:
             code, enter, size = _pop(codes, enters, size, 0, best.t)
     for at in range(env * world.sizes.moving, (env + 1) * world.sizes.moving):
         if world.moving_instance[at] >= 0:
-            sees = _sees(world.moving_object[at], exclude) & (slab(world.moving_box, at, ray) <= best.t)
+            sees = _is_visible(world.moving_object[at], exclude) & (intersect_box(world.moving_box, at, ray) <= best.t)
             if any_lane(sees):
-                instance = Instance(world.moving_instance[at], world.moving_model[at], world.moving_material[at])
-                inside = into(world.moving_inverse, at, ray, sees)
+                instance = ModelInstance(world.moving_instance[at], world.moving_model[at], world.moving_material[at])
+                inside = transform_rays(world.moving_inverse, at, ray, sees)
                 best = _cast_model(world, instance, inside, best, codes, enters)
     return best
 
 
 @compiled
 @no_type_check
-def _sees(object_id, exclude):
+def _is_visible(object_id, exclude):
     return (exclude < np.int32(0)) | ~(exclude == object_id)
 
 
@@ -160,50 +171,50 @@ def _sees(object_id, exclude):
 @no_type_check
 def _cast_model(world, instance, ray, best, codes, enters):
     """Update the best hits with one instance; the rays are in its frame."""
-    shear = shear_of(ray)
+    shear = shear_rays(ray)
     left = world.sizes.nodes
-    code, enter, size = world.model_root[known(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
-    while code != EMPTY:
+    code, enter, size = world.model_root[clip_row(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
+    while code != EMPTY_LEAF:
         if code >= 0:
             if left <= 0:
                 break
             left -= 1
-            code, enter, size = _open(world, code, ray, best.t, codes, enters, size)
+            code, enter, size = _open_node(world, code, ray, best.t, codes, enters, size)
         else:
             for triangle in range(~code >> 4, min((~code >> 4) + (~code & 15), world.sizes.triangles)):
-                best = test(world, instance, np.int32(triangle), ray, shear, enter <= best.t, best)
-            code = np.int32(EMPTY)
-        if code == EMPTY:
+                best = test_triangle(world, instance, np.int32(triangle), ray, shear, enter <= best.t, best)
+            code = np.int32(EMPTY_LEAF)
+        if code == EMPTY_LEAF:
             code, enter, size = _pop(codes, enters, size, MAX_DEPTH, best.t)
     return best
 
 
 @compiled
 @no_type_check
-def _open(world, node, ray, limit, codes, enters, size):
+def _open_node(world, node, ray, limit, codes, enters, size):
     """Open a node: push the child that most rays enter later; return the other one and its entry distances.
 
-    The code of a child that no ray hits before its best hit is `EMPTY`.
+    The code of a child that no ray hits before its best hit is `EMPTY_LEAF`.
     """
-    at = 2 * known(node, world.sizes.nodes)
+    at = 2 * clip_row(node, world.sizes.nodes)
     near, far = world.node_child[at], world.node_child[at + 1]
-    near_t, far_t = slab(world.node_box, at, ray), slab(world.node_box, at + 1, ray)
-    if count(far_t < near_t) > count(near_t < far_t):
+    near_t, far_t = intersect_box(world.node_box, at, ray), intersect_box(world.node_box, at + 1, ray)
+    if count_lanes(far_t < near_t) > count_lanes(near_t < far_t):
         near, far, near_t, far_t = far, near, far_t, near_t
-    if far != EMPTY and size < 2 * MAX_DEPTH and any_lane(far_t <= limit):
+    if far != EMPTY_LEAF and size < 2 * MAX_DEPTH and any_lane(far_t <= limit):
         codes[size], enters[size] = far, far_t
         size += 1
-    return near if any_lane(near_t <= limit) else np.int32(EMPTY), near_t, size
+    return near if any_lane(near_t <= limit) else np.int32(EMPTY_LEAF), near_t, size
 
 
 @compiled
 @no_type_check
 def _pop(codes, enters, size, base, limit):
-    """Pop the topmost code that some ray enters before its best hit, or `EMPTY`, with the entry distances."""
+    """Pop the topmost code that some ray enters before its best hit, or `EMPTY_LEAF`, with the entry distances."""
     enter = limit
     while size > base:
         size -= 1
         enter = enters[size]
         if any_lane(enter <= limit):
             return codes[size], enter, size
-    return np.int32(EMPTY), enter, size
+    return np.int32(EMPTY_LEAF), enter, size

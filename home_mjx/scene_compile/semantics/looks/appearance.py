@@ -12,19 +12,19 @@ from PIL import Image
 from home_mjx.core.color import decode_srgb, linear_to_lab
 from home_mjx.core.images import open_texture
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
-from home_mjx.scene_compile.semantics.looks.color_names import LEVELS, names_by_look
+from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
 
-SAMPLES = 256  # number of sample points per textured slot
+NUM_SAMPLES = 256  # number of sample points per textured slot
 IMAGE_SIDE = 32  # [px], size of downsampled textures, as seen from a distance: wood is brown, not a pattern of browns
-LIKENESS = 20.0  # CIELAB units, maximum distance of shades that are grouped into one colour
-FAINTEST = 1e-9  # minimum opacity weight, so that fully transparent surfaces still have a colour
+MAX_SHADE_DISTANCE = 20.0  # CIELAB units, maximum distance of shades that are grouped into one colour
+MIN_WEIGHT = 1e-9  # minimum opacity weight, so that fully transparent surfaces still have a colour
 
 
 @dataclass(frozen=True)
-class Skin:
+class TexturedTriangles:
     """Triangles and their surfaces."""
 
     area: Float[np.ndarray, " t"]  # [m^2], world
@@ -37,12 +37,12 @@ class Skin:
 class Appearance:
     """Names of a surface's colours and materials, largest area first."""
 
-    colors: Mapping[str, tuple[str, ...]]  # by level of `LEVELS`
+    colors: Mapping[str, tuple[str, ...]]  # by level of `COLOR_LEVELS`
     materials: tuple[str, ...]  # of MATERIAL_KINDS
-    textured: bool  # materials are from textures; otherwise they are the defaults of the category
+    is_textured: bool  # materials are from textures; otherwise they are the defaults of the category
 
 
-def appearance(skin: Skin, options: SemanticOptions) -> Appearance:
+def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
     """Compute colours as rendered, and materials by the rule of the options.
 
     Args:
@@ -52,23 +52,23 @@ def appearance(skin: Skin, options: SemanticOptions) -> Appearance:
     lab, weight = surface_colors(skin)
     colors, weights = dominant_colors(lab, weight)
     materials, textured = surface_materials(skin, options)
-    names = {level: _names(colors, weights, level, options.share) for level in LEVELS}
+    names = {level: _names(colors, weights, level, options.share) for level in COLOR_LEVELS}
     return Appearance(names, materials, textured)
 
 
-def surface_colors(skin: Skin) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
+def surface_colors(skin: TexturedTriangles) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
     """Return CIELAB colours over a surface and their weights: area times opacity, so that clear glass barely counts."""
     slot_area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     colors, weights = [np.zeros((0, 3))], [np.zeros(0)]
     for i in np.flatnonzero(slot_area > 0):
         color, alpha = _slot_colors(skin, int(i))
         colors.append(color)
-        weights.append(np.maximum(alpha, FAINTEST) * slot_area[i] / len(alpha))
+        weights.append(np.maximum(alpha, MIN_WEIGHT) * slot_area[i] / len(alpha))
     return linear_to_lab(np.concatenate(colors)), np.concatenate(weights)
 
 
-def _slot_colors(skin: Skin, slot: int) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Return colours in linear light and opacities: one for a plain slot, `SAMPLES` by area for a textured one."""
+def _slot_colors(skin: TexturedTriangles, slot: int) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
+    """Return colours in linear light and opacities: one for a plain slot, `NUM_SAMPLES` by area for a textured one."""
     surface = skin.surfaces[slot]
     diffuse = decode_srgb(np.array([surface.color], float))
     if not surface.texture:
@@ -85,8 +85,8 @@ def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Fl
     triangle.
     """
     ends = np.cumsum(area)
-    k = np.arange(SAMPLES) + 0.5
-    triangle = np.minimum(np.searchsorted(ends, k / SAMPLES * ends[-1]), len(area) - 1)
+    k = np.arange(NUM_SAMPLES) + 0.5
+    triangle = np.minimum(np.searchsorted(ends, k / NUM_SAMPLES * ends[-1]), len(area) - 1)
     a, b = (k * 0.7548776662466927) % 1, (k * 0.5698402909980532) % 1
     a, b = np.where(a + b > 1, (1 - a, 1 - b), (a, b))
     weight = np.stack([1 - a - b, a, b], axis=-1)
@@ -112,17 +112,17 @@ def dominant_colors(
 ) -> tuple[Float[np.ndarray, "c 3"], Float[np.ndarray, " c"]]:
     """Return the means of groups of similar colours and their shares of the total weight, largest first.
 
-    The colour with the largest weight within `LIKENESS` forms a group with its neighbours; then the rest is grouped in
+    The colour with the largest weight within `MAX_SHADE_DISTANCE` forms a group with its neighbours; then the rest is grouped in
     the same way. A pattern of red and white results in red and white, not pink; wood grain results in one colour.
 
     Args:
         lab: CIELAB colours.
         weight: Weight of each colour; not all 0.
     """
-    cell, index = np.unique(np.round(lab / (LIKENESS / 4)).astype(int), axis=0, return_inverse=True)
+    cell, index = np.unique(np.round(lab / (MAX_SHADE_DISTANCE / 4)).astype(int), axis=0, return_inverse=True)
     mass = np.bincount(index.reshape(-1), weight)
     place = np.stack([np.bincount(index.reshape(-1), weight * x) for x in lab.T], axis=-1) / mass[:, None]
-    near = np.linalg.norm(place[:, None] - place, axis=-1) < LIKENESS
+    near = np.linalg.norm(place[:, None] - place, axis=-1) < MAX_SHADE_DISTANCE
     left = np.ones(len(cell), bool)
     found = []
     while left.any():
@@ -137,25 +137,25 @@ def _names(
     colors: Float[np.ndarray, "c 3"], weights: Float[np.ndarray, " c"], level: str, least: float
 ) -> tuple[str, ...]:
     """Return the names of colours with a sufficient share, else of the main one; shares of equal names add up."""
-    share = shares(names_by_look(colors, level), weights)
-    return at_least(share, least) or at_least(share, 0)[:1]
+    share = area_shares(nearest_names(colors, level), weights)
+    return select_by_share(share, least) or select_by_share(share, 0)[:1]
 
 
-def surface_materials(skin: Skin, options: SemanticOptions) -> tuple[tuple[str, ...], bool]:
+def surface_materials(skin: TexturedTriangles, options: SemanticOptions) -> tuple[tuple[str, ...], bool]:
     """Return the kinds of material by area, and a flag that is True if textures determine them.
 
     Kinds determined by textures have priority over the defaults of the category.
     """
     area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
-    shown = shares([s.texture for s in skin.surfaces], area)
+    shown = area_shares([s.texture for s in skin.surfaces], area)
     told = {texture: kind for texture in shown if (kind := texture_kind(texture))}
     if options.material == "share":
-        found = at_least({texture: shown[texture] for texture in told}, options.share)
+        found = select_by_share({texture: shown[texture] for texture in told}, options.share)
         return tuple(dict.fromkeys(told[texture] for texture in found)), bool(told)
     if told:
         return (told[max(told, key=lambda texture: shown[texture])],), True
-    usual = shares([s.kind for s in skin.surfaces], area)
-    return at_least(usual, 0)[:1], False
+    usual = area_shares([s.kind for s in skin.surfaces], area)
+    return select_by_share(usual, 0)[:1], False
 
 
 def texture_kind(texture: str) -> str:
@@ -163,7 +163,7 @@ def texture_kind(texture: str) -> str:
     return TEXTURE_KINDS.get(texture_family(Path(texture).stem), "")
 
 
-def shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, float]:
+def area_shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, float]:
     """Return the share of the area by name; surfaces without a name count only in the total."""
     covered: dict[str, float] = {}
     for name, part in zip(names, (area / area.sum()).tolist(), strict=True):
@@ -172,6 +172,6 @@ def shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, flo
     return covered
 
 
-def at_least(share: Mapping[str, float], least: float) -> tuple[str, ...]:
+def select_by_share(share: Mapping[str, float], min_share: float) -> tuple[str, ...]:
     """Return the names with at least a minimum share, largest first."""
-    return tuple(name for name in sorted(share, key=lambda name: -share[name]) if share[name] >= least)
+    return tuple(name for name in sorted(share, key=lambda name: -share[name]) if share[name] >= min_share)

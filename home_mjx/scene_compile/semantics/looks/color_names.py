@@ -19,7 +19,7 @@ from jaxtyping import Float
 
 from home_mjx.core.color import ciede2000, srgb_to_lab
 
-LEVELS = ("basic", "css", "xkcd")
+COLOR_LEVELS = ("basic", "css", "xkcd")
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def palettes() -> Mapping[str, Palette]:
     """
     text = files("home_mjx.scene_compile.semantics.looks").joinpath("color_names.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))
-    return {level: _palette([row for row in rows if row["level"] == level]) for level in LEVELS}
+    return {level: _palette([row for row in rows if row["level"] == level]) for level in COLOR_LEVELS}
 
 
 def _palette(rows: list[dict[str, str]]) -> Palette:
@@ -49,12 +49,12 @@ def _palette(rows: list[dict[str, str]]) -> Palette:
     return Palette(tuple(row["name"] for row in rows), srgb, srgb_to_lab(srgb))
 
 
-def names_by_look(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
+def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
     """Return the names of the most similar colours of a palette.
 
     Args:
         lab: CIELAB colours.
-        level: One of `LEVELS`.
+        level: One of `COLOR_LEVELS`.
 
     Example:
         >>> names_by_look(srgb_to_lab(np.array([[0.95, 0.1, 0.1]])), "css")
@@ -70,12 +70,12 @@ def _name_by_look(lab: tuple[float, float, float], level: str) -> str:
     return palette.names[int(ciede2000(np.array(lab), palette.lab).argmin())]
 
 
-def names_in_srgb(srgb: Float[np.ndarray, "n 3"], level: str) -> list[str]:
+def nearest_names_srgb(srgb: Float[np.ndarray, "n 3"], level: str) -> list[str]:
     """Return names by HoME's rule: smallest Euclidean distance of sRGB values.
 
     Args:
         srgb: Colours, 0..1.
-        level: One of `LEVELS`.
+        level: One of `COLOR_LEVELS`.
     """
     palette = palettes()[level]
     nearest = np.linalg.norm(srgb[:, None] - palette.srgb, axis=-1).argmin(axis=1)

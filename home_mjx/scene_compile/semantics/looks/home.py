@@ -9,12 +9,12 @@ from jaxtyping import Float
 
 from home_mjx.core.images import open_texture
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
-from home_mjx.scene_compile.semantics.looks.appearance import Appearance, Skin, surface_materials
-from home_mjx.scene_compile.semantics.looks.color_names import LEVELS, names_in_srgb
+from home_mjx.scene_compile.semantics.looks.appearance import Appearance, TexturedTriangles, surface_materials
+from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names_srgb
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 
 
-def home_appearance(skin: Skin, options: SemanticOptions) -> Appearance:
+def compute_home_appearance(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
     """Compute an `Appearance` in which each texture or plain colour of sufficient area gets the nearest name in sRGB.
 
     Args:
@@ -31,7 +31,7 @@ def home_appearance(skin: Skin, options: SemanticOptions) -> Appearance:
     order = sorted((key for key in share if share[key] >= options.share), key=lambda key: -share[key])
     found = np.array([color[key] for key in order]).reshape(-1, 3)
     materials, textured = surface_materials(skin, options)
-    colors = {level: tuple(dict.fromkeys(names_in_srgb(found, level))) for level in LEVELS}
+    colors = {level: tuple(dict.fromkeys(nearest_names_srgb(found, level))) for level in COLOR_LEVELS}
     return Appearance(colors, materials, textured)
 
 

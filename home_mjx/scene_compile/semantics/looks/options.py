@@ -18,7 +18,7 @@ class SemanticOptions:
         color: `look`: dominant colours of the surface as rendered (texture times diffuse colour, by area and
             opacity), nearest name by CIEDE2000. `home`: mean colour of each slot's whole image or its diffuse colour,
             without the overrides of house.json, nearest name in sRGB.
-        material: `largest`: the texture of the largest area, as in HoME's paper. `share`: every texture of at least
+        material: `max_edge`: the texture of the largest area, as in HoME's paper. `share`: every texture of at least
             `share`, as in HoME's code.
         size: `log`: volume as placed, on a logarithmic scale, within the fine category, or the coarse one if that has
             too few models. `home`: the model's volume within the coarse category.
@@ -42,4 +42,4 @@ class SemanticOptions:
             raise ConfigError("`share` must be more than 0", hint="It is the minimum share of the area, such as 0.2.")
 
 
-HOME = SemanticOptions(color="home", material="share", size="home")  # the rules of HoME's code of 2017
+HOME2017 = SemanticOptions(color="home", material="share", size="home")  # the rules of HoME's code of 2017

@@ -54,7 +54,7 @@ def test_a_whole_house_is_the_same_in_both_modes(root):
     """And its compiled arrays are, byte for byte."""
     dataset = open_dataset(root)
     first, second = (dataset.load_house(HOUSE_ID, options) for options in (STRICT, TOLERANT))
-    assert first.stand_ins == second.stand_ins == ()
+    assert first.fallbacks == second.fallbacks == ()
     ours, theirs = (compile_house(house, dataset.metadata) for house in (first, second))
     assert ours.models.keys() == theirs.models.keys()  # keys hold digests of their content
     assert ours.materials.texture == theirs.materials.texture
@@ -91,8 +91,8 @@ def test_lacking_models_are_replaced_by_ones_of_category_and_size(root):
     whole = write_tiny_dataset(root.parent / "whole")
     before = load(whole).models[TABLE].vertices
     house = load(root)
-    (item,) = house.stand_ins
-    assert (item.kind, item.name, item.taken) == ("model", TABLE, "a generated dining_table")
+    (item,) = house.fallbacks
+    assert (item.kind, item.name, item.replacement) == ("model", TABLE, "a generated dining_table")
     mesh = house.models[TABLE]
     assert len(mesh.faces) > 12
     np.testing.assert_allclose(mesh.vertices.min(0), before.min(0), atol=1e-6)
@@ -127,7 +127,7 @@ def test_broken_models_and_libraries_count_as_lacking(root):
     (root / "object" / DOOR / f"{DOOR}.mtl").write_text("Kd red\n")
     house = load(root)
     assert kinds(house) == {"model": 1, "material library": 1}
-    (model,) = (item for item in house.stand_ins if item.kind == "model")
+    (model,) = (item for item in house.fallbacks if item.kind == "model")
     assert "expected 3 numbers" in model.reason or "no faces" in model.reason
     assert [m.name for m in house.models[f"{DOOR}_0"].materials] == ["material_0", "material_1"]
     with pytest.raises(DatasetError):
@@ -144,7 +144,7 @@ def test_a_lacking_door_has_a_leaf_on_hinges(root):
 
     edit_house(root, change)
     house = load(root)
-    assert {"122", "122_0"} == {*house.models, *house.others} - {TABLE}
+    assert {"122", "122_0"} == {*house.models, *house.other_state_models} - {TABLE}
     compiled = compile_house(house, open_dataset(root).metadata_for(TOLERANT))
     assert compiled.report["shut_leaves"] == 1
 
@@ -222,9 +222,9 @@ def test_houses_are_compiled_anew_when_files_arrive(root):
 
 def test_the_option_is_part_of_the_caches_key(root):
     dataset = open_dataset(root)
-    entries = [HouseCache(dataset, CompileOptions(read=read)).entry(HOUSE_ID) for read in (STRICT, TOLERANT)]
+    entries = [HouseCache(dataset, CompileOptions(read=read)).entry_path(HOUSE_ID) for read in (STRICT, TOLERANT)]
     assert entries[0] != entries[1]
-    assert HouseCache(dataset).entry(HOUSE_ID) == entries[1]
+    assert HouseCache(dataset).entry_path(HOUSE_ID) == entries[1]
 
 
 def partial_copy(source: Path, target: Path, house_id: str, seed: int) -> Path:
@@ -249,7 +249,7 @@ def check_partial(source: Path, target: Path, house_id: str, seed: int) -> None:
     compiled = compile_house(house, dataset.metadata_for(TOLERANT))
     assert compiled.report["rooms"] == sum(len(level.rooms) for level in whole.levels)
     assert compiled.report["objects"] == sum(len(level.objects) + len(level.boxes) for level in whole.levels)
-    lacking = {item.name for item in house.stand_ins}
+    lacking = {item.name for item in house.fallbacks}
     for key, mesh in whole.models.items():
         there = (target / mesh.path.relative_to(source)).is_file()
         assert there or key in lacking or any(key in p.message for p in house.problems)

@@ -9,7 +9,7 @@ from tiny_dataset import DOOR, TABLE, write_tiny_dataset
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.metadata import CATEGORIES, LIGHTS, SIZES, read_metadata
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.semantics.vocabulary import names_of
+from home_mjx.scene_compile.semantics.vocabulary import decode_row
 from home_mjx.schema import categories
 from home_mjx.schema.house import Light
 from home_mjx.schema.semantic import semantic_row
@@ -110,7 +110,7 @@ def test_every_row_of_the_full_metadata_has_its_numbers_and_names(full):
     """Categories of all 2,592 models and variants, and of the five pseudo models, survive the semantic table."""
     metadata = read_metadata(full)
     for info in metadata.models.values():
-        named = names_of(semantic_row(info.fine, info.coarse, info.nyu40))
+        named = decode_row(semantic_row(info.fine, info.coarse, info.nyu40))
         assert (named["fine"], named["coarse"], named["nyu40"]) == (info.fine, info.coarse, info.nyu40)
     assert {info.fine for info in metadata.models.values()} == set(categories.FINE[: categories.NUM_FINE_V1])
     assert len(metadata.models) == 2_592 + 5

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from home_mjx.core import files
-from home_mjx.datasets.suncg.formats.obj import PLAIN, read_obj
-from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.datasets.suncg.formats.obj import DEFAULT_MATERIAL, read_obj
+from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Material
 
@@ -23,7 +23,7 @@ def read(tmp_path):
     def read_text(obj, mtl=RED_BLUE):
         (folder / "m.mtl").write_bytes(mtl if isinstance(mtl, bytes) else mtl.encode())
         (folder / "m.obj").write_bytes(obj if isinstance(obj, bytes) else obj.encode())
-        return read_obj(folder / "m.obj", Textures(tmp_path))
+        return read_obj(folder / "m.obj", TextureLookup(tmp_path))
 
     return read_text
 
@@ -74,12 +74,17 @@ def test_materials_are_slots_in_the_order_of_the_mtl(read):
 def test_faces_above_the_first_usemtl_are_plain(read):
     mesh = read(f"mtllib m.mtl\n{SQUARE}f 1 2 3\nusemtl red\nf 2 3 4\n")
     assert mesh.slot.tolist() == [2, 0]
-    assert mesh.materials[2] == PLAIN
+    assert mesh.materials[2] == DEFAULT_MATERIAL
 
 
 def test_mesh_without_materials_is_plain(read):
     mesh = read(f"{SQUARE}f 1 2 3\n")
-    assert (mesh.slot.tolist(), mesh.materials, mesh.group.tolist(), mesh.groups) == ([0], (PLAIN,), [-1], ())
+    assert (mesh.slot.tolist(), mesh.materials, mesh.group.tolist(), mesh.groups) == (
+        [0],
+        (DEFAULT_MATERIAL,),
+        [-1],
+        (),
+    )
 
 
 @pytest.mark.parametrize("keyword", ["o", "g"])

@@ -11,7 +11,7 @@ from tiny_dataset import DEPTH, DOOR, GROUND, HEIGHT, HOUSE_ID, WIDTH, box_of, e
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError
 from home_mjx.geometry.slabs import slab
-from home_mjx.geometry.wall_prisms import Wall, merge_holes, wall_prisms
+from home_mjx.geometry.wall_prisms import WallSegment, merge_holes, wall_prisms
 from home_mjx.schema.house import Material
 
 
@@ -255,7 +255,7 @@ def test_architecture_that_is_no_json(root):
     ],
 )
 def test_holes_at_the_edges_of_a_wall(hole, open_area):
-    wall = Wall(np.zeros(3), np.array([4.0, 0, 0]), 2.7, (hole,))
+    wall = WallSegment(np.zeros(3), np.array([4.0, 0, 0]), 2.7, (hole,))
     for prism in wall_prisms(wall):
         solid = trimesh.Trimesh(prism.vertices, prism.faces, process=False)
         assert solid.is_watertight
@@ -263,7 +263,7 @@ def test_holes_at_the_edges_of_a_wall(hole, open_area):
 
 
 def test_a_hole_as_large_as_the_wall_leaves_nothing():
-    inner, _ = wall_prisms(Wall(np.zeros(3), np.array([4.0, 0, 0]), 2.7, ((-1, 9, -1, 9),)))
+    inner, _ = wall_prisms(WallSegment(np.zeros(3), np.array([4.0, 0, 0]), 2.7, ((-1, 9, -1, 9),)))
     assert len(inner.faces) == 0
 
 

@@ -131,7 +131,7 @@ def test_08_mirrored_models_turn_inside_out(root):
     change_nodes(root, lambda nodes: nodes[3].pop("isMirrored"))
     house = load(root)
     door, mesh = house.levels[0].objects[1], house.models[f"{DOOR}_0"]
-    assert door.mirrored
+    assert door.is_mirrored
     solid = trimesh.Trimesh(world(door, mesh), mesh.faces, process=False)
     assert solid.volume == pytest.approx(-trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).volume)
     assert np.mean(world(door, mesh)[:, 0]) == pytest.approx(DOOR_AT[0] - mesh.vertices[:, 0].mean())
