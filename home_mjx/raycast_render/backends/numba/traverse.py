@@ -20,8 +20,8 @@ from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.core.native.simd import FLOATS, any_lane, broadcast, count_lanes, select
-from home_mjx.geometry.bvh import EMPTY_LEAF, MAX_DEPTH
 from home_mjx.raycast_render.backends.numba.intersect import (
+from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH
     INF,
     ZERO,
     BestHits,
