@@ -18,13 +18,14 @@ from full_disk import full_disk
 
 import home_mjx
 from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
+from home_mjx.observers import ObserverGroup, RunStart
 from home_mjx.registry import find_spec
 from home_mjx.training import run
 from home_mjx.training.checkpoint import load_net, read_updates, save_checkpoint, save_net
 from home_mjx.training.config import PPOConfig, RunConfig
 from home_mjx.training.networks import NetworkConfig
 from home_mjx.training.ppo import PPO, TrainState
-from home_mjx.training.records import MetricsLog, read_lines
+from home_mjx.training.records import TensorBoardLog, read_lines
 
 SMALL = PPOConfig(num_envs=8, unroll_length=8, num_timesteps=640, network=NetworkConfig(8, 8, (4,)))
 CONFIG = RunConfig(find_spec("PointNav-v0"), SMALL)
@@ -139,9 +140,10 @@ def test_tensorboard_alone_fills_the_disk(tmp_path: Path):
     line = {f"loss/{i}": 1.5 * i for i in range(18)}
 
     def add() -> None:
-        with MetricsLog(tmp_path) as records:
+        with ObserverGroup([TensorBoardLog(tmp_path)]) as records:
+            records.on_run_start(RunStart("ppo", None, "steps", 4000))
             for steps in range(4000):
-                records.add({"steps": steps, **line})
+                records.on_log({"steps": steps, **line})
 
     with full_disk(200_000):
         assert isinstance(raised_in_time(add), ConfigError)

@@ -11,6 +11,7 @@ from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
     TASK_HELP,
     add_import_option,
+    add_observe_option,
     find_checkpoint,
     import_modules,
     parse_assignments,
@@ -64,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_dataset_option(parser)
     add_import_option(parser)
+    add_observe_option(parser, "one of your own")
     for name, what in (("--env", "of home_mjx.make"), ("--ppo", "of PPOConfig")):
         parser.add_argument(name, action="append", default=[], metavar="NAME=VALUE", help=f"an option {what}")
 
@@ -80,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
     check_episodes(args.episodes)
     check_held_out(config.env, args.held_out)
     out = make_folder(args.out or Path("runs") / config.env.id)
-    train(config, out, args.resume)
+    train(config, out, args.resume, observers=args.observers)
     report = evaluate_checkpoint(find_checkpoint(out), num_houses=args.held_out, num_episodes=args.episodes)
     with write_durably(out / "evaluation.json", "evaluation") as file:
         file.write(json.dumps(report, indent=1).encode() + b"\n")
