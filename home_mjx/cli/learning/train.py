@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_dataset_option
+from home_mjx.cli.learning.evaluate import format_evaluation
 from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
     TASK_HELP,
@@ -74,7 +75,6 @@ def run(args: argparse.Namespace) -> int:
     """Train, evaluate, and print the results."""
     import_modules(args.modules)
     config = run_config(args)
-    from home_mjx.cli.learning.table import format_evaluation
     from home_mjx.core.files import write_durably
     from home_mjx.training import evaluate_checkpoint, train
     from home_mjx.training.evaluation import check_episodes
