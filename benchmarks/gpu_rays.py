@@ -28,6 +28,7 @@ from benchmarks.cases.record import make_measurement
 from home_mjx.core.native import nvrtc
 from home_mjx.core.native.platforms import local_devices
 from home_mjx.raycast_render.backends import cuda
+from home_mjx.raycast_render.backends.choose import KERNEL
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.images.render import render
@@ -207,7 +208,7 @@ def kernel_compilation():
     if kept:
         os.environ["HOME_MJX_CACHE"] = kept
     start = time.perf_counter()
-    problem = cuda.cuda_problem()
+    problem = KERNEL.find_problem("cuda")
     seconds = time.perf_counter() - start
     note = f"first use in a process: PTX from disk or compiled, driver, probe; {problem or 'works'}"
     print(json.dumps(dataclasses.asdict(make_measurement("gpu/first-use", seconds, "s", note))), flush=True)

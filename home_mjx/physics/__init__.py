@@ -17,6 +17,7 @@ from home_mjx.physics.dynamics import (
     agent_velocity,
     body_pose,
     door_angle,
+    is_out_of_bounds,
     is_unstable,
     reset,
     step,
@@ -30,7 +31,6 @@ from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.exported import ExportedTemplate
 from home_mjx.physics.mujoco.model import MujocoModel
 from home_mjx.physics.mujoco.robot import robot_in_house
-from home_mjx.physics.outside import is_out_of_bounds
 
 __all__ = [
     "BodyScale",

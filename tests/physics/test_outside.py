@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.physics import PhysicsConfig, Template, is_out_of_bounds
-from home_mjx.physics.outside import MIN_DEPTH_BELOW_FLOOR
+from home_mjx.physics.dynamics import MIN_DEPTH_BELOW_FLOOR
 from home_mjx.schema import AgentBody
 from home_mjx.tasks import Status
 

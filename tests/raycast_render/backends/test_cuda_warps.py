@@ -12,7 +12,7 @@ from compiled_kernels import shared_library
 from soup import Placed, Soup, f32, i32, random_pose, random_rays, random_soup
 
 from home_mjx.raycast_render.backends import cuda
-from home_mjx.raycast_render.backends.cpu import cast_cpu
+from home_mjx.raycast_render.backends.choose import find_backend
 from home_mjx.raycast_render.scene.types import CLOSEST_HIT, RayQuery, Rays
 
 STEPS = 7
@@ -57,7 +57,7 @@ def assert_same(library, scene, rays, query):
     warps = (1 + count // 32) if rays.width == 0 else cuda.launch_grid(environments, count, rays.width)[0] * 2
     library.run((ctypes.c_void_p * len(pointers))(*pointers), warps, environments, query.steps > 0)
     with jax.default_device(jax.devices("cpu")[0]):
-        expected = jax.jit(lambda *x: cast_cpu(*x, query))(scene.geometry, house, moving, rays)
+        expected = jax.jit(lambda *x: find_backend("cpu")(*x, query))(scene.geometry, house, moving, rays)
     for name, x, y in zip(expected._fields, results, expected, strict=True):
         np.testing.assert_array_equal(x, y, err_msg=name)
     return expected

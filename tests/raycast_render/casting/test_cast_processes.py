@@ -127,11 +127,10 @@ def test_a_handler_that_does_not_work_is_replaced_with_one_warning():
     out = run("""
 import warnings
 from home_mjx.errors import ExecutorError
-from home_mjx.raycast_render.backends import cpu
-from home_mjx.raycast_render.backends.numba import ffi_handler
+from home_mjx.raycast_render.backends.numba import chunks
 def broken():
     raise OSError("no compiler today")
-ffi_handler.build_handler = broken
+chunks.compile_chunks = broken
 scene, origin, direction = place(), jnp.array([0.0, 0, 1]), jnp.array([1.0, 0, 0])
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
@@ -147,8 +146,10 @@ except ExecutorError as error:
 
 def test_compiled_code_is_kept_on_disk():
     program = """
-from home_mjx.raycast_render.backends.numba.ffi_handler import build_handler
-print(*(compiled.cache_hits for compiled in build_handler()))
+from home_mjx.core.native.handler import build_handler
+from home_mjx.raycast_render.backends.numba.chunks import compile_chunks
+functions = compile_chunks()
+print(*(compiled.cache_hits for compiled in (*functions, *build_handler("home_mjx_cast", *functions))))
 """
     run(program)
-    assert run(program) == ["1", "1", "1"]
+    assert run(program) == ["1"] * 4

@@ -114,7 +114,7 @@ __device__ int plan(const Sizes& size, const int* low, const int* high, int* tur
   return turns;
 }
 
-extern "C" __global__ void __launch_bounds__(384, 3) add_paths(
+extern "C" __global__ void __launch_bounds__(384, 3) mix_paths(
     const float* __restrict__ sources,   // (environments, sources, length)
     const float* __restrict__ filtered,  // (environments, sources, FILTERED, filtered)
     const int* __restrict__ starts,      // (environments, sources, 3): half sample of each part at zero delay

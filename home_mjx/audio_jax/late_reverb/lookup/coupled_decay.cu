@@ -98,7 +98,7 @@ struct Part {
   }
 };
 
-extern "C" __global__ void __launch_bounds__(THREADS) fall_in_rooms(
+extern "C" __global__ void __launch_bounds__(THREADS) decay_in_rooms(
     const float* __restrict__ rates,      // (environments, states, octaves, SIZE, SIZE): M of dw / dn = -M w, n in bins
     const float* __restrict__ starts,     // (environments, SIZE)
     const float* __restrict__ listeners,  // (environments, SIZE)

@@ -18,7 +18,7 @@ __device__ __forceinline__ Complex filter_at(const float* levels, float on, cons
   return {amplitude * cosine, amplitude * sine};
 }
 
-extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
+extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_direct(
     const float* __restrict__ sources,   // (sources, length)
     const int* __restrict__ begins,      // (sources): first output sample
     const float* __restrict__ levels,    // (sources, 2, BANDS): logarithms of gains

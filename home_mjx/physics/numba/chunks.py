@@ -1,15 +1,15 @@
-"""The fused step as an XLA FFI handler: chunks of environments on XLA's threads."""
+"""The fused step in chunks of environments, as C functions for `core.native.handler`."""
 # ruff: noqa: ANN001, ANN202  (Numba infers the types)
 
 from typing import Any, no_type_check
 
-import llvmlite.binding
 import numpy as np
 from numba import carray, cfunc, njit, types  # pyright: ignore[reportPrivateImportUsage]
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
-from home_mjx.core.native.memory import call, pointer_to, symbol_address
+from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.physics.base import servo, state, touch
 from home_mjx.physics.numba import constraint, contacts, forces, motion, sleep, solver, step
@@ -52,11 +52,9 @@ from home_mjx.physics.numba.shapes import box_box, capsule
 from home_mjx.physics.numba.step import load_agents, load_house, scale_bodies, step_env
 
 CHUNK = 16  # environments per chunk of work
-WORK, TASK = "home_mjx_step_work", "home_mjx_step_task"
 NUM_NUMBERS = len(StepParams._fields)
 
 float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
-work_address, task_address = symbol_address(WORK), symbol_address(TASK)
 compiled = njit(error_model="numpy")
 
 
@@ -90,56 +88,24 @@ def sources_digest() -> int:
 
 
 @verify_cache
-def build_handler() -> tuple[Any, Any, Any]:
-    """Compile the work, the task and the handler, or load them from Numba's cache on disk.
-
-    Keep all three alive while XLA may call them. Task and handler call the work at its address: each would otherwise be
-    compiled with a copy of it, which takes as long again.
-    """
+def compile_chunks() -> tuple[Any, Any]:
+    """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
     digest = sources_digest()
 
-    @cfunc(types.intp(types.intp), cache=True)
+    @cfunc(WORD_FUNCTION, cache=True)
+    @no_type_check
+    def count(frame):
+        _ = digest
+        return -(-ffi.dim(frame, ffi.OPERANDS, HOUSE, 0) // CHUNK)
+
+    @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def work(job):
         _ = digest
-        _work(job)
+        ffi.run_chunks(job, _step_chunk)
         return 0
 
-    llvmlite.binding.add_symbol(WORK, work.address)
-
-    @cfunc(types.intp(types.intp), cache=True)
-    @no_type_check
-    def task(job):
-        _ = digest
-        call(work_address(), job)
-        ffi.release_job(job)
-        return 0
-
-    llvmlite.binding.add_symbol(TASK, task.address)
-
-    @cfunc(types.intp(types.intp), cache=True)
-    @no_type_check
-    def handler(frame):
-        _ = digest
-        if ffi.is_execute_call(frame):
-            job = ffi.open_job(frame, -(-ffi.dim(frame, ffi.OPERANDS, HOUSE, 0) // CHUNK), task_address())
-            call(work_address(), job)
-            ffi.close_job(job)
-        return 0
-
-    return work, task, handler
-
-
-@compiled
-@no_type_check
-def _work(job):
-    """Step chunks of environments until none is left."""
-    while True:
-        chunk = ffi.next_chunk(job)
-        if chunk < 0:
-            return
-        _step_chunk(ffi.job_frame(job), chunk)
-        ffi.chunk_done(job)
+    return count, work
 
 
 @compiled

@@ -6,7 +6,7 @@
 // Resident blocks per multiprocessor: three were fastest of one to five.
 constexpr int BLOCKS = SIZE / PER_THREAD <= 640 ? 3 : 1;
 
-extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, BLOCKS) filter_sums(
+extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, BLOCKS) filter_buses(
     const float* __restrict__ sums,       // (environments, channels, shapes, count)
     const float2* __restrict__ spectra,   // (shapes, SIZE), divided by SIZE
     const float2* __restrict__ turns,     // twiddle factors of all passes, see `transform`

@@ -1,16 +1,16 @@
-"""The `cpu` executor as an XLA FFI handler: no Python, no interpreter lock, no copies."""
+"""Ray casts in chunks of packets, as C functions for `core.native.handler`: no Python, no lock, no copies."""
 # ruff: noqa: ANN001, ANN202  (Numba infers the types)
 
 from typing import Any, no_type_check
 
-import llvmlite.binding
 import numpy as np
 from numba import cfunc, njit, types
 
 from home_mjx.core.native import ffi
 from home_mjx.core.native import memory as native_memory
 from home_mjx.core.native import simd as lanes
-from home_mjx.core.native.memory import call, stack_of, symbol_address
+from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.memory import stack_of
 from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.raycast_render.backends.numba import intersect as native_intersect
 from home_mjx.raycast_render.backends.numba import packet as native_packet
@@ -23,67 +23,33 @@ NUM_OPERANDS, NUM_RESULTS = 24, 6
 NODE, TRIANGLE, MODEL, HOUSE, INSTANCE_MODEL, MATERIAL, MOVING_INSTANCE = 1, 2, 4, 5, 6, 10, 12
 NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY_OPERAND
 CHUNK = 16  # packets per chunk of work
-WORK, TASK = "home_mjx_cast_work", "home_mjx_cast_task"
 
 operand_words, result_words = stack_of(types.int64, NUM_OPERANDS), stack_of(types.int64, NUM_RESULTS)
 ray_words = stack_of(types.int64, NUM_RAY_FIELDS)
-work_address, task_address = symbol_address(WORK), symbol_address(TASK)
 compiled = njit(error_model="numpy")
 
 
 @verify_cache
-def build_handler() -> tuple[Any, Any, Any]:
-    """Compile the work, the task and the handler, or load them from Numba's cache on disk.
-
-    Keep all three alive while XLA may call them. Task and handler call the work at its address: each would otherwise be
-    compiled with a copy of it, which takes as long again.
-    """
+def compile_chunks() -> tuple[Any, Any]:
+    """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
     # The cache checks this file only. The functions refer to the digest, so that a change of the others invalidates it.
     parts: tuple[Any, ...] = (ffi, lanes, limits, native, native_intersect, native_memory, native_packet)
     digest = ffi.hash_sources(*(part.__file__ for part in parts))
 
-    @cfunc(types.intp(types.intp), cache=True)
+    @cfunc(WORD_FUNCTION, cache=True)
+    @no_type_check
+    def count(frame):
+        _ = digest
+        return -(-_num_packets(frame) // CHUNK)
+
+    @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def work(job):
         _ = digest
-        _work(job)
+        ffi.run_chunks(job, _cast_chunk)
         return 0
 
-    llvmlite.binding.add_symbol(WORK, work.address)
-
-    @cfunc(types.intp(types.intp), cache=True)
-    @no_type_check
-    def task(job):
-        _ = digest
-        call(work_address(), job)
-        ffi.release_job(job)
-        return 0
-
-    llvmlite.binding.add_symbol(TASK, task.address)
-
-    @cfunc(types.intp(types.intp), cache=True)
-    @no_type_check
-    def handler(frame):
-        _ = digest
-        if ffi.is_execute_call(frame):
-            job = ffi.open_job(frame, -(-_num_packets(frame) // CHUNK), task_address())
-            call(work_address(), job)
-            ffi.close_job(job)
-        return 0
-
-    return work, task, handler
-
-
-@compiled
-@no_type_check
-def _work(job):
-    """Cast chunks of packets until none is left."""
-    while True:
-        chunk = ffi.next_chunk(job)
-        if chunk < 0:
-            return
-        _cast_chunk(ffi.job_frame(job), chunk)
-        ffi.chunk_done(job)
+    return count, work
 
 
 @compiled

@@ -41,7 +41,7 @@ __device__ __forceinline__ void carry(const float* loud, const float* octaves, f
   }
 }
 
-extern "C" __global__ void __launch_bounds__(THREADS, 7) carry_noise(
+extern "C" __global__ void __launch_bounds__(THREADS, 7) shape_noise(
     const float* __restrict__ noise,    // (own, NOISES, BANDS, response)
     const float* __restrict__ powers,   // (ends, bins, channels, BANDS), frame ends of all environments
     const float* __restrict__ mixes,    // (ends, channels, NOISES, BANDS)
