@@ -144,7 +144,7 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
             if done >= last and number < len(config.stages) - 1:
                 continue
             ppo, key = LEARNERS[algorithm](env.core, options), jax.random.key(config.seed)
-            params = jax.device_put(env.params, ppo.replicated)
+            params = ppo.sharding.put_params(env.params)
             state = ppo.init(params, jax.random.fold_in(key, number) if number else key)
             before = config.start if number == 0 else path if done == first else None
             if before is not None:
