@@ -91,7 +91,7 @@ class EnvSharding:
 
         Args:
             params: The parameters; with `split_houses` a sequence of them, one per device. Their banks have the same
-                `spec`, see `HouseBank.from_compiled(..., capacity=)`, and their tasks the same number of rows.
+                `spec` and shapes, and their tasks the same number of rows. States then have local house indices.
 
         Raises:
             ConfigError: There is not one per device, or they differ in shapes or static data.
@@ -103,7 +103,7 @@ class EnvSharding:
         try:
             stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *params)
         except ValueError as error:
-            hint = "Pack the banks with one capacity, so that their `spec` is equal."
+            hint = "Their banks must have equal shapes, as those of houses in the same size classes have."
             raise ConfigError(f"parameters of the devices differ: {error}", hint=hint) from error
         return self.put(stacked, BY_ENV)
 
