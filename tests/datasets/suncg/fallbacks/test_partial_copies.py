@@ -43,11 +43,11 @@ def load(root: Path, options: ReadOptions = TOLERANT):
 
 
 def kinds(house) -> dict[str, int]:
-    return dict(Counter(item.kind for item in house.stand_ins))
+    return dict(Counter(item.kind for item in house.fallbacks))
 
 
 def names(house) -> set[str]:
-    return {item.name for item in house.stand_ins}
+    return {item.name for item in house.fallbacks}
 
 
 def test_a_whole_house_is_the_same_in_both_modes(root):
