@@ -5,7 +5,6 @@ import hashlib
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.geometry.bvh import build_triangle_tree
 from home_mjx.geometry.normals import crease_normals
 from home_mjx.schema.compiled import Model
 
@@ -81,6 +80,8 @@ def make_model(
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
     """
+    from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which the readers of models do not need
+
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
     triangle = triangles.astype(np.float32)

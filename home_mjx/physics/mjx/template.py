@@ -1,9 +1,6 @@
 """The model shared by all houses of one capacity."""
 
 import functools
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
 
 import jax
 import mujoco
@@ -16,8 +13,7 @@ from home_mjx.physics.base.control import agent_table
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mjx.overflow import GeomPairs, numeric_limit
 from home_mjx.physics.mjx.template_mjcf import template_mjcf
-
-T = TypeVar("T")
+from home_mjx.sharding import run_untraced
 
 
 class Template:
@@ -58,18 +54,12 @@ class Template:
     @functools.cached_property
     def model(self) -> mjx.Model:
         """MJX model, created on first use since the fused step does not need it."""
-        return _run_untraced(lambda: mjx.put_model(self._host))
+        return run_untraced(lambda: mjx.put_model(self._host))
 
     @functools.cached_property
     def data(self) -> mjx.Data:
         """Initial MJX data."""
-        return _run_untraced(lambda: mjx.make_data(self.model))
-
-
-def _run_untraced(make: Callable[[], T]) -> T:
-    """Run `make` in a separate thread: arrays made within a trace, `pmap` or `shard_map` would belong to it."""
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(make).result()
+        return run_untraced(lambda: mjx.make_data(self.model))
 
 
 def _jacobian(config: PhysicsConfig) -> str:

@@ -8,9 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.adapters.base.jax_spaces import DiscreteSpace
+from home_mjx.adapters.base.spaces import DiscreteSpace, action_space
 from home_mjx.adapters.gymnax import GymnaxEnv
-from home_mjx.adapters.spaces import action_space
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config, tokenize
 from home_mjx.tasks.base.specs import MOVE_NAMES
