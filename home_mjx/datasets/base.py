@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import ClassVar, Protocol, runtime_checkable
 
 from home_mjx.core.files import resolve_below
-from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
-from home_mjx.schema.house import Fallback, House, Metadata, ModelInfo
+from home_mjx.schema.house import Fallback, House, Joints, Metadata, ModelInfo
 
 log = logging.getLogger(__name__)
 

@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 from home_mjx.geometry.bvh import build_triangle_tree
 from home_mjx.geometry.normals import crease_normals
 from home_mjx.schema.compiled import Model
+from home_mjx.schema.house import Mesh
 
 
 def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " t"]:
@@ -27,6 +28,11 @@ FACE_NORMALS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1
 def to_z_up(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
     """Rotate points from the dataset's axes (Y up) to the world's (Z up), without the house's offset."""
     return points @ Z_UP.T
+
+
+def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
+    """Return the triangles of a mesh, Z up [m]."""
+    return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
 
 
 def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "12 3 3"]:
@@ -100,3 +106,8 @@ def make_model(
         tree=tree,
         box=bounds(triangle),
     )
+
+
+def tree_order(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
+    """Return the order in which `make_model` stores triangles: row i of the model is triangle `order[i]`."""
+    return build_triangle_tree(triangles.astype(np.float32))[1]

@@ -46,3 +46,16 @@ def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, 
     corner = np.repeat(np.arange(len(place)), mine)
     step = np.arange(len(corner)) - np.repeat(np.cumsum(mine) - mine, mine)
     return corner, order[start[place[corner]] + step] // 3
+
+
+def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
+    """Return the horizontal axis, of either sign, that most of a wall's area faces.
+
+    It is the first principal axis of the normals, weighted by area.
+
+    Args:
+        normal: Horizontal part of each triangle's normal, scaled by its area [m^2].
+        area: Area of each triangle [m^2].
+    """
+    flat = normal / np.sqrt(np.maximum(area, 1e-12))[:, None]
+    return np.linalg.eigh(flat.T @ flat)[1][:, -1]

@@ -10,7 +10,6 @@ from pathlib import Path
 from home_mjx.core.files import is_file
 from home_mjx.core.paths import ROOT_VARIABLE
 from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset
-from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.seeds import GENERATED_MARKER, sort_house_ids
 from home_mjx.datasets.suncg.digests import SuncgDigests
@@ -19,11 +18,12 @@ from home_mjx.datasets.suncg.fallbacks.listing import describe_fallbacks
 from home_mjx.datasets.suncg.fallbacks.models import fallback_version
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.errors import MissingFileError, UnknownIdError, did_you_mean
-from home_mjx.schema.house import Fallback, House, Mesh, Metadata
+from home_mjx.schema.house import Fallback, House, Joints, Mesh
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +54,7 @@ class SuncgDataset(Dataset):
         return sort_house_ids(path.parent.name for path in (self.root / "house").glob("*/house.json"))
 
     @cached_property
-    def metadata(self) -> Metadata:
+    def metadata(self) -> SuncgMetadata:
         """Categories, sizes and lights of the models; read on first use.
 
         Raises:
@@ -91,7 +91,7 @@ class SuncgDataset(Dataset):
         self.check_known(house_id)
         options = self.resolved(options)
         if options.strict:
-            return read_house(house_id, self.assets, options, self._left_out(options), Metadata({}))
+            return read_house(house_id, self.assets, options, self._left_out(options), self._tables)
         house = read_house(house_id, self._tolerant, options, self._left_out(options), self._tables)
         self.warn_fallbacks(house_id, house.fallbacks)
         return house
@@ -102,7 +102,7 @@ class SuncgDataset(Dataset):
             return options
         return replace(options, strict=is_file(self.root / GENERATED_MARKER))
 
-    def metadata_for(self, options: ReadOptions) -> Metadata:
+    def metadata_for(self, options: ReadOptions) -> SuncgMetadata:
         """Return the metadata tables for houses read with these options.
 
         Args:
@@ -114,7 +114,7 @@ class SuncgDataset(Dataset):
         return self.metadata if self.resolved(options).strict else add_builtin_categories(self._tables)
 
     @cached_property
-    def _tables(self) -> Metadata:
+    def _tables(self) -> SuncgMetadata:
         """The tables that exist; missing ones are empty."""
         return read_metadata(self.root / "metadata", tolerant=True)
 

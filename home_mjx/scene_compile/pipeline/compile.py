@@ -83,7 +83,7 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
         levels.open_leaves,
     )
     surfaces = build_surfaces(frame, shell, objects)
-    lights = build_lights(objects, frame.rooms, metadata, options.lights)
+    lights = build_lights(objects, frame.rooms, options.lights)
     meaning = describe_house(frame, shell, objects, metadata, options.semantics)
     semantics = build_semantic_rows(shell, objects, levels.bodies, meaning)
     return assemble(frame, shell, objects, levels, navigation, surfaces, lights, semantics)

@@ -35,7 +35,7 @@ def chosen(blocks: list, options: MovableOptions = ALL, walls=None) -> tuple[lis
 
 def as_object(item):
     node = item.node
-    return replace(item, node=ObjectNode(node.id, node.index, node.path, None, "x", None, node.transform))
+    return replace(item, node=ObjectNode(node.id, node.index, node.path, None, "x", "x", node.transform))
 
 
 def heights(candidates: list[MovableCandidate]) -> dict[int, tuple[float, float]]:

@@ -1,24 +1,25 @@
 """A generated house whose doors slide into their walls, every second one: from its meshes to agents that open them."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
+from door_states import other_state
 from numpy.testing import assert_allclose, assert_array_equal
 
 from home_mjx import HouseBank, physics
 from home_mjx.datasets.registry import open_dataset
+from home_mjx.datasets.suncg.read.door_joints import find_joints
+from home_mjx.datasets.suncg.read.hinges import find_hinges
+from home_mjx.geometry.meshes import triangles_z_up
 from home_mjx.navigation import door_angles, passable_portals
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.hands import HandCommands, apply_hand_commands, update_hands
 from home_mjx.raycast_render import cast, make_scene
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.objects.hinges import find_hinges
-from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import AgentBody
 from home_procgen.v1.dataset import generate_dataset
@@ -41,18 +42,19 @@ def house(tmp_path_factory):
     (name,) = generate_dataset(root, [1])
     dataset = open_dataset(root)
     found = dataset.load_house(name)
-    models, others, objects = dict(found.models), dict(found.other_state_models), []
-    doors = [o for o in found.levels[0].objects if o.other_state_key in others]
+    models, objects = dict(found.models), []
+    doors = [o for o in found.levels[0].objects if o.joints]
     for door in doors[::2]:
-        sliding = replace(door, model_id="sliding")
-        models[sliding.model_key] = slid(others[door.other_state_key], models[door.model_key])
-        others[sliding.other_state_key] = replace(others[door.other_state_key], path=Path("sliding_0"))
-        objects.append(sliding)
+        closed, is_closed = other_state(dataset, door), door.model_key != door.model_id
+        key = f"sliding_{is_closed}"
+        models[key] = slid(closed, models[door.model_key])
+        joints = find_joints(key, models[key], closed, is_closed)
+        objects.append(replace(door, model_id="sliding", model_key=key, joints=joints))
     changed = {o.index: o for o in objects}
     level = replace(found.levels[0], objects=tuple(changed.get(o.index, o) for o in found.levels[0].objects))
     known = dataset.metadata.models | {"sliding": dataset.metadata.info(doors[0].model_id)}
     metadata = replace(dataset.metadata, models=known)
-    return compile_house(replace(found, models=models, other_state_models=others, levels=(level,)), metadata)
+    return compile_house(replace(found, models=models, levels=(level,)), metadata)
 
 
 @pytest.fixture(scope="module")

@@ -2,10 +2,9 @@
 
 from itertools import pairwise
 
-from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.validate.subject import ValidationContext
-from home_mjx.schema.house import Mesh
+from home_mjx.schema.house import Joint, Mesh
 
 
 def check_joints(subject: ValidationContext) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.datasets.suncg.validate.subject import ValidationContext
-from home_mjx.geometry.wall_groups import facing_axis, wall_faces
+from home_mjx.geometry.normals import facing_axis
 from home_mjx.schema.house import Mesh
 
 MAX_WALL_THICKNESS = 1.0  # [m], maximum thickness of a wall; SUNCG's have 0.1 m
@@ -25,7 +25,7 @@ def check_meshes(subject: ValidationContext) -> None:
 
 
 def _check_walls(subject: ValidationContext, walls: Mesh) -> None:
-    for faces in wall_faces(walls):
+    for faces in walls.faces_by_part():
         thickness = _thickness(walls, faces)
         if thickness > MAX_WALL_THICKNESS:
             groups = [walls.groups[i] for i in np.unique(walls.group[faces]) if i >= 0]

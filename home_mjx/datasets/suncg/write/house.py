@@ -19,6 +19,7 @@ from jaxtyping import Float, UInt8
 from PIL import Image
 
 from home_mjx.core.files import read_bytes, read_text, write_atomically
+from home_mjx.datasets.suncg.formats.variants import state_of
 from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, joints_csv, lights_json, sizes_csv
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
@@ -26,6 +27,7 @@ from home_mjx.errors import DatasetError
 from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Material, Mesh, Node, ObjectNode, RoomNode
 
 DIGESTS = "sha256.json"  # digests of the files of a house's folder
+NODE_TYPES: Mapping[type[Node], str] = {RoomNode: "Room", GroundNode: "Ground", BoxNode: "Box", ObjectNode: "Object"}
 JOINTS_DIGEST = "joints.sha256.json"  # separate, so that datasets written before joints existed stay valid
 PARTIAL_PREFIX = ".partial-"  # prefix of incomplete folders
 
@@ -294,7 +296,7 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
 
 def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
     """Convert a node to JSON; `place` maps a node's index to its position in the written list."""
-    entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__, "valid": 1}
+    entry: dict[str, Any] = {"id": node.id, "type": NODE_TYPES[type(node)], "valid": 1}
     match node:
         case RoomNode():
             members = [place[i] for i in node.members]
@@ -308,7 +310,8 @@ def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[s
             entry |= {"transform": _numbers(node.transform.T), "dimensions": _numbers(node.dimensions)}
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
         case ObjectNode():
-            entry |= {"modelId": node.model_id} | ({"state": node.state} if node.state else {})
+            state = state_of(node.model_id, node.model_key)
+            entry |= {"modelId": node.model_id} | ({"state": state} if state else {})
             entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.is_mirrored else {})
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
     raise TypeError(f"unknown node {type(node).__name__}")
