@@ -27,7 +27,6 @@ from home_mjx.errors import DatasetError
 from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Material, Mesh, Node, ObjectNode, RoomNode
 
 DIGESTS = "sha256.json"  # digests of the files of a house's folder
-NODE_TYPES: Mapping[type[Node], str] = {RoomNode: "Room", GroundNode: "Ground", BoxNode: "Box", ObjectNode: "Object"}
 JOINTS_DIGEST = "joints.sha256.json"  # separate, so that datasets written before joints existed stay valid
 PARTIAL_PREFIX = ".partial-"  # prefix of incomplete folders
 
@@ -296,7 +295,7 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
 
 def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
     """Convert a node to JSON; `place` maps a node's index to its position in the written list."""
-    entry: dict[str, Any] = {"id": node.id, "type": NODE_TYPES[type(node)], "valid": 1}
+    entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__.removesuffix("Node"), "valid": 1}
     match node:
         case RoomNode():
             members = [place[i] for i in node.members]
