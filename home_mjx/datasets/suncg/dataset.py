@@ -136,10 +136,10 @@ class SuncgDataset(Dataset):
         """Version of the models that replace missing ones; "" for generated datasets, which lack nothing."""
         return "" if is_file(self.root / GENERATED_MARKER) else fallback_version()
 
-    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[Fallback]) -> None:
+    def warn_fallbacks(self, house_id: str, fallbacks: Sequence[Fallback]) -> None:
         """Log one warning that counts what a house lacks; nothing if it is complete, and nothing twice."""
-        if stand_ins:
-            _warn(self.root, house_id, describe_fallbacks(stand_ins))
+        if fallbacks:
+            _warn(self.root, house_id, describe_fallbacks(fallbacks))
 
     def __reduce__(self) -> tuple[Callable[[Path], "SuncgDataset"], tuple[Path]]:
         return open_suncg, (self.root,)
@@ -157,9 +157,9 @@ class SuncgDataset(Dataset):
 
 
 @lru_cache(maxsize=100_000)
-def _warn(root: Path, house_id: str, lacking: str) -> None:
+def _warn(root: Path, house_id: str, missing: str) -> None:
     listing = f"home-mjx inspect {house_id} --dataset {root}"
-    log.warning("house %s lacks %s: fallbacks are used, `%s` lists them", house_id, lacking, listing)
+    log.warning("house %s lacks %s: fallbacks are used, `%s` lists them", house_id, missing, listing)
 
 
 def open_suncg(root: str | Path) -> SuncgDataset:

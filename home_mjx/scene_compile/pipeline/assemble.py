@@ -115,6 +115,6 @@ def _report(
         "hinged_leaves": sum(len(o.leaves) for o in objects),
         "shut_leaves": sum(len(o.shut_leaves) for o in objects),
         "problems": len(house.problems),
-        "stand_ins": len(house.fallbacks),
+        "fallbacks": len(house.fallbacks),
         **levels.report,
     }

@@ -64,18 +64,18 @@ def bank(house):
 
 def test_leaves_slide_as_far_as_they_were_shifted(house):
     doors = house.doors
-    assert 0 < doors.slides.sum() < len(doors.mass)
-    assert_allclose(abs(doors.wide - doors.closed)[doors.slides], WAY, atol=0.011)
-    assert_array_equal(doors.wide[doors.slides], 0)  # as shown
-    assert_allclose(np.linalg.norm(doors.slide[doors.slides], axis=1), 1)
+    assert 0 < doors.is_sliding.sum() < len(doors.mass)
+    assert_allclose(abs(doors.fully_open - doors.closed)[doors.is_sliding], WAY, atol=0.011)
+    assert_array_equal(doors.fully_open[doors.is_sliding], 0)  # as shown
+    assert_allclose(np.linalg.norm(doors.slide[doors.is_sliding], axis=1), 1)
     thin = doors.size[:, :2].argmin(axis=1)
     yaw = 2 * np.arctan2(doors.quat[:, 3], doors.quat[:, 0]) + np.pi / 2 * thin
     across = np.c_[np.cos(yaw), np.sin(yaw)]
-    assert_allclose((doors.slide * across).sum(axis=1)[doors.slides], 0, atol=1e-3)
+    assert_allclose((doors.slide * across).sum(axis=1)[doors.is_sliding], 0, atol=1e-3)
 
 
 def test_a_bank_has_sliding_leaves_last_and_portals_name_their_rows(house, bank):
-    doors, slides = house.doors, int(house.doors.slides.sum())
+    doors, slides = house.doors, int(house.doors.is_sliding.sum())
     assert bank.spec.num_slides >= slides
     valid = np.asarray(bank.physics.door_valid[0])
     first = bank.spec.num_doors - bank.spec.num_slides
@@ -98,7 +98,7 @@ def test_rays_and_ways_go_through_where_a_leaf_was(house, bank, state):
     angle = door_angles(bank, HOUSE, state, jax.random.key(0))
     scene = make_scene(bank, HOUSE, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody(), door_angle=angle)
     doors = house.doors
-    for row in np.flatnonzero(doors.slides):
+    for row in np.flatnonzero(doors.is_sliding):
         middle = doors.pos[row] + doors.closed[row] * np.array([*doors.slide[row], 0])
         across = np.array([-doors.slide[row, 1], doors.slide[row, 0], 0])
         origin = jnp.array(middle - 0.3 * across, jnp.float32)[None]
@@ -119,7 +119,7 @@ def nobody():
 def test_exported_leaves_slide_to_where_they_are_closed(house):
     model = mujoco.MjModel.from_xml_string(*to_mjcf(house, agent=AgentBody()))
     data, doors = mujoco.MjData(model), house.doors
-    for row in np.flatnonzero(doors.slides):
+    for row in np.flatnonzero(doors.is_sliding):
         name = f"object{house.instances.object_id[doors.instance[row]]}_leaf{doors.instance[row]}"
         joint = model.joint(name)
         assert joint.type[0] == mujoco.mjtJoint.mjJNT_SLIDE

@@ -13,9 +13,9 @@ from home_mjx.datasets.suncg.formats.fields import HOUSE_FIELDS, LEVEL_FIELDS, N
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
 from home_mjx.datasets.suncg.read.door_joints import attach_parts
+from home_mjx.datasets.suncg.read.missing_parts import add_part_fallbacks, collect_fallbacks
 from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
 from home_mjx.datasets.suncg.read.reading import ReaderState
-from home_mjx.datasets.suncg.read.stand_ins import add_part_fallbacks, collect_fallbacks
 from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Node, ObjectNode, RoomNode, UnknownNode
 
 MAX_NODES = 10_000  # maximum nodes of one level; SUNCG's largest houses have about two thousand

@@ -15,9 +15,9 @@ from home_mjx.core.files import is_file
 from home_mjx.datasets.suncg.formats.element import JsonValue
 from home_mjx.datasets.suncg.formats.materials import read_materials
 from home_mjx.datasets.suncg.formats.variants import other_variant, variant_key
+from home_mjx.datasets.suncg.read.missing_parts import add_model_fallback
 from home_mjx.datasets.suncg.read.parts import read_part
 from home_mjx.datasets.suncg.read.reading import ReaderState
-from home_mjx.datasets.suncg.read.stand_ins import add_model_fallback
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.schema.house import BoxNode, GroundNode, Material, Mesh, Node, ObjectNode, RoomNode

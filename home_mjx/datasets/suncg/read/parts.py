@@ -34,14 +34,14 @@ def read_part(node: JsonValue, kind: str, node_id: str, reading: ReaderState) ->
         return None
     stem = node.member("modelId").name() + MESH_SUFFIX[kind]
     if reading.tolerant:
-        return _found_or_lacking(node, kind, node_id, stem, reading)
+        return _found_or_missing(node, kind, node_id, stem, reading)
     path = reading.assets.room_path(reading.house_id, stem)
     if is_file(path):
         return reading.cached(f"room/{stem}", _mesh, path, reading)
     return _built(node, kind, node_id, stem, reading)
 
 
-def _found_or_lacking(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
+def _found_or_missing(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
     """Read the mesh's file, else the architecture file; if both fail, record it in `missing_parts` and return None."""
     path, reason = reading.assets.room_path(reading.house_id, stem), ""
     try:

@@ -88,7 +88,7 @@ def _with_parts(
         return _with_ground(node, reading) if kinds else node
     shape = find_room_shape(node, gaps) if kinds else None
     for kind in kinds:
-        path, reason = _lacking(node, kind, reading)
+        path, reason = _missing(node, kind, reading)
         if shape is None:
             _give_up(node, path, reading)
             continue
@@ -100,7 +100,7 @@ def _with_parts(
 
 
 def _with_ground(node: GroundNode, reading: ReaderState) -> GroundNode:
-    path, reason = _lacking(node, "Ground", reading)
+    path, reason = _missing(node, "Ground", reading)
     size = np.zeros(3) if node.bbox is None else node.bbox[1] - node.bbox[0]
     if node.bbox is None or size.min() <= 0:
         _give_up(node, path, reading)
@@ -112,7 +112,7 @@ def _with_ground(node: GroundNode, reading: ReaderState) -> GroundNode:
     return replace(node, mesh=mesh)
 
 
-def _lacking(node: RoomNode | GroundNode, kind: str, reading: ReaderState) -> tuple[Path, str]:
+def _missing(node: RoomNode | GroundNode, kind: str, reading: ReaderState) -> tuple[Path, str]:
     """Return the path of a missing mesh, and the reason if the file exists but cannot be read."""
     path = reading.assets.room_path(reading.house_id, node.model_id + MESH_SUFFIX[kind])
     return path, reading.missing_parts[node.path, kind]
