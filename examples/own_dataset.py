@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import jax
 import numpy as np
@@ -34,7 +35,7 @@ FACES = QUADS[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)  # counter-clockwise, se
 class BoxDataset(Dataset):
     """Dataset `boxes:N`; house i depends only on i."""
 
-    categories = {"crate": ("ottoman", "ottoman", "otherprop")}  # own name -> (fine, coarse, NYU40)
+    categories: ClassVar = {"crate": ("ottoman", "ottoman", "otherprop")}  # own name -> (fine, coarse, NYU40)
     shares_root = True  # `boxes:3` and `boxes:12` have one root
 
     def __init__(self, text: str) -> None:

@@ -9,6 +9,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -40,7 +41,8 @@ def user_file(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def module(user_file) -> ModuleType:
     spec = importlib.util.spec_from_file_location("my_boxes", user_file)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     found = importlib.util.module_from_spec(spec)
     sys.modules["my_boxes"] = found
     spec.loader.exec_module(found)
@@ -54,7 +56,8 @@ def cache(tmp_path, monkeypatch) -> Path:
 
 
 def test_a_scheme_opens_the_registered_dataset(module):
-    assert "boxes" in dataset_schemes() and find_format("boxes").open is module.BoxDataset
+    assert "boxes" in dataset_schemes()
+    assert find_format("boxes").open is module.BoxDataset
     dataset = open_dataset("boxes:12")
     assert dataset == module.BoxDataset("12") != open_dataset("boxes:11")
     assert dataset.house_ids == tuple(f"boxes-{i}" for i in range(12))
@@ -72,7 +75,7 @@ def test_categories_map_to_the_vocabulary(module):
         dataset.model_info("x", "crates")
 
     class Wrong(module.BoxDataset):
-        categories = {"crate": ("ottomann", "ottoman", "otherprop")}
+        categories: ClassVar = {"crate": ("ottomann", "ottoman", "otherprop")}
 
     with pytest.raises(UnknownNameError, match="Did you mean `ottoman`"):
         _ = Wrong("1").metadata

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
-from home_mjx.bank.packing.size_classes import size_class
+from home_mjx.bank.packing.capacity import size_class
 from home_mjx.core.color import decode_srgb, encode_srgb
 from home_mjx.core.images import open_texture
 from home_mjx.errors import ConfigError

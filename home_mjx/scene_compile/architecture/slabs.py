@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes
-from home_mjx.geometry.normals import facing_axis
+from home_mjx.geometry.meshes import facing_axis
 from home_mjx.geometry.rectangles import (
     cell_centers,
     cover_with_rectangles,

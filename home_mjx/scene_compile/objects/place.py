@@ -10,7 +10,7 @@ from jaxtyping import Float
 from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes
 from home_mjx.geometry.meshes import Z_UP, box_triangles, make_model, to_z_up, transform, triangles_z_up
 from home_mjx.geometry.polygons import find_smallest_room, polygon_area, polygon_distance
-from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, apply_override, surface_material
 from home_mjx.scene_compile.objects.doors import (
     JointedDoor,

@@ -10,8 +10,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.architecture.frame import HouseFrame
-from home_mjx.scene_compile.architecture.rooms import house_rooms
+from home_mjx.scene_compile.architecture.rooms import HouseFrame, house_rooms
 from home_mjx.scene_compile.architecture.shell import BuildingShell, WallPart
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import BoxNode, House, ObjectNode

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.geometry.normals import facing_axis
+from home_mjx.geometry.meshes import facing_axis
 from home_mjx.geometry.outline import outline
 from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import offset_outwards, simplify, slab, triangulate

@@ -8,8 +8,14 @@ from typing import Any, TypeVar
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.datasets.suncg.formats.element import JsonValue, read_json
-from home_mjx.datasets.suncg.formats.fields import HOUSE_FIELDS, LEVEL_FIELDS, NODE_FIELDS, preserved_fields
+from home_mjx.datasets.suncg.formats.element import (
+    HOUSE_FIELDS,
+    LEVEL_FIELDS,
+    NODE_FIELDS,
+    JsonValue,
+    preserved_fields,
+    read_json,
+)
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
 from home_mjx.datasets.suncg.read.door_joints import attach_parts
