@@ -41,13 +41,13 @@ class Material:
 
 @dataclass(frozen=True)
 class Mesh:
-    """A triangle mesh as read from one OBJ and its MTL."""
+    """A triangle mesh with material slots."""
 
-    path: Path
+    path: Path  # its file, for messages
     vertices: Float[np.ndarray, "v 3"]  # [m], Y up
     faces: Int[np.ndarray, "f 3"]  # indices into vertices, counter-clockwise outwards
     uv: Float[np.ndarray, "f 3 2"]  # per corner; 0 where the file has none
-    slot: Int[np.ndarray, " f"]  # index into materials, in MTL order
+    slot: Int[np.ndarray, " f"]  # index into materials
     group: Int[np.ndarray, " f"]  # index into groups; -1 where the file has none
     materials: tuple[Material, ...]
     groups: tuple[str, ...] = ()  # names of the groups, such as the `o` lines of an OBJ; nothing is derived from them
@@ -96,7 +96,7 @@ class Joint:
         return np.concatenate([np.arange(first, last + 1) for first, last in self.face_ranges])
 
     def matrix(self, value: float) -> Float[np.ndarray, "4 4"]:
-        """Return the rigid motion from the pose in the OBJ to a joint value.
+        """Return the rigid motion from the pose of the mesh to a joint value.
 
         Args:
             value: Angle [rad] or displacement [m].
@@ -119,7 +119,7 @@ class Joint:
         """Return the model with this part moved; call it once per part to move several parts.
 
         Args:
-            mesh: The model as read from its OBJ, with faces in file order.
+            mesh: The mesh that the joint belongs to, with faces in their original order.
             value: Angle [rad] or displacement [m].
 
         Raises:
@@ -279,7 +279,7 @@ class House:
 
     id: str
     version: str
-    path: Path  # house.json
+    path: Path  # its file, for messages
     levels: tuple[Level, ...]
     models: Mapping[str, Mesh]  # by `ObjectNode.model_key`
     problems: tuple[Problem, ...] = ()
