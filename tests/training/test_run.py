@@ -108,7 +108,7 @@ def test_a_run_takes_its_turn_once_all_is_compiled(tmp_path: Path):
         yield
         found.append(files(tmp_path))
 
-    train(tmp_path, turn=turn())
+    train(tmp_path, device_lock=turn())
     assert "checkpoint.npz" not in found[0]
     assert "checkpoint.npz" in found[1]
     assert len(read_lines(tmp_path / "metrics.jsonl")) == UPDATES

@@ -148,7 +148,7 @@ def assert_same(library, scene, origin, direction, **options):
         def look(s, o, d, options, executor):
             return function(s, o, d, **options, executor=executor)
 
-        return in_jit(look, *args, given, executor=executor)
+        return in_jit(look, *args, given, backend=executor)
 
     exact, reference = (expected(cast, name) for name in ("cpu", "xla"))
     found[0] = np.where(found[1] < 0, np.inf, found[0])

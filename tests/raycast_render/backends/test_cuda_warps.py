@@ -51,7 +51,7 @@ def assert_same(library, scene, rays, query):
     environments, count = rays.shape
     house, moving = jax.tree.map(lambda x: jnp.stack([x] * environments), (scene.house, scene.moving))
     inputs = [np.ascontiguousarray(x) for x in cuda.kernel_operands(scene.geometry, house, moving, rays, query)]
-    shape = (*rays.shape, query.steps) if query.steps else rays.shape
+    shape = (*rays.shape, query.num_hits) if query.num_hits else rays.shape
     results = [np.full(shape, 77, kind) for kind in TYPES]
     pointers = [x.ctypes.data for x in inputs + results]
     warps = (1 + count // 32) if rays.width == 0 else cuda.launch_grid(environments, count, rays.width)[0] * 2

@@ -40,7 +40,7 @@ def test_a_step_that_was_asked_for_stays_or_is_refused():
 REFUSED = {
     make_config: [
         ("width", 0), ("episode_length", 0), ("episode_length", 2**31), ("depth_max", -1.0), ("depth_max", NAN),
-        ("eye_height", NAN), ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0),
+        ("eye_height", NAN), ("source_height", INF), ("max_pitch", 10.0), ("executor", "gpu"), ("fovy", 180.0),
         ("num_agents", 0), ("num_agents", 10**6), ("num_sources", 10**6),
         ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
         ("response_seconds", 1e308), ("bin_seconds", 1e308), ("ctrl_dt", 1e308),
@@ -108,9 +108,9 @@ from home_mjx.tasks import AgentCamera, Episodes, TaskBank, make_config
 from home_mjx.tasks import load_episodes, load_tasks, save_episodes, save_tasks
 
 options = [
-    ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("look_rate", "x"),
+    ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("max_pitch_rate", "x"),
     ("fovy", "a"), ("num_agents", 1.5), ("body.mass", "heavy"), ("num_rays", 2.5), ("sensors", 5),
-    ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("rgb_preset", 5), ("clip", None), ("physics", {}),
+    ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("shader", 5), ("clip", None), ("physics", {}),
     ("audio", "x"), ("actions", 3), ("actions", None),
 ]
 calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}

@@ -21,7 +21,7 @@ class Room:
 
     def __init__(self, noises=ContactSoundConfig(), **options):  # noqa: B008
         box = Furniture(position=(3.0, 2.0), mass=5.0)
-        self.core = HouseholdEnv(make_config(noises=noises, **{**QUIET, **options}))
+        self.core = HouseholdEnv(make_config(contact_sounds=noises, **{**QUIET, **options}))
         self.env = self.core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0), furniture=[box])]))
         self.advance = jax.jit(self.core.advance)
         self.begun = jax.jit(self.core.begin)(self.env.params, jax.random.key(0))
@@ -137,7 +137,7 @@ def test_what_lies_still_is_silent_and_what_is_pushed_scrapes(room):
 def test_doors_creak_and_thud(generated_bank):
     """A leaf that is driven shut: it creaks at its speed, and there is one thud, where and when it stops."""
     core = HouseholdEnv(
-        make_config(noises=ContactSoundConfig(footsteps=False), impl="kinematic", doors="open", **QUIET)
+        make_config(contact_sounds=ContactSoundConfig(footsteps=False), impl="kinematic", doors="open", **QUIET)
     )
     env, doors = core.bind(generated_bank), generated_bank.physics
     hinged = np.asarray(doors.door_valid[0]) & ~np.any(np.asarray(doors.door_slide[0]), axis=1)
@@ -164,7 +164,7 @@ def test_doors_creak_and_thud(generated_bank):
 
 def test_agents_are_heard_where_nothing_else_moves():
     """A bank without movable bodies and doors has footsteps, and nothing that could scrape or creak."""
-    core = HouseholdEnv(make_config(noises=ContactSoundConfig(), impl="kinematic", **QUIET))
+    core = HouseholdEnv(make_config(contact_sounds=ContactSoundConfig(), impl="kinematic", **QUIET))
     env = core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0))]))
     state, advance = jax.jit(core.begin)(env.params, jax.random.key(0)), jax.jit(core.advance)
     state = state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:2].set(0.0)))
@@ -201,7 +201,7 @@ def test_noises_are_heard_and_off_they_cost_nothing():
     assert max(heard) > -60
     loudest = int(np.argmax(heard))
     assert levels[loudest] == pytest.approx(heard[loudest], abs=4)
-    off = HouseholdEnv(make_config(noises=None, **QUIET))
+    off = HouseholdEnv(make_config(contact_sounds=None, **QUIET))
     assert jax.eval_shape(off.begin, place.env.params, jax.random.key(0)).world.noises is None
     assert off.config.num_traced_sources == 1
 

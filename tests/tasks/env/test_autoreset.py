@@ -41,7 +41,7 @@ def plain(program):
 def lowered(core, params):
     """Last images of up to two environments are rendered alone, of more for the whole batch."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("home_mjx.tasks.env.autoreset.FEW", 2)
+        patch.setattr("home_mjx.tasks.env.autoreset.MAX_SEPARATE_RENDERS", 2)
         batch = AutoReset(core, "all")
         shapes = jax.eval_shape(batch.reset, params, keys())
         return batch, jax.jit(batch.step).lower(params, shapes, jnp.zeros((NUM, 4)))

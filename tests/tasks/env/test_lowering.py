@@ -14,7 +14,7 @@ from handmade import shoebox
 from home_mjx import HouseBank, EnvParams, HouseholdEnv
 from home_mjx.tasks import SENSORS, make_config
 
-config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, rgb_preset=sys.argv[1])
+config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, shader=sys.argv[1])
 core, params = HouseholdEnv(config), EnvParams(HouseBank.from_compiled([shoebox()]))
 keys = jnp.zeros((2, 2), jnp.uint32)
 begin = jax.jit(jax.vmap(core.begin, (None, 0))).lower(params, keys)  # a reset is this and what a step ends with

@@ -197,7 +197,7 @@ def test_a_spec_makes_the_same_environment_again(tmp_path, bank):
     generate_dataset(tmp_path, [0])
     options = {
         "sensors": ("depth", "goal"),
-        "rgb_preset": LitShader(num_lights=2),
+        "shader": LitShader(num_lights=2),
         "cameras": (AgentCamera("scan", ("depth",), Lens(8, 4, "lidar"), follow_pitch=False),),
         "task.success_radius": 0.5,
         "body.radius": 0.12,

@@ -95,7 +95,7 @@ def test_the_id_makes_the_task(env):
     }  # fmt: skip
     assert made.action_spec.shape == ()
     assert made.config.num_sources == 2
-    alone = home_mjx.make("PiedPiper-v0", env.bank, sensors=("state",), num_tasks=1, others=0, num_agents=2)
+    alone = home_mjx.make("PiedPiper-v0", env.bank, sensors=("state",), num_tasks=1, num_others=0, num_agents=2)
     assert alone.config.num_sources == 1
     assert (alone.num_agents, alone.config.num_agents) == (1, 2)
 

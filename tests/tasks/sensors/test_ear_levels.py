@@ -35,7 +35,7 @@ def heard():
             clip=jnp.full_like(sounds.clip, clip),
             body=jnp.full_like(sounds.body, agent if clip == -2 else -1),
             gain=jnp.full_like(sounds.gain, gain),
-            duration=jnp.full_like(sounds.lasts, lasts),
+            duration=jnp.full_like(sounds.duration, lasts),
         )
         for step in range(3):
             words = jnp.array([-1, said if step == 2 else -1], jnp.int32)
