@@ -13,8 +13,7 @@ from lit_scenes import NIGHT, lit_bank, scene_of
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.texture_layers import mip_levels
 from home_mjx.errors import ConfigError
-from home_mjx.geometry.instance_tree import build_instance_tree
-from home_mjx.geometry.meshes import make_model
+from home_mjx.geometry.meshes import build_instance_tree, make_model
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_footprint
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render

@@ -306,7 +306,8 @@ def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[s
             entry |= {"transform": _numbers(node.transform.T), "dimensions": _numbers(node.dimensions)}
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
         case ObjectNode():
-            entry |= {"modelId": node.model_id} | ({"state": node.state} if node.state else {})
+            state = state_of(node.model_id, node.model_key)
+            entry |= {"modelId": node.model_id} | ({"state": state} if state else {})
             entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.is_mirrored else {})
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
     raise TypeError(f"unknown node {type(node).__name__}")
