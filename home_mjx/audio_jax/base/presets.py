@@ -20,7 +20,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "tail_seconds": 0.0,
         "max_crossings": 16,
         "num_edges": 8,
-        "num_heard": 8,
+        "max_audible_paths": 8,
     },
     # The same late reverberation, with all first-order reflections of large rooms, and a tail: T30 of 0.5 to 2 s
     # measured from waveforms within 5 %.
@@ -30,7 +30,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "max_crossings": 16,
         "num_edges": 8,
         "num_reflections": 12,
-        "num_heard": 10,
+        "max_audible_paths": 10,
     },
     # Unbiased up to Monte Carlo noise, without baking: T30 within 2 %, then +-8, -9, +-5, and +-8 %; late slopes
     # within 8 %. EDT within 1 % (3, -2, +6, +-3 %), level exact (+-0.1 dB, beyond the door of coupled rooms -0.5).
@@ -58,7 +58,7 @@ TRACED_CHANGES: dict[str, dict[str, Any]] = {
         "num_bounces": 150,
         "reflection_order": 2,
         "num_reflections": 24,
-        "num_heard": None,
+        "max_audible_paths": None,
     },
     "reference": {},
 }
