@@ -21,7 +21,7 @@ from home_mjx.physics.kinematic.footprints import MAX_PENETRATION, Footprints
 from home_mjx.physics.mjx.slots import OrientedBoxes
 from home_mjx.schema import AgentBody
 
-CONFIG = PhysicsConfig(impl="kinematic")
+CONFIG = PhysicsSetup(impl="kinematic")
 RADIUS, HALF = CONFIG.body.radius, CONFIG.body.half_length
 
 

@@ -71,9 +71,9 @@ def test_body_and_clock_have_one_source():
     assert setup.body is config.body
     assert setup.timing is config.audio.timing is config.timing
     assert config.replace(timing=Timing()).physics_setup.timing == Timing()
-    for setup in (PhysicsSetup(), setup):
+    for wrong in (PhysicsSetup(), setup):
         with pytest.raises(ConfigError, match=r"PhysicsSetup.*PhysicsConfig\(\.\.\.\).*`timing` of the environment"):
-            EnvConfig(physics=setup)
+            EnvConfig(physics=wrong)
     with pytest.raises(ConfigError, match=r"`audio\.timing`.*`timing`"):
         EnvConfig(audio=AudioConfig(timing=Timing(ctrl_dt=0.2)))
 
@@ -134,7 +134,7 @@ def test_wrong_records_are_refused():
 
 
 def test_make_refuses_before_it_compiles(monkeypatch):
-    monkeypatch.setattr("home_mjx.registry.as_bank", None)  # would fail if it were called
+    monkeypatch.setattr("home_mjx.env_factory._load", None)  # would fail if it were called
     with pytest.raises(ConfigError, match="success_radius"):
         home_mjx.make("PointNav-v0", sucess_radius=1.0)
     with pytest.raises(ConfigError, match="Did you mean `num_houses`"):
