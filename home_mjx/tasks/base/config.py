@@ -11,7 +11,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
 from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type, names_hint
 from home_mjx.errors import ConfigError
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.raycast_render.backends.choose import find_backend
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
 from home_mjx.raycast_render.shaders.preset import ShaderSpec, resolve_shader
@@ -117,11 +117,11 @@ class EnvConfig:
         backend: Ray-casting backend; None: the fastest on this platform.
         body: Size, mass and eye height of every agent, shared with physics, cameras and ears.
         timing: Time steps, shared with physics and sound.
-        physics: Agents, bodies and solver.
+        physics: Number of agents, their bodies if they differ, and solver.
         audio: Room acoustics and receiver.
 
     Raises:
-        ConfigError: A value is invalid, or `physics` or `audio` has a different body or timing.
+        ConfigError: A value is invalid, or `physics` or `audio` has a body or timing of its own.
     """
 
     sensors: tuple[str, ...] | None = None
@@ -167,8 +167,10 @@ class EnvConfig:
             check_type("contact_sounds", self.contact_sounds, ContactSoundConfig)
         self._check_numbers()
         self._check_cameras()
-        self._check_actions()
-        self._share_clock()
+        self._check_records()
+        if self.discrete is not None:
+            self._fit_moves(self.discrete)
+        self._share_timing()
 
     def _set_fields(self, **values: Any) -> None:
         for name, value in values.items():
@@ -198,19 +200,21 @@ class EnvConfig:
             text = ", ".join(names[1:])
             raise ConfigError(f"`cameras` must have distinct names other than `head`, got {text}")
 
-    def _check_actions(self) -> None:
+    def _check_records(self) -> None:
         if isinstance(self.actions, str):
             check_known("kind of actions", [self.actions], ACTION_KINDS)
         else:
             check_type("actions", self.actions, DiscreteActions)
-        if self.discrete is not None:
-            for name, kind in (("physics", PhysicsConfig), ("body", AgentBody), ("timing", Timing)):
-                check_type(name, getattr(self, name), kind)
-            self._fit_moves(self.discrete)
+        records = {"physics": PhysicsConfig, "audio": AudioConfig, "body": AgentBody, "timing": Timing}
+        for name, kind in records.items():
+            check_type(name, getattr(self, name), kind)
+        if isinstance(self.physics, PhysicsSetup):
+            hint = "Write physics=PhysicsConfig(...), and set `body` and `timing` of the environment."
+            raise ConfigError("`physics` is a PhysicsSetup, which has a body and timing of its own", hint=hint)
 
     def _fit_moves(self, moves: DiscreteActions) -> None:
         """Extend the default `ctrl_dt` if a move does not fit into it; raise if it still does not."""
-        least = max(moves.min_duration(body) for body in self.physics.bodies or (self.body,))
+        least = max(moves.min_duration(body) for body in self.agents)
         if least > self.timing.ctrl_dt == Timing().ctrl_dt:
             self._set_fields(timing=dataclasses.replace(self.timing, ctrl_dt=DISCRETE_CTRL_DT))
         if least > self.timing.ctrl_dt * (1 + 1e-9):
@@ -219,26 +223,29 @@ class EnvConfig:
                 hint="Make `ctrl_dt` longer, the moves of `actions` smaller, or the body's speeds higher.",
             )
 
-    def _share_clock(self) -> None:
-        """Copy body and timing into the engines' options; raise if those have conflicting ones."""
-        parts: dict[str, Any] = {"physics": (PhysicsConfig, ("body", "timing")), "audio": (AudioConfig, ("timing",))}
-        for part, (cls, records) in parts.items():
-            given = getattr(self, part)
-            check_type(part, given, cls)
-            for name in records:
-                ours, theirs = getattr(self, name), getattr(given, name)
-                check_type(name, ours, type(theirs))
-                if theirs not in (ours, type(theirs)()):
-                    raise ConfigError(
-                        f"`{part}.{name}` is {theirs}, but the environment's `{name}` is {ours}",
-                        hint=f"Set `{name}` of the environment only: physics and sound take it from there.",
-                    )
-            self._set_fields(**{part: dataclasses.replace(given, **{name: getattr(self, name) for name in records})})
+    def _share_timing(self) -> None:
+        """Copy `timing` into the options of sound; raise if these have another one."""
+        if self.audio.timing not in (self.timing, Timing()):
+            raise ConfigError(
+                f"`audio.timing` is {self.audio.timing}, but the environment's `timing` is {self.timing}",
+                hint="Set `timing` of the environment only: sound takes it from there.",
+            )
+        self._set_fields(audio=dataclasses.replace(self.audio, timing=self.timing))
 
     @property
     def num_agents(self) -> int:
         """Number of agents per environment, including those that the task controls."""
         return self.physics.num_agents
+
+    @property
+    def agents(self) -> tuple[AgentBody, ...]:
+        """The body of each agent."""
+        return self.physics.bodies or (self.body,) * self.num_agents
+
+    @property
+    def physics_setup(self) -> PhysicsSetup:
+        """Options of the physics with the body and the time steps of this environment."""
+        return PhysicsSetup.compose(self.physics, self.body, self.timing)
 
     @property
     def num_traced_sources(self) -> int:
@@ -271,12 +278,8 @@ class EnvConfig:
         return (*own, *(hands if self.hands else ()), *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":
-        """Return a copy with some fields changed; physics and sound follow a new body or timing."""
-        bare: dict[str, Any] = {
-            "physics": dataclasses.replace(self.physics, body=AgentBody(), timing=Timing()),
-            "audio": dataclasses.replace(self.audio, timing=Timing()),
-        }
-        return dataclasses.replace(self, **(bare | changes))
+        """Return a copy with some fields changed; sound follows a new timing."""
+        return dataclasses.replace(self, **({"audio": dataclasses.replace(self.audio, timing=Timing())} | changes))
 
     @property
     def all_cameras(self) -> tuple[AgentCamera, ...]:

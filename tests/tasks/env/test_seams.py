@@ -1,6 +1,7 @@
 """Tasks and sensors of a user's own, and specs: what is registered reaches every way to make an environment."""
 
 import dataclasses
+import functools
 import sys
 import textwrap
 
@@ -163,9 +164,12 @@ def test_every_environment_keeps_one_tree(generated_bank, all_see_and_hear):
             env = core.bind(env.params)
         key, spec = jax.ShapeDtypeStruct((2,), jnp.uint32), env.action_spec
         action = jax.ShapeDtypeStruct(spec.shape, spec.dtype)
-        begun = jax.eval_shape(env.core.begin, env.params, key)
+        begun = jax.eval_shape(functools.partial(env.core.reset, observe=False), env.params, key)
         trees = [begun, jax.eval_shape(env.reset, key), jax.eval_shape(env.step, begun, action)]
-        trees += [jax.eval_shape(env.core.advance, env.params, begun, action), jax.eval_shape(env.observe, begun)]
+        trees += [
+            jax.eval_shape(functools.partial(env.core.step, observe=False), env.params, begun, action),
+            jax.eval_shape(env.observe, begun),
+        ]
         for tree in trees[1:]:
             assert jax.tree.structure(tree) == jax.tree.structure(begun)
             for a, b in zip(jax.tree.leaves(begun), jax.tree.leaves(tree), strict=True):
