@@ -9,7 +9,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from home_mjx.core.checks import check_flag, check_number, check_type
+from home_mjx.core.checks import check_flag, check_frozen_dataclass, check_number, check_type
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
@@ -233,11 +233,11 @@ def find_spec(env_id: str) -> EnvSpec:
 
 def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
     """Return whether the entry point is a `Task` subclass; raise `ConfigError` if it is an invalid one."""
-    from home_mjx.tasks.base.task import Task, check_task_class
+    from home_mjx.tasks.base.task import Task
 
     if not (isinstance(entry_point, type) and issubclass(entry_point, Task)):
         return False
-    check_task_class(entry_point)
+    check_frozen_dataclass("task", entry_point)
     return True
 
 

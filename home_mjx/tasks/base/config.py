@@ -14,7 +14,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.raycast_render.backends.choose import find_backend
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
-from home_mjx.raycast_render.shaders.preset import ShaderSpec, resolve_shader
+from home_mjx.raycast_render.shaders.base import Shader, ShaderSpec, resolve_shader
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
 from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, MOVE_NAMES, DiscreteActions
@@ -46,9 +46,10 @@ class AgentCamera:
         yaw: Rotation to the left of straight ahead [degrees].
         pitch: Upward rotation [degrees].
         follow_pitch: If True, the camera pitches with the agent's head.
+        shader: Shader of the colour image: the name of a registered one, or one with options; see `EnvConfig.shader`.
 
     Example:
-        >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), looks=False).lens.shape
+        >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), follow_pitch=False).lens.shape
         (16, 360)
     """
 
@@ -60,11 +61,13 @@ class AgentCamera:
     yaw: float = 0.0
     pitch: float = 0.0
     follow_pitch: bool = True
+    shader: ShaderSpec = "fast"
 
     def __post_init__(self) -> None:
         check_names("kind of view", self.kinds, VIEW_KINDS)
         check_type("lens", self.lens, Lens)
         check_flag("follow_pitch", self.follow_pitch)
+        resolve_shader(self.shader)
         if not isinstance(self.offset, tuple | list) or len(self.offset) != 3:
             raise ConfigError(f"`offset` must be three numbers, got {self.offset}")
         if not isinstance(self.name, str) or not self.name:
@@ -89,8 +92,9 @@ class EnvConfig:
         width: Image width of the head camera [px].
         height: Image height of the head camera [px].
         fovy: Vertical field of view of the head camera [degrees].
-        samples: Rays per pixel of the colour image.
-        shader: Shading of colour images: "fast", "lit", or a `LitShader` with options.
+        samples: Rays per pixel of the head camera's colour image.
+        shader: Shader of the head camera's colour image: the name of a registered one, such as "fast" or "lit", or one
+            with options, such as `LitShader(num_lights=2)`. Other cameras have their own, see `AgentCamera`.
         cameras: Further cameras, in addition to the `head` camera of the sensors.
         max_depth: Maximum observed depth; larger values are clipped [m].
         max_pitch_rate: Maximum rate of change of pitch [rad/s].
@@ -286,8 +290,14 @@ class EnvConfig:
         """All cameras of an agent: the head camera if any sensor needs it, then `cameras`."""
         names = DEFAULT_SENSORS if self.sensors is None else self.sensors
         kinds = tuple(name for name in names if name in VIEW_KINDS)
-        head = AgentCamera("head", kinds, Lens(self.width, self.height, samples=self.samples), self.fovy)
+        lens = Lens(self.width, self.height, samples=self.samples)
+        head = AgentCamera("head", kinds, lens, self.fovy, shader=self.shader)
         return (*((head,) if kinds else ()), *self.cameras)
+
+    @property
+    def shaders(self) -> tuple[Shader, ...]:
+        """Shaders of all cameras with a colour image."""
+        return tuple(resolve_shader(camera.shader) for camera in self.all_cameras if "rgb" in camera.kinds)
 
 
 def _as_tuple(name: str, values: Any) -> tuple:

@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Int
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
-from home_mjx.houses.bakes import Bake
+from home_mjx.houses.bakes import Bake, find_bake
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import apply_hand_commands, update_hands
 from home_mjx.tasks.base.config import EnvConfig
@@ -101,9 +101,15 @@ class HouseholdEnv:
 
     @property
     def bakes(self) -> tuple[Bake, ...]:
-        """Bakes of houses that the sensors need, each once; `make` adds them to the bank."""
-        needed = [bake for sensor in self.sensors for bake in (sensor.state_owner or sensor).bakes(self.acting_config)]
-        return tuple({bake.name: bake for bake in needed}.values())
+        """Bakes of houses that sensors and shaders need, each once; `make` adds them to the bank.
+
+        A sensor gives the bake with its options. A shader names it, which selects the sensor's or the default options.
+        """
+        config = self.acting_config
+        needed = [bake for sensor in self.sensors for bake in (sensor.state_owner or sensor).bakes(config)]
+        by_name = {bake.name: bake for bake in needed}
+        names = [name for shader in config.shaders for name in shader.needs if name not in by_name]
+        return (*by_name.values(), *(find_bake(name) for name in dict.fromkeys(names)))
 
     @property
     def action_names(self) -> tuple[str, ...]:

@@ -136,7 +136,7 @@ def _render_camera(config: EnvConfig, view: AgentCamera, scene: Scene, camera: C
         camera,
         view.lens,
         kinds=tuple(kind for kind in view.kinds if kind not in ("intrinsics", "pose")),
-        shader=config.shader,
+        shader=view.shader,
         exclude=own,
         depth_max=config.max_depth,
     )

@@ -15,11 +15,11 @@ from handmade import shoebox
 
 import home_mjx
 from home_mjx import EnvSpec, HouseBank, HouseFilter
+from home_mjx.core.checks import check_frozen_dataclass
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, LitShader
 from home_mjx.tasks import AgentCamera, ArraySpec, PointNav, Task, make_config
 from home_mjx.tasks.base import sensor as sensor_seam
-from home_mjx.tasks.base.task import check_task_class
 
 OWN = '''
 """A user's own file: a task that counts rooms, and a sensor that remembers the last action's turn."""
@@ -382,4 +382,4 @@ def test_tasks_that_are_no_frozen_dataclasses_are_refused_when_they_are_register
 
 
 def test_a_task_that_only_changes_methods_need_not_be_a_dataclass_again():
-    check_task_class(Same)
+    check_frozen_dataclass("task", Same)
