@@ -294,7 +294,7 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
 
 def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
     """Convert a node to JSON; `place` maps a node's index to its position in the written list."""
-    entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__, "valid": 1}
+    entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__.removesuffix("Node"), "valid": 1}
     match node:
         case RoomNode():
             members = [place[i] for i in node.members]
