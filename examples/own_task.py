@@ -36,7 +36,7 @@ class HurryToBed(NavigationTask):
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield one task per bed; start poses are sampled by the environment."""
-        near, late = Condition(Feature.DISTANCE, 0, most=1.0), Condition(Feature.TIME, least=self.most_steps)
+        near, late = Condition(Feature.DISTANCE, 0, maximum=1.0), Condition(Feature.TIME, minimum=self.most_steps)
         for thing in view.objects:
             if thing.semantic(Semantic.COARSE) == COARSE.index("bed"):
                 stage = TaskStage((Transition(SUCCESS, (near,), reward=1.0), Transition(FAILURE, (late,))), guide=0)

@@ -18,8 +18,8 @@ class SpeechColumns(Pytree):
     """Speech columns of a row, or of t rows; words are tokens, -1 if none."""
 
     answer: Int[Array, "*t"]  # to the row's question; word that instructed agents say to the others
-    told: Int[Array, "*t"]  # bit mask of the agents that receive the instruction; -1: all
-    ask: Int[Array, "*t"]  # number of oracle questions, from the first, that identify the target
+    instructed_agents: Int[Array, "*t"]  # bit mask of the agents that receive the instruction; -1: all
+    num_identifying_questions: Int[Array, "*t"]  # number of oracle questions, from the first, that identify the target
     oracle: Int[Array, "*t q 2"]  # questions and replies of the oracle
 
 
@@ -41,7 +41,7 @@ def pack_speech(
         ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `num_identifying_questions`.
 
     Example:
-        >>> written_talk(told=(1,))["told"].tolist()
+        >>> written_talk(instructed_agents=(1,))["instructed_agents"].tolist()
         2
     """
     if not num_identifying_questions <= len(oracle) <= NUM_REPLIES:
@@ -51,7 +51,11 @@ def pack_speech(
     table = np.full((NUM_REPLIES, 2), NO_WORD, np.int16)
     table[: len(oracle)] = np.array(oracle, np.int16).reshape(-1, 2)
     bits = ALL_AGENTS if instructed_agents is None else sum(1 << agent for agent in set(instructed_agents))
-    numbers = {"answer": np.int16(answer), "told": np.int16(bits), "ask": np.int8(num_identifying_questions)}
+    numbers = {
+        "answer": np.int16(answer),
+        "instructed_agents": np.int16(bits),
+        "num_identifying_questions": np.int8(num_identifying_questions),
+    }
     return {name: np.asarray(value) for name, value in numbers.items()} | {"oracle": table}
 
 
@@ -75,7 +79,7 @@ def oracle_replies(talk: SpeechColumns, said: Int[Array, " a"]) -> Int[Array, " 
 
 def is_instructed(talk: SpeechColumns, num_agents: int) -> Bool[Array, " a"]:
     """Return which agents receive the instruction."""
-    return (jnp.right_shift(talk.told, jnp.arange(num_agents)) & 1) == 1
+    return (jnp.right_shift(talk.instructed_agents, jnp.arange(num_agents)) & 1) == 1
 
 
 def words_of_others(said: Int[Array, " a"]) -> Int[Array, " a"]:

@@ -76,7 +76,7 @@ class Communication(NavigationTask):
 
     def _row(self, kind: int) -> TaskRow:
         room = to_word(ROOM_TYPES[kind])
-        inside = (Condition(Feature.INSIDE, 0, least=1, agent=LISTENER),)
+        inside = (Condition(Feature.INSIDE, 0, minimum=1, agent=LISTENER),)
         stage = arrival_stage(inside, self.stop, self.success_reward)
         (code,) = tokenize(room)
         said = tokenize(f"go to the {room}")

@@ -260,7 +260,7 @@ def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     kind = column["descriptor"][:, Attribute.KIND]
     led_to = guide[guide >= 0]
     leads = np.all((field_[led_to] >= 0) | (kind[led_to] == TargetKind.AGENT)) and np.all(field_[first] >= 0)
-    return bool(leads and np.all(nearest[field_[first]] + GOAL_TOLERANCE <= column["most"][asked]))
+    return bool(leads and np.all(nearest[field_[first]] + GOAL_TOLERANCE <= column["maximum"][asked]))
 
 
 def pad_tokens(tokens: Sequence[int]) -> Int[np.ndarray, " n"]:
@@ -313,7 +313,7 @@ def _keep_close_ends(column: dict, d: int, ends: EndCells) -> EndCells:
     """
     cells, away = ends
     asked = (column["feature"] == Feature.DISTANCE) & (column["first"] == d)
-    near = away + GOAL_TOLERANCE <= np.min(column["most"], where=asked, initial=np.inf)
+    near = away + GOAL_TOLERANCE <= np.min(column["maximum"], where=asked, initial=np.inf)
     return (cells[near], away[near]) if near.any() else ends
 
 

@@ -19,7 +19,7 @@ def evaluate_conditions(program: TaskProgram, table: Float[Array, "feature a d d
     """
     first, second = jnp.maximum(program.first, 0), jnp.maximum(program.second, 0)
     value = table[program.feature, :, first, second]  # (c, a)
-    holds = (value >= program.least[:, None]) & (value <= program.most[:, None])
+    holds = (value >= program.minimum[:, None]) & (value <= program.maximum[:, None])
     own = jnp.take_along_axis(holds, jnp.clip(program.agent, 0, table.shape[1] - 1)[:, None], axis=1)[:, 0]
     return jnp.where(program.agent < 0, jnp.any(holds, axis=1), own)
 
@@ -39,8 +39,8 @@ def take_transition(
     """
     bits = jnp.sum(jnp.where(holds, jnp.left_shift(1, jnp.arange(NUM_CONDITIONS)), 0)).astype(jnp.int32)
     at = jnp.maximum(stage, 0)
-    needs, bars = program.needs[at], program.bars[at]
-    open_ = (needs >= 0) & ((bits & needs) == needs) & ((bits & bars) == 0) & (stage >= 0)
+    require, forbid = program.require[at], program.forbid[at]
+    open_ = (require >= 0) & ((bits & require) == require) & ((bits & forbid) == 0) & (stage >= 0)
     way = jnp.argmax(open_)
     taken = jnp.any(open_)
     reward = jnp.where(taken, program.reward[at, way], 0.0)

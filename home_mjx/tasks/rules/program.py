@@ -39,10 +39,10 @@ class TaskProgram(Pytree):
     first: Int[Array, "*t c"]  # descriptor i
     second: Int[Array, "*t c"]  # descriptor j
     agent: Int[Array, "*t c"]  # agent whose feature is tested; -1: any agent's
-    least: Float[Array, "*t c"]  # minimum of the feature, inclusive
-    most: Float[Array, "*t c"]  # maximum of the feature, inclusive
-    needs: Int[Array, "*t s g"]  # bit mask of conditions that must hold; -1: no transition
-    bars: Int[Array, "*t s g"]  # bit mask of conditions that must not hold
+    minimum: Float[Array, "*t c"]  # minimum of the feature, inclusive
+    maximum: Float[Array, "*t c"]  # maximum of the feature, inclusive
+    require: Int[Array, "*t s g"]  # bit mask of conditions that must hold; -1: no transition
+    forbid: Int[Array, "*t s g"]  # bit mask of conditions that must not hold
     next: Int[Array, "*t s g"]  # stage, SUCCESS or FAILURE
     reward: Float[Array, "*t s g"]  # of the transition
     guide: Int[Array, "*t s"]  # descriptor towards which progress is rewarded; -1 if none
@@ -104,15 +104,15 @@ class Condition:
     """Condition: a feature between two limits, both inclusive.
 
     Example:
-        >>> near = When(Feature.DISTANCE, 0, most=0.2)
+        >>> near = When(Feature.DISTANCE, 0, maximum=0.2)
     """
 
     feature: Feature
     first: int = 0
     second: int = ANY
     agent: int = 0
-    least: float = -np.inf
-    most: float = np.inf
+    minimum: float = -np.inf
+    maximum: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def pack_program(descriptors: Sequence[Selector], stages: Sequence[TaskStage]) -
             or stage.
 
     Example:
-        >>> there = When(Feature.DISTANCE, 0, most=0.2), When(Feature.STOPPED, least=1)
+        >>> there = When(Feature.DISTANCE, 0, maximum=0.2), When(Feature.STOPPED, minimum=1)
         >>> stages = [Stage((Go(SUCCESS, there, reward=2.5),), guide=0)]
         >>> written([Meant.at((1, 2, 0))], stages)["next"][0].tolist()
         [-1, -1, -1, -1]
@@ -171,7 +171,7 @@ def _check_references(
     used += [when.second for when in known if when.feature in SECOND_DESCRIPTOR_FEATURES]
     for number in used:
         if not ANY <= number < len(descriptors):
-            hint = "Descriptors are numbered from 0, in the order of `meant`."
+            hint = "Descriptors are numbered from 0, in the order of `selectors`."
             raise ConfigError(f"a task refers to descriptor {number}, but has {len(descriptors)}", hint=hint)
     for way in (way for stage in stages for way in stage.transitions):
         if not FAILURE <= way.next < len(stages):
@@ -217,18 +217,18 @@ def _pack_conditions(known: dict[Condition, int]) -> dict[str, np.ndarray]:
     rows = [*known, *[Condition(Feature.TRUE)] * (NUM_CONDITIONS - len(known))]
     whole = {name: np.array([getattr(row, name) for row in rows], np.int8) for name in ("feature", "first", "second")}
     whole["agent"] = np.array([row.agent for row in rows], np.int8)
-    return whole | {name: np.array([getattr(row, name) for row in rows], np.float32) for name in ("least", "most")}
+    return whole | {name: np.array([getattr(row, name) for row in rows], np.float32) for name in ("minimum", "maximum")}
 
 
 def _pack_stages(stages: Sequence[TaskStage], known: dict[Condition, int]) -> dict[str, np.ndarray]:
     shape = NUM_STAGES, NUM_TRANSITIONS
-    arrays = {name: np.full(shape, -1, np.int16) for name in ("needs", "bars")}
+    arrays = {name: np.full(shape, -1, np.int16) for name in ("require", "forbid")}
     arrays |= {"next": np.full(shape, SUCCESS, np.int8), "reward": np.zeros(shape, np.float32)}
     guide = np.full(NUM_STAGES, ANY, np.int8)
     for s, stage in enumerate(stages):
         guide[s] = stage.guide
         for g, way in enumerate(stage.transitions):
             bits = (sum(1 << known[when] for when in set(whens)) for whens in (way.require, way.forbid))
-            arrays["needs"][s, g], arrays["bars"][s, g] = bits
+            arrays["require"][s, g], arrays["forbid"][s, g] = bits
             arrays["next"][s, g], arrays["reward"][s, g] = way.next, way.reward
     return arrays | {"guide": guide}

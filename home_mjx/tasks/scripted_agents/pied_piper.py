@@ -128,10 +128,10 @@ class PiedPiper(NavigationTask):
             yield TaskRow(meant, self._stages(), ROUTE_START, tokenize("follow the sound"), sounds)
 
     def _stages(self) -> list[TaskStage]:
-        near = Condition(Feature.STRAIGHT, 0, agent=FOLLOWER, most=self.follow_distance)
+        near = Condition(Feature.STRAIGHT, 0, agent=FOLLOWER, maximum=self.follow_distance)
         clear, long = (
-            Condition(Feature.CLEAR, 0, agent=FOLLOWER, least=1),
-            Condition(Feature.TIME, least=self.follow_steps),
+            Condition(Feature.CLEAR, 0, agent=FOLLOWER, minimum=1),
+            Condition(Feature.TIME, minimum=self.follow_steps),
         )
         win = Transition(SUCCESS, (near, long), reward=self.success_reward)
         return [

@@ -64,8 +64,8 @@ def row_sources(
     of = jnp.maximum(rows.emitter, 0).astype(jnp.int32)
     pos, own = point[of], body[of]
     way = jnp.where(snapshot.step == 0, 0.0, rows.speed * jnp.float32(snapshot.config.timing.ctrl_dt))
-    goal = column[jnp.maximum(rows.towards, 0)].astype(jnp.int32)
-    walks = (way > 0) & (rows.towards >= 0) & (goal >= 0)
+    goal = column[jnp.maximum(rows.destination, 0)].astype(jnp.int32)
+    walks = (way > 0) & (rows.destination >= 0) & (goal >= 0)
     bank, house, height = snapshot.bank, snapshot.house, jnp.float32(snapshot.config.source_height)
     gone = jax.vmap(lambda p, w, g: move_along_field(bank, house, field, jnp.maximum(g, 0), p, w, height))(
         pos, way, goal
@@ -77,8 +77,8 @@ def row_sources(
         body=before.body.at[:count].set(own),
         clip=jnp.full_like(before.clip, SILENT).at[:count].set(jnp.where(known, rows.clip.astype(jnp.int32), SILENT)),
         gain=before.gain.at[:count].set(rows.gain),
-        period=before.period.at[:count].set(rows.every),
-        duration=before.duration.at[:count].set(rows.lasts),
+        period=before.period.at[:count].set(rows.period),
+        duration=before.duration.at[:count].set(rows.duration),
     )
     has_any = jnp.any(emission.emitter >= 0)
     return jax.tree.map(lambda a, b: jnp.where(has_any, a, b), new, before)

@@ -27,41 +27,43 @@ class SoundEvent:
     Attributes:
         emitter: Index of the descriptor: an object, which emits from its middle, a place or an agent.
         clip: Name of a clip of `home_mjx.audio_jax.CLIPS`; or "voice" for the words of an agent.
-        every: Repetition period [s]; inf: played once.
-        lasts: Duration of each repetition [s]; inf: unlimited.
+        period: Repetition period [s]; inf: played once.
+        duration: Duration of each repetition [s]; inf: unlimited.
         gain: Factor on the sound pressure.
-        towards: Index of the descriptor that a place moves to along the shortest path; -1: it does not move.
+        destination: Index of the descriptor that a place moves to along the shortest path; -1: it does not move.
         speed: Speed of that motion [m/s].
 
     Raises:
         ConfigError: A value is invalid.
 
     Example:
-        >>> Sound(0, "bell", every=3.0, lasts=1.0).gain
+        >>> Sound(0, "bell", period=3.0, duration=1.0).gain
         1.0
     """
 
     emitter: int
     clip: str
-    every: float = math.inf
-    lasts: float = math.inf
+    period: float = math.inf
+    duration: float = math.inf
     gain: float = 1.0
-    towards: int = NO_DESCRIPTOR
+    destination: int = NO_DESCRIPTOR
     speed: float = 0.0
 
     def __post_init__(self) -> None:
         check_known("clip", [self.clip], (*CLIPS, VOICE_CLIP))
         check_number("emitter", self.emitter, 0, integer=True)
-        check_number("towards", self.towards, NO_DESCRIPTOR, integer=True)
-        for name in ("every", "lasts"):
+        check_number("destination", self.destination, NO_DESCRIPTOR, integer=True)
+        for name in ("period", "duration"):
             if not getattr(self, name) > 0:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
         for name in ("gain", "speed"):
             check_number(name, getattr(self, name), 0)
-        if self.clip == VOICE_CLIP and (math.isfinite(min(self.every, self.lasts)) or self.towards != NO_DESCRIPTOR):
+        if self.clip == VOICE_CLIP and (
+            math.isfinite(min(self.period, self.duration)) or self.destination != NO_DESCRIPTOR
+        ):
             raise ConfigError(
                 "a voice sounds when and where its agent speaks",
-                hint="Leave out `every`, `lasts` and `towards`.",
+                hint="Leave out `period`, `duration` and `destination`.",
             )
 
 
@@ -70,10 +72,10 @@ class SoundEvents(Pytree):
 
     emitter: Int[Array, "*t s"]  # descriptor; -1 if none
     clip: Int[Array, "*t s"]  # index into CLIPS; VOICED: words of the agent
-    every: Float[Array, "*t s"]  # [s]
-    lasts: Float[Array, "*t s"]  # [s]
+    period: Float[Array, "*t s"]  # [s]
+    duration: Float[Array, "*t s"]  # [s]
     gain: Float[Array, "*t s"]
-    towards: Int[Array, "*t s"]  # descriptor; -1 if it does not move
+    destination: Int[Array, "*t s"]  # descriptor; -1 if it does not move
     speed: Float[Array, "*t s"]  # [m/s]
 
 
@@ -89,12 +91,12 @@ def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str,
     """
     if len(sounds) > NUM_SOUNDS:
         raise ConfigError(f"a task has at most {NUM_SOUNDS} sounds, got {len(sounds)}")
-    for number in (number for sound in sounds for number in (sound.emitter, sound.towards)):
+    for number in (number for sound in sounds for number in (sound.emitter, sound.destination)):
         if number >= num_descriptors:
             raise ConfigError(f"a sound refers to descriptor {number}, but the task has {num_descriptors}")
-    rows = [(s.emitter, _clip_number(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
+    rows = [(s.emitter, _clip_number(s.clip), s.period, s.duration, s.gain, s.destination, s.speed) for s in sounds]
     rows += [(NO_DESCRIPTOR, 0, math.inf, math.inf, 0.0, NO_DESCRIPTOR, 0.0)] * (NUM_SOUNDS - len(sounds))
-    kinds = {"emitter": np.int8, "clip": np.int16, "towards": np.int8}
+    kinds = {"emitter": np.int8, "clip": np.int16, "destination": np.int8}
     names = SoundEvents.__dataclass_fields__
     return {
         SOUND_COLUMN.format(name): np.array(values, kinds.get(name, np.float32))

@@ -120,11 +120,11 @@ class AudioNav(NavigationTask):
         near = self.success_distance
         if self.moving_source:
             there = (
-                Condition(Feature.STRAIGHT, TARGET_INDEX, most=near),
-                Condition(Feature.CLEAR, TARGET_INDEX, least=1),
+                Condition(Feature.STRAIGHT, TARGET_INDEX, maximum=near),
+                Condition(Feature.CLEAR, TARGET_INDEX, minimum=1),
             )
         else:
-            there = (Condition(Feature.DISTANCE, TARGET_INDEX, most=near),)
+            there = (Condition(Feature.DISTANCE, TARGET_INDEX, maximum=near),)
         goal = GOAL_INDEX if self.moving_source else TARGET_INDEX
         others = range(len(meant) - self.num_distractors + 1, len(meant) + 1)
         sounds = [
@@ -140,5 +140,5 @@ class AudioNav(NavigationTask):
             "intermittent": {"period": self.period, "duration": self.duration},
             "once": {"duration": self.duration},
         }
-        walk = {"towards": GOAL_INDEX, "source_speed": self.source_speed} if self.moving_source else {}
+        walk = {"destination": GOAL_INDEX, "speed": self.source_speed} if self.moving_source else {}
         return SoundEvent(TARGET_INDEX, str(random.choice(self.target_clips)), **when[self.schedule], **walk)

@@ -60,7 +60,7 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         line |= {"start": host.start[at].tolist(), "yaw": float(host.yaw[at]), "length": float(row["length"])}
         line |= {
             "instruction": detokenize(row["tokens"]),
-            "meant": _format_selectors(row),
+            "selectors": _format_selectors(row),
             "stages": _format_stages(row),
         }
         line |= {"sounds": sounds} if (sounds := _format_sounds(row)) else {}
@@ -120,7 +120,7 @@ def _parse_row(line: dict[str, Any], index: dict[str, int], names: dict[str, int
     if line["house"] not in index:
         hint = "Give the houses that the tasks are of."
         raise UnknownIdError(f"the bank has no house {line['house'][:100]}", element="house", hint=hint)
-    meant = [_parse_selector(item) for item in line["meant"]]
+    meant = [_parse_selector(item) for item in line["selectors"]]
     with locate_errors("stages"):
         arrays = pack_program(meant, [_parse_stage(item) for item in line["stages"]])
     with locate_errors("sounds"):
@@ -137,10 +137,12 @@ def _format_speech(row: dict[str, np.ndarray]) -> dict[str, Any]:
     item: dict[str, Any] = {}
     if row["answer"] != NO_WORD:
         item["answer"] = detokenize([int(row["answer"])])
-    if row["told"] != ALL_AGENTS:
-        item["told"] = [agent for agent in range(16) if int(row["told"]) >> agent & 1]
+    if row["instructed_agents"] != ALL_AGENTS:
+        item["instructed_agents"] = [agent for agent in range(16) if int(row["instructed_agents"]) >> agent & 1]
     oracle = [[detokenize([word]) for word in pair] for pair in row["oracle"].tolist() if pair[0] != NO_WORD]
-    return item | ({"oracle": oracle, "ask": int(row["ask"])} if oracle else {})
+    return item | (
+        {"oracle": oracle, "num_identifying_questions": int(row["num_identifying_questions"])} if oracle else {}
+    )
 
 
 def _parse_speech(line: dict[str, Any]) -> dict[str, np.ndarray]:
@@ -148,8 +150,8 @@ def _parse_speech(line: dict[str, Any]) -> dict[str, np.ndarray]:
         answer = _parse_word(line["answer"]) if "answer" in line else NO_WORD
     with locate_errors("oracle"):
         oracle = [(_parse_word(question), _parse_word(reply)) for question, reply in line.get("oracle", ())]
-    with locate_errors("ask"):
-        return pack_speech(answer, line.get("told"), oracle, line.get("ask", 0))
+    with locate_errors("num_identifying_questions"):
+        return pack_speech(answer, line.get("instructed_agents"), oracle, line.get("num_identifying_questions", 0))
 
 
 def _parse_word(word: str) -> int:
@@ -196,16 +198,16 @@ def _format_stages(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
     whens = [_format_condition(row, c) for c in range(NUM_CONDITIONS)]
     found = []
     for needs, bars, after, reward, guide in zip(
-        *(row[name].tolist() for name in ("needs", "bars", "next", "reward", "guide")), strict=True
+        *(row[name].tolist() for name in ("require", "forbid", "next", "reward", "guide")), strict=True
     ):
         ways = [
-            {"next": OUTCOMES.get(after[g], after[g]), "needs": _select_bits(needs[g], whens), "reward": reward[g]}
-            | ({"bars": _select_bits(bars[g], whens)} if bars[g] else {})
+            {"next": OUTCOMES.get(after[g], after[g]), "require": _select_bits(needs[g], whens), "reward": reward[g]}
+            | ({"forbid": _select_bits(bars[g], whens)} if bars[g] else {})
             for g in range(len(needs))
             if needs[g] >= 0
         ]
         if ways:
-            found.append({"ways": ways, "guide": guide})
+            found.append({"transitions": ways, "guide": guide})
     return found
 
 
@@ -216,19 +218,19 @@ def _select_bits(bits: int, whens: list[dict[str, Any]]) -> list[dict[str, Any]]
 def _format_condition(row: dict[str, np.ndarray], c: int) -> dict[str, Any]:
     item = {"feature": Feature(int(row["feature"][c])).name.lower()}
     plain = Condition(Feature.TRUE)
-    for name in ("first", "second", "agent", "least", "most"):
+    for name in ("first", "second", "agent", "minimum", "maximum"):
         value = row[name][c].item()
         item |= {} if value == getattr(plain, name) else {name: value}
     return item
 
 
 def _parse_stage(item: dict[str, Any]) -> TaskStage:
-    return TaskStage(tuple(_parse_transition(way) for way in item["ways"]), int(item.get("guide", ANY)))
+    return TaskStage(tuple(_parse_transition(way) for way in item["transitions"]), int(item.get("guide", ANY)))
 
 
 def _parse_transition(way: dict[str, Any]) -> Transition:
     ends = {name: number for number, name in OUTCOMES.items()}
-    needs, bars = (tuple(_parse_condition(when) for when in way.get(name, ())) for name in ("needs", "bars"))
+    needs, bars = (tuple(_parse_condition(when) for when in way.get(name, ())) for name in ("require", "forbid"))
     after = way["next"]
     return Transition(ends[after] if isinstance(after, str) else int(after), needs, bars, float(way.get("reward", 0.0)))
 

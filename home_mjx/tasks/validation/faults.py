@@ -64,7 +64,7 @@ def find_violation(
         or _find_outside_grid(columns, bank)
         or _find_blocked_start(columns, bank)
     )
-    if found is None and "needs" in columns:
+    if found is None and "require" in columns:
         found = next(_program_violations(columns, features, hints), None) or _find_too_long(columns, max_steps)
     return found
 
@@ -120,35 +120,35 @@ def blocked_start(row: int, start: Float[np.ndarray, "3"]) -> Violation:
 
 def _find_too_long(columns: Columns, most_steps: float) -> Violation | None:
     steps = min_steps(columns)
-    at_once = dict(columns) | {"least": np.zeros_like(columns["least"])}
+    at_once = dict(columns) | {"minimum": np.zeros_like(columns["minimum"])}
     late = steps > most_steps
     at = _first_true(late & np.isfinite(min_steps(at_once))) if late.any() else None
     if at is None:
         return None
     message = f"success takes at least {steps[at[0]]:g} steps of `time`, an episode has {most_steps:g}"
-    return Violation(at[0], "needs", message, "Set a longer episode_length, or require less `time` in the task.")
+    return Violation(at[0], "require", message, "Set a longer episode_length, or require less `time` in the task.")
 
 
 def _program_violations(
     columns: Columns, features: Float[np.ndarray, "features 2"], hints: Mapping[str, str]
 ) -> Iterator[Violation]:
     """Yield conditions that never hold or test nothing, incomplete descriptors, and sounds without a position."""
-    needs, bars = (_used_conditions(columns[name]) for name in ("needs", "bars"))
+    needs, bars = (_used_conditions(columns[name]) for name in ("require", "forbid"))
     yield from _unsatisfiable_conditions(columns, needs, features, hints)
-    kind, feature = columns["meant.kind"], columns["feature"]
+    kind, feature = columns["selectors.kind"], columns["feature"]
     for name, group in (("first", FIRST_DESCRIPTOR_FEATURES), ("second", SECOND_DESCRIPTOR_FEATURES)):
         asked = np.isin(feature, group) & (needs | bars)
         at = _first_true(asked & (_kinds_of(kind, columns[name]) == TargetKind.NOTHING))
         if at is not None:
             what = Feature(int(feature[at])).name.lower()
             message = f"`{what}` tests descriptor {columns[name][at]}, which selects nothing"
-            yield Violation(at[0], name, message, f"Set `{name}` to the index of an item of `meant`.")
+            yield Violation(at[0], name, message, f"Set `{name}` to the index of an item of `selectors`.")
     nowhere = (kind == TargetKind.PLACE) & ~np.isfinite(columns["place"]).all(axis=-1)
-    nobody = (kind == TargetKind.AGENT) & (columns["meant.agent"] < 0)
+    nobody = (kind == TargetKind.AGENT) & (columns["selectors.agent"] < 0)
     for wrong, name in ((nowhere, "place"), (nobody, "agent")):
         at = _first_true(wrong)
         if at is not None:
-            yield Violation(at[0], "meant", f"`meant[{at[1]}]` has no `{name}`", f"Give its `{name}`.")
+            yield Violation(at[0], "selectors", f"`selectors[{at[1]}]` has no `{name}`", f"Give its `{name}`.")
     yield from _sound_violations(columns, kind)
 
 
@@ -156,23 +156,23 @@ def _unsatisfiable_conditions(
     columns: Columns, used: Bool[np.ndarray, "t c"], features: np.ndarray, hints: Mapping[str, str]
 ) -> Iterator[Violation]:
     """Yield required conditions that no value of their feature fulfils."""
-    feature, least, most = (columns[name] for name in ("feature", "least", "most"))
+    feature, least, most = (columns[name] for name in ("feature", "minimum", "maximum"))
     at = _first_true(used & (np.maximum(least, features[feature, 0]) > np.minimum(most, features[feature, 1])))
     if at is not None:
         name, (low, high) = Feature(int(feature[at])).name.lower(), features[feature[at]]
         values = f"it is from {low:g} to {high:g}" if high > low else f"it is always {low:g}"
         message = f"`{name}` is never from {least[at]:g} to {most[at]:g}: {values} here"
-        yield Violation(at[0], "needs", message, hints.get(name, "Choose other limits `least` and `most`."))
+        yield Violation(at[0], "require", message, hints.get(name, "Choose other limits `minimum` and `maximum`."))
 
 
 def _sound_violations(columns: Columns, kind: np.ndarray) -> Iterator[Violation]:
-    emitter, towards, clip = (columns[f"sound_{name}"] for name in ("emitter", "towards", "clip"))
+    emitter, towards, clip = (columns[f"sound_{name}"] for name in ("emitter", "destination", "clip"))
     mute = (emitter >= 0) & ~np.isin(_kinds_of(kind, emitter), SOUND_KINDS)
     lost = (emitter >= 0) & (towards >= 0) & (_kinds_of(kind, towards) == TargetKind.NOTHING)
     voiceless = (emitter >= 0) & (clip == VOICE_CLIP_NUMBER) & (_kinds_of(kind, emitter) != TargetKind.AGENT)
     for wrong, name, of in (
         (mute, "emitter", "an object, a place or an agent"),
-        (lost, "towards", "a place or an object"),
+        (lost, "destination", "a place or an object"),
     ):
         at = _first_true(wrong)
         if at is not None:

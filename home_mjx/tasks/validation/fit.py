@@ -109,10 +109,14 @@ def _bank_ranges(bank: HouseBank, tasks: TaskBank) -> dict[str, Range]:
 
 def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, ranges: dict[str, Range]) -> None:
     agents = index_range(config.num_agents)
-    ranges = ranges | {"agent": agents, "meant.agent": agents, "told": index_range(2**config.num_agents)}
+    ranges = ranges | {
+        "agent": agents,
+        "selectors.agent": agents,
+        "instructed_agents": index_range(2**config.num_agents),
+    }
     hints = dict.fromkeys(("house", "field", "goal"), OTHER_HOUSES_HINT)
     hints |= dict.fromkeys(
-        ("agent", "meant.agent", "told"), f"There are {config.num_agents} agents: see num_agents=..."
+        ("agent", "selectors.agent", "instructed_agents"), f"There are {config.num_agents} agents: see num_agents=..."
     )
     hints |= {"held": "Give hands=True.", "stopped": 'Give actions="discrete".', "said": "Give speech=(...)."}
     fault = find_violation(rows, bank, ranges, feature_ranges(config), hints, config.episode_length)

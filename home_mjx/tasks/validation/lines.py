@@ -73,18 +73,20 @@ def build_line_schema() -> Schema:
     place = ListSchema(_range_checker(column_ranges()["place"]._replace(also_allowed=())), 3, 3)
     words = {f"{word.name.lower()}?": _attribute_checker(word) for word in list(Attribute)[1:]}
     meant = {"kind": _name_checker([kind.name.lower() for kind in TargetKind]), "place?": place, **words}
-    numbers = {f"{name}?": _column_checker(name) for name in ("first", "second", "agent", "least", "most")}
+    numbers = {f"{name}?": _column_checker(name) for name in ("first", "second", "agent", "minimum", "maximum")}
     whens = ListSchema(
         {"feature": _name_checker([feature.name.lower() for feature in Feature]), **numbers}, NUM_CONDITIONS
     )
-    way = {"next": _check_next, "needs?": whens, "bars?": whens, "reward?": _column_checker("reward")}
-    stage = {"ways": ListSchema(way, NUM_TRANSITIONS, 1), "guide?": _column_checker("guide")}
+    way = {"next": _check_next, "require?": whens, "forbid?": whens, "reward?": _column_checker("reward")}
+    stage = {"transitions": ListSchema(way, NUM_TRANSITIONS, 1), "guide?": _column_checker("guide")}
     sound = {"emitter": _column_checker("sound_emitter"), "clip": _name_checker((*CLIPS, VOICE_CLIP))}
-    sound |= {f"{name}?": _column_checker(f"sound_{name}") for name in ("every", "lasts", "gain", "towards", "speed")}
+    sound |= {
+        f"{name}?": _column_checker(f"sound_{name}") for name in ("period", "duration", "gain", "destination", "speed")
+    }
     talk = {
         "answer?": _check_text,
-        "told?": ListSchema(_range_checker(index_range(MAX_AGENTS, allow_none=False)), MAX_AGENTS),
-        "ask?": _column_checker("ask"),
+        "instructed_agents?": ListSchema(_range_checker(index_range(MAX_AGENTS, allow_none=False)), MAX_AGENTS),
+        "num_identifying_questions?": _column_checker("num_identifying_questions"),
     }
     talk |= {"oracle?": ListSchema(ListSchema(_check_text, 2, 2), NUM_REPLIES)}
     own = {
@@ -96,7 +98,7 @@ def build_line_schema() -> Schema:
     own |= {
         "length": _column_checker("length"),
         "instruction": _check_text,
-        "meant": ListSchema(meant, NUM_DESCRIPTORS),
+        "selectors": ListSchema(meant, NUM_DESCRIPTORS),
     }
     return own | {"stages": ListSchema(stage, NUM_STAGES, 1), "sounds?": ListSchema(sound, NUM_SOUNDS)} | talk
 

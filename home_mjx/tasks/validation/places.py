@@ -39,11 +39,11 @@ def find_infeasible(
         if not stands[number]:
             return blocked_start(number, row["start"])
         if lost[number].any():
-            name = f"meant[{np.argmax(lost[number])}]"
+            name = f"selectors[{np.argmax(lost[number])}]"
             return Violation(
                 number, name, "the house has no such object or room", "`HouseView.things` lists its objects."
             )
         if not is_feasible(row, nearest):
             message = "no path leads to a target of the task, or none close enough to it"
-            return Violation(number, "meant", message, "Choose another goal, or a greater `most` of `distance`.")
+            return Violation(number, "selectors", message, "Choose another goal, or a greater `maximum` of `distance`.")
     return None

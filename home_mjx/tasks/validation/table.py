@@ -27,9 +27,9 @@ from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
 
 INF = float("inf")
 MAX_MAGNITUDE = 1e6  # maximum of a reward, a length [m] or a limit of a condition
-MAX_AGENTS = 15  # maximum number of agents: bits of the column `told`
+MAX_AGENTS = 15  # maximum number of agents: bits of the column `instructed_agents`
 MAX_INT16 = 2**15 - 1
-DESCRIPTOR_COLUMN = "meant.{}"  # name of a descriptor's column, by word
+DESCRIPTOR_COLUMN = "selectors.{}"  # name of a descriptor's column, by word
 
 
 class Range(NamedTuple):
@@ -71,7 +71,7 @@ def index_range(count: int, allow_none: bool = True) -> Range:
 
 @functools.cache
 def column_ranges() -> dict[str, Range]:
-    """Return the range of each column for any houses and environment; descriptor columns as `meant.<word>`.
+    """Return the range of each column for any houses and environment; descriptor columns as `selectors.<word>`.
 
     Example:
         >>> print(limits()["reward"])
@@ -92,16 +92,16 @@ def column_ranges() -> dict[str, Range]:
         "guide": descriptor,
     }
     program |= {"feature": index_range(len(Feature), allow_none=False), "first": descriptor, "second": descriptor}
-    program |= {"agent": index_range(MAX_AGENTS), "least": limit, "most": limit, "needs": bits, "bars": bits}
+    program |= {"agent": index_range(MAX_AGENTS), "minimum": limit, "maximum": limit, "require": bits, "forbid": bits}
     program |= {"next": Range(FAILURE, NUM_STAGES - 1, is_integer=True), "reward": Range(-MAX_MAGNITUDE, MAX_MAGNITUDE)}
     sound = {
         "emitter": descriptor,
-        "towards": descriptor,
+        "destination": descriptor,
         "clip": Range(VOICE_CLIP_NUMBER, len(CLIPS) - 1, is_integer=True),
     }
-    sound |= {"every": again, "lasts": again, "gain": Range(0.0, 1000.0), "speed": Range(0.0, 100.0)}
-    talk = {"answer": token, "oracle": token, "ask": Range(0, NUM_REPLIES, is_integer=True)}
-    talk |= {"told": index_range(2**MAX_AGENTS), "tokens": index_range(len(all_words()), allow_none=False)}
+    sound |= {"period": again, "duration": again, "gain": Range(0.0, 1000.0), "speed": Range(0.0, 100.0)}
+    talk = {"answer": token, "oracle": token, "num_identifying_questions": Range(0, NUM_REPLIES, is_integer=True)}
+    talk |= {"instructed_agents": index_range(2**MAX_AGENTS), "tokens": index_range(len(all_words()), allow_none=False)}
     own = {
         "task": index_range(MAX_INT16 + 1, allow_none=False),
         "length": Range(0.0, MAX_MAGNITUDE),

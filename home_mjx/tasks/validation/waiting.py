@@ -14,22 +14,22 @@ def min_steps(columns: Mapping[str, np.ndarray]) -> Float[np.ndarray, " t"]:
     All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success.
 
     Args:
-        columns: `needs`, `next`, `feature` and `least` of the rows, see `Program`.
+        columns: `require`, `next`, `feature` and `minimum` of the rows, see `Program`.
 
     Example:
-        >>> columns = {"needs": np.full((1, 6, 3), -1), "next": np.full((1, 6, 3), -1)}
-        >>> columns |= {"feature": np.zeros((1, 8), int), "least": np.zeros((1, 8))}
-        >>> columns["needs"][0, 0, 0] = 0b10  # success needs the second condition
-        >>> columns["feature"][0, 1], columns["least"][0, 1] = Feature.TIME, 80.0
+        >>> columns = {"require": np.full((1, 6, 3), -1), "next": np.full((1, 6, 3), -1)}
+        >>> columns |= {"feature": np.zeros((1, 8), int), "minimum": np.zeros((1, 8))}
+        >>> columns["require"][0, 0, 0] = 0b10  # success needs the second condition
+        >>> columns["feature"][0, 1], columns["minimum"][0, 1] = Feature.TIME, 80.0
         >>> least_steps(columns).tolist()
         [80.0]
     """
-    needs, after = columns["needs"], columns["next"].astype(int)
+    needs, after = columns["require"], columns["next"].astype(int)
     taken = np.where(needs >= 0, 0.0, np.inf)  # minimum number of steps before each transition
     for condition in range(NUM_CONDITIONS):
         asked = (needs >= 0) & (needs.astype(int) >> condition & 1 == 1)
         time = columns["feature"][:, condition] == Feature.TIME
-        wait = np.where(time, np.maximum(columns["least"][:, condition], 0.0), 0.0)
+        wait = np.where(time, np.maximum(columns["minimum"][:, condition], 0.0), 0.0)
         taken = np.where(asked, np.maximum(taken, wait[:, None, None]), taken)
     arrived = np.full((len(needs), NUM_STAGES), np.inf)
     arrived[:, 0] = 0.0

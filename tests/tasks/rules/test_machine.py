@@ -54,7 +54,7 @@ def drawn_stages(random: np.random.Generator) -> list[TaskStage]:
 
 def holds(when: Condition, table: np.ndarray) -> bool:
     agents = range(AGENTS) if when.agent < 0 else [when.agent]
-    return any(when.least <= table[when.feature, a, when.first, when.second] <= when.most for a in agents)
+    return any(when.minimum <= table[when.feature, a, when.first, when.second] <= when.maximum for a in agents)
 
 
 def by_hand(stages: list[TaskStage], stage: int, table: np.ndarray) -> tuple[int, float, bool]:

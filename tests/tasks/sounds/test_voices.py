@@ -254,8 +254,8 @@ def test_voices_are_written_in_files(env, tmp_path):
 @pytest.mark.parametrize(
     ("make", "what"),
     [
-        (lambda: SoundEvent(1, VOICE_CLIP, every=3.0), "voice"),
-        (lambda: SoundEvent(1, VOICE_CLIP, towards=2, speed=0.3), "voice"),
+        (lambda: SoundEvent(1, VOICE_CLIP, period=3.0), "voice"),
+        (lambda: SoundEvent(1, VOICE_CLIP, destination=2, speed=0.3), "voice"),
         (lambda: Communication(channel="audable"), "Did you mean `audible`"),
         (lambda: synthesize_word(jnp.int32(1), AudioConfig(timing=Timing(sample_rate=6000))), "6000 Hz"),
     ],
