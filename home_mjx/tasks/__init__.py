@@ -19,8 +19,8 @@ from home_mjx.tasks.experts.teacher import ExpertObservationEnv, add_expert
 from home_mjx.tasks.experts.walk import expert_action
 from home_mjx.tasks.language.splits import mask_new_combinations, mask_words
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.metrics.question_baselines import chance_accuracy, prior_accuracy
 from home_mjx.tasks.metrics.top_down import CellOccupancy, MapMemory, TopDownMap, top_down_map, update_map_memory
-from home_mjx.tasks.questions.balance import chance_accuracy, prior_accuracy
 from home_mjx.tasks.questions.communication import Communication
 from home_mjx.tasks.questions.dialogue import Dialogue
 from home_mjx.tasks.questions.house_qa import HouseQA

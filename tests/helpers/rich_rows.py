@@ -32,7 +32,7 @@ class Rich(NavigationTask):
         return ("say:yes",)
 
     @property
-    def hears(self) -> tuple[str, ...]:
+    def speech_observations(self) -> tuple[str, ...]:
         """What the oracle says."""
         return ("reply",)
 

@@ -4,11 +4,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.communication.talk import NO_WORD, is_instructed
 from home_mjx.tasks.env.moves import spoken_tokens
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.row_task import RowState
-from home_mjx.tasks.rules.words import FAILURE, Feature
+from home_mjx.tasks.rules.speech import is_instructed
+from home_mjx.tasks.rules.words import FAILURE, NO_WORD, Feature
 
 REPEAT_PERIOD = 4  # [steps] between words of an informed agent, which walks out of the others' way in between
 

@@ -53,7 +53,7 @@ class Communication(NavigationTask):
         return ("heard_words",) if self.channel == "discrete" else ()
 
     @property
-    def needs_ears(self) -> bool:
+    def requires_hearing(self) -> bool:
         """True if words are sounds, as they are then not observed otherwise."""
         return self.channel == "audible"
 
@@ -63,7 +63,7 @@ class Communication(NavigationTask):
         return 2 if self.channel == "audible" else 1
 
     @property
-    def least_agents(self) -> int:
+    def min_agents(self) -> int:
         """Minimum number of agents: a listener and a speaker."""
         return 2
 

@@ -82,7 +82,7 @@ class PiedPiper(NavigationTask):
         check_known("split of sounds", [self.clip_split], SPLITS)
 
     @property
-    def needs_stop(self) -> bool:
+    def requires_stop(self) -> bool:
         """Always False."""
         return False
 
@@ -97,14 +97,14 @@ class PiedPiper(NavigationTask):
         return FOLLOWER + 1
 
     @property
-    def least_agents(self) -> int:
+    def min_agents(self) -> int:
         """Number of agents: follower, piper and others."""
         return 2 + self.num_others
 
     @property
-    def most_agents(self) -> int:
+    def max_agents(self) -> int:
         """Maximum number of agents, equal to the minimum: further agents would have no role."""
-        return self.least_agents
+        return self.min_agents
 
     @property
     def num_sources(self) -> int:
@@ -147,7 +147,7 @@ class PiedPiper(NavigationTask):
         stray = _far_goals(snapshot, base.program.place[ROUTE_START : ROUTE_START + 2])
         return PiedPiperState(**own, others_route=stray, route_end=zero, contact_steps=zero, near_steps=zero[0])
 
-    def lead(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
+    def control_agents(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
         """Return actions of the scripted agents: descend the distance field, with a pause every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)

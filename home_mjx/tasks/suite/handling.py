@@ -47,7 +47,7 @@ class ManipulationTask(NavigationTask):
             check_number(limit, getattr(self, limit), 0)
 
     @property
-    def needs_hands(self) -> bool:
+    def requires_hands(self) -> bool:
         """Always True."""
         return True
 

@@ -32,7 +32,7 @@ class Kept(PointNav):
     def num_acting(self):
         return self.acting
 
-    def lead(self, snapshot, state):
+    def control_agents(self, snapshot, state):
         agents = snapshot.stopped.shape[0]
         walks = jnp.tile(jnp.array(LED), (agents, 1)) if snapshot.config.discrete is None else jnp.full(agents, FORWARD)
         return jnp.arange(agents) >= self.acting, walks

@@ -35,7 +35,7 @@ class Pair(Task):
     """For two."""
 
     @property
-    def least_agents(self):
+    def min_agents(self):
         return 2
 
 

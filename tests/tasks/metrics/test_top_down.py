@@ -191,7 +191,7 @@ def test_goals_of_rows_are_their_rooms_and_things():
     def maps(key, row):
         state = env.core.begin(env.params, key, None, row)
         snapshot = env.core.snapshot(env.params, state)
-        return top_down_map(snapshot, state.task, update_map_memory(snapshot)), state.task.means
+        return top_down_map(snapshot, state.task, update_map_memory(snapshot)), state.task.targets
 
     keys = jax.random.split(jax.random.key(0), rows)
     found, means = jax.tree.map(np.asarray, jax.jit(jax.vmap(maps))(keys, jnp.arange(rows)))

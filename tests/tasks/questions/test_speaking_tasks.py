@@ -28,11 +28,12 @@ from home_mjx.tasks import (
     save_tasks,
     tokenize,
 )
-from home_mjx.tasks.communication.talk import NUM_REPLIES, pack_speech, words_of_others
 from home_mjx.tasks.questions.dialogue import QUESTION_WORDS, UNKNOWN
 from home_mjx.tasks.rules.house_view import house_views
 from home_mjx.tasks.rules.meaning import resolve_targets_on_host
-from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
+from home_mjx.tasks.rules.packing import pack_speech
+from home_mjx.tasks.rules.speech import words_of_others
+from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, NUM_REPLIES, Attribute, TargetKind
 
 STOPS = {"stop": True}
 MIX = HouseTasks(

@@ -6,9 +6,18 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
-from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition, check_success, pack_program
-from home_mjx.tasks.rules.task_bank import extract_program
+from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.packing import pack_program
+from home_mjx.tasks.rules.program import (
+    Condition,
+    Selector,
+    TaskProgram,
+    TaskStage,
+    Transition,
+    check_success,
+    evaluate_conditions,
+    take_transition,
+)
 from home_mjx.tasks.rules.words import (
     FAILURE,
     NUM_CONDITIONS,
@@ -70,7 +79,7 @@ def test_any_program_takes_the_transitions_of_a_loop():
 
     @jax.jit
     def one(columns, stage, table):
-        program = extract_program(columns)
+        program = extract(TaskProgram, columns)
         return take_transition(program, stage, evaluate_conditions(program, table))
 
     kinds = set()

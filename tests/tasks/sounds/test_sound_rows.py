@@ -26,8 +26,10 @@ from home_mjx.tasks import (
     load_tasks,
     save_tasks,
 )
+from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.packing import pack_sounds, unpack_sounds
 from home_mjx.tasks.rules.words import Attribute, TargetKind
-from home_mjx.tasks.sounds.row import NUM_SOUNDS, extract_sounds, pack_sounds, unpack_sounds
+from home_mjx.tasks.sounds.row import NUM_SOUNDS, SoundEvents
 from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 
 OPTIONS = {"stop": True}
@@ -88,7 +90,7 @@ def test_sounds_are_read_as_they_were_written():
     assert {values.shape for values in arrays.values()} == {(NUM_SOUNDS,)}
     assert unpack_sounds(arrays) == sounds
     on_device = {name: jnp.asarray(values) for name, values in arrays.items()}
-    assert extract_sounds(on_device).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
+    assert extract(SoundEvents, on_device).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
 
 
 @pytest.mark.parametrize(

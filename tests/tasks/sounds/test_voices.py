@@ -24,7 +24,8 @@ from home_mjx.tasks import (
     tokenize,
 )
 from home_mjx.tasks.language.vocabulary import all_words
-from home_mjx.tasks.sounds.row import VOICE_CLIP, VOICE_CLIP_NUMBER, pack_sounds
+from home_mjx.tasks.rules.packing import pack_sounds
+from home_mjx.tasks.sounds.row import VOICE_CLIP, VOICE_CLIP_NUMBER
 from home_mjx.tasks.sounds.voice import NUM_WORDS, num_audible_frames, synthesize_voices, synthesize_word, word_tones
 
 RATE, LISTENER, SPEAKER, LOOK_UP, LOOK_DOWN = 16000, 0, 1, 4, 5

@@ -31,10 +31,10 @@ from home_mjx.tasks import (
     load_tasks,
     save_tasks,
 )
+from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.machine import take_transition
-from home_mjx.tasks.rules.program import Selector, pack_program
-from home_mjx.tasks.rules.task_bank import extract_program
+from home_mjx.tasks.rules.packing import pack_program
+from home_mjx.tasks.rules.program import Selector, TaskProgram, take_transition
 from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, TargetKind
 from home_mjx.tasks.suite.carried import find_portable_objects
 
@@ -70,8 +70,8 @@ def meant_by(view, words: np.ndarray) -> list:
     used = {word: words[word] for word in columns if words[word] >= 0}
     return [
         thing
-        for thing in view.things
-        if all(any(thing.word(column) == value for column in columns[word]) for word, value in used.items())
+        for thing in view.objects
+        if all(any(thing.semantic(column) == value for column in columns[word]) for word, value in used.items())
     ]
 
 
@@ -94,7 +94,7 @@ def test_every_house_has_tasks_of_things_that_hands_can_take(bank, tasks, views,
     assert {int(row["house"]) for row in rows} == set(range(bank.num_houses))
     for row in rows:
         view = views[row["house"]]
-        below = {thing.word(Semantic.SUPPORTER) for thing in view.things}
+        below = {thing.semantic(Semantic.SUPPORTER) for thing in view.objects}
         for d in things_to_take(row):
             (thing,) = meant_by(view, row["descriptor"][d])
             assert thing.body >= 0
@@ -127,7 +127,7 @@ def test_things_are_put_on_others_on_which_they_are_not(tasks, views):
             if f == Feature.ON:
                 (thing,), (below,) = (meant_by(view, row["descriptor"][d]) for d in (i, j))
                 pairs += [thing.object_id, below.object_id]
-                assert thing.word(Semantic.SUPPORTER) != below.object_id
+                assert thing.semantic(Semantic.SUPPORTER) != below.object_id
                 top = below.box[1, 2] - view.graph.place[:, 2].min()
                 assert 0.2 < top < 1.4
         assert len(set(pairs)) == len(pairs)
@@ -274,8 +274,8 @@ def told(program, stage: int, **features: bool) -> tuple[int, float]:
 def one_program(task, count: int):
     stages = task._stages(count)
     arrays = pack_program([Selector.objects(coarse=k) for k in range(2 * count)], stages)
-    return extract_program(
-        {name: jnp.asarray(value) for name, value in arrays.items()} | {"field": jnp.zeros(4, jnp.int32)}
+    return extract(
+        TaskProgram, {name: jnp.asarray(value) for name, value in arrays.items()} | {"field": jnp.zeros(4, jnp.int32)}
     )
 
 

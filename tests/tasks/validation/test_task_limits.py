@@ -34,8 +34,7 @@ from home_mjx.tasks import (
 from home_mjx.tasks.base.state import check_rows
 from home_mjx.tasks.rules.fields import CellGraph
 from home_mjx.tasks.suite.navigation import check_mix
-from home_mjx.tasks.validation.starts import is_standable
-from home_mjx.tasks.validation.waiting import min_steps
+from home_mjx.tasks.validation.row_violations import is_standable, min_steps
 
 KINEMATIC = PhysicsConfig(impl="kinematic")
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=KINEMATIC)
@@ -226,13 +225,13 @@ def test_success_after_the_end_of_an_episode_is_refused(env, lines, tmp_path, wa
     if fits:
         env.with_tasks(tasks)
         return
-    with pytest.raises(ConfigError, match=r"steps of `time`, an episode has 500 \(at task 0, needs.* episode_length"):
+    with pytest.raises(ConfigError, match=r"steps of `time`, an episode has 500 \(at task 0, require.* episode_length"):
         env.with_tasks(tasks)
 
 
 @pytest.mark.parametrize("index", [4, -1, jnp.array([0, 100]), [0, 4]])
 def test_rows_out_of_range_are_refused(env, index):
-    for tasks in (env.params.tasks, env.params.tasks.weighted([1, 2, 3, 4]), env.params.tasks.rows):
+    for tasks in (env.params.tasks, env.params.tasks.with_weights([1, 2, 3, 4]), env.params.tasks.rows):
         with pytest.raises(OutOfRangeError, match="there are episodes 0 to 3") as raised:
             tasks.pick(jnp.asarray(index))
         assert raised.value.hint
@@ -259,7 +258,7 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
         (tasks.replace(field=tasks.field[:, :0]), "cells"),
         (
             tasks.replace(rows=rows.replace(columns={"length": columns["length"]})),
-            "lack columns that Rich needs: descriptor",
+            "lack columns that Rich needs: .*descriptor",
         ),
         (tasks.replace(rows=rows.replace(columns=short)), "`reward` must have the shape"),
         (tasks.replace(rows=rows.replace(house=rows.house + 100)), "`house` must be a whole number from 0 to 1"),
@@ -318,7 +317,7 @@ def test_weights_inside_a_program_are_flagged(env):
 
     @jax.jit
     def begun(weights):
-        states = batch.reset(env.params.replace(tasks=env.params.tasks.weighted(weights)), keys)
+        states = batch.reset(env.params.replace(tasks=env.params.tasks.with_weights(weights)), keys)
         return states.world.episode, states.status
 
     for weights, drawn, flag in (
@@ -339,7 +338,7 @@ def test_weights_inside_a_program_are_flagged(env):
 )
 def test_what_is_no_weights_is_refused(env, weights):
     with pytest.raises(ConfigError, match="weights") as raised:
-        env.params.tasks.weighted(weights)
+        env.params.tasks.with_weights(weights)
     assert raised.value.hint
 
 

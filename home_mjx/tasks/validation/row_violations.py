@@ -1,24 +1,23 @@
-"""Validation of rows as arrays: the first invalid row, and the reason."""
+"""Validation of rows as arrays (host side): the first invalid row, and the reason."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.base.state import MAX_FLOOR_OFFSET, Episodes
 from home_mjx.tasks.rules.program import FIRST_DESCRIPTOR_FEATURES, SECOND_DESCRIPTOR_FEATURES
-from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, Feature, TargetKind
+from home_mjx.tasks.rules.words import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Attribute, Feature, TargetKind
 from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
-from home_mjx.tasks.validation.starts import is_standable
-from home_mjx.tasks.validation.table import DESCRIPTOR_COLUMN, Range
-from home_mjx.tasks.validation.waiting import min_steps
+from home_mjx.tasks.validation.column_ranges import DESCRIPTOR_COLUMN, Range
 
 MAX_START_HEIGHT = 4.0  # [m] maximum height of a start above the highest floor
 MAX_START_DEPTH = 1.0  # [m] maximum depth of a start below the lowest floor
 SOUND_KINDS = (TargetKind.OBJECT, TargetKind.PLACE, TargetKind.AGENT)
+NEIGHBOR_OFFSETS = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
 Columns = Mapping[str, np.ndarray]
 
 
@@ -196,3 +195,66 @@ def _kinds_of(kind: np.ndarray, number: np.ndarray) -> np.ndarray:
     """Return the kinds of the descriptors with these indices; NOTHING for -1."""
     found = np.take_along_axis(kind, np.maximum(number, 0).astype(int), axis=1)
     return np.where(number < 0, TargetKind.NOTHING, found)
+
+
+def min_steps(columns: Columns) -> Float[np.ndarray, " t"]:
+    """Return the minimum number of steps before a row can succeed: the least sum of `TIME` along its stages.
+
+    All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success.
+
+    Args:
+        columns: `require`, `next`, `feature` and `minimum` of the rows, see `TaskProgram`.
+
+    Example:
+        >>> columns = {"require": np.full((1, 6, 3), -1), "next": np.full((1, 6, 3), -1)}
+        >>> columns |= {"feature": np.zeros((1, 8), int), "minimum": np.zeros((1, 8))}
+        >>> columns["require"][0, 0, 0] = 0b10  # success needs the second condition
+        >>> columns["feature"][0, 1], columns["minimum"][0, 1] = Feature.TIME, 80.0
+        >>> min_steps(columns).tolist()
+        [80.0]
+    """
+    needs, after = columns["require"], columns["next"].astype(int)
+    taken = np.where(needs >= 0, 0.0, np.inf)  # minimum number of steps before each transition
+    for condition in range(NUM_CONDITIONS):
+        asked = (needs >= 0) & (needs.astype(int) >> condition & 1 == 1)
+        time = columns["feature"][:, condition] == Feature.TIME
+        wait = np.where(time, np.maximum(columns["minimum"][:, condition], 0.0), 0.0)
+        taken = np.where(asked, np.maximum(taken, wait[:, None, None]), taken)
+    arrived = np.full((len(needs), NUM_STAGES), np.inf)
+    arrived[:, 0] = 0.0
+    for _ in range(NUM_STAGES):
+        left = arrived[:, :, None] + taken
+        for stage in range(NUM_STAGES):
+            there = np.where(after == stage, left, np.inf).min(axis=(1, 2))
+            arrived[:, stage] = np.minimum(arrived[:, stage], there)
+    return np.where(after == SUCCESS, arrived[:, :, None] + taken, np.inf).min(axis=(1, 2))
+
+
+def is_standable(
+    bank: HouseBank, house: Int[np.ndarray, " t"], start: Float[np.ndarray, "t 3"]
+) -> Bool[np.ndarray, " t"]:
+    """Return whether an agent fits at each position and can reach the home region from there.
+
+    True in or next to a cell of the home region, which is free for the body size that the houses were compiled for.
+
+    Args:
+        bank: The houses.
+        house: Index of the house of each position.
+        start: Positions on the floor [m].
+    """
+    navigation = bank.navigation
+    numbers, height = np.asarray(navigation.cell), np.asarray(navigation.height)
+    levels, *size = numbers.shape[1:]
+    first = np.asarray(navigation.first_cell)[house]
+    end = first + np.asarray(navigation.num_cells)[house]
+    plan = np.floor((start[:, :2] - np.asarray(navigation.origin)[house]) / bank.spec.cell)
+    column, row = np.clip(plan, -2, np.array(size[::-1]) + 1).astype(int).T  # keeps integers in range
+    found = np.zeros(len(house), bool)
+    for level in range(levels):
+        for away in NEIGHBOR_OFFSETS:
+            at = row + away[0], column + away[1]
+            inside = (at[0] >= 0) & (at[0] < size[0]) & (at[1] >= 0) & (at[1] < size[1])
+            number = numbers[house, level, np.clip(at[0], 0, size[0] - 1), np.clip(at[1], 0, size[1] - 1)]
+            near = np.abs(height[np.maximum(number, 0)] - start[:, 2]) < MAX_FLOOR_OFFSET
+            found |= inside & (number >= first) & (number < end) & near
+    return found
