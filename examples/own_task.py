@@ -8,19 +8,19 @@ import numpy as np
 import home_mjx
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import (
+from home_mjx.tasks import add_expert
+from home_mjx.tasks.rules import (
     FAILURE,
     SUCCESS,
     Condition,
     Feature,
     HouseView,
-    NavigationTask,
     Selector,
     TaskRow,
     TaskStage,
     Transition,
-    add_expert,
 )
+from home_mjx.tasks.suite import NavigationTask
 from home_mjx.training import evaluate, expert_policy
 
 

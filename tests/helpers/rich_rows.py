@@ -6,20 +6,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import (
+from home_mjx.tasks.language import tokenize
+from home_mjx.tasks.rules import (
     FAILURE,
     SUCCESS,
     Condition,
     Feature,
     HouseView,
-    NavigationTask,
     Selector,
     SoundEvent,
     TaskRow,
     TaskStage,
     Transition,
-    tokenize,
 )
+from home_mjx.tasks.suite import NavigationTask
 
 
 @dataclass(frozen=True)

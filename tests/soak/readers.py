@@ -371,6 +371,7 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
 
     def prepare(folder: Path) -> tuple[list[bytes], Read]:
         from home_mjx import tasks
+        from home_mjx.tasks.suite import RoomNav
         from home_mjx.houses import load_bank
         from home_mjx.physics import PhysicsConfig
         from home_mjx.tasks.rules.house_view import house_views
@@ -386,7 +387,7 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
             tasks.save_episodes(path, bank, tasks.sample_episodes(bank, 3))
             return [path.read_bytes()], file_reader(path, lambda: tasks.load_episodes(path, bank))
         config = tasks.EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
-        env = tasks.HouseholdEnv(config, tasks.RoomNav(num_tasks=2)).bind(bank)
+        env = tasks.HouseholdEnv(config, RoomNav(num_tasks=2)).bind(bank)
         tasks.save_tasks(path, bank, env.params.tasks)
         views = house_views(bank)
         task_lines.house_views = lambda _: views  # what a house is like does not change

@@ -276,7 +276,7 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
     known: dict[bytes, int] = {}
     ends: list[EndCells] = []
     for at, column in enumerate(columns):
-        column["field"] = columns_of(TaskProgram)["field"].pack(())
+        column["field"] = columns_of(TaskProgram)["field"].empty()
         for d, kind in enumerate(column["descriptor"][:, Attribute.KIND].tolist()):
             if kind in (TargetKind.NOTHING, TargetKind.AGENT):
                 continue

@@ -73,6 +73,10 @@ class Column:
         """Shape of one row."""
         return tuple(int(axis) if axis.isdigit() else AXES[axis].capacity for axis in self.axes)
 
+    def empty(self) -> np.ndarray:
+        """Return one row of unused entries."""
+        return np.full(self.shape, self.fill, self.dtype)
+
     def pack(self, values: Any) -> np.ndarray:
         """Return values as one row, with unused entries filled.
 
@@ -82,7 +86,7 @@ class Column:
         Raises:
             ConfigError: There are more values than the capacity of an axis.
         """
-        row = np.full(self.shape, self.fill, self.dtype)
+        row = self.empty()
         if len(self.axes) < 2:
             row[self._place(values, 0)] = values
             return row

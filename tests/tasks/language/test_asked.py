@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from home_mjx.tasks import tokenize
+from home_mjx.tasks.language import tokenize
 from home_mjx.tasks.language.phrases import describe_goal
 from home_mjx.tasks.rules.words import Attribute, TargetKind
 

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import TaskBank, mask_new_combinations, mask_words, tokenize
+from home_mjx.tasks import TaskBank
 from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.language import mask_new_combinations, mask_words, tokenize
 from home_mjx.tasks.language.splits import COMBINED_ATTRIBUTES
 from home_mjx.tasks.rules.declaration import columns_of
 from home_mjx.tasks.rules.task_bank import RowStart

@@ -15,22 +15,13 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.navigation import geodesic_distance
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import (
-    AudioNav,
-    EnvConfig,
-    EnvParams,
-    HouseholdEnv,
-    HouseTasks,
-    RoomNav,
-    SoundEvent,
-    expert_action,
-    load_tasks,
-    save_tasks,
-)
+from home_mjx.tasks import EnvConfig, EnvParams, HouseholdEnv, expert_action, load_tasks, save_tasks
+from home_mjx.tasks.rules import SoundEvent
 from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.packing import pack_sounds, unpack_sounds
 from home_mjx.tasks.rules.words import Attribute, TargetKind
 from home_mjx.tasks.sounds.row import NUM_SOUNDS, SoundEvents
+from home_mjx.tasks.suite import AudioNav, HouseTasks, RoomNav
 from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 
 OPTIONS = {"stop": True}

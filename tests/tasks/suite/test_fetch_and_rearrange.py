@@ -18,24 +18,15 @@ from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import (
-    SUCCESS,
-    EnvConfig,
-    Feature,
-    Fetch,
-    HouseholdEnv,
-    HouseTasks,
-    Rearrange,
-    detokenize,
-    expert_action,
-    load_tasks,
-    save_tasks,
-)
+from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action, load_tasks, save_tasks
+from home_mjx.tasks.language import detokenize
+from home_mjx.tasks.rules import SUCCESS, Feature
 from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.house_view import house_views
 from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import Selector, TaskProgram, take_transition
 from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, TargetKind
+from home_mjx.tasks.suite import Fetch, HouseTasks, Rearrange
 from home_mjx.tasks.suite.carried import find_portable_objects
 
 HANDS = {"hands": True, "max_aim_angle": 10.0, "max_pitch": 1.05}

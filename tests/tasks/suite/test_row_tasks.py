@@ -16,24 +16,10 @@ from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.compiled import FIELD_UNIT
-from home_mjx.tasks import (
-    EnvConfig,
-    EnvParams,
-    Feature,
-    HouseholdEnv,
-    HouseTasks,
-    InstructionFollowing,
-    ObjectNav,
-    PiedPiper,
-    PointGoals,
-    RoomNav,
-    detokenize,
-    expert_action,
-    load_tasks,
-    mask_new_combinations,
-    save_tasks,
-    tokenize,
-)
+from home_mjx.tasks import EnvConfig, EnvParams, HouseholdEnv, expert_action, load_tasks, save_tasks
+from home_mjx.tasks.language import detokenize, mask_new_combinations, tokenize
+from home_mjx.tasks.rules import Feature
+from home_mjx.tasks.suite import HouseTasks, InstructionFollowing, ObjectNav, PiedPiper, PointGoals, RoomNav
 
 STOPS = {"stop": True}
 TASKS = HouseTasks(
