@@ -1,4 +1,4 @@
-"""Referring expressions: phrases for objects, rooms and goals, and the smallest set of words that identifies an object."""
+"""Referring expressions: phrases for objects, rooms and goals, and minimal words that identify an object."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -78,7 +78,7 @@ def draw_identifying_words(
 def minimal_identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, telling: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
 ) -> list[dict[Attribute, int]]:
-    """Return all smallest sets of words that identify an object: its category and words from `draw_identifying_words`."""
+    """Return all smallest sets of words that identify an object: its category and attributes from `telling`."""
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
     for count in range(len(known) + 1):

@@ -90,7 +90,7 @@ class HouseQA(QuestionTask):
         check_number("look_distance", self.look_distance, 0.5)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield up to `MAX_CANDIDATES` questions of each kind; the choice by hash prefers the same texts in all houses."""
+        """Yield up to `MAX_CANDIDATES` questions of each kind; a hash prefers the same texts in all houses."""
         for kind in dict.fromkeys(self.kinds):
             known = {question.texts[0]: question for question in QUESTION_GENERATORS[kind](view)}
             for text in sorted(known, key=lambda text: crc32(text.encode()))[:MAX_CANDIDATES]:

@@ -71,11 +71,11 @@ class RowTask(Task):
         step_cost: Cost of every step.
         contact_cost: Cost of a step in which the agent touches anything but the floor.
         question_cost: Cost of each question that an oracle answers.
-        failure_cost: Cost of a mistake, such as a wrong `stopped` or answer; running out of time is not a mistake. At 0,
-            agents that still navigate poorly learn to stop at once.
+        failure_cost: Cost of a mistake, such as a wrong `stopped` or answer; running out of time is not a mistake. At
+            0, agents that still navigate poorly learn to stop at once.
         terminate_on_failure: A mistake ends the episode. False, for training: it costs, and the episode continues.
-        store_features: States keep the feature values of conditions, so that experts need not compute them again; required
-            by `add_expert`.
+        store_features: States keep the feature values of conditions, so that experts need not compute them again;
+            required by `add_expert`.
     """
 
     num_tasks: int = 64

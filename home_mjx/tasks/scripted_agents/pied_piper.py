@@ -217,10 +217,10 @@ def _destination_columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[A
 def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
     """Return the point that the follower walks straight to on its way to the piper [m].
 
-    That is the piper, if it is within `MAX_DIRECT_DISTANCE` and the path is free. Otherwise it is the next point on the path to one
-    end of the piper's route. The follower takes the end that the piper heads for if it is farther from there than the
-    piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No distance field
-    to a moving piper is needed.
+    That is the piper, if it is within `MAX_DIRECT_DISTANCE` and the path is free. Otherwise it is the next point on the
+    path to one end of the piper's route. The follower takes the end that the piper heads for if it is farther from
+    there than the piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No
+    distance field to a moving piper is needed.
     """
     pos, field = snapshot.pose.pos, snapshot.tasks.field
     ends = _route_columns(state)

@@ -43,13 +43,15 @@ class AudioNav(NavigationTask):
     Attributes:
         success_distance: Maximum distance to the source on success [m].
         emitter: "place": a point of free floor, `EnvConfig.source_height` above it; "object": any object.
-        schedule: "always", "intermittent" (for `duration` of every `period` seconds) or "once" (for `duration` at the start).
+        schedule: "always", "intermittent" (for `duration` of every `period` seconds) or "once" (for `duration` at the
+            start).
         period: Period [s].
         duration: Duration [s].
         clip_split: Sounds that are targets: "heard", "unheard" or "all" of `SPLITS`, or the name of one of them.
-        num_distractors: Number of other places that play one of `DISTRACTOR_CLIPS`, at most 2, or 1 with `moving_source`.
-        moving_source: The source moves along the shortest path to another place and stays there. Success then requires a view
-            of it, however near it is. The expert's guide is the destination of the source.
+        num_distractors: Number of other places that play one of `DISTRACTOR_CLIPS`, at most 2, or 1 with
+            `moving_source`.
+        moving_source: The source moves along the shortest path to another place and stays there. Success then requires
+            a view of it, however near it is. The expert's guide is the destination of the source.
         source_speed: Speed of a moving source [m/s].
     """
 
