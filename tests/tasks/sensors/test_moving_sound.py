@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import EnvParams, HouseholdEnv, PointNav, make_config
+from home_mjx.tasks import EnvParams, HouseholdEnv, make_config
+from home_mjx.tasks.suite import PointNav
 
 MOST = 64_000  # bytes per agent
 
