@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from home_mjx.audio_jax import AudioConfig, Paths, early_response
+from home_mjx.audio_jax import AudioConfig, Paths
+from home_mjx.audio_jax.auralization.response import early_response
+from home_mjx.audio_jax.base.options import Motion, Omni
 from home_mjx.audio_jax.moving_sources.frame import render_frame, render_frames
 from home_mjx.audio_jax.moving_sources.reception import pad_paths, silent_state
 from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
 
-OMNI = AudioConfig(receiver="omni", response_seconds=0.1, motion=True, tail_seconds=0.0)
-EARS = AudioConfig(response_seconds=0.1, motion=True, tail_seconds=0.0)
+OMNI = AudioConfig(response_seconds=0.1, receiver=Omni(), motion=Motion(tail_seconds=0.0))
+EARS = AudioConfig(response_seconds=0.1, motion=Motion(tail_seconds=0.0))
 RATE, SPEED, FRAME = OMNI.sample_rate, OMNI.speed_of_sound, OMNI.frame
 AHEAD = jnp.float32([1, 0, 0, 0])
 NEAR = np.linspace(1.19, 1.3, 6)  # [m]

@@ -8,6 +8,7 @@ from scenes import HEAD
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import EarlyPaths, Omni
 from home_mjx.audio_jax.propagation.paths import MIN_PATH_LENGTH, RAY_OFFSET, StraightLine, trace_straight_line
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.houses import load_bank
@@ -78,7 +79,10 @@ def some_ends(rng, bank, house):
 
 @pytest.mark.parametrize("max_crossings", [1, 2, 4, 16])
 def test_it_meets_what_single_casts_meet(bank, max_crossings):
-    config, rng = AudioConfig(receiver="omni", max_crossings=max_crossings), np.random.default_rng(max_crossings)
+    config, rng = (
+        AudioConfig(receiver=Omni(), early=EarlyPaths(max_crossings=max_crossings)),
+        np.random.default_rng(max_crossings),
+    )
 
     @jax.jit
     def both(house, angle, *ends):

@@ -17,6 +17,7 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import Omni, Traced
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import air_attenuation
@@ -29,8 +30,8 @@ SIZE, ABSORPTION = np.array([6.0, 5.0, 3.0]), 0.2
 DECAY_TIMES = {0.0: 0.648, 0.1: 0.565, 0.3: 0.534, 0.6: 0.535, 1.0: 0.539}  # scattering: T30 [s]
 SOURCE = jnp.float32([-1.0, -1.0, 1.2])
 LISTENERS = jnp.float32([[1, 1, 1.6], [-2, 1.5, 1], [2, -1.5, 2], [0, 0, 1.5], [2.3, 1.7, 0.8], [-2.3, -1.6, 2.2]])
-LONG = AudioConfig(receiver="omni", response_seconds=1.2)
-MANY = AudioConfig(receiver="omni", response_seconds=1.2, num_rays=500, num_bounces=40)
+LONG = AudioConfig(response_seconds=1.2, receiver=Omni())
+MANY = AudioConfig(response_seconds=1.2, receiver=Omni(), late=Traced(num_rays=500, num_bounces=40))
 MID = 3  # 1 kHz
 
 
@@ -113,7 +114,9 @@ def test_decay_times_follow_the_scattering(bank):
 
 def test_the_sphere_detector_is_right_in_a_specular_room(bank):
     config = AudioConfig(
-        receiver="omni", response_seconds=1.2, num_rays=2000, num_bounces=40, detector="sphere", detector_radius=0.5
+        response_seconds=1.2,
+        receiver=Omni(),
+        late=Traced(num_rays=2000, num_bounces=40, detector="sphere", detector_radius=0.5),
     )
     histograms = everywhere(whole_energy, bank, config, [0, 2])
     np.testing.assert_allclose(decay_times(histograms, config), [0.648, 0.534], rtol=0.05)
@@ -184,7 +187,7 @@ def test_noise_falls_with_the_root_of_the_number_of_rays(bank):
     """Spread of the level over keys: sixteen times the rays, a quarter of the spread."""
     spread = []
     for rays in (32, 512):
-        config = AudioConfig(receiver="omni", num_rays=rays)
+        config = AudioConfig(receiver=Omni(), late=Traced(num_rays=rays))
         keys = jax.random.split(jax.random.key(1), 48)
         house, source, listener = jnp.full(48, 2, jnp.int32), jnp.tile(SOURCE, (48, 1)), jnp.tile(LISTENERS[0], (48, 1))
         total = np.asarray(compiled(late_energy, config)(bank, house, source, listener, keys)).sum(axis=(1, 2))
