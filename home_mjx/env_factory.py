@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from home_mjx.tasks.env.household import HouseholdEnv
 
 NUM_ARRANGEMENTS = 8  # poses of movable objects per house for `arrangement="random"`
-MAKE_ARGUMENTS = ("houses", "num_houses", "split", "where", "progress", "variation", "episodes")
+MAKE_ARGUMENTS = ("houses", "num_houses", "split", "filter", "progress", "variation", "episodes")
 
 
 def make(
@@ -31,7 +31,7 @@ def make(
     *,
     num_houses: int | None = None,
     split: str | None = None,
-    where: "HouseFilter | None" = None,
+    filter: "HouseFilter | None" = None,
     progress: bool | None = None,
     variation: Any = None,
     episodes: str | Path | None = None,
@@ -46,7 +46,7 @@ def make(
             or, if it is not set, generated houses, which are written once into the cache folder.
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
         split: Only houses of `train`, `val` or `test_triangle`.
-        where: Only houses of a dataset that pass this `HouseFilter`.
+        filter: Only houses of a dataset that pass this `HouseFilter`.
         progress: Show progress bars while houses are generated and compiled; None: only in a terminal.
         variation: Domain randomisation per episode: a `tasks.Variation`, or its ranges by name such as
             `{"lamps": 0.5, "colors": (0, 0.3)}`; None: none.
@@ -66,7 +66,7 @@ def make(
     Example:
         >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
     """
-    known, chosen = find_spec(env_id), {"num_houses": num_houses, "split": split, "where": where}
+    known, chosen = find_spec(env_id), {"num_houses": num_houses, "split": split, "filter": filter}
     in_memory = houses is not None and not isinstance(houses, str | Path)
     if in_memory and _is_chosen(houses):
         _refuse(chosen, lambda name: f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
@@ -79,7 +79,7 @@ def make(
         houses=str(houses) if isinstance(houses, str | Path) else None,
         num_houses=_num_houses(houses, num_houses),
         split=split,
-        filter=where,
+        filter=filter,
         in_memory=in_memory,
     )
     return build_env(spec, houses, progress)
@@ -132,9 +132,9 @@ def _load(
     if file is not None and not _is_chosen(houses):
         return load_bank(houses, ids=read_house_ids(file), options=options, progress=progress, bakes=bakes)
     num_houses = None if _is_chosen(houses) else spec.num_houses
-    split, where = (spec.split, spec.filter) if file is None else (None, None)
+    split, filter = (spec.split, spec.filter) if file is None else (None, None)
     return load_bank(
-        houses, num_houses=num_houses, split=split, where=where, options=options, progress=progress, bakes=bakes
+        houses, num_houses=num_houses, split=split, filter=filter, options=options, progress=progress, bakes=bakes
     )
 
 

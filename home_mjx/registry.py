@@ -240,6 +240,10 @@ register("HouseQA-v0", "home_mjx.tasks:HouseQA", {"actions": "discrete"})
 register("VQA-v0", "home_mjx.tasks:VQA", {"actions": "discrete"})
 register("Dialogue-v0", "home_mjx.tasks:Dialogue", {"actions": "discrete", "stop": True})
 register("Communication-v0", "home_mjx.tasks:Communication", {"actions": "discrete", "stop": True, "num_agents": 2})
-_HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}  # pitch steps of 15 degrees, down to 60 as in AI2-THOR
+_HANDS = {
+    "hands": True,
+    "max_aim_angle": 10.0,
+    "max_pitch": 1.05,
+}  # pitch steps of 15 degrees, down to 60 as in AI2-THOR
 for _name in ("Fetch", "Rearrange"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True, **_HANDS})

@@ -1,4 +1,4 @@
-"""Draw the images of docs/sound.md.
+"""Draw the images of docs/sound/.
 
 python scripts/sound_pictures.py                                 docs/images/sound_*.png, of a generated house
 python scripts/sound_pictures.py map --dataset ROOT --out local/sound   of another dataset, not for the docs

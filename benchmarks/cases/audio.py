@@ -156,7 +156,7 @@ def _features(case: str, config: AudioConfig, settings: BenchSettings) -> Measur
     def step(bank: HouseBank, house: jax.Array, start: jax.Array) -> tuple[jax.Array, jax.Array]:
         heard = _receive(energy_envelope, config, 0.0, bank, house, start)
         power = jnp.asarray(clip_power("radio", config))[: heard.energy.shape[0] - 1 + frame]
-        return mean_band_power(heard.energy, power), heard.lead
+        return mean_band_power(heard.energy, power), heard.left_ear_lead
 
     houses, starts = houses_and_starts(settings)
     bank = _bank(settings, config)

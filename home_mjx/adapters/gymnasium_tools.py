@@ -28,7 +28,7 @@ AUTORESET_MODES = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
 HOUSE_OPTIONS = {
     "num_houses",
     "split",
-    "where",
+    "filter",
 }  # options that select houses; without them the episode file selects them
 DEFAULT_RENDER_SIZE = 256  # [px] default width and height of `render` images
 

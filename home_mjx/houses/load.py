@@ -26,7 +26,7 @@ def load_bank(
     ids: Sequence[str] | None = None,
     num_houses: int | None = None,
     split: str | None = None,
-    where: HouseFilter | None = None,
+    filter: HouseFilter | None = None,
     options: CompileOptions = DEFAULT_OPTIONS,
     progress: bool = False,
     bakes: Sequence[Bake | str] = (),
@@ -39,7 +39,7 @@ def load_bank(
         ids: Ids of the houses, in this order; None: all.
         num_houses: Maximum number of houses; None: all, or 8 generated ones.
         split: Only houses of `train`, `val` or `test_triangle`.
-        where: Only houses that pass this filter.
+        filter: Only houses that pass this filter.
         options: How to compile; ignored for a `HouseSet` with options of its own.
         progress: Show progress bars.
         bakes: Baked records that the bank gets, or their names; see `add_bakes`.
@@ -53,7 +53,7 @@ def load_bank(
         >>> bank.num_houses  # doctest: +SKIP
         2
     """
-    chosen = house_set(houses, ids=ids, num_houses=num_houses, split=split, where=where, options=options)
+    chosen = house_set(houses, ids=ids, num_houses=num_houses, split=split, filter=filter, options=options)
     compiled = chosen.load(progress)
     bank = HouseBank.from_compiled(compiled)
     return add_bakes(bank, compiled, bakes, progress or bool(bakes)) if bakes else bank
@@ -65,7 +65,7 @@ def house_set(
     ids: Sequence[str] | None = None,
     num_houses: int | None = None,
     split: str | None = None,
-    where: HouseFilter | None = None,
+    filter: HouseFilter | None = None,
     options: CompileOptions = DEFAULT_OPTIONS,
 ) -> HouseSet:
     """Return the houses that `load_bank` loads, without compiling them; arguments and errors are its own.
@@ -76,11 +76,11 @@ def house_set(
     if num_houses is not None:
         check_number("num_houses", num_houses, 1, integer=True)
     if isinstance(houses, HouseSet):
-        chosen = HouseSet.coerce(houses, ids=ids, num_houses=num_houses, split=split, where=where)
+        chosen = HouseSet.coerce(houses, ids=ids, num_houses=num_houses, split=split, filter=filter)
         return replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
     if houses is None and dataset_root() is None:
-        if where is not None:
+        if filter is not None:
             hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
             raise ConfigError("`filter` chooses among the houses of a dataset", hint=hint)
         houses, num_houses = DEFAULT_DATASET, num_houses or (NUM_HOUSES if ids is None else None)
-    return HouseSet(houses, ids=ids, num_houses=num_houses, split=split, filter=where, options=options)
+    return HouseSet(houses, ids=ids, num_houses=num_houses, split=split, filter=filter, options=options)

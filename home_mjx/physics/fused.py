@@ -65,7 +65,7 @@ def _step_native(
     results = _batched(platform)(*shared, *batch)
     qpos, qvel, qacc, touched, lost, push, other = (x[0] for x in results)
     no = jnp.zeros((), bool)
-    pushed = {"impulse": push[:, 0], "place": push[:, 1:], "other": other}
+    pushed = {"contact_impulse": push[:, 0], "contact_pos": push[:, 1:], "contact_partner": other}
     pushed = _keep_sleeping_contacts(template, state, (qvel, qacc), pushed)
     state = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, num_contacts=touched, **pushed)
     return state, Overflow(static_boxes=lost[0] > 0, contact_pairs=no, contact_points=lost[1] > 0)
@@ -80,11 +80,11 @@ def _keep_sleeping_contacts(
     step.
     """
     slept, sleeps = _is_asleep(template, before.qvel, before.qacc), _is_asleep(template, *rates)
-    kept = sleeps & (pushed["impulse"] == 0)
+    kept = sleeps & (pushed["contact_impulse"] == 0)
     old = {name: getattr(before, name) for name in pushed}
     now = jax.tree.map(lambda a, b: jnp.where(kept.reshape(-1, *[1] * (b.ndim - 1)), a, b), old, pushed)
     least = jnp.where(slept, before.contact_impulse, jnp.float32(0.0))
-    return now | {"impulse": jnp.maximum(now["impulse"], least)}
+    return now | {"contact_impulse": jnp.maximum(now["contact_impulse"], least)}
 
 
 def _is_asleep(template: Template, qvel: Array, qacc: Array) -> Array:

@@ -28,7 +28,10 @@ MAX_PARALLEL_EPISODES = 256  # maximum number of episodes that run in parallel
 Results = dict[str, np.ndarray]  # metric name -> one number per episode
 
 
-TRAINING_ONLY = ("mistakes_end", "episodes")  # options that make a task easier to learn, and the training episodes
+TRAINING_ONLY = (
+    "terminate_on_failure",
+    "episodes",
+)  # options that make a task easier to learn, and the training episodes
 
 
 def evaluation_spec(
@@ -187,11 +190,11 @@ def _run_batch(
         env = jax.vmap(core.step, (None, 0, 0))(params, play.env, to_envs(policy.clip(action), agents))
         figures = select_envs(play.is_running, _update_metrics(core, params, play, env), play.metrics)
         return EpisodeBatch.build_unchecked(
-            env=env, memory=memory, keys=following, alive=play.is_running & ~env.done, figures=figures
+            env=env, memory=memory, keys=following, is_running=play.is_running & ~env.done, metrics=figures
         )
 
     begin = EpisodeBatch.build_unchecked(
-        env=env, memory=policy.initial_memory(num * agents), keys=rows, alive=jnp.ones(num, bool), figures=figures
+        env=env, memory=policy.initial_memory(num * agents), keys=rows, is_running=jnp.ones(num, bool), metrics=figures
     )
     end = jax.lax.while_loop(lambda play: jnp.any(play.is_running), step, begin)
     return end.metrics | _path_metrics(end.metrics, length)

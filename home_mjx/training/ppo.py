@@ -131,7 +131,7 @@ class PPO:
         return RolloutState.build_unchecked(
             env=env.replace(info={}),
             memory=self.agent.initial_memory(len(rows)),
-            begins=jnp.ones(len(rows), bool),
+            is_first=jnp.ones(len(rows), bool),
             keys=rows,
             totals={"return": zero, "length": zero},
         )

@@ -88,15 +88,15 @@ def rollout(
         last = to_rows(env.info.get("final_obs", {}), agents)
         taken = Transitions.build_unchecked(
             obs=obs,
-            begins=actor.is_first,
+            is_first=actor.is_first,
             action=action,
             outputs=outputs,
             reward=to_rows(env.reward, agents),
             done=done,
-            cut=_truncation_values(policy, memory, last, outputs, late),
+            truncation_value=_truncation_values(policy, memory, last, outputs, late),
         )
         return RolloutState.build_unchecked(
-            env=env.replace(info={}), memory=memory, begins=done, keys=keys, totals=totals
+            env=env.replace(info={}), memory=memory, is_first=done, keys=keys, totals=totals
         ), (
             taken,
             ended,

@@ -94,7 +94,7 @@ def test_all_that_need_houses_take_a_set(root):
 
 
 def test_words_and_a_set_give_the_same(root):
-    options = {"split": "train", "num_houses": 2, "where": HouseFilter(levels=(1, 1)), "options": NO_BODIES}
+    options = {"split": "train", "num_houses": 2, "filter": HouseFilter(levels=(1, 1)), "options": NO_BODIES}
     by_words = load_bank(root, **options)
     assert ids_of(by_words) == ids_of(load_bank(HouseSet(root, **options)))
     with HouseStream(root, num_slots=2, filter=HouseFilter(levels=(1, 1)), num_houses=2) as stream:
@@ -143,7 +143,7 @@ def test_without_a_dataset_houses_are_generated(tmp_path, monkeypatch, root):
     assert select_ids(generated.house_ids, "val") == list(generated.house_ids)
     assert tmp_path in generated.resolved_dataset.root.parents
     with pytest.raises(ConfigError, match="home-mjx generate"):
-        house_set(None, num_houses=1, where=HouseFilter())
+        house_set(None, num_houses=1, filter=HouseFilter())
     monkeypatch.setenv("SUNCG_DATA_DIR", str(root))
     assert house_set(None, num_houses=2).house_ids == HouseSet(root, num_houses=2).house_ids
 

@@ -94,11 +94,11 @@ def test_banks_of_a_selection(root):
         for i, t in zip(ids_of(everything), everything.navigation.room_type, strict=True)
     }
     most = max(rooms.values())
-    chosen = load_bank(root, where=HouseFilter(rooms=(most, most)))
+    chosen = load_bank(root, filter=HouseFilter(rooms=(most, most)))
     assert ids_of(chosen) == [i for i in ids_of(everything) if rooms[i] == most]
     assert ids_of(load_bank(root, split="train", num_houses=2)) == select_ids(ids_of(everything), "train")[:2]
     with pytest.raises(ConfigError, match="no house"):
-        load_bank(root, where=HouseFilter(rooms=(99, 99)))
+        load_bank(root, filter=HouseFilter(rooms=(99, 99)))
 
 
 def test_environments_of_a_split(root):
@@ -107,7 +107,7 @@ def test_environments_of_a_split(root):
     with pytest.raises(ConfigError, match="not of HouseBank"):
         home_mjx.make("PointNav-v0", env.bank, split="train")
     with pytest.raises(ConfigError, match="home-mjx generate"):
-        load_bank(None, where=HouseFilter())
+        load_bank(None, filter=HouseFilter())
 
 
 def test_generated_houses_of_a_split(monkeypatch, tmp_path):

@@ -29,8 +29,8 @@ def test_advantages_are_those_of_the_definition(rng: np.random.Generator):
                 if done[later, row]:
                     break
     steps = Transitions.build_unchecked(
-        obs={}, begins=jnp.asarray(done), action=jnp.zeros((6, 3)), outputs={"value": jnp.asarray(value)},
-        reward=jnp.asarray(reward), done=jnp.asarray(done), cut=jnp.asarray(cut),
+        obs={}, is_first=jnp.asarray(done), action=jnp.zeros((6, 3)), outputs={"value": jnp.asarray(value)},
+        reward=jnp.asarray(reward), done=jnp.asarray(done), truncation_value=jnp.asarray(cut),
     )  # fmt: skip
     found = compute_advantages(steps, jnp.asarray(last), DISCOUNT, LAMBDA)
     np.testing.assert_allclose(found, wanted, atol=1e-5)

@@ -76,7 +76,7 @@ def test_the_loss_is_how_unlikely_the_advice_is(cloning: BehaviorCloning, rng: n
     obs = {"goal": jnp.asarray(rng.normal(size=(2, 3, 3)), jnp.float32), "expert": jnp.array([[0, 1, 2], [3, 4, 5]])}
     begins, memory, target = jnp.ones((2, 3), bool), cloning.agent.initial_memory(3), jnp.ones((2, 3))
     steps = Transitions.build_unchecked(
-        obs=obs, begins=begins, action=None, outputs=None, reward=None, done=None, cut=None
+        obs=obs, is_first=begins, action=None, outputs=None, reward=None, done=None, truncation_value=None
     )
     loss, parts = cloning.loss(
         net, TrainBatch.build_unchecked(steps=steps, memory=memory, advantage=None, target=target)

@@ -52,7 +52,7 @@ def mix_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
         reads: Reads with a leading axis of sources.
         config: Options.
     """
-    return jnp.sum(jax.vmap(lambda one: _mix(_read_paths(one, config), one.share, fade_weights(config)))(reads), axis=0)
+    return jnp.sum(jax.vmap(lambda one: _mix(_read_paths(one, config), one.gain, fade_weights(config)))(reads), axis=0)
 
 
 def part_sizes(reads: DelayReads) -> tuple[int, ...]:

@@ -122,7 +122,7 @@ class Physics(Pytree):
     door_closed: Float[Array, "h doors"] = array(
         "[rad] about +z, or [m] for sliding leaves; closed, relative to as authored", source=door_source("closed")
     )
-    door_fully_open: Float[Array, "h doors"] = array("[rad] or [m], fully open", source=door_source("wide"))
+    door_fully_open: Float[Array, "h doors"] = array("[rad] or [m], fully open", source=door_source("fully_open"))
     door_low: Float[Array, "h doors"] = array("[rad] or [m], minimum", source=door_source("low"))
     door_high: Float[Array, "h doors"] = array("[rad] or [m], maximum", source=door_source("high"))
     door_pos: Float[Array, "h doors 3"] = array("[m], centre of the leaf as authored", source=door_source("pos"))

@@ -58,7 +58,11 @@ def step_mujoco(
     length = template.config.timing.substeps
     (qpos, qvel, qacc), (count, pushes, full) = jax.lax.scan(substep, first, None, length=length)
     whole, no = combine_substeps(pushes), jnp.zeros((), bool)
-    pushed = {"impulse": whole.impulse, "place": whole.contact_pos, "other": whole.contact_partner}
+    pushed = {
+        "contact_impulse": whole.impulse,
+        "contact_pos": whole.contact_pos,
+        "contact_partner": whole.contact_partner,
+    }
     after = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, num_contacts=count.max(axis=0), **pushed)
     return after, Overflow(static_boxes=no, contact_pairs=no, contact_points=jnp.any(full))
 

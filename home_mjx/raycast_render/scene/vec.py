@@ -23,7 +23,7 @@ class Vec(Pytree):
 
     Example:
         >>> a = Vec.of(jnp.array([[3.0, 0.0, 4.0]]))
-        >>> a.dot(a).tolist(), a.cross(Vec(0.0, 1.0, 0.0)).packed().tolist()
+        >>> a.dot(a).tolist(), a.cross(Vec(0.0, 1.0, 0.0)).pack().tolist()
         ([25.0], [[-4.0, 0.0, 3.0]])
     """
 

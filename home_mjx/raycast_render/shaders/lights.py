@@ -136,7 +136,7 @@ def lamp_light(
     )
     gloss = strength * blinn_phong(at, toward)
     start, way, reach, strength, gloss = jax.lax.optimization_barrier((start, way, reach, strength, gloss))
-    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach, exclude=light.object_id)
+    blocked = occluded(scene, start.pack(), way.pack(), t_max=reach, exclude=light.object_id)
 
     def arriving(share: Float[Array, "k *rays"]) -> Vec:
         return (light.intensity * jnp.where(blocked, 0.0, share)).map(lambda x: jnp.sum(x, axis=0))
@@ -184,7 +184,7 @@ def sun_light(scene: Scene, point: ShadingPoint, spread: LightSample, options: L
     gloss = strength * blinn_phong(point, aim)
     # The barrier prevents recomputation after the cast.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
-    blocked = occluded(scene, start.packed(), way.pack(), t_max=reach)
+    blocked = occluded(scene, start.pack(), way.pack(), t_max=reach)
     light = scale_daylight(scene.appearance, mix_colors(SUN_COLOR, SUNSET_COLOR, sun_redness(options.sun_elevation)))
     return IncidentLight(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
 

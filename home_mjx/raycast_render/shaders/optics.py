@@ -79,8 +79,8 @@ def _extend_path(
     pos, direction, on, hole, mirror, row = jax.lax.optimization_barrier((pos, direction, on, hole, mirror, row))
     found = cast(
         scene,
-        pos.packed(),
-        direction.packed(),
+        pos.pack(),
+        direction.pack(),
         t_min=jnp.where(hole, HIT_EPSILON * direction.inverse_norm(), 0.0),
         t_max=jnp.where(on, jnp.inf, -1.0),
         exclude=jnp.where(mirror, -1, exclude),

@@ -45,7 +45,7 @@ def _classes(classes: dict, kinds: dict[str, tuple[str, ...]], other: str) -> np
 def step_length(config: EnvConfig, snapshot: Snapshot) -> Float[Array, ""]:
     """Return the distance between footsteps [m], as drawn for this episode if it varies."""
     assert config.contact_sounds is not None
-    drawn = None if snapshot.variation is None else snapshot.variation.step_length
+    drawn = None if snapshot.variation is None else snapshot.variation.footstep_distance
     return jnp.float32(config.contact_sounds.step_length) if drawn is None else drawn
 
 

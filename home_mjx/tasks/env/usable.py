@@ -165,7 +165,7 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
     useless = {
         **dict.fromkeys(LIGHT_RANGES, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
         "move_noise": None if config.discrete else 'It applies to discrete moves: give actions="discrete".',
-        **dict.fromkeys(("noise_volume", "step_length"), _contact_sounds_hint(config)),
+        **dict.fromkeys(("contact_sound_volume", "footstep_distance"), _contact_sounds_hint(config)),
         "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
         "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
     }

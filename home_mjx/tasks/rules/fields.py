@@ -72,7 +72,7 @@ class CellGraph:
     def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
         """Return the plan distance from each cell centre to the nearest leaf, doors open [m]; inf if none."""
         leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(jax.tree.map(jnp.asarray, bank.physics)))
-        pos, quat = (np.asarray(x) for x in leaves.moved(jnp.asarray(bank.physics.door_fully_open[house])))
+        pos, quat = (np.asarray(x) for x in leaves.pose_at(jnp.asarray(bank.physics.door_fully_open[house])))
         found = np.full(len(self.place), np.inf)
         for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
             away, yaw = self.place - middle, 2 * np.arctan2(z, w)

@@ -128,9 +128,9 @@ class RowTask(Task):
         )
 
     @property
-    def least_agents(self) -> int:
+    def min_agents(self) -> int:
         """Minimum number of agents, the largest of all generators."""
-        return max((getattr(task, "least_agents", 1) for task in self._other_generators), default=1)
+        return max((getattr(task, "min_agents", 1) for task in self._other_generators), default=1)
 
     @property
     def _other_generators(self) -> tuple[TaskGenerator, ...]:

@@ -101,7 +101,7 @@ class EarLevels(Sensor):
         envelopes = trace_responses(config, snapshot, energy_envelope)  # axes (a, e)
         power = jax.vmap(jax.vmap(mean_band_power), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)
-        lead = jnp.sum(weight * envelopes.lead, axis=(1, 2)) / jnp.maximum(jnp.sum(weight, axis=(1, 2)), 1e-30)
+        lead = jnp.sum(weight * envelopes.left_ear_lead, axis=(1, 2)) / jnp.maximum(jnp.sum(weight, axis=(1, 2)), 1e-30)
         loudest = jnp.max(jnp.sum(envelopes.energy, axis=(2, 3)), axis=-1)  # octave
         return EarLevelsState(time, said, jnp.sum(power, axis=1), lead, is_inaudible(snapshot, loudest))
 

@@ -55,7 +55,7 @@ class NavigationTask(RowTask):
         check_number("success_reward", self.success_reward, 0)
 
     @property
-    def needs_stop(self) -> bool:
+    def requires_stop(self) -> bool:
         """True with `stop`."""
         return self.stop
 
@@ -155,19 +155,19 @@ class HouseTasks(RowTask):
         object.__setattr__(self, "tasks", check_mix(self.tasks))
 
     @property
-    def needs_stop(self) -> bool:
+    def requires_stop(self) -> bool:
         """True if one of the tasks needs `stop`."""
-        return any(getattr(task, "needs_stop", False) for task in self.tasks)
+        return any(getattr(task, "requires_stop", False) for task in self.tasks)
 
     @property
-    def needs_hands(self) -> bool:
+    def requires_hands(self) -> bool:
         """True if one of the tasks needs hands."""
-        return any(getattr(task, "needs_hands", False) for task in self.tasks)
+        return any(getattr(task, "requires_hands", False) for task in self.tasks)
 
     @property
-    def needs_ears(self) -> bool:
+    def requires_hearing(self) -> bool:
         """True if one of the tasks needs hearing."""
-        return any(getattr(task, "needs_ears", False) for task in self.tasks)
+        return any(getattr(task, "requires_hearing", False) for task in self.tasks)
 
     @property
     def num_sources(self) -> int:

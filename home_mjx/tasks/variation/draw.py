@@ -31,7 +31,7 @@ class VariationSample(Pytree):
     depth_noise: Float[Array, ""] | None = None
     color_noise: Float[Array, ""] | None = None
     contact_sound_volume: Float[Array, ""] | None = None
-    step_length: Float[Array, ""] | None = None  # [m]
+    footstep_distance: Float[Array, ""] | None = None  # [m]
 
     def noise_key(self, step: Int[Array, ""], kind: int) -> Array:
         """Return a key per step and kind of noise."""
@@ -84,7 +84,7 @@ def sample_variation(variation: Variation | None, key: Array, num_lamps: int) ->
         depth_noise=number("depth_noise"),
         color_noise=number("color_noise"),
         contact_sound_volume=number("contact_sound_volume"),
-        step_length=number("step_length"),
+        footstep_distance=number("footstep_distance"),
     )
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from home_mjx.viewer.episodes import EpisodeResult, PlayOptions, run_play
 
-AGENT_FILE = Path(__file__).with_name("agent.npz")  # for its training see docs/training.md, "The agent in the box"
+AGENT_FILE = Path(__file__).with_name("agent.npz")  # for its training see docs/training_results.md, "Packaged agent"
 RADIO_OPTIONS = {"clip_split": "radio"}
 
 

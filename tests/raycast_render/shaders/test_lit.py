@@ -43,7 +43,7 @@ def seen(bank, camera, options=NIGHT, lens=LENS):
         view = View(scene, camera, lens, options, -1)
         growth = pixel_footprint(camera, lens)[1]
         end = optics.trace_specular(scene, view.path_state(view.center_rays), growth, options.max_specular_depth, -1)
-        return end.replace(**{name: getattr(end, name).packed() for name in ("origin", "direction", "tint")})
+        return end.replace(**{name: getattr(end, name).pack() for name in ("origin", "direction", "tint")})
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         return jax.tree.map(np.asarray, jax.jit(look)(scene_of(bank), camera))
@@ -150,7 +150,7 @@ def test_a_ball_is_shaded_as_a_ball(mirror):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         none, way = Vec.unpack(jnp.zeros_like(aim)), Vec.unpack(jnp.asarray(aim))
         corner = lit._hit_frame(scene_of(bank), optics.PathState(none, way, hit, none.x, none))
-        corner = jax.tree.map(lambda v: v.packed(), corner, is_leaf=lambda v: isinstance(v, Vec))
+        corner = jax.tree.map(lambda v: v.pack(), corner, is_leaf=lambda v: isinstance(v, Vec))
     points = start + np.asarray(hit.t)[:, None] * aim
     outward = (points - [0, 1.0, 1.5]) / np.diag(scale) ** 2
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)

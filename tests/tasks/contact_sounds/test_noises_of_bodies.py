@@ -209,7 +209,7 @@ def test_noises_are_heard_and_off_they_cost_nothing():
 def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
     """Steps one drawn length apart, each as loud as without the range: what is heard of them is a factor louder."""
     place = Room()
-    variation = Variation.of(step_length=(0.3, 0.9), noise_volume=(0.25, 4.0))
+    variation = Variation.of(footstep_distance=(0.3, 0.9), contact_sound_volume=(0.25, 4.0))
     varied, keys = place.env.params.replace(variation=variation), jax.random.split(jax.random.key(1), 3)
 
     def walk(state, params):

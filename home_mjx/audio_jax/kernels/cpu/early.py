@@ -89,7 +89,7 @@ def _upsample_all(frame, env, size, room):
                 signal, count = offset_pointer(filtered, (source * NUM_FILTERED + part) * size.filtered), size.filtered
             else:
                 signal, count = offset_pointer(sources, source * size.length), size.length
-            upsample(signal, count, room.padded, offset_pointer(room.on, at), offset_pointer(room.between, at))
+            upsample(signal, count, room.padded, offset_pointer(room.even, at), offset_pointer(room.odd, at))
 
 
 @compiled
@@ -133,7 +133,7 @@ def _read_all(frame, env, ear, begin, count, size, room):
         source, part = number // size.rows, min(number % size.rows, NUM_FILTERED)
         lowest = 2 * part * size.filtered
         highest = lowest + 2 * (size.filtered if part < NUM_FILTERED else size.length) - NUM_READ
-        signal = offset_pointer(room.on, source * each), offset_pointer(room.between, source * each)
+        signal = offset_pointer(room.even, source * each), offset_pointer(room.odd, source * each)
         way, start = (
             offset_pointer(ways, number * (PATH_VALUES + 3 * size.ears)),
             starts[source * (NUM_FILTERED + 1) + part],

@@ -120,7 +120,7 @@ def _prepare(frame, env, source, left, place, size, room):
             else:
                 _zero(to, most)
             for part in range(PARTS):
-                stream = place * size.each + PARTS * end + part
+                stream = place * size.transforms_per_env + PARTS * end + part
                 room.streams[2 * stream + side] = address_of(to) + NUMBER * size.first * part
                 room.lengths[stream] = size.half if part else size.first
     ahead, whole = _padding(size)
@@ -129,8 +129,8 @@ def _prepare(frame, env, source, left, place, size, room):
     signal = offset_pointer(row(frame, SOURCE, env), source * size.length)
     for i in range(size.length):
         padded[ahead + i] = signal[i]
-    for window in range(2 * (size.each - ENDS * PARTS)):
-        stream = place * size.each + ENDS * PARTS + window // 2
+    for window in range(2 * (size.transforms_per_env - ENDS * PARTS)):
+        stream = place * size.transforms_per_env + ENDS * PARTS + window // 2
         back = size.first + (window - 1) * size.half if window else 0
         there = window < 2 + size.echoes
         begin = ahead + size.start - back if there else size.length + ahead  # zeros
@@ -216,7 +216,7 @@ def _make_piece(amplitude, mix, noise, hats, first, size, response):
 @no_type_check
 def _interleave(count, size, room):
     """Pack the signals of all transforms, interleaved by sample."""
-    lanes, used = size.together * size.each, count * size.each
+    lanes, used = size.envs_per_batch * size.transforms_per_env, count * size.transforms_per_env
     for i in range(size.points):
         to = i * lanes
         for stream in range(used):
@@ -250,14 +250,14 @@ def _find_gains(frame, env, source, size, levels):
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
     """Add the conjugate products of window and response spectra to lanes `to` and `to + 1`."""
     _find_gains(frame, env, source, size, room.levels)
-    lanes, half, points = size.together * size.each, size.points // 2 + 1, size.points
+    lanes, half, points = size.envs_per_batch * size.transforms_per_env, size.points // 2 + 1, size.points
     far = size.echoes * half
     for f in range(half):
         g = (points - f) % points
         here, there = f * lanes + lane, g * lanes + lane
         now, later_re, later_im = _split(heard, here + ENDS * PARTS, there + ENDS * PARTS)
         old_re, old_im, new_re, new_im = later_re, later_im, later_re, later_im
-        for pair in range(1, size.each - ENDS * PARTS):
+        for pair in range(1, size.transforms_per_env - ENDS * PARTS):
             even, odd_re, odd_im = _split(heard, here + ENDS * PARTS + pair, there + ENDS * PARTS + pair)
             echo = (2 * pair - 2) * half + f
             old, new = room.levels[echo], room.levels[far + echo]
@@ -338,9 +338,9 @@ def _sizes(frame):
 @no_type_check
 def _allocate(size):
     """Allocate one block of memory that begins at `responses`."""
-    lanes = size.together * size.each
-    responses = size.together * ENDS * 2 * (size.first + size.half) + 2 * LANES
-    padded = size.together * _padding(size)[1]
+    lanes = size.envs_per_batch * size.transforms_per_env
+    responses = size.envs_per_batch * ENDS * 2 * (size.first + size.half) + 2 * LANES
+    padded = size.envs_per_batch * _padding(size)[1]
     levels = ENDS * size.echoes * (size.points // 2 + 1)
     whole, kept = size.points * lanes, size.points * LANES
     at = ffi.allocate(NUMBER * (responses + padded + levels + 4 * whole + 4 * kept) + WORD * 3 * (lanes + 1))

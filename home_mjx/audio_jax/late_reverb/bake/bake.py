@@ -159,8 +159,8 @@ def _room_fields(house: CompiledHouse, total: dict[str, np.ndarray]) -> dict[str
     leaf, width = portals.leaf[inner], np.maximum(portals.width[inner], MIN_PORTAL_WIDTH)
     area = np.bincount(navigation.room[navigation.room >= 0], minlength=count) * navigation.cell**2
     volume = np.maximum(area * (house.rooms.ceiling - house.rooms.floor), 1.0)
-    sums = {n: total[n][:, :count] for n in ("lived", "lost")}
-    pairs = {n: total[n][:, :count, :count] for n in ("moved", "through")}
+    sums = {n: total[n][:, :count] for n in ("path_length", "absorbed")}
+    pairs = {n: total[n][:, :count, :count] for n in ("exchanged", "transmitted")}
     flow = estimate_exchange(volume, **sums, **pairs, joined=pair)
     same = (pair[:, None] == pair[None]).all(axis=2)
     leak = np.zeros((len(pair), len(BANDS)))

@@ -16,7 +16,7 @@ from home_mjx.core.workers import usable_cores
 from home_mjx.schema.compiled import BANDS
 
 DIRECTIONAL_BINS = 128  # [bins], after which sound is treated as isotropic
-SUMMED_FIELDS = ("lived", "lost", "moved", "through")  # fields of `TraceEnergy`, summed over all rays
+SUMMED_FIELDS = ("path_length", "absorbed", "exchanged", "transmitted")  # fields of `TraceEnergy`, summed over all rays
 BIN_PADDING = 16  # [bins], to a multiple of which emission into portal states is padded; limits compiled programs
 
 

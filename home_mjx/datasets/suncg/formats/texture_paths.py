@@ -66,7 +66,7 @@ class TextureLookup:
         except MissingFileError:
             if not self.tolerant:
                 raise
-            return {"lacking": name}
+            return {"missing_file": name}
 
     def find_color_map(self, relative: str, folder: Path, place: Location) -> Path:
         """Return the image of a `map_Kd`, or else the image with the same stem in `texture/`.

@@ -18,7 +18,7 @@ def check_document(subject: ValidationContext) -> None:
                 _check_node(subject, node, f"{index}_{position}")
         _check_members(subject, nodes)
     for item in subject.nodes:
-        if getattr(item, "mirrored", False) and "isMirrored" not in _data(subject, item.path):
+        if getattr(item, "is_mirrored", False) and "isMirrored" not in _data(subject, item.path):
             subject.report("missing-mirror-flag", item.path, "the transform mirrors the model")
 
 
