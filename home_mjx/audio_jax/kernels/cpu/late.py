@@ -58,15 +58,15 @@ class LateSizes(NamedTuple):
 class LateScratch(NamedTuple):
     """Scratch memory of a thread."""
 
-    responses: Any  # (together, ends, two channels, first and half)
-    padded: Any  # (together, samples), zero-padded sources
+    responses: Any  # (envs_per_batch, ends, two channels, first and half)
+    padded: Any  # (envs_per_batch, samples), zero-padded sources
     levels: Any  # (ends, echoes, points / 2 + 1)
-    values: Any  # real and imaginary parts (points, together * each)
+    values: Any  # real and imaginary parts (points, envs_per_batch * transforms_per_env)
     spare: Any
     spectra: Any  # (points, LANES), lanes are environments and ends
     unused: Any
-    streams: Any  # (together * each, two), addresses of the signals packed as real and imaginary parts
-    lengths: Any  # (together * each), lengths of these signals
+    streams: Any  # (envs_per_batch * transforms_per_env, two), addresses of the signals packed as real and imaginary parts
+    lengths: Any  # (envs_per_batch * transforms_per_env), lengths of these signals
 
 
 @compiled
