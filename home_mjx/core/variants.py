@@ -51,7 +51,7 @@ def check_variants(record: Any) -> None:
 def nested_names(record: Any, name: str) -> tuple[str, ...]:
     """Return the option names below a field: those of its record, or of all its variants."""
     value, kinds = getattr(record, name), variants_of(record, name)
-    found = _types(kinds) or ((type(value),) if dataclasses.is_dataclass(value) else ())
+    found: tuple[Any, ...] = _types(kinds) or ((type(value),) if dataclasses.is_dataclass(value) else ())
     return tuple(dict.fromkeys(field.name for kind in found for field in dataclasses.fields(kind)))
 
 

@@ -34,7 +34,7 @@ netCDF4 = pytest.importorskip("netCDF4", reason="sofar brings it")
 FINE = AudioConfig(timing=Timing(sample_rate=48000), response_seconds=0.1)
 COARSE = AudioConfig(response_seconds=0.1)
 RATE, TAPS, ONSET = 44100, 384, 2e-3  # of the file; when sound reaches the middle of the head [s]
-RADIUS, SPEED = FINE.head_radius, FINE.speed_of_sound
+RADIUS, SPEED = FINE.receiver_radius, FINE.speed_of_sound
 AHEAD = jnp.float32([1, 0, 0, 0])
 OCTAVES = (500, 1000, 2000, 4000, 8000)
 
