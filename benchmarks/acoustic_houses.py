@@ -92,7 +92,7 @@ def tight(bank):
 
 def straight(scene, source, listener, config):
     """Compute the energy of direct and diffracted sound per octave."""
-    config = replace(config, num_edges=EDGES)
+    config = replace(config, early=replace(config.early, num_edges=EDGES))
     paths = early_paths(scene, SoundSource(source), Listener(listener, UPRIGHT), config)
     return jnp.sum(paths.gain[: 1 + config.early.num_edges] ** 2, axis=0)
 

@@ -10,11 +10,11 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from home_mjx.scene_compile.architecture.frame import find_frame
 from jaxtyping import Float
 
-from home_mjx.core.images import open_texture
+from home_mjx.core.images import read_texture
 from home_mjx.geometry.meshes import surface_areas
-from home_mjx.scene_compile.architecture.frame import find_frame
 from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
@@ -106,7 +106,7 @@ def _color(surface: SurfaceMaterial) -> Float[np.ndarray, " 3"]:
 
 @lru_cache(maxsize=1 << 12)
 def _mean(path: str) -> Float[np.ndarray, " 3"]:
-    return np.asarray(open_texture(Path(path)))[..., :3].mean(axis=(0, 1)) / 255
+    return read_texture(Path(path))[..., :3].mean(axis=(0, 1)) / 255
 
 
 def nearest_names_srgb(srgb: Float[np.ndarray, "n 3"], level: str) -> list[str]:

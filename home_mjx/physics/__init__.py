@@ -9,7 +9,7 @@ Standalone use:
     state = step(template, bank, house, state, action)
 """
 
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.dynamics import (
     agent_contact,
@@ -17,6 +17,7 @@ from home_mjx.physics.dynamics import (
     agent_velocity,
     body_pose,
     door_angle,
+    is_out_of_bounds,
     is_unstable,
     reset,
     step,
@@ -30,7 +31,6 @@ from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.exported import ExportedTemplate
 from home_mjx.physics.mujoco.model import MujocoModel
 from home_mjx.physics.mujoco.robot import robot_in_house
-from home_mjx.physics.outside import is_out_of_bounds
 
 __all__ = [
     "BodyScale",
@@ -39,6 +39,7 @@ __all__ = [
     "MujocoModel",
     "Overflow",
     "PhysicsConfig",
+    "PhysicsSetup",
     "PhysicsState",
     "Template",
     "agent_contact",

@@ -6,6 +6,7 @@ convergence. On platforms without a kernel, MJX steps.
 
 import functools
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -13,15 +14,13 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.native.fork_guard import check_not_forked
-from home_mjx.core.native.platforms import select_at_lowering
-from home_mjx.core.native.sharding import varying_as
+from home_mjx.core.native.kernel import Kernel, call_native
 from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves, door_table
 from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.base.surfaces import body_surfaces
-from home_mjx.physics.cpu import cpu_available, step_cpu
-from home_mjx.physics.cuda.launch import cuda_available, step_cuda
+from home_mjx.physics.cuda.launch import compile_kernel, step_cuda
 from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.slots import half_above_floor
 from home_mjx.physics.mjx.step import step_mjx
@@ -29,9 +28,17 @@ from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.numba.data.numbers import reference_surfaces, step_params
 from home_mjx.physics.numba.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
 
-STEPS = {"cpu": step_cpu, "cuda": step_cuda}
-PLATFORMS = {"cpu": cpu_available, "cuda": cuda_available}
 NUM_OVERFLOWS = 2  # overflow flags: static boxes, contact points
+
+
+def _compile_chunks() -> tuple[Any, Any]:
+    from home_mjx.physics.numba.chunks import compile_chunks
+
+    return compile_chunks()
+
+
+KERNEL = Kernel("home_mjx_step", "falling back to slower MJX physics", cpu=_compile_chunks, cuda=compile_kernel)
+STEPS = {"cpu": functools.partial(call_native, KERNEL.name), "cuda": step_cuda}
 
 
 def step_fused(
@@ -47,10 +54,8 @@ def step_fused(
     def mjx(house: Array, state: PhysicsState, action: Array) -> tuple[PhysicsState, Overflow]:
         return step_mjx(template, physics, house, state, action)
 
-    branches = {
-        name: functools.partial(_step_native, name, template, physics) for name, here in PLATFORMS.items() if here()
-    }
-    return select_at_lowering(mjx, branches, house, state, action)
+    native = {platform: functools.partial(_step_native, platform, template, physics) for platform in STEPS}
+    return KERNEL.select(mjx, native, house, state, action)
 
 
 def _step_native(
@@ -94,7 +99,7 @@ def _is_asleep(template: Template, qvel: Array, qacc: Array) -> Array:
     return ~jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
 
 
-def _house_arrays(config: PhysicsConfig, physics: Physics) -> tuple[Array, ...]:
+def _house_arrays(config: PhysicsSetup, physics: Physics) -> tuple[Array, ...]:
     """Return the house arrays in the order of `operands`; boxes not above the floor get a negative size."""
     half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
@@ -111,14 +116,13 @@ def _batched(platform: str) -> Step:
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
-    """Step environments (e ...) with compiled code; cast operands to its types and skip empty batches."""
-    given = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
-    _, qpos, qvel, qacc, action, _, _, goal, _ = given[NUM_SHARED:]
+    """Step environments (e ...) with compiled code; skip empty batches."""
+    _, qpos, qvel, qacc, action, _, _, goal, _ = operands[NUM_SHARED:]
     envs, agents = action.shape[:2]
-    mobiles = agents + given[BODY_VALID].shape[1] + goal.shape[1]
+    mobiles = agents + operands[BODY_VALID].shape[1] + goal.shape[1]
     results = [jax.ShapeDtypeStruct(x.shape, jnp.float32) for x in (qpos, qvel, qacc)]
     results += [jax.ShapeDtypeStruct((envs, size), jnp.int32) for size in (agents, NUM_OVERFLOWS)]
     results += [jax.ShapeDtypeStruct((envs, mobiles, 4), jnp.float32), jax.ShapeDtypeStruct((envs, mobiles), jnp.int32)]
     if 0 in (envs, agents):
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
-    return varying_as(operands, step(given, results))
+    return step(operands, results)

@@ -42,7 +42,9 @@ def test_words_select_records_and_names_change_them():
     heavy = Thing(shape=Ball(mass=7.0), tray=Tray(2.0))
     assert override_fields(heavy, {"shape": "ball", "tray": True}) == heavy  # what is selected already stays
     assert override_fields(heavy, {"shape": Box(1.0), "mass": 2.0}) == replace(heavy, shape=Box(1.0, 2.0))
-    assert override_fields(heavy, {"tray": None}) == override_fields(heavy, {"tray": False}) == replace(heavy, tray=None)
+    assert (
+        override_fields(heavy, {"tray": None}) == override_fields(heavy, {"tray": False}) == replace(heavy, tray=None)
+    )
     assert nested_names(Thing(), "shape") == ("radius", "mass", "edge")
     assert nested_names(Thing(), "name") == ()
 

@@ -13,10 +13,14 @@ from home_mjx.audio_jax.kernels.cpu import calls as cpu
 from home_mjx.audio_jax.kernels.cuda import early as cuda_early
 from home_mjx.audio_jax.kernels.cuda import first as cuda_first
 from home_mjx.audio_jax.kernels.cuda import late as cuda_late
+from home_mjx.audio_jax.kernels.cuda.kernels import compile_kernels
 from home_mjx.audio_jax.kernels.first import filter_direct_by_xla
 from home_mjx.audio_jax.kernels.reads import DelayReads, frame_begin, mix_paths
 from home_mjx.audio_jax.kernels.tail import LateResponse, render_late_by_xla
+from home_mjx.core.native.kernel import Kernel
 from home_mjx.core.native.platforms import with_fallback_gradient
+
+KERNEL = Kernel(cpu.TARGET, "moving sound uses slower XLA operations", cpu=cpu.compile_chunks, cuda=compile_kernels)
 
 
 def filter_direct(
@@ -24,7 +28,7 @@ def filter_direct(
 ) -> Float[Array, "ends m"]:
     """Filter the first path's source by its own octave filters; arguments as in `first.filter_direct_by_xla`."""
     fast: dict[str, Callable[..., Array]] = {}
-    if cuda_first.available(config):
+    if KERNEL.is_usable("cuda") and cuda_first.supports_direct(config):
         fast["cuda"] = functools.partial(cuda_first.filter_direct, config=config)
     return with_fallback_gradient(functools.partial(filter_direct_by_xla, config=config), fast)(source, begin, gain)
 
@@ -40,9 +44,9 @@ def render_early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "
         Pressure per channel, `config.frame` samples.
     """
     fast: dict[str, Callable[..., Array]] = {}
-    if cpu.cpu_available():
+    if KERNEL.is_usable("cpu"):
         fast["cpu"] = functools.partial(cpu.early_frame, config=config)
-    if cuda_early.available(reads, config):
+    if KERNEL.is_usable("cuda") and cuda_early.supports_early(reads, config):
         fast["cuda"] = functools.partial(cuda_early.early_frame, config=config)
     return with_fallback_gradient(functools.partial(render_early_xla, config=config), fast)(reads)
 
@@ -59,8 +63,8 @@ def render_early_xla(reads: DelayReads, config: AudioConfig) -> Float[Array, "e 
 def render_late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
     """Render the late reverberation of several sources; arguments as in `tail.render_late_by_xla`."""
     fast: dict[str, Callable[..., Array]] = {}
-    if cpu.cpu_available() and cpu.supports_late(late, config):
+    if KERNEL.is_usable("cpu") and cpu.supports_late(late, config):
         fast["cpu"] = functools.partial(cpu.late_frame, config=config)
-    if cuda_late.available(config):
+    if KERNEL.is_usable("cuda") and cuda_late.supports_late(config):
         fast["cuda"] = functools.partial(cuda_late.late_frame, config=config)
     return with_fallback_gradient(functools.partial(render_late_by_xla, config=config), fast)(sources, late)

@@ -100,10 +100,10 @@ def _devices() -> Iterator[CheckResult]:
 
 def _backends() -> Iterator[CheckResult]:
     """Report the backends for ray casting that run here."""
-    from home_mjx.raycast_render.backends.cpu import cpu_problem
+    from home_mjx.raycast_render.backends.choose import KERNEL
 
     yield CheckResult("executor xla", OK, "the reference, runs everywhere")
-    problem = cpu_problem()
+    problem = KERNEL.find_problem("cpu")
     detail = f"does not work: {problem}; `xla` is used instead, slower on a CPU" if problem else "compiled by Numba"
     yield CheckResult("executor cpu", NOTE if problem else OK, detail)
     yield _cuda_backend()
@@ -112,11 +112,11 @@ def _backends() -> Iterator[CheckResult]:
 def _cuda_backend() -> CheckResult:
     from home_mjx.core.native import nvrtc
     from home_mjx.core.native.platforms import local_devices
-    from home_mjx.raycast_render.backends.cuda import cuda_problem
+    from home_mjx.raycast_render.backends.choose import KERNEL
 
     if not local_devices("cuda"):
         return CheckResult("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
-    problem = cuda_problem()
+    problem = KERNEL.find_problem("cuda")
     if problem:
         return CheckResult("executor cuda", NOTE, f"does not work: {problem}; `xla` is used instead, slower")
     version = ".".join(map(str, nvrtc.version(nvrtc.find_library())))

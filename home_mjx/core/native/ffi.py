@@ -24,8 +24,8 @@ EXTENSION_TYPE, EXTENSION_METADATA, METADATA_VERSION = 1, 3, 3
 METADATA, EXECUTE = 1, 3  # extension type, stage
 BUFFER_DATA, BUFFER_RANK, BUFFER_DIMS, SCALAR_VALUE = 3, 4, 5, 1
 API_DESTROY_ERROR, API_SCHEDULE, API_NUM_THREADS = 8, 17, 18
-JOB_NEXT, JOB_DONE, JOB_USERS, JOB_CHUNKS, JOB_FRAME = range(5)
-JOB_WORDS = 5
+JOB_NEXT, JOB_DONE, JOB_USERS, JOB_CHUNKS, JOB_FRAME, JOB_WORK = range(6)
+JOB_WORDS = 6
 WORD, NUMBER = 8, 4  # [bytes]
 
 words, halves = pointer_to(types.int64), pointer_to(types.int32)
@@ -55,57 +55,60 @@ def is_execute_call(frame):
 
 @compiled
 @no_type_check
-def open_job(frame, chunks, task):
-    """Open a job of `chunks` chunks: XLA's threads call `task`, the address of a C function, with the job.
+def run_job(frame, chunks, work, task):
+    """Run chunks of work on the calling thread and on XLA's threads, and wait for all of them.
 
-    Every user of a job calls `next_chunk` until it returns -1, and `chunk_done` after each chunk; then `release_job`. The
-    caller calls `close_job` instead of `release_job`.
+    Args:
+        frame: Call frame.
+        chunks: Number of chunks.
+        work: Address of a C function of the job, which calls `run_chunks`.
+        task: Address of a C function of the job, which calls `run_task`.
     """
+    job = _open_job(frame, chunks, work, task)
+    call(work, job)
+    while fetch_add(job + WORD * JOB_DONE, 0) < chunks:
+        yield_thread()
+    _release_job(job)
+
+
+@compiled
+@no_type_check
+def run_task(job):
+    """Run chunks of a job on a thread of XLA."""
+    call(words(job)[JOB_WORK], job)
+    _release_job(job)
+
+
+@compiled
+@no_type_check
+def run_chunks(job, run_chunk):
+    """Call `run_chunk(frame, chunk)` until no chunk of a job is left."""
+    while True:
+        chunk = fetch_add(job + WORD * JOB_NEXT, 1)
+        if chunk >= words(job)[JOB_CHUNKS]:
+            return
+        run_chunk(words(job)[JOB_FRAME], chunk)  # the frame is valid until the last chunk is done
+        fetch_add(job + WORD * JOB_DONE, 1)
+
+
+@compiled
+@no_type_check
+def _open_job(frame, chunks, work, task):
+    """Allocate a job, and schedule its task on threads of XLA. Each user releases the job."""
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(JOB_WORDS * WORD)
     state = words(job)
     state[JOB_NEXT], state[JOB_DONE], state[JOB_USERS] = 0, 0, 1 + max(helpers, 0)
-    state[JOB_CHUNKS], state[JOB_FRAME] = chunks, frame
+    state[JOB_CHUNKS], state[JOB_FRAME], state[JOB_WORK] = chunks, frame, work
     for _ in range(helpers):
         if not _schedule(frame, task, job):
-            release_job(job)  # on behalf of the task that did not start
+            _release_job(job)  # on behalf of the task that did not start
     return job
 
 
 @compiled
 @no_type_check
-def next_chunk(job):
-    """Take the next chunk; -1 if no chunk is left."""
-    chunk = fetch_add(job + WORD * JOB_NEXT, 1)
-    return chunk if chunk < words(job)[JOB_CHUNKS] else -1
-
-
-@compiled
-@no_type_check
-def chunk_done(job):
-    """Mark a chunk as done."""
-    fetch_add(job + WORD * JOB_DONE, 1)
-
-
-@compiled
-@no_type_check
-def job_frame(job):
-    """Return the call frame of a job; valid until its last chunk is done."""
-    return words(job)[JOB_FRAME]
-
-
-@compiled
-@no_type_check
-def close_job(job):
-    """Wait until all chunks are done, then leave the job."""
-    while fetch_add(job + WORD * JOB_DONE, 0) < words(job)[JOB_CHUNKS]:
-        yield_thread()
-    release_job(job)
-
-
-@compiled
-@no_type_check
-def release_job(job):
+def _release_job(job):
     """Drop a reference to a job; the last user frees it."""
     if fetch_add(job + WORD * JOB_USERS, -1) == 1:
         release(job)

@@ -10,11 +10,10 @@ import logging
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import jax
 import numpy as np
 
 from home_mjx.core.native import ffi
-from home_mjx.core.native.fork_guard import record_process
+from home_mjx.core.native.kernel import register_target
 
 HostFunction = Callable[[Sequence[np.ndarray], Sequence[np.ndarray]], None]
 
@@ -28,7 +27,6 @@ BUFFER_DTYPE, COUNT_BEFORE = 2, 2  # word offsets: dtype in a buffer; buffer cou
 API_CREATE_ERROR, INTERNAL = 6, 13
 
 log = logging.getLogger(__name__)
-_kept: list[object] = []  # keeps functions alive that XLA may call until the process ends
 
 
 def register_host_call(target: str, function: HostFunction) -> None:
@@ -57,9 +55,7 @@ def register_host_call(target: str, function: HostFunction) -> None:
             return _error(frame, f"{type(error).__name__}: {error}")
         return None
 
-    record_process()
-    _kept.append(handler)
-    jax.ffi.register_ffi_target(target, jax.ffi.pycapsule(handler), platform="cpu", api_version=1)
+    register_target(target, handler)
 
 
 def _words(address: int) -> Any:

@@ -79,22 +79,22 @@ def call(typing_context, function, argument) -> Any:
     return types.intp(types.intp, types.intp), lower
 
 
+@intrinsic(prefer_literal=True)
 @no_type_check
-def symbol_address(name: str) -> Any:
-    """Create an intrinsic that returns the address of a symbol known to LLVM."""
+def symbol_address(typing_context, name) -> Any:
+    """Return the address of a symbol known to LLVM; its name is a constant string."""
+    if not isinstance(name, types.StringLiteral):
+        return None
 
-    @intrinsic
     @no_type_check
-    def address(typing_context):
-        @no_type_check
-        def lower(context, builder, signature, args):
-            word = ir.IntType(64)
-            function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(word, [word]), name)
-            return builder.ptrtoint(function, word)
+    def lower(context, builder, signature, args):
+        word = ir.IntType(64)
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(word, [word]), signature.args[0].literal_value
+        )
+        return builder.ptrtoint(function, word)
 
-        return types.intp(), lower
-
-    return address
+    return types.intp(name), lower
 
 
 @intrinsic

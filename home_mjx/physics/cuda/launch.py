@@ -1,16 +1,14 @@
 """CUDA backend of the fused step: one warp per environment, compiled on first use."""
 
-import functools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array
 
-from home_mjx.core.native.platforms import PTX_TARGET, compile_ptx_for_all, find_problem, is_usable
+from home_mjx.core.native.kernel import compile_sources, launch_ptx
+from home_mjx.core.native.vmap_call import traced_constant
 from home_mjx.physics.numba.data.limits import BODY_DOFS, MAX_NEAR_BOXES, POINTS_PER_BODY
 from home_mjx.physics.numba.data.operands import ACTION, BODY_VALID, COLLIDER_POS, DOOR, RAMP
 
@@ -23,7 +21,7 @@ SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_BODY  # words of shared memory p
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
-    """Step environments (e ...) by one control step; operands and results as in `cpu.step_cpu`."""
+    """Step environments (e ...) by one control step; operands and results are ordered as in `numba.data.operands`."""
     houses, statics = operands[COLLIDER_POS].shape[:2]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
@@ -31,12 +29,9 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     words = (MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * POINTS_PER_BODY) * mobiles + _newton_words(mobiles)
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
     sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
-    constants = jnp.concatenate([jnp.full(1, size, jnp.int32) for size in sizes])
     shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + _newton_words(SMALL_ISLAND) + 2)
-    launch = {"grid_x": envs, "grid_y": 1, "grid_z": 1, "block_x": WARP, "block_y": 1, "block_z": 1}
-    numbers = {name: np.int32(size) for name, size in {**launch, "shared_mem_bytes": shared}.items()}
-    options: dict[str, Any] = {"name": "step_physics", "kernel_type": "ptx", "kernel_data": compile_kernel(), **numbers}
-    return jax.ffi.ffi_call(PTX_TARGET, (*results, scratch))(*operands, constants, **options)[:-1]
+    given = *operands, traced_constant(sizes)
+    return launch_ptx("step_physics", compile_kernel(), (envs,), WARP, shared, given, (*results, scratch))[:-1]
 
 
 def _newton_words(mobiles: int) -> int:
@@ -45,17 +40,6 @@ def _newton_words(mobiles: int) -> int:
     return size * (size + 1) // 2 + 2 * size
 
 
-@functools.cache
-def cuda_available() -> bool:
-    """Return whether the CUDA kernel works in this process; warn once if there is an NVIDIA GPU and it fails."""
-    return is_usable("cuda", find_problem("cuda", _start), "falling back to slower MJX physics")
-
-
-@functools.cache
 def compile_kernel() -> str:
     """Compile PTX that all GPUs of this process can run."""
-    return compile_ptx_for_all(SOURCES)
-
-
-def _start() -> None:
-    compile_kernel()
+    return compile_sources(*SOURCES)

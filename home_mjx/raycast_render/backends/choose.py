@@ -7,9 +7,10 @@ from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.checks import check_known
-from home_mjx.core.native.platforms import select_at_lowering
-from home_mjx.raycast_render.backends.cpu import cast_cpu, cpu_available
-from home_mjx.raycast_render.backends.cuda import cast_cuda, cuda_available
+from home_mjx.core.native.kernel import Kernel
+from home_mjx.raycast_render.backends.cpu import TARGET, cast_cpu, compile_chunks
+from home_mjx.raycast_render.backends.cuda import cast_cuda, compile_kernels
+from home_mjx.raycast_render.backends.probe import find_fault
 from home_mjx.raycast_render.backends.xla import cast_xla
 from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
 
@@ -19,21 +20,34 @@ RayBackend = Callable[[Geometry, Array, DynamicInstances, Rays, RayQuery], RawHi
 Ray [e, r] belongs to environment e.
 """
 
+NATIVE: dict[str, RayBackend] = {"cpu": cast_cpu, "cuda": cast_cuda}  # by platform, where `KERNEL` works
+KERNEL = Kernel(
+    TARGET,
+    "falling back to the slower `xla` executor for ray casts",
+    cpu=compile_chunks,
+    cuda=compile_kernels,
+    test=lambda platform: find_fault(NATIVE[platform]),
+)
+
 
 def cast_auto(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
     """Cast with the fastest executor of the platform that the program is lowered for."""
-    branches = {name: functools.partial(cast, query=query) for name, cast in _native_backends().items()}
-    return select_at_lowering(functools.partial(cast_xla, query=query), branches, geometry, house, moving, rays)
+    native = {platform: functools.partial(cast, query=query) for platform, cast in NATIVE.items()}
+    return KERNEL.select(functools.partial(cast_xla, query=query), native, geometry, house, moving, rays)
 
 
-def _native_backends() -> dict[str, Callable[..., RawHit]]:
-    cpu = {"cpu": cast_cpu} if cpu_available() else {}
-    return cpu | ({"cuda": cast_cuda} if cuda_available() else {})
+def _cast_natively(
+    platform: str, geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery
+) -> RawHit:
+    """Cast with the native executor of a platform; raise `BackendError` if it does not work in this process."""
+    KERNEL.check_usable(platform, f"the `{platform}` executor", "Use backend='xla'.")
+    return NATIVE[platform](geometry, house, moving, rays, query)
 
 
-BACKENDS: dict[str | None, RayBackend] = {None: cast_auto, "xla": cast_xla, "cpu": cast_cpu, "cuda": cast_cuda}
+BACKENDS: dict[str | None, RayBackend] = {None: cast_auto, "xla": cast_xla}
+BACKENDS |= {platform: functools.partial(_cast_natively, platform) for platform in NATIVE}
 
 
 def find_backend(name: str | None) -> RayBackend:

@@ -1,8 +1,6 @@
 """The `cuda` executor: `cast.cu`, called by XLA; compiled for the installed GPU and tested on first use."""
 
-import functools
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,14 +9,12 @@ from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry, pack_instances, to_center_half
-from home_mjx.core.native.platforms import PTX_TARGET, compile_ptx_for_all, find_problem, is_usable, local_devices
-from home_mjx.core.native.sharding import varying_false
-from home_mjx.errors import BackendError
-from home_mjx.raycast_render.backends.probe import find_fault
+from home_mjx.core.native.kernel import compile_sources, launch_ptx
+from home_mjx.core.native.vmap_call import traced_constant
 from home_mjx.raycast_render.scene.constants import MISS
 from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, RawHit, RayQuery, Rays
+from home_mjx.sharding import varying_as
 
-TARGET = PTX_TARGET
 SOURCE = Path(__file__).with_name("cast.cu")
 WARP = 32
 BLOCK = 64  # threads per block, as in cast.cu
@@ -29,53 +25,22 @@ MAX_GRID = 65535  # maximum blocks along the second and third axis
 def cast_cuda(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment); see `executors.RayBackend`.
-
-    Raises:
-        ExecutorError: The executor is not available in this process.
-    """
-    problem = cuda_problem()
-    if problem:
-        raise BackendError(f"the `cuda` executor is not available: {problem}", hint="Use executor='xla'.")
-    return _call(geometry, house, moving, rays, query)
-
-
-@functools.cache
-def cuda_available() -> bool:
-    """Return whether the `cuda` executor works in this process; warn once if there is an NVIDIA GPU and it fails."""
-    return is_usable("cuda", cuda_problem(), "falling back to the slower `xla` executor for ray casts")
-
-
-@functools.cache
-def cuda_problem() -> str | None:
-    """Return the reason why the executor is not available; None if it works. The first call compiles and tests it."""
-    return find_problem("cuda", _start)
-
-
-@functools.cache
-def compile_kernels() -> str:
-    """Compile PTX that all GPUs of this process can run."""
-    return compile_ptx_for_all(SOURCE)
-
-
-def _start() -> str | None:
-    with jax.default_device(local_devices("cuda")[0]):
-        return find_fault(_call)
-
-
-def _call(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery) -> RawHit:
+    """Cast rays of shape (environments, rays per environment) where `choose.KERNEL` works; see `choose.RayBackend`."""
     shape = (*rays.shape, query.num_hits) if query.num_hits else rays.shape
     floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (ints,) if query.any_hit else (floats, ints, ints, floats, floats, jax.ShapeDtypeStruct(shape, jnp.bool_))
     if 0 in shape:
-        hits = tuple(jnp.zeros(x.shape, x.dtype) for x in results)
+        hits = varying_as((house, moving, rays), [jnp.zeros(x.shape, x.dtype) for x in results])
     else:
-        name = "cast_any" if query.any_hit else "cast_through" if query.num_hits else "cast_closest"
-        call = jax.ffi.ffi_call(TARGET, results)
-        hits = call(*kernel_operands(geometry, house, moving, rays, query), **_launch(name, rays))
-    never = varying_false(house, moving, rays)
-    hits = [jnp.where(never, jnp.zeros_like(x), x) for x in hits]
+        entry = "cast_any" if query.any_hit else "cast_through" if query.num_hits else "cast_closest"
+        grid, operands = launch_grid(*rays.shape, rays.width), kernel_operands(geometry, house, moving, rays, query)
+        hits = launch_ptx(entry, compile_kernels(), grid, BLOCK, 0, operands, results)
     return _any_hit_result(hits[0]) if query.any_hit else RawHit(*hits)
+
+
+def compile_kernels() -> str:
+    """Compile PTX that all GPUs of this process can run."""
+    return compile_sources(SOURCE)
 
 
 def _any_hit_result(instance: Int[Array, "e r"]) -> RawHit:
@@ -109,13 +74,8 @@ def kernel_operands(
         house.astype(jnp.int32),
         *(x.astype(jnp.float32) for x in fields[:4]),
         *(x.astype(jnp.int32) for x in fields[4:]),
-        _constants(size, jnp.int32),
+        traced_constant(size),
     )
-
-
-def _constants(values: tuple, dtype: Any) -> Array:
-    """Build an array inside the program, since a partitioned function may not capture arrays."""
-    return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
 
 
 def tile_width(count: int, width: int) -> int:
@@ -128,11 +88,3 @@ def launch_grid(environments: int, count: int, width: int) -> tuple[int, int, in
     width = tile_width(count, width)
     warps = -(-width // TILE[0]) * -(-count // (width * TILE[1])) if width else -(-count // WARP)
     return -(-warps * WARP // BLOCK), min(environments, MAX_GRID), -(-environments // MAX_GRID)
-
-
-def _launch(name: str, rays: Rays) -> dict[str, Any]:
-    names = "grid_x", "grid_y", "grid_z", "block_x", "block_y", "block_z", "shared_mem_bytes"
-    environments, count = rays.shape
-    sizes = (*launch_grid(environments, count, rays.width), BLOCK, 1, 1, 0)
-    numbers = {name: np.int32(size) for name, size in zip(names, sizes, strict=True)}
-    return {"name": name, "kernel_type": "ptx", "kernel_data": compile_kernels(), **numbers}

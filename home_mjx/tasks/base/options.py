@@ -106,7 +106,7 @@ def make_config(**options: Any) -> EnvConfig:
 
 
 def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
-    """Yield dotted paths of a record and its fields at all depths; body and timing only of their owner."""
+    """Yield dotted paths of a record and its fields at all depths; timing only of its owner."""
     if prefix:
         yield prefix
     own = {field.name for field in dataclasses.fields(record)}
@@ -119,7 +119,7 @@ def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset())
             yield path
             yield from (f"{path}.{name}" for name in nested_names(record, field.name))
         elif dataclasses.is_dataclass(value):
-            yield from _field_paths(value, path, shared | (own & {"body", "timing"}))
+            yield from _field_paths(value, path, shared | (own & {"timing"}))
         else:
             yield path
 

@@ -26,20 +26,20 @@ from home_mjx.core.native.platforms import local_devices
 from home_mjx.errors import BackendError
 
 KERNELS = {
-    "filter_first": (
+    "filter_direct": (
         kernels.DIRECT_SOURCES,
         "(float*)p[0], (int*)p[1], (float*)p[2], (float*)p[3], (float2*)p[4], (float2*)p[5], (int*)p[6], (float*)p[7]",
     ),
-    "add_paths": (
-        kernels.SUMS_SOURCES,
+    "mix_paths": (
+        kernels.MIX_SOURCES,
         "(float*)p[0], (float*)p[1], (int*)p[2], (float*)p[3], (float2*)p[4], (float*)p[5], (float*)p[6], (int*)p[7], "
         "(float*)p[8]",
     ),
-    "filter_sums": (
+    "filter_buses": (
         kernels.FILTER_SOURCES,
         "(float*)p[0], (float2*)p[1], (float2*)p[2], (int*)p[3], (float*)p[4]",
     ),
-    "carry_noise": (
+    "shape_noise": (
         kernels.NOISE_SOURCES,
         "(float*)p[0], (float*)p[1], (float*)p[2], (float*)p[3], (int*)p[4], (int*)p[5], (float*)p[6]",
     ),
@@ -65,7 +65,7 @@ def library(tmp_path_factory):
 
 def compiled_for(name, given, threads):
     """What a kernel's SIZE is: how many noises there are, or values of a transform."""
-    return given[0].shape[1] if name == "carry_noise" else threads * kernels.PER_THREAD
+    return given[0].shape[1] if name == "shape_noise" else threads * kernels.PER_THREAD
 
 
 @pytest.fixture
@@ -163,7 +163,7 @@ def spoilt(rng, x):
     return jnp.asarray(x)
 
 
-@pytest.mark.parametrize("name", ["filter_first", "add_paths", "carry_noise", "late_frames"])
+@pytest.mark.parametrize("name", ["filter_direct", "mix_paths", "shape_noise", "late_frames"])
 def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeypatch, rng, name):
     """AddressSanitizer sees each block, with numbers from nowhere in all arrays but their sizes."""
     config, program = AudioConfig(response_seconds=0.2, motion=Motion(tail_seconds=0.15)), []
@@ -186,11 +186,11 @@ def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeyp
     monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
     ends = 1, 2, 2
     for _ in range(3):
-        if name == "filter_first":
+        if name == "filter_direct":
             signal, begin = jnp.float32(rng.normal(size=(2, 2000))), jnp.int32(rng.integers(-500, 2000, 2))
             given = signal, begin, *(jnp.float32(rng.normal(size=shape)) for shape in ((2, 2, 7), (2, 2)))
             cuda_first.launch_direct(config, *cuda_first.first_tables(config), *(spoilt(rng, x) for x in given))
-        elif name == "add_paths":
+        elif name == "mix_paths":
             given = (1, 2, 2000), (1, 2, 2, 900), (1, 2, 3), (1, 2, 5, 9), (1, 2, 5, 2, 20, 2)
             given = [jnp.float32(rng.normal(size=shape)) for shape in given]
             given[2] = jnp.int32(rng.integers(0, 9000, (1, 2, 3)))

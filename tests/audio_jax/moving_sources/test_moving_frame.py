@@ -79,7 +79,7 @@ def test_a_still_path_is_one_convolution(config, rng):
     heard = []
     for i in range(3):
         begin = start + i * FRAME
-        part = noise[begin + 1 - config.memory_length : begin + FRAME + config.ahead]
+        part = noise[begin + 1 - config.memory_length : begin + FRAME + config.num_lookahead]
         heard.append(np.asarray(_run[config](jnp.asarray(part, jnp.float32), still, still), float))
     heard = np.concatenate(heard, axis=1)
     for ear in range(2):
@@ -104,7 +104,7 @@ def test_ears_of_a_head_that_walks_and_turns(frequency):
     for ear, side in enumerate((-1, 1)):
         axis = side * np.stack([np.cos(yaw), 0 * yaw, -np.sin(yaw)], 1)
         angle = np.arccos(np.sum(place * axis, axis=1) / distance)
-        near = [near_sphere_spectrum(np.array([frequency]), angle, d, EARS.head_radius, SPEED) for d in NEAR]
+        near = [near_sphere_spectrum(np.array([frequency]), angle, d, EARS.receiver_radius, SPEED) for d in NEAR]
         grid = np.stack(near)[:, :, 0]
         sphere = np.array([np.interp(d, NEAR, row) for d, row in zip(distance, grid.T, strict=True)])
         exact = np.imag(sphere * np.exp(2j * np.pi * frequency * (time - distance / SPEED))) / distance

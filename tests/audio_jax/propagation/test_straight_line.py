@@ -42,9 +42,9 @@ def cast_by_cast(scene, source, listener, config):
         skipped = jnp.where(blocked & (object_id >= 0), object_id, skipped)
         return (start, skipped, seen, energy, met_any | kinds, blocked), None
 
-    seen = jnp.full(config.max_crossings, -1, jnp.int32)
+    seen = jnp.full(config.early.max_crossings, -1, jnp.int32)
     start = jnp.float32(0), exclude, seen, jnp.ones((2, len(BANDS))), jnp.zeros(2, bool), jnp.bool_(True)
-    (_, _, _, energy, kinds, silent), _ = jax.lax.scan(step, start, jnp.arange(config.max_crossings))
+    (_, _, _, energy, kinds, silent), _ = jax.lax.scan(step, start, jnp.arange(config.early.max_crossings))
     return StraightLine(
         distance,
         direction[0],

@@ -17,7 +17,7 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
-from home_mjx.audio_jax.base.options import Omni, Traced
+from home_mjx.audio_jax.base.options import EarlyPaths, Omni, Traced
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import air_attenuation
@@ -144,7 +144,7 @@ def test_level_equals_incoherent_image_sources(bank):
 
 def test_reflections_of_two_orders_are_counted_once(bank):
     """The same level as all image sources, where early paths hold those of orders 1 and 2."""
-    config = replace(MANY, reflection_order=2, num_reflections=24)
+    config = replace(MANY, early=EarlyPaths(num_reflections=24, reflection_order=2))
     totals = everywhere(whole_energy, bank, config, [0, 2])[..., MID].sum(axis=2).mean(axis=1)
     expected = np.mean([image_source_energy(np.asarray(p), air_attenuation(config)[MID]) for p in LISTENERS])
     np.testing.assert_allclose(totals, expected, rtol=0.05)
@@ -153,14 +153,14 @@ def test_reflections_of_two_orders_are_counted_once(bank):
 def test_hard_walls_keep_all_energy_but_what_air_takes(bank):
     rays = everywhere(traced, bank, MANY, [5])
     left = rays.remaining * np.exp(rays.travelled[..., None] * air_attenuation(MANY))
-    np.testing.assert_allclose(left, 1 / MANY.num_rays, rtol=2e-4)
+    np.testing.assert_allclose(left, 1 / MANY.traced.num_rays, rtol=2e-4)
 
 
 def test_mean_free_path(bank):
     """4 V / S, for diffuse reflection."""
     rays = everywhere(traced, bank, MANY, [4])
     volume, surface = SIZE.prod(), 2 * (SIZE * np.roll(SIZE, 1)).sum()
-    assert rays.travelled[0, :, -1].mean() / MANY.num_bounces == pytest.approx(4 * volume / surface, rel=0.01)
+    assert rays.travelled[0, :, -1].mean() / MANY.traced.num_bounces == pytest.approx(4 * volume / surface, rel=0.01)
 
 
 def test_air_alone_makes_the_decay_of_hard_walls(bank):

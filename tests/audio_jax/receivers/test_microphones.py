@@ -72,7 +72,7 @@ def test_plane_waves_reach_microphones_when_they_should(vector):
 def test_spherical_waves_of_near_sources(config, vector):
     """Delay and level of the exact way to each microphone."""
     delay, level = arrival(render(config, vector))
-    exact = np.linalg.norm(np.array(vector) - np.array(config.microphones), axis=1)
+    exact = np.linalg.norm(np.array(vector) - np.array(config.receiver.positions), axis=1)
     np.testing.assert_allclose(delay * RATE, exact / SPEED * RATE, atol=0.05)
     np.testing.assert_allclose(level * exact, 1, rtol=0.02)
 
@@ -173,7 +173,7 @@ def coherence(a, b):
 def test_late_sound_at_microphones_is_as_coherent_as_a_diffuse_field(yaw):
     """sin(kd) / (kd) in each octave from 250 Hz to 4 kHz, all pairs: 0.1."""
     config = AudioConfig(receiver=MicrophoneArray(((0, 0, 0), (0.05, 0, 0), (0, 0.2, 0), (0, 0, -0.12))))
-    sound, place = late(config, yaw), np.array(config.microphones)
+    sound, place = late(config, yaw), np.array(config.receiver.positions)
     for i, j in itertools.combinations(range(4), 2):
         frequency, found = coherence(sound[i], sound[j])
         exact = np.sinc(2 * frequency * np.linalg.norm(place[i] - place[j]) / SPEED)
@@ -228,7 +228,7 @@ def test_frames_of_a_still_source_are_one_convolution(config, rng):
     run = jax.jit(lambda s: render_frame(s, still, still, config))
     heard = []
     for begin in range(2 * config.frame, 5 * config.frame, config.frame):
-        part = noise[begin + 1 - config.memory_length : begin + config.frame + config.ahead]
+        part = noise[begin + 1 - config.memory_length : begin + config.frame + config.num_lookahead]
         heard.append(np.asarray(run(jnp.asarray(part, jnp.float32)), float))
     heard = np.concatenate(heard, axis=1)
     assert heard.shape[0] == config.num_channels

@@ -15,7 +15,7 @@ from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import AudioConfig, Listener, Paths, SoundSource, impulse_response, read_head
 from home_mjx.audio_jax.auralization.envelope import energy_envelope
 from home_mjx.audio_jax.auralization.response import early_response
-from home_mjx.audio_jax.base.options import Binaural, Omni, Traced
+from home_mjx.audio_jax.base.options import Binaural, Motion, Omni, Traced
 from home_mjx.audio_jax.moving_sources.frame import render_frame
 from home_mjx.audio_jax.moving_sources.reception import silent_state
 from home_mjx.audio_jax.receivers.channels import channel_gains
@@ -150,7 +150,7 @@ def test_a_turned_head_takes_its_ears_along(coarse):
 
 
 def test_frames_of_a_still_source_are_one_convolution(coarse, rng):
-    config = dataclasses.replace(COARSE, motion=True, tail_seconds=0.0)
+    config = dataclasses.replace(COARSE, motion=Motion(tail_seconds=0.0))
     vectors = np.array([[1.1, 0.4, -1.5], [-3, 2, 2.5], [0.2, 11, 4]])
     distance = np.linalg.norm(vectors, axis=1)
     parts = distance, rng.uniform(0.1, 1, (3, 7)), vectors / distance[:, None]

@@ -10,7 +10,8 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from soup import Placed, Soup, f32, i32, needs_gpu, random_pose, random_rays, random_soup
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.native import nvrtc
+from home_mjx.core.native import kernel, nvrtc
+from home_mjx.core.native.kernel import PTX_TARGET
 from home_mjx.errors import BackendError
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.casting.cast import cast, cast_multi_hit, occluded
@@ -38,7 +39,7 @@ def test_grid_covers_all_rays(shape, width, expected):
 
 def pretend(monkeypatch):
     """As if there were a GPU for which the kernels are compiled."""
-    monkeypatch.setattr(cuda, "cuda_problem", lambda: None)
+    monkeypatch.setattr(kernel, "_find_problem", lambda kernel, platform: None)
     monkeypatch.setattr(cuda, "compile_kernels", lambda: "the PTX")
 
 
@@ -50,7 +51,7 @@ def test_nested_vmap_becomes_one_call(monkeypatch):
     moving = jax.tree.map(lambda x: jnp.stack([x] * 4), scene.moving)
     shaped = [f32(x.reshape(4, 2, 16, 16, 3)) for x in (origin, direction)]
     text = jax.jit(jax.vmap(look)).trace(moving, *shaped).lower(lowering_platforms=("cuda",)).as_text()
-    calls = [line for line in text.splitlines() if cuda.TARGET in line]
+    calls = [line for line in text.splitlines() if PTX_TARGET in line]
     assert len(calls) == 1
     for said in ('name = "cast_closest"', 'kernel_data = "the PTX"', "grid_x = 8 : i32", "grid_y = 4 : i32"):
         assert said in calls[0]
@@ -65,7 +66,7 @@ def test_any_hit_is_a_kernel_of_its_own_and_no_rays_are_no_call(monkeypatch):
     text = look.trace(scene, f32(origin), f32(direction)).lower(lowering_platforms=("cuda",)).as_text()
     assert 'name = "cast_any"' in text
     text = look.trace(scene, f32(origin[:0]), f32(direction[:0])).lower(lowering_platforms=("cuda",)).as_text()
-    assert cuda.TARGET not in text
+    assert PTX_TARGET not in text
 
 
 def test_hits_one_after_the_other_are_one_call(monkeypatch):
@@ -77,7 +78,7 @@ def test_hits_one_after_the_other_are_one_call(monkeypatch):
     shaped = [f32(x.reshape(4, 3, 3)) for x in (origin, direction)]
     look = jax.jit(jax.vmap(jax.vmap(through, (None, 0, 0))))
     text = look.trace(moving, *shaped).lower(lowering_platforms=("cuda",)).as_text()
-    calls = [line for line in text.splitlines() if cuda.TARGET in line]
+    calls = [line for line in text.splitlines() if PTX_TARGET in line]
     assert len(calls) == 1
     for said in ('name = "cast_through"', "grid_x = 1 : i32", "grid_y = 4 : i32", "tensor<4x3x16xf32>"):
         assert said in calls[0]
@@ -92,7 +93,7 @@ class FakeLibrary:
         monkeypatch.setenv("HOME_MJX_CACHE", str(folder))
         monkeypatch.setattr(nvrtc, "find_library", lambda: self)
         monkeypatch.setattr(nvrtc, "version", lambda library: library.version)
-        monkeypatch.setattr(nvrtc, "_clip_rows", lambda library, capability: capability)
+        monkeypatch.setattr(nvrtc, "_known", lambda library, capability: capability)
         monkeypatch.setattr(nvrtc, "_compile", self.compile)
 
     def compile(self, library, code, name, target, options):
@@ -142,7 +143,7 @@ def test_a_cache_that_cannot_be_written_costs_only_time(monkeypatch, tmp_path, c
 
 def test_without_nvrtc_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(nvrtc, "_installed", lambda: iter(()))
-    monkeypatch.setattr(nvrtc, "RANGE_NAMES", ("libnvrtc-that-is-not-there.so",))
+    monkeypatch.setattr(nvrtc, "NAMES", ("libnvrtc-that-is-not-there.so",))
     nvrtc.find_library.cache_clear()
     with pytest.raises(BackendError, match="no NVRTC"):
         nvrtc.find_library()
@@ -197,7 +198,7 @@ def test_on_a_gpu_it_is_chosen_and_agrees_bit_for_bit(batch, expected):
     bank, args = batch
     assert bank.geometry.gpu is not None
     program = jax.jit(per_env).lower(bank, *args).compile()
-    assert cuda.TARGET in program.as_text()
+    assert PTX_TARGET in program.as_text()
     assert_same(program(bank, *args), expected)
     assert_same(jax.jit(per_env)(bank.replace(geometry=bank.geometry.replace(gpu=None)), *args), expected)
 

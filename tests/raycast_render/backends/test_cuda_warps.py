@@ -12,7 +12,7 @@ from compiled_kernels import shared_library
 from soup import Placed, Soup, f32, i32, random_pose, random_rays, random_soup
 
 from home_mjx.raycast_render.backends import cuda
-from home_mjx.raycast_render.backends.cpu import cast_cpu
+from home_mjx.raycast_render.backends.choose import find_backend
 from home_mjx.raycast_render.scene.types import CLOSEST_HIT, RayQuery, Rays
 
 STEPS = 7
@@ -51,13 +51,13 @@ def assert_same(library, scene, rays, query):
     environments, count = rays.shape
     house, moving = jax.tree.map(lambda x: jnp.stack([x] * environments), (scene.house, scene.moving))
     inputs = [np.ascontiguousarray(x) for x in cuda.kernel_operands(scene.geometry, house, moving, rays, query)]
-    shape = (*rays.shape, query.steps) if query.steps else rays.shape
+    shape = (*rays.shape, query.num_hits) if query.num_hits else rays.shape
     results = [np.full(shape, 77, kind) for kind in TYPES]
     pointers = [x.ctypes.data for x in inputs + results]
     warps = (1 + count // 32) if rays.width == 0 else cuda.launch_grid(environments, count, rays.width)[0] * 2
-    library.run((ctypes.c_void_p * len(pointers))(*pointers), warps, environments, query.steps > 0)
+    library.run((ctypes.c_void_p * len(pointers))(*pointers), warps, environments, query.num_hits > 0)
     with jax.default_device(jax.devices("cpu")[0]):
-        expected = jax.jit(lambda *x: cast_cpu(*x, query))(scene.geometry, house, moving, rays)
+        expected = jax.jit(lambda *x: find_backend("cpu")(*x, query))(scene.geometry, house, moving, rays)
     for name, x, y in zip(expected._fields, results, expected, strict=True):
         np.testing.assert_array_equal(x, y, err_msg=name)
     return expected

@@ -36,7 +36,7 @@ def run(scene, origin, direction, executor, t_min=0.0, t_max=np.inf, exclude=-1,
     """Hits of N rays, options always one per ray, so that every test shares one compiled program."""
     options = [np.broadcast_to(x, len(origin)) for x in (t_min, t_max, exclude, mask)]
     args = scene, f32(origin), f32(direction), f32(options[0]), f32(options[1]), i32(options[2]), i32(options[3])
-    return in_jit(cast, *args, executor=executor), in_jit(occluded, *args, executor=executor)
+    return in_jit(cast, *args, backend=executor), in_jit(occluded, *args, backend=executor)
 
 
 def assert_equals_brute_force(soup, scene, origin, direction, executor, **options):
@@ -121,9 +121,9 @@ def test_64_bit_mode_changes_nothing(case, executor):
     _, scene, origin, direction = case
     expected, _ = run(scene, origin, direction, executor)
     with jax.enable_x64(True):
-        hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, executor=executor)
+        hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, backend=executor)
         double = [jnp.asarray(x, jnp.float64) for x in (origin, direction)]
-        wide = in_jit(cast, scene, *double, mask=7, executor=executor)
+        wide = in_jit(cast, scene, *double, mask=7, backend=executor)
     for a, b, c in zip(*map(jax.tree.leaves, (hit, wide, expected)), strict=True):
         assert a.dtype == b.dtype == c.dtype
         np.testing.assert_array_equal(a, c)
@@ -134,7 +134,7 @@ def test_64_bit_mode_changes_nothing(case, executor):
 def test_without_jit_nothing_changes(case, executor):
     """As users look for their own mistakes."""
     _, scene, origin, direction = case
-    expected = in_jit(cast, scene, f32(origin[:2]), f32(direction[:2]), mask=7, executor=executor)
+    expected = in_jit(cast, scene, f32(origin[:2]), f32(direction[:2]), mask=7, backend=executor)
     with jax.disable_jit():
         hit = cast(scene, f32(origin[:2]), f32(direction[:2]), mask=7, backend=executor)
     np.testing.assert_array_equal(hit.instance, expected.instance)
@@ -167,7 +167,7 @@ def test_any_leading_shape_and_scalars(case):
 def test_triangles_without_area_are_never_hit(executor):
     point, line = np.zeros((3, 3)), np.eye(3)[[0, 1, 1]]
     soup = Soup([np.stack([point, line]).astype(np.float32)], [Placed(0, np.eye(3, 4), 0)])
-    hit = in_jit(cast, soup.scene(), f32(-np.ones((4, 3))), f32(np.eye(4, 3) * 0.5 + 1), executor=executor)
+    hit = in_jit(cast, soup.scene(), f32(-np.ones((4, 3))), f32(np.eye(4, 3) * 0.5 + 1), backend=executor)
     assert (hit.instance == -1).all()
     assert np.isinf(hit.t).all()
 

@@ -49,7 +49,7 @@ def test_mujoco_sees_the_same(executor):
     aim = np.where(rng.uniform(size=(N, 1)) < 0.5, poses[0][:, 3], poses[1][:, 3]) + rng.normal(size=(N, 3)) * 0.6
     direction = aim - origin
     direction = (direction / np.linalg.norm(direction, axis=1, keepdims=True)).astype(np.float32)
-    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), executor=executor)
+    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=executor)
 
     geom = np.zeros((1, 1), np.int32)
     expected, who = np.empty(N), np.empty(N, int)
@@ -110,7 +110,7 @@ def assert_equals_embree(scene, low, high, executor, count):
     origin = rng.uniform(low, high, size=(count, 3)).astype(np.float32)
     direction = rng.normal(size=(count, 3))
     direction = (direction / np.linalg.norm(direction, axis=1, keepdims=True)).astype(np.float32)
-    hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, executor=executor)
+    hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, backend=executor)
     triangles, instance, row = world_triangles(scene)
     peer = embree.EmbreeScene()
     TriangleMesh(peer, triangles.astype(np.float32))

@@ -42,7 +42,7 @@ def test_rays_at_edges_and_corners_do_not_escape(executor, kind):
 
     origin = to_world(inside).astype(np.float32)
     direction = (to_world(targets) - origin).astype(np.float32)
-    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), executor=executor)
+    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=executor)
     assert (hit.instance == 0).all()
     assert not hit.front.any(), "a ray got out and met the outside"
     np.testing.assert_allclose(hit.t, 1, atol=1e-3)
@@ -63,5 +63,5 @@ def test_rays_along_the_axes_and_in_planes_of_a_box(executor):
             direction[:, axis] = sign
             cases.append((origin, direction))
     origin, direction = (np.concatenate(x) for x in zip(*cases, strict=True))
-    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), executor=executor)
+    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=executor)
     np.testing.assert_array_equal(hit.t, 1.0)

@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -16,9 +17,7 @@ from home_mjx.audio_jax.kernels.reads import DelayReads, filter_history, frame_b
 from home_mjx.audio_jax.kernels.tail import LateResponse, octave_table, source_window_width
 from home_mjx.audio_jax.kernels.tail import late_frame_begin as late_begin
 from home_mjx.audio_jax.receivers.diffuse import knot_weights, octave_noise
-from home_mjx.core.native.fork_guard import record_process
-from home_mjx.core.native.platforms import find_problem, is_usable
-from home_mjx.core.native.sharding import varying_as
+from home_mjx.core.native.kernel import call_native
 from home_mjx.core.native.simd import LANES
 from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 from home_mjx.schema.compiled import BANDS
@@ -26,22 +25,12 @@ from home_mjx.schema.compiled import BANDS
 TARGET = "home_mjx_frames"
 NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all environments
 
-_compiled: list[object] = []  # compiled functions that XLA may call until the process ends
 
+def compile_chunks() -> tuple[Any, Any]:
+    """Import and compile the Numba code; see `chunks.compile_chunks`."""
+    from home_mjx.audio_jax.kernels.cpu import chunks
 
-@functools.cache
-def cpu_available() -> bool:
-    """Return whether the compiled code works; warn once if there is a CPU backend on which it fails."""
-    return is_usable("cpu", find_problem("cpu", _start), "moving sound uses slower XLA operations")
-
-
-def _start() -> None:
-    record_process()
-    from home_mjx.audio_jax.kernels.cpu.handler import build_handler
-
-    compiled = build_handler()
-    _compiled.extend(compiled)
-    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(compiled[-1].ctypes), platform="cpu", api_version=1)
+    return chunks.compile_chunks()
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
@@ -111,7 +100,6 @@ def _late_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:
-    plain = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
-    envs, channels = plain[-1].shape[0], config.num_channels
+    envs, channels = operands[-1].shape[0], config.num_channels
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
-    return varying_as(operands, jax.ffi.ffi_call(TARGET, (result,))(*plain))
+    return call_native(TARGET, operands, (result,))

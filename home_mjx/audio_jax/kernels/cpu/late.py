@@ -65,7 +65,9 @@ class LateScratch(NamedTuple):
     spare: Any
     spectra: Any  # (points, LANES), lanes are environments and ends
     unused: Any
-    streams: Any  # (envs_per_batch * transforms_per_env, two), addresses of the signals packed as real and imaginary parts
+    streams: (
+        Any  # (envs_per_batch * transforms_per_env, two), addresses of the signals packed as real and imaginary parts
+    )
     lengths: Any  # (envs_per_batch * transforms_per_env), lengths of these signals
 
 

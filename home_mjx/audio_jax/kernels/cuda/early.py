@@ -14,31 +14,30 @@ from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.shapes import filter_basis
 from home_mjx.audio_jax.kernels.cuda import kernels as cuda
 from home_mjx.audio_jax.kernels.reads import DelayReads, filter_history, frame_begin, pack_paths, sample_times
-from home_mjx.core.native.platforms import call_kernel, max_shared_bytes
+from home_mjx.core.native.kernel import launch_ptx
+from home_mjx.core.native.platforms import max_shared_bytes
 from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 
 WINDOW_SECONDS = 0.08  # [s], source window in shared memory beyond the length of a frame
-BUSES_PER_THREAD, MIX_THREADS = 20, 384  # buses per thread at a time, and threads per block, as in sums.cu
+BUSES_PER_THREAD, MIX_THREADS = 20, 384  # buses per thread at a time, and threads per block, as in path_mixing.cu
 
 
-def available(reads: DelayReads, config: AudioConfig) -> bool:
-    """Return whether the kernels work on a GPU and its shared memory is sufficient for these arrays."""
-    if not cuda.cuda_available():
-        return False
+def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
+    """Return whether the shared memory of all GPUs is sufficient for these arrays."""
     size, most = cuda.transform_size(sample_times(config).shape[0]), max_shared_bytes()
     fits = size is not None and filter_bytes(size) <= most
-    return fits and _sums_bytes(config, *(x[None] for x in read_operands(reads))) <= most
+    return fits and _mix_bytes(config, *(x[None] for x in read_operands(reads))) <= most
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
     """Render `motion.synthesis.early_frame` with two kernels."""
     kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
-    return _filter_sums(_add_reads(reads, config), kernels, begin, config.frame)
+    return _filter_buses(_mix_reads(reads, config), kernels, begin, config.frame)
 
 
-def _add_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
+def _mix_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
     shapes, ears = reads.gain.shape[3], reads.paths.ear_delays.shape[-1]
-    return _sums_op(config, shapes, ears)(*(x[None] for x in read_operands(reads)))[0][0]
+    return _mix_op(config, shapes, ears)(*(x[None] for x in read_operands(reads)))[0][0]
 
 
 def read_operands(reads: DelayReads) -> tuple[Array, ...]:
@@ -48,7 +47,7 @@ def read_operands(reads: DelayReads) -> tuple[Array, ...]:
 
 
 @functools.cache
-def _sums_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[Array, ...]]:
+def _mix_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[Array, ...]]:
     return batch_kernel(functools.partial(launch_mix, config, shapes, ears), 0, 1)
 
 
@@ -62,8 +61,8 @@ def launch_mix(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tu
     tables = traced_constant(taps, jnp.float32), traced_constant([rate], jnp.float32)
     operands = (*given, *tables, traced_constant((*sizes, config.frame, filter_history(config), _window(config))))
     result = jax.ShapeDtypeStruct((source.shape[0], channels, shapes, count), jnp.float32)
-    ptx, grid = cuda.ptx_of(cuda.SUMS_SOURCES, 0), (source.shape[0], 1)
-    return call_kernel("add_paths", ptx, grid, MIX_THREADS, _sums_bytes(config, *given), operands, result)
+    ptx, grid = cuda.ptx_of(cuda.MIX_SOURCES, 0), (source.shape[0],)
+    return launch_ptx("mix_paths", ptx, grid, MIX_THREADS, _mix_bytes(config, *given), operands, (result,))
 
 
 def _window(config: AudioConfig) -> int:
@@ -71,13 +70,13 @@ def _window(config: AudioConfig) -> int:
     return sample_times(config).shape[0] + math.ceil(WINDOW_SECONDS * config.sample_rate)
 
 
-def _sums_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
+def _mix_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
     """Return the shared memory of a block [bytes]: upsampled signals, paths, their read plan and gains."""
     signals = 2 * (filtered[0, 0].size + _window(config)) + 3 * 2 * HALF_WIDTH
     return 4 * (signals + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + 4 * way.shape[2] + 2)
 
 
-def _filter_sums(
+def _filter_buses(
     sums: Float[Array, "e s k"], kernels: Float[np.ndarray, "s t"], begin: int, frame: int
 ) -> Float[Array, "e m"]:
     return _filter_op(begin, frame)(*filter_tables(kernels, sums.shape[-1]), sums[None])[0][0]
@@ -105,7 +104,7 @@ def launch_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
     operands = sums, spectra, turns, traced_constant((channels, shapes, count, begin, frame))
     result = jax.ShapeDtypeStruct((envs, channels, frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.FILTER_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
-    return call_kernel("filter_sums", ptx, grid, threads, filter_bytes(size), operands, result)
+    return launch_ptx("filter_buses", ptx, grid, threads, filter_bytes(size), operands, (result,))
 
 
 def filter_bytes(size: int) -> int:

@@ -12,16 +12,17 @@ from home_mjx.audio_jax.base.filters import causal_octave_log_spectra
 from home_mjx.audio_jax.base.shapes import octave_levels
 from home_mjx.audio_jax.kernels.cuda import kernels as cuda
 from home_mjx.audio_jax.kernels.first import num_filter_samples, num_output_samples
-from home_mjx.core.native.platforms import call_kernel, max_shared_bytes
+from home_mjx.core.native.kernel import launch_ptx
+from home_mjx.core.native.platforms import max_shared_bytes
 from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 
 NUM_TABLES, ENDS = 2, 2
 
 
-def available(config: AudioConfig) -> bool:
-    """Return whether the kernel works on a GPU and its shared memory is sufficient."""
+def supports_direct(config: AudioConfig) -> bool:
+    """Return whether the shared memory of all GPUs is sufficient."""
     size = _size(config)
-    return cuda.cuda_available() and size is not None and _bytes(size) <= max_shared_bytes()
+    return size is not None and _bytes(size) <= max_shared_bytes()
 
 
 def filter_direct(
@@ -52,7 +53,7 @@ def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     operands = source, begin, level, sounds, octaves, turns, sizes
     result = jax.ShapeDtypeStruct((count, ENDS, num_output_samples(config)), jnp.float32)
     ptx, threads = cuda.ptx_of(cuda.DIRECT_SOURCES, size), size // cuda.PER_THREAD
-    return call_kernel("filter_first", ptx, (count, 1), threads, _bytes(size), operands, result)
+    return launch_ptx("filter_direct", ptx, (count,), threads, _bytes(size), operands, (result,))
 
 
 def _size(config: AudioConfig) -> int | None:

@@ -1,4 +1,4 @@
-"""Common parts of the kernels of moving sound: availability, compilation and transforms."""
+"""Common parts of the kernels of moving sound: compilation and transforms."""
 
 import functools
 import math
@@ -9,34 +9,28 @@ import numpy as np
 from jaxtyping import Array
 
 from home_mjx.audio_jax.kernels.passes import num_passes, radices
-from home_mjx.core.native.platforms import compile_ptx_for_all, find_problem, is_usable
+from home_mjx.core.native.kernel import compile_sources
 
 FOLDER = Path(__file__).parent
-DIRECT_SOURCES = (FOLDER / "fft.cuh", FOLDER / "first.cu")
-SUMS_SOURCES = (FOLDER / "sums.cu",)
-FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "filtered.cu")
-NOISE_SOURCES = (FOLDER / "noise.cu",)
-LATE_SOURCES = (FOLDER / "fft.cuh", FOLDER / "late.cu")
+DIRECT_SOURCES = (FOLDER / "fft.cuh", FOLDER / "direct_filter.cu")
+MIX_SOURCES = (FOLDER / "path_mixing.cu",)
+FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "bus_filter.cu")
+NOISE_SOURCES = (FOLDER / "noise_responses.cu",)
+LATE_SOURCES = (FOLDER / "fft.cuh", FOLDER / "late_frames.cu")
 PER_THREAD, MAX_THREADS = 8, 768  # values of a transform per thread, as in fft.cuh, and maximum threads per block
 WARP = 32
 
 
-@functools.cache
-def cuda_available() -> bool:
-    """Return whether the kernels work; warn once if there is an NVIDIA GPU on which they fail."""
-    return is_usable("cuda", find_problem("cuda", _start), "moving sound uses slower XLA operations")
-
-
-def _start() -> None:
-    for sources in (DIRECT_SOURCES, SUMS_SOURCES, FILTER_SOURCES, LATE_SOURCES):
+def compile_kernels() -> None:
+    """Compile all kernels, each for one size."""
+    for sources in (DIRECT_SOURCES, MIX_SOURCES, FILTER_SOURCES, LATE_SOURCES):
         ptx_of(sources, PER_THREAD * WARP)
     ptx_of(NOISE_SOURCES, 1)
 
 
-@functools.cache
 def ptx_of(sources: tuple[Path, ...], size: int) -> str:
     """Compile PTX that all GPUs of this process can run; `size` is its transform size or the number of noises."""
-    return compile_ptx_for_all(sources, {"SIZE": size})
+    return compile_sources(*sources, SIZE=size)
 
 
 @functools.cache

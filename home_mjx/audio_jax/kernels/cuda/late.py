@@ -12,23 +12,20 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.kernels.cuda import kernels as cuda
 from home_mjx.audio_jax.kernels.tail import LateResponse, late_frame_begin, octave_table, source_window_width
 from home_mjx.audio_jax.receivers.diffuse import octave_noise
-from home_mjx.core.native.platforms import call_kernel, max_shared_bytes
+from home_mjx.core.native.kernel import launch_ptx
+from home_mjx.core.native.platforms import max_shared_bytes
 from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
-NOISE_ROWS, NOISE_BINS, NOISE_AMPLITUDES, NOISE_THREADS = (
-    64,
-    5,
-    32,
-    64,
-)  # per block: rows, bins, floats per row, threads, as in noise.cu
+# Per block: rows, bins, floats per row, threads, as in noise_responses.cu
+NOISE_ROWS, NOISE_BINS, NOISE_AMPLITUDES, NOISE_THREADS = 64, 5, 32, 64
 
 
-def available(config: AudioConfig) -> bool:
-    """Return whether the kernel works on a GPU and its shared memory is sufficient."""
+def supports_late(config: AudioConfig) -> bool:
+    """Return whether the shared memory of all GPUs is sufficient."""
     size = cuda.transform_size(source_window_width(config))
-    return cuda.cuda_available() and size is not None and _bytes(size) <= max_shared_bytes()
+    return size is not None and _bytes(size) <= max_shared_bytes()
 
 
 def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
@@ -68,7 +65,7 @@ def launch_late_frames(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     operands = sources, responses, begun * config.bin_samples, onset, tail, octaves, turns, traced_constant(sizes)
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.LATE_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
-    return call_kernel("late_frames", ptx, grid, threads, _bytes(size), operands, result)
+    return launch_ptx("late_frames", ptx, grid, threads, _bytes(size), operands, (result,))
 
 
 def launch_noise(
@@ -87,7 +84,7 @@ def launch_noise(
     grid = channels * -(-sizes[0] // NOISE_ROWS), -(-bins // NOISE_BINS) * pieces
     shared = 4 * NOISE_ROWS * (weights + NOISE_AMPLITUDES * (2 if sizes[4] else 1))
     ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, power, mix, common, start, traced_constant(sizes))
-    return call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)[0]
+    return launch_ptx("shape_noise", ptx, grid, NOISE_THREADS, shared, operands, (result,))[0]
 
 
 def _bytes(size: int) -> int:

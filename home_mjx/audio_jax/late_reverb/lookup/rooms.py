@@ -8,22 +8,17 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from home_mjx.core.native.platforms import (
-    call_kernel,
-    compile_ptx_for_all,
-    find_problem,
-    is_usable,
-    max_shared_bytes,
-    with_fallback_gradient,
-)
+from home_mjx.core.native.kernel import Kernel, compile_sources, launch_ptx
+from home_mjx.core.native.platforms import max_shared_bytes, with_fallback_gradient
 from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 
 SERIES_TERMS = 6  # terms of the exponential series
 HALVINGS = 3  # halvings of the step before the series is evaluated
-SOURCE = Path(__file__).with_name("rooms.cu")
-THREADS, WARP = 64, 32  # threads of a block, as in rooms.cu, and of a warp
-BINS_PER_COLUMN = 8  # consecutive bins computed from one column, as in rooms.cu
+SOURCE = Path(__file__).with_name("coupled_decay.cu")
+THREADS, WARP = 64, 32  # threads of a block, as in coupled_decay.cu, and of a warp
+BINS_PER_COLUMN = 8  # consecutive bins computed from one column, as in coupled_decay.cu
 MAX_REGISTER_ELEMENTS = 100  # maximum matrix elements in a thread's registers
+KERNEL = Kernel("home_mjx_rooms", "room energy decay uses slower XLA operations", cuda=lambda: ptx_of(8))
 
 
 def decay_in_rooms(
@@ -89,20 +84,9 @@ def _multiply(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Fl
     return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)
 
 
-@functools.cache
-def _cuda_available() -> bool:
-    """Return whether the kernel works; warn once if there is an NVIDIA GPU on which it fails."""
-    return is_usable("cuda", find_problem("cuda", _start), "room energy decay uses slower XLA operations")
-
-
-def _start() -> None:
-    ptx_of(8)
-
-
-@functools.cache
 def ptx_of(rooms: int) -> str:
     """Compile PTX for a number of rooms; all GPUs of this process can run it."""
-    return compile_ptx_for_all(SOURCE, {"SIZE": rooms, "LANES": threads_per_matrix(rooms)})
+    return compile_sources(SOURCE, SIZE=rooms, LANES=threads_per_matrix(rooms))
 
 
 def threads_per_matrix(rooms: int) -> int:
@@ -111,7 +95,7 @@ def threads_per_matrix(rooms: int) -> int:
     Each thread holds some columns of the matrix in registers.
 
     Example:
-        >>> lanes_of(8), lanes_of(20), lanes_of(51)
+        >>> threads_per_matrix(8), threads_per_matrix(20), threads_per_matrix(51)
         (1, 4, 64)
     """
     lanes = 1
@@ -121,7 +105,8 @@ def threads_per_matrix(rooms: int) -> int:
 
 
 def _available(rooms: int) -> bool:
-    return rooms > 0 and threads_per_matrix(rooms) <= WARP and _cuda_available() and _bytes(rooms) <= max_shared_bytes()
+    supported = rooms > 0 and threads_per_matrix(rooms) <= WARP
+    return supported and KERNEL.is_usable("cuda") and _bytes(rooms) <= max_shared_bytes()
 
 
 def _bytes(rooms: int) -> int:
@@ -146,4 +131,4 @@ def launch_decay(bins: int, *given: Array) -> tuple[Array, ...]:
     blocks = -(-envs * states * octaves // (THREADS // threads_per_matrix(rooms)))
     result = jax.ShapeDtypeStruct((envs, states, bins, octaves), jnp.float32)
     operands = *given, traced_constant((envs, states, octaves, bins))
-    return call_kernel("fall_in_rooms", ptx_of(rooms), (blocks, 1), THREADS, _bytes(rooms), operands, result)
+    return launch_ptx("decay_in_rooms", ptx_of(rooms), (blocks,), THREADS, _bytes(rooms), operands, (result,))

@@ -1,0 +1,119 @@
+"""Spaces of an environment's specs: those of Gymnasium, and such as gymnax and JaxMARL have (pure JAX)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool
+
+from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.tasks.env.bound import Env
+
+
+@dataclass(frozen=True)
+class DiscreteSpace:
+    """Integers from 0 to n - 1.
+
+    Example:
+        >>> bool(Discrete(6).contains(6))
+        False
+    """
+
+    n: int
+    dtype: Any = jnp.int32
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of an element."""
+        return ()
+
+    def sample(self, key: Array) -> Array:
+        """Sample an integer uniformly."""
+        return jax.random.randint(key, (), 0, self.n, self.dtype)
+
+    def contains(self, x: Any) -> Bool[Array, ""]:
+        """Return whether a value is from 0 to n - 1."""
+        return (jnp.asarray(x) >= 0) & (jnp.asarray(x) < self.n)
+
+
+@dataclass(frozen=True)
+class BoxSpace:
+    """Arrays between two bounds.
+
+    Attributes:
+        low: Minimum values, in the array's shape.
+        high: Maximum values, in the array's shape.
+        shape: Shape of the array.
+        dtype: Type of the array.
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    shape: tuple[int, ...]
+    dtype: Any
+
+    def sample(self, key: Array) -> Array:
+        """Sample uniformly; an infinite bound is replaced by 1 from the other one, two infinite bounds by -1 and 0."""
+        low = np.where(np.isfinite(self.low), self.low, np.where(np.isfinite(self.high), self.high - 1.0, -1.0))
+        high = np.where(np.isfinite(self.high), self.high, low + 1.0)
+        if np.dtype(self.dtype).kind == "f":
+            return jax.random.uniform(key, self.shape, self.dtype, jnp.asarray(low), jnp.asarray(high))
+        least, most = (jnp.asarray(bound.astype(np.int32)) for bound in (low, high))
+        return jax.random.randint(key, self.shape, least, most + 1).astype(self.dtype)
+
+    def contains(self, x: Any) -> Bool[Array, ""]:
+        """Return whether all numbers are within the bounds."""
+        return jnp.all((jnp.asarray(x) >= self.low) & (jnp.asarray(x) <= self.high))
+
+
+@dataclass(frozen=True)
+class DictSpace:
+    """Spaces by name."""
+
+    spaces: Mapping[str, Any]
+
+    def sample(self, key: Array) -> dict[str, Array]:
+        """Sample an element of each space."""
+        keys = jax.random.split(key, len(self.spaces))
+        return {name: space.sample(keys[i]) for i, (name, space) in enumerate(self.spaces.items())}
+
+    def contains(self, x: Mapping[str, Any]) -> Bool[Array, ""]:
+        """Return whether each element is in its space."""
+        return jnp.all(jnp.stack([space.contains(x[name]) for name, space in self.spaces.items()]))
+
+
+def make_jax_space(spec: ArraySpec) -> BoxSpace:
+    """Return the space of one array."""
+    return BoxSpace(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))
+
+
+def observation_space(env: Env) -> gymnasium.spaces.Dict:
+    """Return a dictionary space with one box per observation."""
+    return gymnasium.spaces.Dict({name: make_gym_box(spec) for name, spec in env.observation_spec.items()})
+
+
+def action_space(env: Env) -> gymnasium.Space:
+    """Return a box in [-1, 1], or discrete actions; with several agents, a leading axis of agents."""
+    if env.num_agents == 1:
+        return agent_action_space(env)
+    if env.config.discrete is None:
+        return make_gym_box(env.action_spec)
+    return gymnasium.spaces.MultiDiscrete([env.action_size] * env.num_agents)
+
+
+def agent_action_space(env: Env) -> gymnasium.Space:
+    """Return the action space of one agent: a box, or discrete actions."""
+    if env.config.discrete is not None:
+        return gymnasium.spaces.Discrete(env.action_size)
+    return make_gym_box(env.action_spec.for_one_agent(env.num_agents))
+
+
+def make_gym_box(spec: ArraySpec) -> gymnasium.spaces.Box:
+    """Return the box of one array; booleans become int8 from 0 to 1, because Gymnasium has no box of booleans."""
+    dtype = np.dtype("int8") if spec.dtype == "bool" else np.dtype(spec.dtype)
+    low, high = (np.asarray(bound, dtype) for bound in spec.bounds())
+    return gymnasium.spaces.Box(low, high, spec.shape, dtype.type)

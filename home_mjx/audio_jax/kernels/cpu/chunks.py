@@ -1,0 +1,52 @@
+"""Moving sound in chunks of environments, as C functions for `core.native.handler`."""
+# ruff: noqa: ANN001, ANN202  (Numba infers the types)
+
+from typing import Any, no_type_check
+
+from numba import cfunc, njit
+
+from home_mjx.audio_jax.base import delays
+from home_mjx.audio_jax.kernels import reads
+from home_mjx.audio_jax.kernels.cpu import early, fft, late, operands, paths
+from home_mjx.audio_jax.kernels.cpu.early import render_early_chunk
+from home_mjx.audio_jax.kernels.cpu.late import render_late_chunk
+from home_mjx.audio_jax.kernels.cpu.operands import EARLY, ENVS_PER_CHUNK, KIND, constant
+from home_mjx.core.native import ffi, memory
+from home_mjx.core.native import simd as lanes
+from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.numba_cache import verify_cache
+
+compiled = njit(error_model="numpy")
+
+
+@verify_cache
+def compile_chunks() -> tuple[Any, Any]:
+    """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
+    # Numba's cache tracks this file only. The digest in each function invalidates it when another module changes.
+    parts: tuple[Any, ...] = (ffi, lanes, memory, delays, early, fft, late, operands, paths, reads)
+    digest = ffi.hash_sources(*(part.__file__ for part in parts))
+
+    @cfunc(WORD_FUNCTION, cache=True)
+    @no_type_check
+    def count(frame):
+        _ = digest
+        return -(-ffi.dim(frame, ffi.RESULTS, 0, 0) // ENVS_PER_CHUNK)
+
+    @cfunc(WORD_FUNCTION, cache=True)
+    @no_type_check
+    def work(job):
+        _ = digest
+        ffi.run_chunks(job, _render_chunk)
+        return 0
+
+    return count, work
+
+
+@compiled
+@no_type_check
+def _render_chunk(frame, chunk):
+    first, end = chunk * ENVS_PER_CHUNK, min((chunk + 1) * ENVS_PER_CHUNK, ffi.dim(frame, ffi.RESULTS, 0, 0))
+    if constant(frame, KIND) == EARLY:
+        render_early_chunk(frame, first, end)
+    else:
+        render_late_chunk(frame, first, end)
