@@ -8,6 +8,7 @@ from moving_sound import some_late, some_reads
 from numba import njit
 
 from home_mjx.audio_jax import AudioConfig
+from home_mjx.audio_jax.kernels.cpu.calls import supports_late
 from home_mjx.audio_jax.kernels.cpu.fft import fast_size, transform
 from home_mjx.audio_jax.kernels.cpu.operands import float_pointer
 from home_mjx.audio_jax.kernels.passes import RADICES
@@ -88,7 +89,7 @@ def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
     others = {"timing": Timing(sample_rate=rate), "tail_seconds": seconds, "response_seconds": 0.2}
     config = AudioConfig(motion=True, receiver=receiver, microphones=microphones, **others)
     given = some_late(rng, 11, sources, config)
-    assert calls.supports_late(given[1], config)
+    assert supports_late(given[1], config)
     wanted = jax.jit(jax.vmap(lambda *x: render_late_by_xla(*x, config)))(*given)
     got = jax.jit(jax.vmap(lambda *x: render_late_frame(*x, config)))(*given)
     assert not np.array_equal(got, wanted)
@@ -98,7 +99,7 @@ def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
 def test_noises_with_something_in_common_are_made_by_xla(rng):
     config = AudioConfig(motion=True, receiver="ambisonics", tail_seconds=0.0, response_seconds=0.2)
     signals, sound = jax.tree.map(lambda x: x[0], some_late(rng, 1, 1, config))
-    assert not calls.supports_late(sound, config)
+    assert not supports_late(sound, config)
     wanted = jax.jit(lambda *x: render_late_by_xla(*x, config))(signals, sound)
     np.testing.assert_array_equal(jax.jit(lambda *x: render_late_frame(*x, config))(signals, sound), wanted)
 
