@@ -14,7 +14,7 @@ class Whiskers(Sensor):
     """Sensor `whiskers` (3,): free distance at half the body's height [m]: right, ahead, left."""
 
     name = "whiskers"
-    costly = True  # uses ray casting
+    casts_rays = True
 
     def spec(self, config: EnvConfig) -> dict[str, ArraySpec]:
         """Return the spec: one distance per whisker."""

@@ -1,14 +1,15 @@
 """Registry of environment ids, and the construction of environments."""
 
 import dataclasses
-import importlib
+import importlib.util
 import re
+import sys
 from collections.abc import Callable, Mapping
+from importlib.machinery import ModuleSpec
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-import gymnasium
-
-from home_mjx.core.checks import check_flag, check_number, check_type
+from home_mjx.core.checks import check_flag, check_frozen_dataclass, check_number, check_type
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
@@ -163,6 +164,11 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
             is_task(entry_point)
         _LOCAL_ENTRY_POINTS[named] = entry_point
     _REGISTRY[env_id] = spec
+    if "gymnasium" in sys.modules:
+        _add_to_gymnasium(sys.modules["gymnasium"], env_id)
+
+
+def _add_to_gymnasium(gymnasium: ModuleType, env_id: str) -> None:
     name = f"home_mjx/{env_id}"
     if name not in gymnasium.registry:
         gymnasium.register(
@@ -171,6 +177,27 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
             vector_entry_point="home_mjx.adapters.gymnasium:GymVectorEnv",
             kwargs={"env_id": env_id},
         )
+
+
+class _GymnasiumFinder:
+    """Import hook that registers all ids as soon as Gymnasium is imported, so that we need not import it."""
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+        """Return Gymnasium's own spec, with a loader that registers the ids at its end; None for other modules."""
+        if name != "gymnasium":
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.util.find_spec(name)
+        if spec is not None and spec.loader is not None:
+            load = spec.loader.exec_module
+
+            def load_and_register(module: ModuleType) -> None:
+                load(module)
+                for env_id in _REGISTRY:
+                    _add_to_gymnasium(module, env_id)
+
+            spec.loader.exec_module = load_and_register
+        return spec
 
 
 _LOCAL_ENTRY_POINTS: dict[
@@ -206,11 +233,11 @@ def find_spec(env_id: str) -> EnvSpec:
 
 def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
     """Return whether the entry point is a `Task` subclass; raise `ConfigError` if it is an invalid one."""
-    from home_mjx.tasks.base.task import Task, check_task_class
+    from home_mjx.tasks.base.task import Task
 
     if not (isinstance(entry_point, type) and issubclass(entry_point, Task)):
         return False
-    check_task_class(entry_point)
+    check_frozen_dataclass("task", entry_point)
     return True
 
 
@@ -230,6 +257,8 @@ def load_entry_point(entry_point: str) -> Callable[..., Any]:
     return found
 
 
+if "gymnasium" not in sys.modules:
+    sys.meta_path.insert(0, _GymnasiumFinder())
 register("PointNav-v0", "home_mjx.tasks:PointNav")
 for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})

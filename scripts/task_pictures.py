@@ -18,10 +18,11 @@ from PIL import Image
 
 import home_mjx
 from home_mjx.core.compile_cache import use_compile_cache
+from home_mjx.observers import EpisodeStep, Observer
 from home_mjx.tasks import add_expert
 from home_mjx.training.evaluation import with_episodes
 from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
-from home_mjx.viewer.episodes.episode import EpisodeRunner, EpisodeStep
+from home_mjx.viewer.episodes.episode import EpisodeRunner
 from home_mjx.viewer.episodes.film import compose_frame
 from home_mjx.viewer.episodes.goal_markers import get_goal_markers, get_instruction, get_utterances
 from home_mjx.viewer.episodes.overlay import TopDownOverlay
@@ -72,6 +73,17 @@ def main() -> None:
             print(f"{name}: row {row}: {text}", flush=True)
 
 
+@dataclasses.dataclass
+class Steps(Observer):
+    """All steps of an episode."""
+
+    steps: list[EpisodeStep]
+
+    def on_episode_step(self, step: EpisodeStep) -> None:
+        """Keep the step."""
+        self.steps.append(step)
+
+
 class Artist:
     """Renderer of episodes of one id.
 
@@ -93,11 +105,12 @@ class Artist:
     def picture(self, row: int) -> tuple[np.ndarray, str]:
         """Return the image of a row, and a description of the episode."""
         number = row if self.env.params.tasks is not None else None
-        steps = list(self.game.run(self.player, 1, jax.random.key(row), number))
+        recorded = Steps([])
+        outcome = self.game.run(self.player, 1, jax.random.key(row), number, recorded)
+        steps = recorded.steps
         last = round(self.shown.part * (len(steps) - 1))
         sights = [self._place(step) for step in steps[:last]] + [self.camera.capture(steps[last].state)]
-        state, outcome = steps[last].state, self.game.result
-        assert outcome is not None
+        state = steps[last].state
         # No goal is left in a terminal state.
         before = steps[max(last - 1, 0)].state if state.terminated else state
         goals = get_goal_markers(self.env.bank, before, sights[-1].boxes)

@@ -36,7 +36,7 @@ def _updates(settings: BenchSettings, case: str, devices: list[Any] | None = Non
     base = CPU_CONFIG if jax.default_backend() == "cpu" else PPOConfig()
     devices = devices or jax.devices()[:1]
     ppo = PPO(env.core, dataclasses.replace(base, num_envs=settings.num_envs * len(devices)), devices)
-    params = jax.device_put(env.params, ppo.replicated)
+    params = ppo.sharding.put_params(env.params)
     state = ppo.init(params, jax.random.key(0))
     start = time.perf_counter()
     update = ppo.update.lower(params, state).compile()

@@ -4,18 +4,14 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import UInt8
 
 from examples.story.play import Step
 from examples.story.script import CARRIER, WATCHER
-from home_mjx import physics
-from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.viewer.episodes.camera import scene_without_agents
 from home_mjx.viewer.pictures import media, pictures
 from home_mjx.viewer.pictures.top_view import Marker, TopView
 
@@ -70,7 +66,7 @@ class Film:
         return pictures.compose_sheet([panels[i : i + ACROSS] for i in range(0, len(panels), ACROSS)])
 
     def _plans(self, step: Step) -> tuple[Image, ...]:
-        scene, floors = _without_agents(self.env, step.state), np.asarray(self.env.bank.navigation.floor[0])
+        scene, floors = scene_without_agents(self.env, step.state), np.asarray(self.env.bank.navigation.floor[0])
         marks = [Marker(step.moment.pos[agent], colour, 9) for agent, colour in COLOURS.items()]
         marks.append(Marker(step.moment.body_pos[self.lamp], LAMP, 5))
         storey = [int((mark.pos[2] > floors).sum()) - 1 for mark in marks]
@@ -80,15 +76,6 @@ class Film:
             top.crop(top.draw_markers([mark for mark, at in zip(marks, storey, strict=True) if at == level]))
             for level, top in enumerate(tops)
         )
-
-
-def _without_agents(env: Env[HouseholdEnv], state: State) -> Scene:
-    """The house as things stand, with nobody in it: dots stand for agents."""
-    template = env.core.template(env.bank)
-    pos, quat = physics.body_pose(template, state.physics)
-    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-    angle = physics.door_angle(template, state.physics)
-    return make_scene(env.bank, state.world.house, pos, quat, *nobody, env.config.backend, angle)
 
 
 def _frame(shot: Shot, peak: float) -> Image:

@@ -77,7 +77,7 @@ class Places:
 def _door(bank: HouseBank, beyond: Float[np.ndarray, "2"]) -> Door:
     """The first leaf, to be walked through to where a point [m] is."""
     leaf = jax.tree.map(lambda x: x[0, 0], DoorLeaves.from_physics(bank.physics))
-    middle = np.asarray(leaf.moved(bank.physics.door_closed[0, 0])[0])
+    middle = np.asarray(leaf.pose_at(bank.physics.door_closed[0, 0])[0])
     along = middle[:2] - np.asarray(leaf.pivot)
     across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
     return Door(float(bank.physics.door_fully_open[0, 0]), middle, across * np.sign((beyond - middle[:2]) @ across))

@@ -42,7 +42,7 @@ def run_story(options: StoryOptions) -> float:
     with tempfile.TemporaryDirectory(prefix="home_mjx_story_") as root, tqdm(desc="story", unit="step") as steps:
         write_story_house(Path(root))
         sight = {"width": options.width, "height": options.height, "samples": options.samples}
-        env = make_story_env(Path(root), sensors=("rgb", "audio"), fovy=65, rgb_preset="lit", **sight)
+        env = make_story_env(Path(root), sensors=("rgb", "audio"), fovy=65, shader="lit", **sight)
         film = Film(env, Places.of(env.bank).lamp.body)
 
         def told(step: Step) -> None:

@@ -11,7 +11,7 @@ from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 
 from home_mjx.adapters import gymnasium_tools as tools
-from home_mjx.adapters.spaces import action_space, observation_space
+from home_mjx.adapters.base.spaces import action_space, observation_space
 from home_mjx.core.checks import check_number
 from home_mjx.core.native.fork_guard import forbid_after_fork
 from home_mjx.errors import ConfigError

@@ -30,7 +30,7 @@ def draw_storey_maps(scene: "Scene", source: np.ndarray, config: "AudioConfig") 
 
     from home_mjx.audio_jax.base.endpoints import SoundSource
     from home_mjx.audio_jax.parameters.floor import survey_floor
-    from home_mjx.viewer.pictures.sound_map import draw_sound_map
+    from home_mjx.viewer.pictures.floor_map import draw_sound_map
 
     room, free, place = _receiver_grid(scene.bank, source)
     few = reduce_rays(config)

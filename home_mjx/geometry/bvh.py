@@ -16,13 +16,11 @@ from numba import njit
 
 from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.errors import CapacityError, ConfigError, DatasetError
-from home_mjx.schema.compiled import BVH
+from home_mjx.schema.compiled import BVH, EMPTY_LEAF, MAX_DEPTH
 
 NODE_COST = 2.0  # cost of visiting a node; testing a primitive costs 1
-MAX_DEPTH = 32  # maximum levels of child links; sets the stack size of the ray casters
 MAX_LEAF = 15  # maximum primitives per leaf; a leaf code has four bits for the count
 MAX_PRIMITIVES = 1 << 27
-EMPTY_LEAF = -1  # code of an empty leaf
 # Margin of node boxes as a fraction of the largest coordinate; without it, rounding loses rays that run in a face.
 RELATIVE_BOX_MARGIN = 1e-6
 

@@ -21,6 +21,22 @@ def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
+def quat_matrix(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
+    """Return the rotation matrices of quaternions wxyz, which are normalised first.
+
+    Example:
+        >>> quat_matrix(np.array([[0.0, 0.0, 0.0, 2.0]]))[0].tolist()
+        [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    w, x, y, z = (quat / np.linalg.norm(quat, axis=-1, keepdims=True)).T
+    rows = (
+        (x * x - y * y - z * z + w * w, 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), -x * x + y * y - z * z + w * w, 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), -x * x - y * y + z * z + w * w),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
 def plane_matrix(angle: float) -> Float[np.ndarray, "2 2"]:
     """Return the counter-clockwise rotation of the plane."""
     c, s = np.cos(angle), np.sin(angle)

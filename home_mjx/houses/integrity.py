@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.geometry.bvh import MAX_DEPTH
-from home_mjx.schema.compiled import BVH, CompiledHouse, Model
+from home_mjx.schema.compiled import BVH, MAX_DEPTH, CompiledHouse, Model
 
 LEAF_BITS, LEAF_MASK = 4, 15
 

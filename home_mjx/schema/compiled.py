@@ -17,6 +17,8 @@ BANDS = (125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0)  # [Hz], octave ce
 
 ARCHITECTURE = 0  # instance index of walls, floors and ceilings in every house
 NUM_BANDS = 7  # octaves 125 .. 8000 Hz
+MAX_DEPTH = 32  # maximum levels of child links in a `BVH`; sets the stack size of the ray casters
+EMPTY_LEAF = -1  # code of an empty leaf in a `BVH`
 
 
 class RayKind(IntFlag):

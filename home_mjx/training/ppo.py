@@ -15,12 +15,19 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 import optax
-from jax.sharding import AxisType, Mesh, NamedSharding, PartitionSpec
 from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.pytree import Pytree
+from home_mjx.sharding import (
+    BY_ENV,
+    REPLICATED,
+    EnvSharding,
+    env_index,
+    make_mesh,
+    mean_over_devices,
+    sum_over_devices,
+)
 from home_mjx.tasks.base.keys import to_raw_key
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.env.autoreset import AutoReset
@@ -30,7 +37,6 @@ from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
 from home_mjx.training.rollout import Policy, RolloutState, Transitions, compute_advantages, rollout, to_rows
 
-ENV_AXIS = "envs"  # mesh axis: environments are sharded over devices, everything else is replicated
 LossFunction = Callable[[Any, "TrainBatch"], tuple[Array, dict[str, Array]]]
 
 
@@ -68,8 +74,8 @@ class PPO:
         config: The options.
         batch: The environments, with automatic resets.
         update: Compiled function from `(params, state)` to the next state and metrics. On several devices, `params`
-            should first be put there: `jax.device_put(params, ppo.replicated)`.
-        replicated: Sharding of replicated values.
+            should first be put there: `ppo.sharding.put_params(params)`.
+        sharding: Environments and parameters over the devices.
 
     Raises:
         ConfigError: Batch sizes do not divide evenly, or the environment's observations or actions have no network.
@@ -87,21 +93,13 @@ class PPO:
         self._evaluates_last = self.config.final_obs == "all" or not casts_rays
         self.batch = AutoReset(core, final_obs=self.config.final_obs if casts_rays else "cheap")
         self.optimizer = make_optimizer(self.config)
-        self.mesh = Mesh(np.array(devices), (ENV_AXIS,), axis_types=(AxisType.Auto,))
-        whole, split = PartitionSpec(), PartitionSpec(ENV_AXIS)
-        self.replicated = NamedSharding(self.mesh, whole)
-        self._specs = TrainState.build_unchecked(net=whole, opt=whole, actor=split, key=whole, updates=whole)
-        self._shardings = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._specs)
-        # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
-        self._reset = jax.jit(jax.shard_map(
-            self._reset_local, mesh=self.mesh, in_specs=(whole, split), out_specs=split, check_vma=False
-        ))  # fmt: skip
-        update = jax.shard_map(
-            self._update_local, mesh=self.mesh, in_specs=(whole, self._specs),
-            out_specs=(self._specs, whole), check_vma=False,
-        )  # fmt: skip
-        # Explicit, because otherwise arrays without elements change their sharding from input to output.
-        self.update = jax.jit(update, out_shardings=(self._shardings, self.replicated))
+        self.sharding = EnvSharding(make_mesh(devices))
+        params = self.sharding.params
+        self._specs = TrainState.build_unchecked(
+            net=REPLICATED, opt=REPLICATED, actor=BY_ENV, key=REPLICATED, updates=REPLICATED
+        )
+        self._reset = self.sharding.map(self._reset_local, (params, BY_ENV), BY_ENV)
+        self.update = self.sharding.map(self._update_local, (params, self._specs), (self._specs, REPLICATED))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
         """Initialize a network, and environments at the start of an episode."""
@@ -114,13 +112,13 @@ class PPO:
 
     def to_devices(self, state: TrainState) -> TrainState:
         """Move a state, such as one from a file, to the devices with the sharding of `update`."""
-        return jax.device_put(state, self._shardings)
+        return self.sharding.put(state, self._specs)
 
     def _reset_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> RolloutState:
         """Reset this device's environments."""
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
-        first = jax.lax.axis_index(ENV_AXIS) * num  # each device starts at different rows
+        first = env_index(num)  # each device starts at different rows
         episodes = first + jnp.arange(num, dtype=jnp.int32) if is_sequential(params.tasks) else None
         env = self.batch.reset(params, env_keys, None, episodes)
         if self.config.stagger:
@@ -150,7 +148,7 @@ class PPO:
         key, order = jax.random.split(state.key)
         net, opt, metrics = self.optimize(self.current_loss(state), state.net, state.opt, batch, order)
         new = TrainState.build_unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
-        return new, metrics | {f"episode/{name}": jax.lax.psum(x, ENV_AXIS) for name, x in episodes.items()}
+        return new, metrics | {f"episode/{name}": sum_over_devices(x) for name, x in episodes.items()}
 
     def behavior_policy(self, state: TrainState) -> Policy:
         """Return the policy that acts during training, here the network itself."""
@@ -189,8 +187,8 @@ class PPO:
         config, steps = self.config, batch.steps
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
-        mean = jax.lax.pmean(jnp.mean(batch.advantage), ENV_AXIS)
-        spread = jnp.sqrt(jax.lax.pmean(jnp.mean((batch.advantage - mean) ** 2), ENV_AXIS))
+        mean = mean_over_devices(jnp.mean(batch.advantage))
+        spread = jnp.sqrt(mean_over_devices(jnp.mean((batch.advantage - mean) ** 2)))
         weight = (batch.advantage - mean) / (spread + 1e-8)
         policy_loss = -jnp.mean(jnp.minimum(ratio * weight, clipped * weight))
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)
@@ -207,7 +205,7 @@ class PPO:
     def optimize(
         self, loss: LossFunction, net: Any, opt: Any, batch: TrainBatch, key: Array
     ) -> tuple[Any, Any, dict[str, Array]]:
-        """Optimize a loss over minibatches of whole rows; call it inside `shard_map`, where the mesh axis is bound.
+        """Optimize a loss over minibatches of whole rows; call it inside `EnvSharding.map`, where the mesh axis is bound.
 
         Returns:
             Parameters, the optimizer's state, and the means of the loss's parts and of the gradients' norm.
@@ -220,7 +218,7 @@ class PPO:
                 memory=batch.memory[rows],
                 **{name: jax.tree.map(lambda x: x[:, rows], getattr(batch, name)) for name in TIME_MAJOR_FIELDS},
             )
-            grads, parts = jax.lax.pmean(jax.grad(loss, has_aux=True)(net, part), ENV_AXIS)
+            grads, parts = mean_over_devices(jax.grad(loss, has_aux=True)(net, part))
             change, opt = self.optimizer.update(grads, opt, net)
             parts = {f"loss/{name}": x for name, x in parts.items()} | {"grad_norm": optax.tree.norm(grads)}
             return (optax.apply_updates(net, change), opt), parts

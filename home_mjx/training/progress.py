@@ -1,9 +1,15 @@
 """Progress of a run: elapsed time, means of metrics, and a progress bar."""
 
 import time
+from collections.abc import Mapping
 from typing import Any
 
 from tqdm import tqdm
+
+from home_mjx.observers import EpisodeStep, Observer, RunStart
+
+PROGRESS_METRICS = ("success", "return")  # metrics beside the progress bar
+MIN_SCALED_TOTAL = 1000  # totals from here are shown as 1.5k
 
 
 class RunClock:
@@ -55,7 +61,46 @@ class MetricMeans:
         return found
 
 
-def progress_bar(done: int, total: int, progress: bool | None) -> tqdm:
-    """Return a progress bar of environment steps; `progress=None` shows it in a terminal only."""
-    hidden = None if progress is None else not progress
-    return tqdm(total=total, initial=done, unit=" steps", unit_scale=True, disable=hidden)
+class ProgressBar(Observer):
+    """Progress bar of a run, with the step of an episode or the latest metrics beside it.
+
+    Args:
+        is_shown: Show the bar; None: in a terminal only.
+    """
+
+    def __init__(self, is_shown: bool | None = None) -> None:
+        self.is_hidden = None if is_shown is None else not is_shown
+        self.bar: tqdm | None = None
+
+    def on_run_start(self, start: RunStart) -> None:
+        """Show the bar."""
+        scaled = start.total >= MIN_SCALED_TOTAL
+        self.bar = tqdm(
+            total=start.total, initial=start.done, unit=f" {start.unit}", unit_scale=scaled, disable=self.is_hidden
+        )
+
+    def on_phase(self, name: str, note: str = "") -> None:
+        """Show the name before the bar and the note after it."""
+        if self.bar is not None:
+            self.bar.set_description(name)
+            self.bar.set_postfix_str(note)
+
+    def on_update(self, count: int) -> None:
+        """Advance the bar."""
+        if self.bar is not None:
+            self.bar.update(count)
+
+    def on_episode_step(self, step: EpisodeStep) -> None:
+        """Show the number of the step."""
+        if self.bar is not None:
+            self.bar.set_postfix_str(f"step {step.index}")
+
+    def on_log(self, line: Mapping[str, float]) -> None:
+        """Show the metrics of `PROGRESS_METRICS`."""
+        if self.bar is not None:
+            self.bar.set_postfix({name: f"{line[name]:.2f}" for name in PROGRESS_METRICS if name in line})
+
+    def close(self) -> None:
+        """End the line of the bar, so that a message starts on a new one."""
+        if self.bar is not None:
+            self.bar.close()

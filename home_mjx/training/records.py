@@ -5,13 +5,14 @@ import math
 import socket
 import sys
 import time
-from contextlib import AbstractContextManager, nullcontext, suppress
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from home_mjx.core.files import convert_write_errors, read_text, write_durably, write_synced
 from home_mjx.errors import ConfigError, DatasetError, install_hint
+from home_mjx.observers import Observer, RunStart
 
 CURVES = (
     "success",
@@ -31,60 +32,38 @@ FREE_SPACE_HINT = "Free some space, then continue with --resume."
 Line = dict[str, Any]
 
 
-class MetricsLog:
-    """Records of one run, appended line by line. Nothing is written before the context is entered.
+class MetricsLog(Observer):
+    """File `metrics.jsonl`, one line of JSON per line of metrics; each is on disk before the next event.
 
     Args:
-        folder: Folder of `metrics.jsonl`, `tensorboard/` and `curves.png`.
+        folder: Folder of the file.
         steps: Step count at which a resumed run continues; later lines are dropped.
 
     Attributes:
         lines: All lines.
 
     Raises:
-        ConfigError: A package is missing. On entry and later: they cannot be written, such as on a full disk.
         DatasetError: The lines of an earlier run are broken.
-
-    Example:
-        >>> with Records(Path("runs/one")) as records:  # doctest: +SKIP
-        ...     records.add({"steps": 2048, "success": 0.5})
+        ConfigError: On the first event and later: the file cannot be written, such as on a full disk.
     """
 
     def __init__(self, folder: Path, steps: int = 0) -> None:
-        _events_package()
-        self.path, self.folder, self.steps = folder / "metrics.jsonl", folder, steps
+        self.path = folder / "metrics.jsonl"
         self.lines = [line for line in read_lines(self.path) if line["steps"] <= steps]
 
-    def __enter__(self) -> "MetricsLog":
+    def on_run_start(self, start: RunStart) -> None:
+        """Drop the lines after the checkpoint from which a run continues."""
         with write_durably(self.path, "metrics", FREE_SPACE_HINT) as file:
             file.write("".join(f"{json.dumps(line)}\n" for line in self.lines).encode())
-        self._events = TensorBoardWriter(self.folder / "tensorboard", self.steps).__enter__()
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._events.__exit__(kind, error, trace)
-
-    def add(self, line: Line) -> None:
-        """Write a line, without the values that are not finite."""
-        line = {name: x for name, x in line.items() if not isinstance(x, float) or math.isfinite(x)}
-        self.lines.append(line)
-        with convert_write_errors(
-            "metrics", self.path, FREE_SPACE_HINT
-        ):  # on disk before the checkpoint that continues from it
-            write_synced(self.path, f"{json.dumps(line)}\n".encode(), "ab")
-        for name, x in line.items():
-            if isinstance(x, float):
-                self._events.add(name if "/" in name else f"episode/{name}", x, line["steps"])
-
-    def draw(self) -> None:
-        """Write `curves.png`."""
-        self._events.flush()
-        draw_curves(self.folder / "curves.png", self.lines)
+    def on_log(self, line: Mapping[str, float]) -> None:
+        """Append the line, without values that are not finite."""
+        self.lines.append(finite_values(line))
+        with convert_write_errors("metrics", self.path, FREE_SPACE_HINT):
+            write_synced(self.path, f"{json.dumps(self.lines[-1])}\n".encode(), "ab")
 
 
-class TensorBoardWriter:
+class TensorBoardLog(Observer):
     """Scalars for TensorBoard, written synchronously.
 
     tensorboardX's `SummaryWriter` writes in a thread; if that dies of a full disk, the run waits for it forever.
@@ -94,38 +73,42 @@ class TensorBoardWriter:
         steps: Step count at which the file starts; TensorBoard drops later scalars of earlier files.
 
     Raises:
-        ConfigError: On entry and later: they cannot be written.
+        ConfigError: tensorboardX is not installed; or, on the first event and later, the file cannot be written.
     """
 
-    def __init__(self, folder: Path, steps: int) -> None:
+    def __init__(self, folder: Path, steps: int = 0) -> None:
         # `steps`, because otherwise two files of one second would have the same name.
         name = f"events.out.tfevents.{int(time.time())}.{socket.gethostname()}.{steps}"
         self.path, self.steps = folder / name, steps
         self._proto, self._writer_of = _events_package()
+        self._writer: Any = None
 
-    def __enter__(self) -> "TensorBoardWriter":
+    def on_run_start(self, start: RunStart) -> None:
+        """Create the file."""
         with self._writing():
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._writer = self._writer_of(str(self.path))
         self._write(file_version="brain.Event:2")
         begun = self._proto.SessionLog(status=self._proto.SessionLog.START)
         self._write(step=self.steps + 1, session_log=begun)
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        with suppress(ConfigError) if kind else nullcontext(), self._writing():
-            self._writer.close()
+    def on_log(self, line: Mapping[str, float]) -> None:
+        """Add the values of a line, those of episodes as `episode/name`."""
+        for name, x in finite_values(line).items():
+            if isinstance(x, float):
+                tag = name if "/" in name else f"episode/{name}"
+                self._write(step=line["steps"], summary={"value": [{"tag": tag, "simple_value": x}]})
 
-    def add(self, name: str, value: float, steps: int) -> None:
-        """Add a scalar."""
-        self._write(step=steps, summary={"value": [{"tag": name, "simple_value": value}]})
-
-    def flush(self) -> None:
-        """Flush all scalars to disk before returning."""
+    def on_checkpoint(self, path: Path, steps: int) -> None:
+        """Flush all scalars to disk."""
         with self._writing():
             self._writer.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._writer is not None:
+            with self._writing():
+                self._writer.close()
 
     def _write(self, **event: Any) -> None:
         with self._writing():
@@ -133,6 +116,31 @@ class TensorBoardWriter:
 
     def _writing(self) -> AbstractContextManager[None]:
         return convert_write_errors("events of TensorBoard", self.path, FREE_SPACE_HINT)
+
+
+class CurvesPlot(Observer):
+    """Image `curves.png` with the metrics over steps, drawn at each checkpoint.
+
+    Args:
+        log: The lines of the run.
+    """
+
+    def __init__(self, log: MetricsLog) -> None:
+        self.log = log
+
+    def on_checkpoint(self, path: Path, steps: int) -> None:
+        """Draw the image."""
+        draw_curves(self.log.path.with_name("curves.png"), self.log.lines)
+
+
+def finite_values(line: Mapping[str, float]) -> Line:
+    """Return a line without the values that are not finite.
+
+    Example:
+        >>> finite_values({"steps": 3, "spl": math.nan})
+        {'steps': 3}
+    """
+    return {name: x for name, x in line.items() if not isinstance(x, float) or math.isfinite(x)}
 
 
 def read_lines(path: Path) -> list[Line]:

@@ -1,6 +1,7 @@
 """Training runs from options to files: checkpoints, records, and evaluation in held-out houses."""
 
 import time
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -9,9 +10,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from tqdm import tqdm
 
 from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.observers import Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -34,19 +35,18 @@ from home_mjx.training.cloning import AdvisedPPO, BehaviorCloning
 from home_mjx.training.config import RunConfig
 from home_mjx.training.evaluation import check_episodes, evaluate, evaluation_spec, random_policy, summarize
 from home_mjx.training.ppo import PPO, TrainState
-from home_mjx.training.progress import MetricMeans, RunClock, progress_bar
-from home_mjx.training.records import MetricsLog
+from home_mjx.training.progress import MetricMeans, ProgressBar, RunClock
+from home_mjx.training.records import CurvesPlot, MetricsLog, TensorBoardLog
 
 LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": AdvisedPPO, "clone": BehaviorCloning}
 MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter stages have one per update
 MIN_CHECKPOINT_INTERVAL = 20.0  # [s] minimum time between checkpoints
 DEFAULT_EPISODES = 1000  # default number of episodes of an evaluation
-PROGRESS_METRICS = ("success", "return")  # metrics beside the progress bar
 
 
 def train(
     config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None,
-    device_lock: AbstractContextManager[Any] | None = None,
+    device_lock: AbstractContextManager[Any] | None = None, observers: Iterable[Observer | str] = (),
 ) -> PPO:  # fmt: skip
     """Train and write the results to a folder.
 
@@ -62,6 +62,7 @@ def train(
         progress: Show a progress bar; None: in a terminal.
         device_lock: Context entered after compilation and left at the end, such as a lock of the device, so that measured
             training time excludes other processes that compile.
+        observers: Further observers of the run, or their names.
 
     Returns:
         The trainer; its parameters are in the checkpoint.
@@ -71,15 +72,19 @@ def train(
         DatasetError: The network of `config.start` is for other observations, actions or sizes; or a file of the run is
             broken. Nothing has been written in this case.
         ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; earlier files stay.
+        UnknownNameError: No observer has a name.
     """
     path, size = out / CHECKPOINT_FILE, config.ppo.batch_size
     done = _updates_done(path, config, resume)
-    records = MetricsLog(out, done * size)
-    clock = RunClock(records.lines[-1] if records.lines else {})
-    stages = _compile_stages(config, make_env(config.env, progress), done, path)
-    with records, device_lock or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
+    log, more = MetricsLog(out, done * size), resolve_observers(observers)
+    own = log, TensorBoardLog(out / "tensorboard", done * size), CurvesPlot(log), ProgressBar(progress)
+    clock = RunClock(log.lines[-1] if log.lines else {})
+    env = make_env(config.env, progress)
+    stages = _compile_stages(config, env, done, path)
+    with ObserverGroup((*own, *more)) as group, device_lock or nullcontext():
+        group.on_run_start(RunStart(config.algorithm, env, "steps", stages[-1].last * size, done * size))
         clock.start(done * size)
-        run, net = _Run(config, path, records, bar, clock), None
+        run, net = _Run(config, path, group, clock), None
         for stage in stages:
             net = run.learn(stage, net)
             if stage is not stages[-1]:
@@ -139,7 +144,7 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
             if done >= last and number < len(config.stages) - 1:
                 continue
             ppo, key = LEARNERS[algorithm](env.core, options), jax.random.key(config.seed)
-            params = jax.device_put(env.params, ppo.replicated)
+            params = ppo.sharding.put_params(env.params)
             state = ppo.init(params, jax.random.fold_in(key, number) if number else key)
             before = config.start if number == 0 else path if done == first else None
             if before is not None:
@@ -155,12 +160,11 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
 
 @dataclass
 class _Run:
-    """Files and clocks of a run."""
+    """Checkpoint, observers and clock of a run."""
 
     config: RunConfig
     path: Path
-    records: MetricsLog
-    bar: tqdm
+    observers: Observer
     clock: RunClock
 
     def learn(self, stage: _Stage, net: Any) -> Any:
@@ -175,17 +179,16 @@ class _Run:
                 break
             state, metrics = stage.update(stage.params, state)
             sums.add(metrics)
-            self.bar.update(size)
+            self.observers.on_update(size)
             over = self.is_over()
             ends = i == stage.last or over
             if (i - stage.first) % per_line == 0 or ends:
-                line = {"steps": i * size, **self.clock.lap(i * size), **sums.means()}
-                self.records.add(line)
-                self.bar.set_postfix({name: f"{line[name]:.2f}" for name in PROGRESS_METRICS if name in line})
+                # Written before the checkpoint, because a resumed run drops the lines after it.
+                self.observers.on_log({"steps": i * size, **self.clock.lap(i * size), **sums.means()})
             if ends or self.clock.elapsed() >= saved + MIN_CHECKPOINT_INTERVAL:
                 self._check(state.net, i * size)
                 save_checkpoint(self.path, state, self.config)
-                self.records.draw()
+                self.observers.on_checkpoint(self.path, i * size)
                 saved = self.clock.elapsed()
         return state.net
 

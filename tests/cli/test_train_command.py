@@ -88,14 +88,14 @@ def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: p
 
 def test_agents_play_by_the_rules_whatever_made_learning_easier(tmp_path: Path):
     """Also in houses that they have trained in, and where a file says which episodes."""
-    options = {"stop": True, "mistakes_end": False, "episodes": "trained.jsonl"}
+    options = {"stop": True, "terminate_on_failure": False, "episodes": "trained.jsonl"}
     spec = dataclasses.replace(find_spec("ObjectNav-v0"), options=options, num_houses=3, split="train")
     save_net(tmp_path / "agent.npz", {}, RunConfig(spec, CPU_CONFIG))
     parser = argparse.ArgumentParser()
     play.add_arguments(parser)
     for args, wanted in (
         ([], {"stop": True}),
-        (["--env", "mistakes_end=false"], {"stop": True, "mistakes_end": False}),
+        (["--env", "terminate_on_failure=false"], {"stop": True, "terminate_on_failure": False}),
         (["--episode-file", "val.jsonl"], {"stop": True, "episodes": "val.jsonl"}),
     ):
         assert play.env_spec(parser.parse_args(args), tmp_path / "agent.npz").options == wanted

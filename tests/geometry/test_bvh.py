@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.geometry.bvh import MAX_DEPTH, build_tree, build_triangle_tree
+from home_mjx.geometry.bvh import build_tree, build_triangle_tree
+from home_mjx.schema.compiled import MAX_DEPTH
 
 
 def random_boxes(rng, n, spread=5.0, size=0.2):

@@ -87,7 +87,7 @@ def test_a_slot_in_use_is_never_written_over(stream):
     for _ in range(60):
         bank = stream.advance(jnp.array([retired, 1], jnp.int32))
         time.sleep(0.005)
-    assert stream.swaps == 0
+    assert stream.num_swaps == 0
     assert ids_of(bank)[retired] == house
     run_until(stream, 1)
     assert ids_of(stream.bank)[retired] != house
@@ -142,7 +142,7 @@ def test_environments_run_on_through_swaps(stream):
     houses, exchanges = set(), []
     states = step(EnvParams(stream.bank), states, actions)
     for _ in range(100):
-        before, begin = stream.swaps, time.perf_counter()
+        before, begin = stream.num_swaps, time.perf_counter()
         bank = jax.block_until_ready(stream.advance(states.world.house))
         middle = time.perf_counter()
         states = jax.block_until_ready(step(EnvParams(bank), states, actions))

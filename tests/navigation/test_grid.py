@@ -31,7 +31,7 @@ def strictly(function, *args):
 def test_distances_at_cell_centres_are_those_of_the_field(bank, houses):
     for h, house in enumerate(houses):
         n = house.navigation
-        places = n.place[:: len(n.place) // 50]
+        places = n.cell_coords[:: len(n.cell_coords) // 50]
         points = np.c_[(places[:, :0:-1] + 0.5) * n.cell + n.origin, np.zeros(len(places))].astype(np.float32)
         found = strictly(jax.vmap(lambda p, h=h: geodesic_distance(bank, jnp.int32(h), None, p)), points)
         wanted = np.stack([n.distance(g)[tuple(places.T)] for g in range(len(n.goal))], axis=1)
@@ -71,7 +71,7 @@ def test_random_positions_are_free_and_uniform(bank, houses):
     gap = np.maximum(abs(points[:, :2] - CHEST.position) - np.array(CHEST.size[:2]) / 2, 0)
     assert np.linalg.norm(gap, axis=1).min() >= 0.1
     assert (abs(points[:, :2]) <= np.array([3.0, 2.5]) - 0.1).all()
-    centres = (n.place[:, :0:-1] + 0.5) * n.cell + n.origin
+    centres = (n.cell_coords[:, :0:-1] + 0.5) * n.cell + n.origin
     for axis in (0, 1):
         for at in (-1.0, 0.0, 1.0):
             share = (centres[:, axis] > at).mean()

@@ -40,7 +40,7 @@ def test_it_is_what_corners_say(bank):
     rng, bodies = np.random.default_rng(0), (AgentBody(), AgentBody(radius=0.2, height=1.0, eye_height=0.9))
     template = Template(PhysicsConfig(num_agents=2, bodies=bodies), bank.spec)
     start = physics.reset(template, bank, jnp.int32(0), jnp.zeros((2, 3)), jnp.zeros(2))
-    layout, lot = template.layout, np.asarray(bank.physics.lot[0], float)
+    layout, lot = template.layout, np.asarray(bank.physics.fence_rectangle[0], float)
     np.testing.assert_allclose(lot, [[-5.0, -4.5], [5.0, 4.5]], atol=1e-6)  # a room of 6 by 5 m, and 2 m around it
     count = 2 + layout.num_bodies
     pos = np.c_[rng.uniform(-5.5, 5.5, (NUM, count, 2)), rng.uniform(-0.2, 1.2, (NUM, count, 1))]

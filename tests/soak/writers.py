@@ -294,17 +294,20 @@ def run_config() -> Any:
 
 def train(folder: Path) -> None:
     """As `training.run.train`, without the learning: lines, checkpoints, curves, at last the agent."""
+    from home_mjx.observers import ObserverGroup, RunStart
     from home_mjx.training.checkpoint import AGENT_FILE, CHECKPOINT_FILE, read_updates, save_checkpoint, save_net
-    from home_mjx.training.records import MetricsLog
+    from home_mjx.training.records import CurvesPlot, MetricsLog, TensorBoardLog
 
     path, config = folder / CHECKPOINT_FILE, run_config()
     done = read_updates(path) if path.exists() else 0
-    with MetricsLog(folder, done) as records:
+    log = MetricsLog(folder, done)
+    with ObserverGroup((log, TensorBoardLog(folder / "tensorboard", done), CurvesPlot(log))) as records:
+        records.on_run_start(RunStart("ppo", None, "steps", LAST, done))
         for number in range(done + 1, LAST + 1):
-            records.add({"steps": number, "loss/value": 1.0 / number})
+            records.on_log({"steps": number, "loss/value": 1.0 / number})
             if number % 2 == 0:
                 save_checkpoint(path, state_after(number), config)
-        records.draw()
+        records.on_checkpoint(path, LAST)
     save_net(folder / AGENT_FILE, state_after(LAST).net, config)
 
 

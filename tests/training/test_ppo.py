@@ -111,7 +111,7 @@ def test_two_devices_learn_what_one_does(env):
     results = []
     for devices in (ONE, jax.devices()[:2]):
         ppo = PPO(env.core, config, devices)
-        params = jax.device_put(env.params, ppo.replicated)
+        params = ppo.sharding.put_params(env.params)
         state = ppo.init(params, jax.random.key(0))
         for _ in range(2):
             state, metrics = ppo.update(params, state)

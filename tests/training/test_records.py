@@ -12,19 +12,27 @@ pytest.importorskip("tensorboardX", reason="needs the extra `train`")
 
 from tensorboardX.proto import event_pb2
 
+from home_mjx.observers import ObserverGroup, RunStart
 from home_mjx.training.progress import MetricMeans
-from home_mjx.training.records import MetricsLog, read_lines
+from home_mjx.training.records import CurvesPlot, MetricsLog, TensorBoardLog, read_lines
+
+
+def records_of(folder: Path, steps: int = 0) -> ObserverGroup:
+    log = MetricsLog(folder, steps)
+    group = ObserverGroup((log, TensorBoardLog(folder / "tensorboard", steps), CurvesPlot(log)))
+    group.on_run_start(RunStart("ppo", None, "steps", 1000, steps))
+    return group
 
 
 def test_a_resumed_run_goes_on_after_its_checkpoint(tmp_path: Path):
-    with MetricsLog(tmp_path) as records:
+    with records_of(tmp_path) as records:
         for steps in (100, 200, 300):
-            records.add({"steps": steps, "success": steps / 1000, "spl": float("nan")})
+            records.on_log({"steps": steps, "success": steps / 1000, "spl": float("nan")})
     with (tmp_path / "metrics.jsonl").open("a") as file:
         file.write('{"steps": 400, "succ')  # killed here
-    with MetricsLog(tmp_path, steps=200) as records:
-        records.add({"steps": 250, "success": 0.5})
-        records.draw()
+    with records_of(tmp_path, steps=200) as records:
+        records.on_log({"steps": 250, "success": 0.5})
+        records.on_checkpoint(tmp_path / "checkpoint.npz", 250)
     lines = [json.loads(line) for line in (tmp_path / "metrics.jsonl").read_text().splitlines()]
     assert lines == [
         {"steps": 100, "success": 0.1},

@@ -17,14 +17,16 @@ pytest.importorskip("tensorboardX", reason="needs the extra `train`")
 from full_disk import full_disk
 
 import home_mjx
-from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
+from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError, UnknownNameError
+from home_mjx.observers import Observer, ObserverGroup, RunStart
 from home_mjx.registry import find_spec
+from home_mjx.sharding import REPLICATED, EnvSharding, make_mesh
 from home_mjx.training import run
 from home_mjx.training.checkpoint import load_net, read_updates, save_checkpoint, save_net
 from home_mjx.training.config import PPOConfig, RunConfig
 from home_mjx.training.networks import NetworkConfig
 from home_mjx.training.ppo import PPO, TrainState
-from home_mjx.training.records import MetricsLog, read_lines
+from home_mjx.training.records import TensorBoardLog, read_lines
 
 SMALL = PPOConfig(num_envs=8, unroll_length=8, num_timesteps=640, network=NetworkConfig(8, 8, (4,)))
 CONFIG = RunConfig(find_spec("PointNav-v0"), SMALL)
@@ -38,15 +40,15 @@ class Counter(PPO):
     broken_after = 1000
 
     def __init__(self, core: object, config: PPOConfig) -> None:
-        self.config, self.whole = config, jax.sharding.SingleDeviceSharding(jax.devices()[0])
+        self.config, self.sharding = config, EnvSharding(make_mesh(jax.devices()[:1]))
         self.update = jax.jit(self._counted)
 
     def init(self, params: object, key: object) -> TrainState:
         net = {"count": jnp.zeros(3)}
         return TrainState.build_unchecked(net=net, opt=(), actor=(), key=jnp.zeros(2, jnp.uint32), updates=jnp.int32(0))
 
-    def place(self, state: TrainState) -> TrainState:
-        return jax.device_put(state, self.whole)
+    def to_devices(self, state: TrainState) -> TrainState:
+        return self.sharding.put(state, REPLICATED)
 
     def _counted(self, params: object, state: TrainState) -> tuple[TrainState, dict]:
         updates = state.updates + 1
@@ -61,7 +63,7 @@ def counting(monkeypatch: pytest.MonkeyPatch, generated_bank):
     env = home_mjx.make("PointNav-v0", generated_bank)
     monkeypatch.setattr(run, "make_env", lambda spec, progress: env)
     monkeypatch.setattr(run, "LEARNERS", dict.fromkeys(run.LEARNERS, Counter))
-    monkeypatch.setattr(run, "REST", 0.0)
+    monkeypatch.setattr(run, "MIN_CHECKPOINT_INTERVAL", 0.0)
 
 
 def train(out: Path, config: RunConfig = CONFIG, **options: object) -> PPO:
@@ -108,7 +110,7 @@ def test_a_run_takes_its_turn_once_all_is_compiled(tmp_path: Path):
         yield
         found.append(files(tmp_path))
 
-    train(tmp_path, turn=turn())
+    train(tmp_path, device_lock=turn())
     assert "checkpoint.npz" not in found[0]
     assert "checkpoint.npz" in found[1]
     assert len(read_lines(tmp_path / "metrics.jsonl")) == UPDATES
@@ -139,9 +141,10 @@ def test_tensorboard_alone_fills_the_disk(tmp_path: Path):
     line = {f"loss/{i}": 1.5 * i for i in range(18)}
 
     def add() -> None:
-        with MetricsLog(tmp_path) as records:
+        with ObserverGroup([TensorBoardLog(tmp_path)]) as records:
+            records.on_run_start(RunStart("ppo", None, "steps", 4000))
             for steps in range(4000):
-                records.add({"steps": steps, **line})
+                records.on_log({"steps": steps, **line})
 
     with full_disk(200_000):
         assert isinstance(raised_in_time(add), ConfigError)
@@ -258,3 +261,47 @@ def test_numbers_that_do_not_divide_are_refused_before_any_house_is_made(tmp_pat
     with pytest.raises(AssertionError, match="houses were made"):  # 8 environments of 2 agents on 2 devices
         train(tmp_path, RunConfig(two, dataclasses.replace(SMALL, num_minibatches=8)))
     assert files(tmp_path) == set()
+
+
+class Recorder(Observer):
+    """Appends the name of each event, and whether the line of it is on disk."""
+
+    def __init__(self, out: Path, events: list[str]) -> None:
+        self.out, self.events = out, events
+
+    def on_run_start(self, start) -> None:
+        self.events.append(f"run {start.name} {start.done}/{start.total} {start.unit}")
+
+    def on_log(self, line) -> None:
+        assert read_lines(self.out / "metrics.jsonl")[-1]["steps"] == line["steps"]
+        self.events.append(f"log {line['steps']}")
+
+    def on_checkpoint(self, path, steps) -> None:
+        assert int(read_updates(path)) * SMALL.batch_size == steps
+        self.events.append(f"checkpoint {steps}")
+
+    def close(self) -> None:
+        self.events.append("close")
+
+
+def test_an_observer_follows_a_run(tmp_path: Path):
+    """Lines are on disk before the checkpoint after them, because a resumed run drops those that are later."""
+    events: list[str] = []
+    train(tmp_path, observers=[Recorder(tmp_path, events)])
+    size = SMALL.batch_size
+    told = [f"{name} {n * size}" for n in range(1, UPDATES + 1) for name in ("log", "checkpoint")]
+    assert events == [f"run ppo 0/{UPDATES * size} steps", *told, "close"]
+
+
+def test_an_observer_that_fails_ends_the_run_and_all_are_closed(tmp_path: Path):
+    events: list[str] = []
+
+    class Fails(Observer):
+        def on_log(self, line) -> None:
+            raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        train(tmp_path, observers=[Recorder(tmp_path, events), Fails()])
+    assert events[-2:] == [f"log {SMALL.batch_size}", "close"]
+    with pytest.raises(UnknownNameError, match="unknown observer"):
+        train(tmp_path / "other", observers=["nobody"])

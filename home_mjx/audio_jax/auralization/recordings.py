@@ -6,7 +6,6 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-import imageio_ffmpeg
 import numpy as np
 from jaxtyping import Float
 from scipy.io import wavfile
@@ -57,6 +56,8 @@ def read_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
 def _decode(path: Path) -> tuple[int, Float[np.ndarray, "..."]]:
     """Decode a file with ffmpeg; return its sample rate and samples (n,) or (n, channels)."""
+    import imageio_ffmpeg  # 68 MB of codecs, which synthetic clips do not need
+
     if not path.is_file():
         raise MissingFileError("there is no such recording", file=path)
     with tempfile.TemporaryDirectory() as folder:

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, UInt8
-from PIL import Image
 
-from home_mjx.bank.packing.size_classes import size_class
+from home_mjx.bank.packing.capacity import size_class
 from home_mjx.core.color import decode_srgb, encode_srgb
-from home_mjx.core.images import open_texture
+from home_mjx.core.images import read_texture
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import TextureArray
 
@@ -24,15 +23,14 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
         size: Edge of the square layers [px], a power of two.
 
     Raises:
-        DatasetError: An image cannot be read, see `open_texture`.
+        DatasetError: An image cannot be read, see `read_texture`.
         ConfigError: `size` is not a power of two.
     """
     if size < 1 or size & (size - 1):
         raise ConfigError(f"the edge of texture layers must be a power of two, got {size}")
     layers = np.full((*texture_shape(len(paths), size), 4), 255, np.uint8)
     for layer, path in zip(layers, paths, strict=False):
-        image = open_texture(Path(path)).resize((size, size), Image.Resampling.LANCZOS)
-        layer[...] = mip_levels(np.asarray(image))
+        layer[...] = mip_levels(read_texture(Path(path), size, "lanczos"))
     return layers
 
 

@@ -3,12 +3,12 @@
 import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Int8, UInt8
-from scipy.spatial.transform import Rotation
 
 from home_mjx.bank.records.bodies import PADDING_POS
 from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.core.pytree import Pytree, array
 from home_mjx.geometry.box_edges import find_exposed_edges
+from home_mjx.geometry.rotations import quat_matrix
 from home_mjx.schema.edges import NUM_EDGES
 
 
@@ -25,7 +25,7 @@ def plane_material(at: HouseOwner) -> Int[np.ndarray, " p"]:
 def exposed_edge_bits(at: HouseOwner) -> Int[np.ndarray, " c"]:
     """Return the exposed edges of static boxes, one bit per edge in the order of `schema.edges`."""
     boxes, rooms = at.house.colliders, at.house.rooms
-    turn = Rotation.from_quat(boxes.quat, scalar_first=True).as_matrix()
+    turn = quat_matrix(boxes.quat)
     heights = np.stack([rooms.floor, rooms.ceiling], axis=1)
     return find_exposed_edges(boxes.pos, turn, boxes.size, heights) @ (1 << np.arange(NUM_EDGES))
 

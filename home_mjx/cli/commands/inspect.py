@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
         sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
         sizes["fields"] = fields
-        record["stand_ins"] = [asdict(item) for item in house.fallbacks]
+        record["fallbacks"] = [asdict(item) for item in house.fallbacks]
         record["stuck"] = compiled.blocked_objects.tolist()
         record["unknown_material"] = unknown
         record["joints"] = jointed
@@ -87,7 +87,7 @@ def run(args: argparse.Namespace) -> int:
             f"warning: {unknown:.0%} of the area has a default material: acoustics and contact are approximate\n"
         )
     for item in house.fallbacks:
-        sys.stdout.write(f"lacking: {item}\n")
+        sys.stdout.write(f"fallback: {item}\n")
     for object_id in compiled.blocked_objects.tolist():
         sys.stdout.write(f"stuck: {_category(compiled, object_id)} {object_id} overlaps another body, so it is fixed\n")
     return 0

@@ -4,6 +4,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
@@ -16,6 +17,8 @@ from home_mjx.cli.learning.named import (
 )
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type
+
+LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +54,6 @@ def run(args: argparse.Namespace) -> int:
     """Print the metrics."""
     import_modules(args.modules)
     path = find_checkpoint(args.checkpoint)
-    from home_mjx.cli.learning.table import format_evaluation
     from home_mjx.training import evaluate_checkpoint
 
     where = {"episode_file": args.episode_file, "dataset": args.dataset}
@@ -64,3 +66,27 @@ def run(args: argparse.Namespace) -> int:
         film_checkpoint(path, out, args.films, args.split, args.houses, args.seed, args.greedy, **where)
     sys.stdout.write(json.dumps(report) + "\n" if args.json else format_evaluation(report))
     return 0
+
+
+def format_evaluation(report: dict[str, Any]) -> str:
+    """Format the report of `evaluate_checkpoint` as a table of means and standard errors.
+
+    Example:
+        >>> figures = {"success": {"mean": 0.5, "stderr": 0.01}}
+        >>> report = {"trained": figures, "random": figures, "episodes": 10, "houses": 2, "split": "val"}
+        >>> print(as_table(report | {"actions": "sampled", "seed": 0}).splitlines()[1].split())
+        ['success', '0.500', '±', '0.010', '0.500', '±', '0.010']
+    """
+    trained, chance = report["trained"], report["random"]
+    names = [name for name in LEADING_METRICS if name in trained] + [
+        name for name in trained if name not in LEADING_METRICS
+    ]
+    rows = [f"{'':<12}{'trained':>18}{'random':>18}"]
+    for name in names:
+        shown = (f"{figures[name]['mean']:.3f} ± {figures[name]['stderr']:.3f}" for figures in (trained, chance))
+        rows.append(f"{name:<12}" + "".join(f"{text:>18}" for text in shown))
+    rows.append(
+        f"{report['episodes']} episodes in {report['houses']} houses ({report['split'] or 'those of training'}), "
+        f"actions {report['actions']}, seed {report['seed']}"
+    )
+    return "\n".join(rows) + "\n"

@@ -37,6 +37,14 @@ def add_episode_option(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
+def add_observe_option(parser: argparse.ArgumentParser, example: str) -> None:
+    """Add `--observe NAME`, with the name of an observer as an example."""
+    parser.add_argument(
+        "--observe", dest="observers", action="append", default=[], metavar="NAME",
+        help=f"add an observer that is registered under this name, such as {example}; see --import",
+    )  # fmt: skip
+
+
 def import_modules(modules: list[str]) -> None:
     """Import user modules, installed or from the current folder.
 

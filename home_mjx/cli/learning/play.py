@@ -12,6 +12,7 @@ from home_mjx.cli.learning.named import (
     TASK_HELP,
     add_episode_option,
     add_import_option,
+    add_observe_option,
     find_checkpoint,
     import_modules,
     parse_assignments,
@@ -55,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
+    add_observe_option(parser, "`terminal`")
     parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of home_mjx.make")
 
 
@@ -80,9 +82,11 @@ def run(args: argparse.Namespace) -> int:
     check_agent(options.agent, path, AGENT_NAMES)
     if not args.no_film:
         options = dataclasses.replace(options, out=make_folder(args.out))
-    run_play(options)
+    run_play(options, observers=args.observers)
     if options.out is not None:
-        sys.stdout.write(f"Watch   {options.out / options.name}.mp4\nLook at {options.out / options.name}.png\n")
+        sys.stdout.write(
+            f"Watch   {options.out / options.file_name}.mp4\nLook at {options.out / options.file_name}.png\n"
+        )
     return 0
 
 

@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_dataset_option
+from home_mjx.cli.learning.evaluate import format_evaluation
 from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
     TASK_HELP,
     add_import_option,
+    add_observe_option,
     find_checkpoint,
     import_modules,
     parse_assignments,
@@ -64,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_dataset_option(parser)
     add_import_option(parser)
+    add_observe_option(parser, "one of your own")
     for name, what in (("--env", "of home_mjx.make"), ("--ppo", "of PPOConfig")):
         parser.add_argument(name, action="append", default=[], metavar="NAME=VALUE", help=f"an option {what}")
 
@@ -72,7 +75,6 @@ def run(args: argparse.Namespace) -> int:
     """Train, evaluate, and print the results."""
     import_modules(args.modules)
     config = run_config(args)
-    from home_mjx.cli.learning.table import format_evaluation
     from home_mjx.core.files import write_durably
     from home_mjx.training import evaluate_checkpoint, train
     from home_mjx.training.evaluation import check_episodes
@@ -80,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
     check_episodes(args.episodes)
     check_held_out(config.env, args.held_out)
     out = make_folder(args.out or Path("runs") / config.env.id)
-    train(config, out, args.resume)
+    train(config, out, args.resume, observers=args.observers)
     report = evaluate_checkpoint(find_checkpoint(out), num_houses=args.held_out, num_episodes=args.episodes)
     with write_durably(out / "evaluation.json", "evaluation") as file:
         file.write(json.dumps(report, indent=1).encode() + b"\n")

@@ -5,7 +5,6 @@ neither works.
 """
 
 import functools
-import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +19,8 @@ from jaxtyping import Array
 from home_mjx.core.native.fork_guard import record_process
 from home_mjx.core.native.nvrtc import compile_ptx
 from home_mjx.core.native.platforms import local_devices, select_at_lowering
-from home_mjx.core.native.sharding import varying_as
 from home_mjx.errors import BackendError
+from home_mjx.sharding import run_untraced, varying_as
 
 PTX_TARGET = "__gpu$xla.gpu.ptx"  # XLA's custom-call target that launches PTX
 TITLES = {"cpu": "CPU backend", "cuda": "NVIDIA GPU"}
@@ -174,19 +173,10 @@ def _find_problem(kernel: Kernel, platform: str) -> str | None:
         return "the kernel has no version for this platform"
     if not local_devices(platform):
         return f"JAX has no {TITLES[platform]} in this process"
-    answer: list[str | None] = []
-
-    def run() -> None:
-        try:
-            answer.append(_start(kernel, platform))
-        except Exception as error:
-            answer.append(f"{type(error).__name__}: {error}")
-
-    # In its own thread, since the caller may be inside a trace or a mesh context.
-    thread = threading.Thread(target=run)
-    thread.start()
-    thread.join()
-    return answer[0]
+    try:
+        return run_untraced(lambda: _start(kernel, platform))
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
 
 
 def _start(kernel: Kernel, platform: str) -> str | None:

@@ -6,12 +6,10 @@ from typing import Any, NoReturn
 import jax
 import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
-from jax.experimental.custom_partitioning import custom_partitioning
-from jax.interpreters.mlir import ir
-from jax.sharding import NamedSharding, PartitionSpec
 from jaxtyping import Array
 
 from home_mjx.errors import ConfigError
+from home_mjx.sharding import ENV, partition_kernel
 
 Step = Callable[..., tuple[Array, ...]]
 
@@ -25,7 +23,11 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
         num_shared: Number of shared operands.
         num_results: Number of results.
     """
-    spread = _partitioned(run, num_shared)
+    axes = lambda operands, results: (  # noqa: E731
+        [()] * num_shared + [(ENV,)] * (len(operands) - num_shared),
+        [(ENV,)] * len(results),
+    )
+    spread = partition_kernel(run, axes)
 
     @custom_vmap
     def step(*operands: Array) -> tuple[Array, ...]:
@@ -65,26 +67,3 @@ def forbid_gradient(step: Step, name: str) -> Step:
 def traced_constant(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
     """Build a constant array from traced operations; a partitioned function must not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
-
-
-def _partitioned(run: Step, shared: int) -> Step:
-    """Attach a partitioning rule; without one, sharded inputs are gathered on every device before each step."""
-
-    def partition(mesh: Any, arguments: Any, results: Any) -> Any:
-        by_env = (*arguments[-1].sharding.spec, None)[0]
-        whole, env = NamedSharding(mesh, PartitionSpec()), NamedSharding(mesh, PartitionSpec(by_env))
-        return mesh, run, (env,) * len(results), (whole,) * shared + (env,) * (len(arguments) - shared)
-
-    def rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
-        given = (_axes(x, f"x{i}y", i >= shared) for i, x in enumerate(operands))
-        return ", ".join(given) + " -> " + ", ".join(_axes(x, f"z{i}y", True) for i, x in enumerate(results))
-
-    split = custom_partitioning(run)
-    split.def_partition(partition=partition, sharding_rule=rule)
-    return split
-
-
-def _axes(tensor: ir.Type, name: str, by_env: bool) -> str:
-    """Return a tensor's part of the einsum-like sharding rule; axis `e` is environments, all others are private."""
-    count = len(ir.RankedTensorType(tensor).shape)
-    return " ".join((["e"] if by_env else []) + [f"{name}{axis}" for axis in range(by_env, count)])

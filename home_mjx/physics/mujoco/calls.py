@@ -7,8 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from home_mjx.core.native.fork_guard import check_not_forked
-from home_mjx.core.native.sharding import varying_as
 from home_mjx.errors import ConfigError
+from home_mjx.sharding import varying_as
 
 
 def call_host(target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> tuple[Array, ...]:

@@ -16,11 +16,11 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
-from home_mjx.core.native.sharding import varying_false
-from home_mjx.geometry.bvh import EMPTY_LEAF, MAX_DEPTH
 from home_mjx.raycast_render.backends.step_by_step import cast_multi_hit_by_loop
 from home_mjx.raycast_render.scene.constants import FAR_SLACK, MISS, TINY
 from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
+from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH
+from home_mjx.sharding import varying_false
 
 TRIANGLES_PER_TEST = 4  # triangles tested at once
 MAX_CPU_CHUNK = 1 << 12  # rays in lock step on CPUs, whose state fits into the cache

@@ -11,10 +11,12 @@ from jaxtyping import Array
 
 from home_mjx.bank.records import Geometry
 from home_mjx.raycast_render.backends.choose import RayBackend, find_backend
-from home_mjx.raycast_render.casting.partition import add_partitioning
 from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
+from home_mjx.sharding import ENV, RAY, Axes, partition_kernel
 
 BatchedCast = Callable[[Geometry, Array, DynamicInstances, Rays], RawHit]
+NUM_ENV_ARRAYS = 9  # arrays with a leading axis of environments: the house and the fields of `DynamicInstances`
+NUM_RAY_FIELDS = 6  # fields of `Rays`
 
 
 @functools.cache
@@ -25,9 +27,10 @@ def flat_cast(executor: str | None, query: RayQuery) -> BatchedCast:
     """
     run = find_backend(executor)
 
-    @add_partitioning
-    def spread(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
+    def cast_whole(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
         return run(geometry, house, moving, rays, query)
+
+    spread = partition_kernel(cast_whole, _leading_axes)
 
     @custom_vmap
     def cast(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
@@ -50,6 +53,14 @@ def flat_cast(executor: str | None, query: RayQuery) -> BatchedCast:
         return hits, jax.tree.map(lambda _: True, hits)
 
     return cast
+
+
+def _leading_axes(operands: list[tuple[int, ...]], results: list[tuple[int, ...]]) -> tuple[list[Axes], list[Axes]]:
+    """Return the leading axes of arrays: none of geometry, environments, and rays where they are not broadcast."""
+    num_rays = results[0][1]
+    rays = [(ENV, RAY) if shape[1] == num_rays else (ENV,) for shape in operands[-NUM_RAY_FIELDS:]]
+    shared = [()] * (len(operands) - NUM_ENV_ARRAYS - NUM_RAY_FIELDS)
+    return [*shared, *[(ENV,)] * NUM_ENV_ARRAYS, *rays], [(ENV, RAY)] * len(results)
 
 
 def _no_hits(cast: BatchedCast, batched: Any, args: Any) -> RawHit:

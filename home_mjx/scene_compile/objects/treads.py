@@ -116,7 +116,7 @@ class StraightFlights:
                 foot = plane_matrix(run.yaw) @ [first, (left + right) / 2]
                 found.append(Slope(foot, run.yaw, last - first, left - right, heights[i + 1], heights[i + 1]))
         rest = self.runs[-1].last - end
-        top = [found[-1].segment(found[-1].run, found[-1].run + rest)] if rest > MIN_TOP_LENGTH else []
+        top = [found[-1].part(found[-1].run, found[-1].run + rest)] if rest > MIN_TOP_LENGTH else []
         return found, top, [slope.outline for slope in found]
 
     @property

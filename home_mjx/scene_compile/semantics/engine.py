@@ -8,8 +8,7 @@ from jaxtyping import Bool, Float
 
 from home_mjx.geometry.meshes import surface_areas
 from home_mjx.geometry.polygons import polygon_area
-from home_mjx.scene_compile.architecture.frame import HouseFrame, find_frame
-from home_mjx.scene_compile.architecture.rooms import house_rooms
+from home_mjx.scene_compile.architecture.rooms import HouseFrame, find_frame, house_rooms
 from home_mjx.scene_compile.architecture.shell import BuildingShell, build_shell, inner_normal
 from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects

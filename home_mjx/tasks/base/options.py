@@ -105,7 +105,7 @@ def make_config(**options: Any) -> EnvConfig:
 
 
 def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
-    """Yield dotted paths of a record and its fields at all depths; body and timing only of their owner."""
+    """Yield dotted paths of a record and its fields at all depths; timing only of its owner."""
     if prefix:
         yield prefix
     own = {field.name for field in dataclasses.fields(record)}
@@ -115,7 +115,7 @@ def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset())
             continue
         value = getattr(record, field.name)
         if dataclasses.is_dataclass(value):
-            yield from _field_paths(value, path, shared | (own & {"body", "timing"}))
+            yield from _field_paths(value, path, shared | (own & {"timing"}))
         else:
             yield path
 

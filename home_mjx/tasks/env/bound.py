@@ -52,7 +52,7 @@ class EnvCore(Protocol):
 
     @property
     def bakes(self) -> tuple[Bake, ...]:
-        """Bakes of houses that the sensors need."""
+        """Bakes of houses that sensors and shaders need."""
         ...
 
     def reset(self, params: EnvParams, key: Array, house: Any = None, episode: Any = None) -> State:

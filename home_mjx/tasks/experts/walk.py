@@ -273,7 +273,7 @@ def to_actions(
 
 def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Float[Array, "a n"]:
     dt = config.timing.ctrl_dt
-    rates = jnp.array([body.turn_rate for body in config.physics.agents], jnp.float32)
+    rates = jnp.array([body.turn_rate for body in config.agents], jnp.float32)
     forward = jnp.where(jnp.abs(error) < MAX_WALK_HEADING_ERROR, jnp.cos(error), 0.0)
     forward = jnp.where(near | stop, 0.0, forward)
     turn, look = jnp.clip(error / (rates * dt), -1, 1), jnp.clip(tilt / (config.max_pitch_rate * dt), -1, 1)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from home_mjx.adapters.spaces import action_space, observation_space
+from home_mjx.adapters.base.spaces import action_space, observation_space
 from home_mjx.core.files import write_error
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.env.bound import Env

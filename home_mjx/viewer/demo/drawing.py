@@ -5,7 +5,6 @@ from pathlib import Path
 
 import jax
 import numpy as np
-from tqdm import tqdm
 
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.state import State
@@ -33,7 +32,7 @@ class WalkRecord:
         return max(self.obs[part] or self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
 
 
-def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord, folder: Path, progress: tqdm) -> None:
+def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord, folder: Path) -> None:
     """Write the contact sheet."""
     houses = np.asarray(states.world.house)
     tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
@@ -44,7 +43,6 @@ def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord,
         caption = f"house {houses[i]}: path, end (green), radio (red)"
         rows.append([pictures.add_caption(image, caption), *_views(env, walk.most_varied_observation(i), i, 256)])
     media.write_png(folder / "contact_sheet.png", pictures.compose_sheet(rows))
-    progress.update()
 
 
 def _scene(env: Env[HouseholdEnv], states: State, index: int) -> Scene:

@@ -11,19 +11,21 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from tqdm import tqdm
 
 from home_mjx.core import profiling
 from home_mjx.core.files import write_all_or_none
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.path_follower import PathFollower, make_path_follower
+from home_mjx.observers import Observer, ObserverGroup, RunStart
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.training.progress import ProgressBar
 from home_mjx.viewer.demo.drawing import WalkRecord, write_contact_sheet
 from home_mjx.viewer.demo.search import film_search
 
+NUM_PHASES = 6  # units of progress besides the steps of the walk
 SENSORS_ALONE = {
     "depth": ("depth",),
     "rgb": ("rgb",),
@@ -62,28 +64,28 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
     Returns:
         The content of `report.json`.
     """
-    # Closed on errors too, so that their message starts on a new line.
-    with tqdm(total=options.num_steps + 6, desc="houses", unit="step") as steps:
-        return _run(options, steps)
+    with ObserverGroup([ProgressBar(True)]) as group:
+        return _run(options, group)
 
 
-def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
+def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
     started = time.perf_counter()
+    observer.on_run_start(RunStart("demo", None, "steps", options.num_steps + NUM_PHASES))
+    observer.on_phase("houses")
     env = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
-    steps.set_postfix_str("compiling the step (once)")
-    steps.update()
+    observer.on_phase("houses", "compiling the step (once)")
+    observer.on_update(1)
     begin, seconds = _compiled_begin(env, options)
     states = start_batch(env, begin, options)
     views = jax.tree.map(lambda x: x[: options.num_views], states)
     step, _ = _compiled_step(env, views)  # of the drawn environments only; the others do not walk
-    steps.update()
-    steps.set_description("walking")
-    steps.set_postfix_str("")
-    views, walk = record_walk(env, step, views, options, steps)
-    steps.set_description("measuring")
+    observer.on_update(1)
+    observer.on_phase("walking")
+    views, walk = record_walk(env, step, views, options, observer)
+    observer.on_phase("measuring")
     rates, more_seconds = measure(env, states)
-    steps.update()
-    steps.set_description("drawing")
+    observer.on_update(1)
+    observer.on_phase("drawing")
     report = {
         "versions": profiling.versions(),
         "device": profiling.device_name(),
@@ -96,14 +98,15 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
         "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
     }
     with write_all_or_none(options.out, "demo") as folder:
-        write_contact_sheet(env, views, walk, folder, steps)
-        steps.set_description("searching")
+        write_contact_sheet(env, views, walk, folder)
+        observer.on_update(1)
+        observer.on_phase("searching")
         report["search"] = film_searches(folder, options)
-        steps.update()
+        observer.on_update(1)
         report["peak_memory_bytes"] = profiling.peak_memory_bytes()
         report["wall_seconds"] = time.perf_counter() - started
         (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
-    steps.update()
+    observer.on_update(1)
     return report
 
 
@@ -122,7 +125,8 @@ def _compiled_begin(env: Env[HouseholdEnv], options: DemoOptions) -> tuple[Any, 
     """
     keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
     houses = jnp.zeros(options.num_envs, jnp.int32)
-    return profiling.compiled(jax.vmap(env.core.begin, (None, 0, 0)), env.params, keys, houses)
+    reset = functools.partial(env.core.reset, observe=False)
+    return profiling.compiled(jax.vmap(reset, (None, 0, 0)), env.params, keys, houses)
 
 
 def _compiled_step(env: Env[HouseholdEnv], states: State) -> tuple[Any, float]:
@@ -146,7 +150,7 @@ def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> Sta
 
 
 def record_walk(
-    env: Env[HouseholdEnv], step: Any, states: State, options: DemoOptions, progress: tqdm
+    env: Env[HouseholdEnv], step: Any, states: State, options: DemoOptions, observer: Observer
 ) -> tuple[State, WalkRecord]:
     """Walk environments along paths and record their observations."""
     pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
@@ -160,7 +164,7 @@ def record_walk(
         place = pose(env.params, states)
         walk.obs.append({k: np.asarray(v) for k, v in states.obs.items()})
         walk.positions.append(np.asarray(place.pos[:, 0]))
-        progress.update()
+        observer.on_update(1)
     return states, walk
 
 
@@ -176,7 +180,8 @@ def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], di
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)
-    advance, seconds_physics = profiling.compiled(jax.vmap(env.core.advance, (None, 0, 0)), env.params, states, none)
+    blind = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))
+    advance, seconds_physics = profiling.compiled(blind, env.params, states, none)
     seconds = {"step with all sensors": seconds_step, "physics": seconds_physics}
     rates = {
         name: num_envs * profiling.steps_per_second(functools.partial(program, env.params), states, actions, 2.0)
@@ -184,7 +189,7 @@ def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], di
     }
     for name, kinds in SENSORS_ALONE.items():
         alone = HouseholdEnv(env.config.replace(sensors=kinds), env.task)
-        perceive = jax.vmap(lambda p, s, alone=alone: alone.perceive(p, s).obs, (None, 0))
-        program, seconds[name] = profiling.compiled(perceive, env.params, states)
+        observe = jax.vmap(lambda p, s, alone=alone: alone.observe(p, s, update=True).obs, (None, 0))
+        program, seconds[name] = profiling.compiled(observe, env.params, states)
         rates[name] = num_envs * profiling.calls_per_second(program, env.params, states)
     return rates, seconds

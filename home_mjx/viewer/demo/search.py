@@ -37,8 +37,5 @@ def film_search(out: Path, suncg: Path | None = None, episodes: int = 3, seed: i
         num_houses=episodes,
         split="val" if suncg is None else None,
     )
-    options = PlayOptions(env, "trained", AGENT_FILE, episodes, seed, out=out)
-    outcomes = run_play(options, lambda line: None)
-    for path in out.glob(f"{options.name}.*"):
-        path.rename(path.with_stem("radio"))
-    return outcomes
+    options = PlayOptions(env, "trained", AGENT_FILE, episodes, seed, out=out, name="radio")
+    return run_play(options, lambda line: None)

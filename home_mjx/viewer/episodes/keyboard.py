@@ -2,7 +2,7 @@
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -74,18 +74,17 @@ class KeyboardPlayer:
 
     Args:
         config: Options of the environment, with the acting agents (`HouseholdEnv.acting_config`).
-        show: Callback that displays the state before each action.
         source: Input stream; a terminal is read key by key, any other stream line by line.
 
     Example:
         >>> import io
-        >>> player = KeyboardPlayer(EnvConfig(actions="discrete"), lambda state: None, io.StringIO("wa q"))
+        >>> player = KeyboardPlayer(EnvConfig(actions="discrete"), io.StringIO("wa q"))
         >>> [player.act(None) for _ in range(4)]
         [1, 2, 0, None]
     """
 
-    def __init__(self, config: EnvConfig, show: Callable[[Any], None], source: Any = None) -> None:
-        self.config, self.show = config, show
+    def __init__(self, config: EnvConfig, source: Any = None) -> None:
+        self.config = config
         self.actions, self.keys = key_actions(config), read_keys(source or sys.stdin)
 
     def reset(self) -> None:
@@ -93,7 +92,6 @@ class KeyboardPlayer:
 
     def act(self, state: State | Any) -> Any:
         """Wait for a key with an action; return None at the end of input or on a quit key."""
-        self.show(state)
         for key in self.keys:
             if key.lower() in QUIT_KEYS:
                 return None

@@ -1,34 +1,35 @@
 """Playing from options to episodes, lines of text and a film."""
 
-import dataclasses
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 from tqdm import tqdm
 
-from home_mjx.core.files import write_all_or_none, write_json_lines
+from home_mjx.core.files import write_all_or_none
+from home_mjx.observers import EpisodeResult, Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import add_expert
-from home_mjx.tasks.sensors.choose import state_owners
 from home_mjx.training.evaluation import check_episodes, with_episodes
-from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
-from home_mjx.viewer.episodes.episode import EpisodeResult, EpisodeRunner, EpisodeStep, format_status
-from home_mjx.viewer.episodes.film import VideoWriter, compose_frame
-from home_mjx.viewer.episodes.goal_markers import get_goal_markers, get_instruction, get_utterances
-from home_mjx.viewer.episodes.keyboard import KeyboardPlayer, image_to_text, key_help
-from home_mjx.viewer.episodes.overlay import TopDownOverlay
+from home_mjx.training.progress import ProgressBar
+from home_mjx.viewer.episodes.episode import run_episodes
+from home_mjx.viewer.episodes.keyboard import KeyboardPlayer
+from home_mjx.viewer.episodes.observers import (
+    DEFAULT_HEIGHT,
+    DEFAULT_WIDTH,
+    FilmObserver,
+    ResultsObserver,
+    ShotCache,
+    TerminalObserver,
+)
 from home_mjx.viewer.episodes.policies import POLICIES, Player, PolicyPlayer, check_agent, make_policy
 
-AGENT_NAMES = (*POLICIES, "human")
-SOUND_STATE = "audio"  # sensor state with the sound frame, for observations as waveforms or spectra
-DEFAULT_WIDTH, DEFAULT_HEIGHT = 480, 360  # [px] size of the agent's view
+HUMAN = "human"
+AGENT_NAMES = (*POLICIES, HUMAN)
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class PlayOptions:
         width: Width of the agent's view [px].
         height: Height of the agent's view [px].
         samples: Rays per pixel.
+        name: Name of the files; "" for task and agent.
     """
 
     env: EnvSpec
@@ -58,15 +60,19 @@ class PlayOptions:
     width: int = DEFAULT_WIDTH
     height: int = DEFAULT_HEIGHT
     samples: int = 1
+    name: str = ""
 
     @property
-    def name(self) -> str:
-        """Name of the files."""
-        return f"{self.env.id}_{self.agent}"
+    def file_name(self) -> str:
+        """Name of the files without suffix."""
+        return self.name or f"{self.env.id}_{self.agent}"
 
 
 def run_play(
-    options: PlayOptions, print_line: Callable[[str], Any] = tqdm.write, key_source: Any = None
+    options: PlayOptions,
+    print_line: Callable[[str], Any] = tqdm.write,
+    key_source: Any = None,
+    observers: Iterable[Observer | str] = (),
 ) -> list[EpisodeResult]:
     """Play episodes.
 
@@ -74,6 +80,7 @@ def run_play(
         options: Options of episodes and film.
         print_line: Callback for the line of each episode.
         key_source: Input stream of a keyboard player; None: standard input.
+        observers: Further observers of the episodes, or their names. With `out`, each writes its files there.
 
     Returns:
         Result of each episode. With `out`, its folder gets a film, an image with the last frame of each episode, and
@@ -81,28 +88,32 @@ def run_play(
 
     Raises:
         ConfigError: A checkpoint is missing, or for another agent or task; or the task has no expert.
+        UnknownNameError: No observer has a name.
     """
     check_agent(options.agent, options.checkpoint, AGENT_NAMES)
     check_episodes(options.episodes)
+    more = resolve_observers(observers)
     env = with_episodes(options.env.make(), options.episodes, options.seed)
     env = add_expert(env) if options.agent == "expert" else env
-    reporter = _Reporter(env, options)
-    player = _make_player(env, options, reporter, key_source)
-    game, outcomes = EpisodeRunner(env), []
-    rows = _task_rows(env, options)
-    hidden = True if options.agent == "human" else None
-    with tqdm(total=options.episodes, unit=" episodes", disable=hidden) as bar:
-        for number, row in enumerate(rows, 1):
-            for step in game.run(player, number, jax.random.key(options.seed + number), row):
-                reporter.add(step)
-                bar.set_postfix_str(f"step {int(step.state.world.step)}")
-            assert game.result is not None
-            outcomes.append(game.result)
-            reporter.end(game.result)
-            print_line(game.result.format_line())
-            bar.update()
-    reporter.write(outcomes)
-    return outcomes
+    player = _make_player(env, options, key_source)
+    with ObserverGroup((*_own_observers(options, print_line), *more)) as group:
+        group.on_run_start(RunStart(options.agent, env, "episodes", options.episodes))
+        results = run_episodes(env, player, _task_rows(env, options), options.seed, group)
+        if options.out is not None:
+            with write_all_or_none(options.out, "film") as folder:
+                group.write(folder)
+    return results
+
+
+def _own_observers(options: PlayOptions, print_line: Callable[[str], Any]) -> Iterator[Observer]:
+    """Yield the observers that the options ask for; film and terminal share their images."""
+    shots = ShotCache(options.width, options.height, options.samples)
+    if options.out is not None:
+        yield FilmObserver(shots, options.file_name)
+    if options.agent == HUMAN:
+        yield TerminalObserver(shots, has_keys=True)
+    yield ResultsObserver(options.file_name, print_line)
+    yield ProgressBar(False if options.agent == HUMAN else None)
 
 
 def film_checkpoint(
@@ -141,72 +152,7 @@ def _task_rows(env: Env[HouseholdEnv], options: PlayOptions) -> list[int | None]
     return [int(order[i % len(order)]) for i in range(options.episodes)]
 
 
-def _make_player(env: Env[HouseholdEnv], options: PlayOptions, reporter: "_Reporter", keys: Any) -> Player:
-    if options.agent == "human":
-        return KeyboardPlayer(env.core.acting_config, reporter.show, keys)
+def _make_player(env: Env[HouseholdEnv], options: PlayOptions, keys: Any) -> Player:
+    if options.agent == HUMAN:
+        return KeyboardPlayer(env.core.acting_config, keys)
     return PolicyPlayer(env.core, make_policy(env, options.agent, options.checkpoint, options.greedy), options.seed)
-
-
-class _Reporter:
-    """Film of the episodes, and display for a keyboard player."""
-
-    def __init__(self, env: Env[HouseholdEnv], options: PlayOptions) -> None:
-        self.env, self.options = env, options
-        self.in_terminal = options.agent == "human" and sys.stdout.isatty()
-        self.is_seen = options.out is not None or self.in_terminal
-        self.camera = FilmCamera(env, options.width, options.height, options.samples)
-        self.heard = SOUND_STATE in {sensor.name for sensor in state_owners(env.core.sensors)}
-        self.film = VideoWriter(env.dt, env.config.audio.sample_rate if self.heard else None)
-        self.sights: list[CameraShot] = []
-        self.words: dict[str, None] = {}  # that were said, each once, in their order
-
-    def add(self, step: EpisodeStep) -> None:
-        """Record a step."""
-        self.step = step
-        is_first = step.action is None
-        if is_first:
-            self.asked, self.sights, self.words = get_instruction(self.env, step.state), [], {}
-            self.plan = TopDownOverlay(self.env.bank, int(step.state.world.house))
-        self.words |= dict.fromkeys(get_utterances(step.state))
-        if not self.is_seen:
-            return
-        self.sights.append(self.camera.capture(step.state))
-        if self.options.out is not None:
-            moves = is_first or self.env.config.hands
-            if is_first or not step.state.terminated:  # no goal is left in a terminal state
-                self.goals = get_goal_markers(self.env.bank, step.state, self.sights[-1].boxes)
-            scene = scene_without_agents(self.env, step.state) if moves else None
-            self.top = self.plan.draw(scene, self.sights, self.goals)
-            self.film.add(self._frame(format_status(self.env, step, self.options.agent)), self._sound(step))
-
-    def end(self, outcome: EpisodeResult) -> None:
-        """Add the result of the episode to the film."""
-        if self.options.out is not None:
-            spl = "" if np.isnan(outcome.spl) else f"   SPL {outcome.spl:.2f}"
-            how = "success" if outcome.success else "failure"
-            words = f"   said {', '.join(self.words)}" if self.words else ""
-            text = f"{self.options.agent}   {how}{spl}   {outcome.steps} steps   return {outcome.episode_return:+.2f}{words}"
-            self.film.add_final(self._frame(text, outcome.success > 0))
-
-    def show(self, state: Any) -> None:
-        """Print view, instruction and status for a keyboard player before each action."""
-        lines = [image_to_text(self.sights[-1].view)] if self.in_terminal else []
-        if self.step.action is None:
-            lines += [key_help(self.env.config)]
-        lines += [self.asked.text, format_status(self.env, self.step, "you")]
-        sys.stdout.write(("\x1b[H\x1b[J" if self.in_terminal else "") + "\n".join(lines) + "\n")
-        sys.stdout.flush()
-
-    def write(self, outcomes: list[EpisodeResult]) -> None:
-        """Write the film and the results."""
-        out, name = self.options.out, self.options.name
-        if out is not None:
-            with write_all_or_none(out, "film") as beside:
-                self.film.write(beside, name)
-                write_json_lines(beside / f"{name}.jsonl", map(dataclasses.asdict, outcomes), "outcomes")
-
-    def _frame(self, status: str, success: bool | None = None) -> np.ndarray:
-        return compose_frame(self.sights[-1].view, self.top, self.asked.text, status, success)
-
-    def _sound(self, step: EpisodeStep) -> np.ndarray | None:
-        return np.asarray(step.state.world.sensor_states[SOUND_STATE].frame)[0] if self.heard else None

@@ -68,7 +68,7 @@ find = jax.jit(find_image_sources, static_argnames="max_order")
 @pytest.mark.parametrize(("highest", "count"), [(1, 6), (2, 24), (3, 62)])
 def test_a_box_has_the_images_of_its_lattice(highest, count):
     size, source, listener = np.array([6, 5, 3.0]), np.array([-1.3, 0.7, 0.2]), np.array([1.4, -1.1, 0.5])
-    found = find(box(size), jnp.float32(source), jnp.float32(listener), highest=highest)
+    found = find(box(size), jnp.float32(source), jnp.float32(listener), max_order=highest)
     lengths = np.sort(np.asarray(found.length)[np.isfinite(found.length)])
     grid = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 3), axis=-1).reshape(-1, 3)
     order = abs(grid).sum(axis=1)
@@ -87,7 +87,7 @@ def test_any_rectangles_as_by_brute_force(seed, order):
     for _ in range(10):
         source, listener = rng.uniform(-1, 1, (2, 3))
         expected = sorted(brute_force(m, source, listener, order), key=lambda x: x[0])
-        found = find(m, jnp.float32(source), jnp.float32(listener), highest=2)
+        found = find(m, jnp.float32(source), jnp.float32(listener), max_order=2)
         chosen = np.flatnonzero(np.isfinite(found.length) & (np.asarray(found.order) == order))
         chosen = chosen[np.argsort(np.asarray(found.length)[chosen])]
         assert len(chosen) == len(expected)

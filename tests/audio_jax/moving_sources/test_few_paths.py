@@ -40,7 +40,7 @@ def test_paths_that_sound_are_enough():
                 config,
             )
         )
-        past = jnp.asarray(clip[: config.memory_length - 1 + config.frame + config.ahead], jnp.float32)
+        past = jnp.asarray(clip[: config.memory_length - 1 + config.frame + config.num_lookahead], jnp.float32)
         old, new = received(jnp.float32(-1.0)), received(jnp.float32(-0.9))
         assert old.paths.distance.size == config.num_paths
         return np.asarray(jax.jit(lambda *ends: render_frame(past, *ends, config))(old, new))

@@ -77,7 +77,7 @@ def test_a_still_path_is_one_convolution(config, rng):
     heard = []
     for i in range(3):
         begin = start + i * FRAME
-        part = noise[begin + 1 - config.memory_length : begin + FRAME + config.ahead]
+        part = noise[begin + 1 - config.memory_length : begin + FRAME + config.num_lookahead]
         heard.append(np.asarray(_run[config](jnp.asarray(part, jnp.float32), still, still), float))
     heard = np.concatenate(heard, axis=1)
     for ear in range(2):

@@ -60,7 +60,7 @@ def level(obstacles: BarrierBoxes, source, listener, within=False) -> np.ndarray
     """Energy per octave re the free field [dB], air left out; `within`: by furniture, no partition."""
     source, listener = np.asarray(source, float), np.asarray(listener, float)
     found = find(obstacles, jnp.float32(source), jnp.float32(listener))
-    there = np.isfinite(found.reach)
+    there = np.isfinite(found.finite_edge_detour)
     heard = there & ~blocked(obstacles, source, found.first) & ~blocked(obstacles, listener, found.last)
     clear = ~blocked(obstacles, source, listener)
     distance = np.linalg.norm(source - listener)

@@ -33,7 +33,7 @@ def test_octaves_decay_by_their_own_scattering():
 def left_at(rays, distance):
     """Energy (7,) of all rays when they have flown so far [m]."""
     hits = np.concatenate([np.zeros((1, CONFIG.num_rays)), rays.travelled])
-    energy = np.concatenate([rays.leaving[None], rays.remaining])
+    energy = np.concatenate([rays.initial_energy[None], rays.remaining])
     last = np.maximum((hits <= distance).sum(axis=0) - 1, 0)
     each = np.arange(CONFIG.num_rays)
     air = np.exp(-np.maximum(distance - hits[last, each], 0)[:, None] * np.asarray(air_attenuation(CONFIG)))
@@ -48,4 +48,4 @@ def test_each_ray_carries_its_octave_alone():
     rays = jax.jit(lambda scene: trace(scene, source, ears, jax.random.key(0), config))(scene_of(room.house))
     carried = np.asarray(rays.remaining > 0)
     np.testing.assert_array_equal(carried, np.broadcast_to(np.repeat(np.eye(7, dtype=bool), 10, axis=0), carried.shape))
-    np.testing.assert_allclose(np.asarray(rays.leaving).sum(axis=0), 1, rtol=1e-6)
+    np.testing.assert_allclose(np.asarray(rays.initial_energy).sum(axis=0), 1, rtol=1e-6)

@@ -235,7 +235,7 @@ def test_frames_of_a_still_source_are_one_convolution(config, rng):
     run = jax.jit(lambda s: render_frame(s, still, still, config))
     heard = []
     for begin in range(2 * config.frame, 5 * config.frame, config.frame):
-        part = noise[begin + 1 - config.memory_length : begin + config.frame + config.ahead]
+        part = noise[begin + 1 - config.memory_length : begin + config.frame + config.num_lookahead]
         heard.append(np.asarray(run(jnp.asarray(part, jnp.float32)), float))
     heard = np.concatenate(heard, axis=1)
     assert heard.shape[0] == config.num_channels

@@ -18,11 +18,11 @@ from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, rando
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
-from home_mjx.geometry import bvh
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene import constants as limits
 from home_mjx.raycast_render.scene.types import RayQuery, Rays
+from home_mjx.schema import compiled
 
 N = 1500
 CALLS = 450  # with garbage; call 412 has found what the first three hundred had not
@@ -115,14 +115,14 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
     program, (given, results) = checked(library, tmp_path), six_scenes(np.random.default_rng(12))
     read = jax.jit(lambda *x: cuda.kernel_operands(*x, RayQuery(num_hits=1)))
     inputs = [np.array(x) for x in jax.device_get(read(*given))]
-    leaf, num_nodes = ~(0 << 4 | 2), 4 * (2 * bvh.MAX_DEPTH + 4)
+    leaf, num_nodes = ~(0 << 4 | 2), 4 * (2 * compiled.MAX_DEPTH + 4)
     whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[14]
     size[11] = num_nodes
     for waits, last, house_root, model_root in itertools.product(
-        (leaf, bvh.EMPTY_LEAF),
-        (leaf, bvh.EMPTY_LEAF),
-        (0, leaf, bvh.EMPTY_LEAF),
-        (0, leaf, bvh.EMPTY_LEAF, num_nodes - 1),
+        (leaf, compiled.EMPTY_LEAF),
+        (leaf, compiled.EMPTY_LEAF),
+        (0, leaf, compiled.EMPTY_LEAF),
+        (0, leaf, compiled.EMPTY_LEAF, num_nodes - 1),
     ):
         code = np.stack([np.arange(num_nodes) + 1, np.full(num_nodes, waits)], axis=1).astype(np.int32)
         code[-1] = last
@@ -148,7 +148,7 @@ def assert_same(library, scene, origin, direction, **options):
         def look(s, o, d, options, executor):
             return function(s, o, d, **options, backend=executor)
 
-        return in_jit(look, *args, given, executor=executor)
+        return in_jit(look, *args, given, backend=executor)
 
     exact, reference = (expected(cast, name) for name in ("cpu", "xla"))
     found[0] = np.where(found[1] < 0, np.inf, found[0])
@@ -256,8 +256,8 @@ def test_constants_are_those_of_the_other_executors():
     told = dict(re.findall(r"constexpr \w+ (\w+) = ([^;]+);", source))
     assert int(told["BLOCK"]) == cuda.BLOCK
     assert (int(told["TILE_WIDTH"]), int(told["TILE_HEIGHT"])) == cuda.TILE
-    assert int(told["MAX_DEPTH"]) == bvh.MAX_DEPTH
-    assert int(told["EMPTY"]) == bvh.EMPTY_LEAF
+    assert int(told["MAX_DEPTH"]) == compiled.MAX_DEPTH
+    assert int(told["EMPTY"]) == compiled.EMPTY_LEAF
     for name in ("MISS", "TINY", "FAR_SLACK"):
         assert sum(float(part.rstrip("f")) for part in told[name].split("+")) == getattr(limits, name)
 

@@ -32,7 +32,7 @@ def look(bank):
     def images(x, body, executor=None):
         pos = bank.physics.body_pos[0].at[0].set(body)
         nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-        scene = make_scene(bank, jnp.int32(0), pos, bank.physics.body_quat[0], *nobody, executor=executor)
+        scene = make_scene(bank, jnp.int32(0), pos, bank.physics.body_quat[0], *nobody, backend=executor)
         eye = jnp.stack([x, jnp.float32(-1.0), jnp.float32(1.2)])
         camera = Camera(eye, LEVEL, jnp.float32(1.5))
         return render(scene, camera, Lens(8, 8), kinds=KINDS, depth_max=None)

@@ -182,7 +182,7 @@ def test_distances_are_continuous_over_the_stairs(house):
 
 
 def test_agents_that_do_not_climb_stay_below():
-    house = compiled_of(HOUSES["along"], climb=False)
+    house = compiled_of(HOUSES["along"], use_stairs=False)
     assert len(house.ramps.up) == 0
     assert set(house.navigation.cell_coords[:, 0].tolist()) == {0}
     assert (house.navigation.portals.kind != PortalKind.STAIRS).all()

@@ -62,7 +62,7 @@ def test_the_way_up_rises_without_a_step_and_nothing_stands_on_it(house):
 def test_cells_lie_on_the_slopes_and_join_both_levels(house):
     _, compiled = house
     n = compiled.navigation
-    cells = np.c_[n.origin + (n.place[:, :0:-1] + 0.5) * n.cell, n.height]
+    cells = np.c_[n.origin + (n.cell_coords[:, :0:-1] + 0.5) * n.cell, n.height]
     np.testing.assert_allclose(Solids(compiled).below(cells + np.array([0, 0, 0.2])), cells[:, 2], atol=0.05)
     assert set(n.place[:, 0].tolist()) == {0, 1}
     assert (n.room_hops >= 0).all()

@@ -12,7 +12,7 @@ import home_mjx
 from home_mjx.core.checks import check_names
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render.cameras.camera import Lens
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions
@@ -40,7 +40,7 @@ def test_a_step_that_was_asked_for_stays_or_is_refused():
 REFUSED = {
     make_config: [
         ("width", 0), ("episode_length", 0), ("episode_length", 2**31), ("depth_max", -1.0), ("depth_max", NAN),
-        ("eye_height", NAN), ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0),
+        ("eye_height", NAN), ("source_height", INF), ("max_pitch", 10.0), ("executor", "gpu"), ("fovy", 180.0),
         ("num_agents", 0), ("num_agents", 10**6), ("num_sources", 10**6),
         ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
         ("response_seconds", 1e308), ("bin_seconds", 1e308), ("ctrl_dt", 1e308),
@@ -59,7 +59,8 @@ REFUSED = {
         ("max_bodies", -1), ("reach", NAN), ("reach", -0.1), ("shrink", -0.1), ("seat", INF), ("largest", -1.0),
     ],
     LitShader: [
-        ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1),
+        ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1),
+        ("max_specular_depth", -1),
     ],
 }  # fmt: skip
 
@@ -98,8 +99,7 @@ import tempfile
 from pathlib import Path
 from home_mjx import AutoReset, BoundEnv, HouseBank, HouseFilter, HouseholdEnv, HouseStream, make
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render import Lens
-from home_mjx.raycast_render import Lit
+from home_mjx.raycast_render import Lens, LitShader
 from home_mjx.scene_compile import CompileOptions
 from home_mjx.scene_compile import MovableOptions
 from home_mjx.scene_compile import NavigationOptions
@@ -108,10 +108,10 @@ from home_mjx.tasks import AgentCamera, Episodes, TaskBank, make_config
 from home_mjx.tasks import load_episodes, load_tasks, save_episodes, save_tasks
 
 options = [
-    ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("look_rate", "x"),
+    ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("max_pitch_rate", "x"),
     ("fovy", "a"), ("num_agents", 1.5), ("body.mass", "heavy"), ("num_rays", 2.5), ("sensors", 5),
-    ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("rgb_preset", 5), ("clip", None), ("physics", {}),
-    ("audio", "x"), ("actions", 3), ("actions", None),
+    ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("shader", 5), ("shader", LitShader), ("clip", None),
+    ("physics", {}), ("audio", "x"), ("actions", 3), ("actions", None),
 ]
 calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}
 calls |= {
@@ -126,8 +126,8 @@ calls |= {
     "pixels": lambda: Lens(10**20, 2.5),
     "no elevation": lambda: Lens(elevation=()),
     "one elevation": lambda: Lens(elevation=(5.0,)),
-    "half a light": lambda: Lit(num_lights=2.5),
-    "half a bounce": lambda: Lit(bounces=1.5),
+    "half a light": lambda: LitShader(num_lights=2.5),
+    "half a bounce": lambda: LitShader(max_specular_depth=1.5),
     "options": lambda: CompileOptions(read=3),
     "rooms of letters": lambda: HouseFilter(rooms=("a", "b")),
     "half open rooms": lambda: HouseFilter(rooms=(None, 3)),
@@ -135,6 +135,7 @@ calls |= {
     "no room": lambda: HouseStream("nowhere", headroom=0.0),
     "seed": lambda: HouseStream("nowhere", seed=-1),
     "lens": lambda: AgentCamera("scanner", lens="lidar"),
+    "no shader": lambda: AgentCamera("scanner", shader=None),
     "two numbers": lambda: AgentCamera("scanner", offset=(1.0, 2.0)),
     "looks": lambda: AgentCamera("scanner", looks="no"),
     "climb": lambda: NavigationOptions(climb="no"),

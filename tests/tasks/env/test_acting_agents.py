@@ -132,7 +132,7 @@ def test_what_is_handed_on_is_of_the_agents_that_act(generated_bank):
     advised = ExpertObservationEnv(core_of(1, actions="discrete"))
     assert advised.observation_spec["expert"].shape == advised.action_spec.shape == ()
     assert jax.eval_shape(advised.reset, params, KEY).obs["expert"].shape == ()
-    player = KeyboardPlayer(advised.acting_config, lambda state: None, io.StringIO("w"))
+    player = KeyboardPlayer(advised.acting_config, io.StringIO("w"))
     assert player.act(None) == advised.action_names.index("move_forward")
 
 

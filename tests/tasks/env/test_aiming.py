@@ -26,8 +26,10 @@ def picked(bank):
     """The body that `pick` means for an agent at the origin that looks along a yaw [degrees]."""
 
     @functools.cache
-    def commands_of(aim_angle: float):
-        env = home_mjx.make("PointNav-v0", bank, hands=True, aim_angle=aim_angle, impl="kinematic", sensors=("state",))
+    def commands_of(max_aim_angle: float):
+        env = home_mjx.make(
+            "PointNav-v0", bank, hands=True, max_aim_angle=max_aim_angle, impl="kinematic", sensors=("state",)
+        )
         state = jax.jit(env.reset)(jax.random.key(0))
 
         @jax.jit
@@ -38,7 +40,7 @@ def picked(bank):
 
         return commands
 
-    return lambda aim_angle, degrees: int(commands_of(aim_angle)(jnp.float32(np.radians(degrees))).pick[0])
+    return lambda max_aim_angle, degrees: int(commands_of(max_aim_angle)(jnp.float32(np.radians(degrees))).pick[0])
 
 
 def test_the_middle_of_the_view_is_exact_by_default(picked):
@@ -55,7 +57,7 @@ def test_with_an_angle_it_is_the_nearest_that_can_be_lifted(picked):
 
 
 def test_rays_are_ordered_from_the_middle(bank):
-    env = home_mjx.make("PointNav-v0", bank, hands=True, aim_angle=10.0, impl="kinematic", sensors=("state",))
+    env = home_mjx.make("PointNav-v0", bank, hands=True, max_aim_angle=10.0, impl="kinematic", sensors=("state",))
     state = jax.jit(env.reset)(jax.random.key(0))
     pose = env.core.snapshot(env.params, state).pose
     rays = np.asarray(aim_directions(env.config, pose))[0]

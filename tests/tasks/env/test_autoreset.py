@@ -1,5 +1,7 @@
 """Automatic resets: who ends begins anew, everybody is observed once."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -41,7 +43,7 @@ def plain(program):
 def lowered(core, params):
     """Last images of up to two environments are rendered alone, of more for the whole batch."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("home_mjx.tasks.env.autoreset.FEW", 2)
+        patch.setattr("home_mjx.tasks.env.autoreset.MAX_SEPARATE_RENDERS", 2)
         batch = AutoReset(core, "all")
         shapes = jax.eval_shape(batch.reset, params, keys())
         return batch, jax.jit(batch.step).lower(params, shapes, jnp.zeros((NUM, 4)))
@@ -55,7 +57,7 @@ def auto(lowered):
 
 @pytest.fixture(scope="module")
 def perceive(core):
-    return jax.jit(jax.vmap(core.perceive, (None, 0)))
+    return jax.jit(jax.vmap(functools.partial(core.observe, update=True), (None, 0)))
 
 
 def keys():

@@ -29,7 +29,7 @@ def test_the_estimate_is_what_arrays_take(env):
 
 
 def test_large_banks_in_a_program_are_warned_of_once(env, monkeypatch):
-    monkeypatch.setattr(bound, "LARGE", 1000)
+    monkeypatch.setattr(bound, "MIN_LARGE_BANK_BYTES", 1000)
     large = env.core.bind(env.params)
     state = jax.eval_shape(env.core.reset, env.params, jax.random.key(0))
     with pytest.warns(UserWarning, match=r"env\.core\.step"):

@@ -1,5 +1,6 @@
 """Actions that are words: what they are called, what they say, who is refused."""
 
+import functools
 from dataclasses import dataclass
 
 import gymnasium
@@ -8,9 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.adapters.base.jax_spaces import DiscreteSpace
+from home_mjx.adapters.base.spaces import DiscreteSpace, action_space
 from home_mjx.adapters.gymnax import GymnaxEnv
-from home_mjx.adapters.spaces import action_space
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config, tokenize
 from home_mjx.tasks.base.specs import MOVE_NAMES
@@ -79,9 +79,9 @@ def test_what_is_said_is_in_the_next_state_and_every_space_has_it(generated_bank
     space = GymnaxEnv(env).action_space()
     assert isinstance(space, DiscreteSpace)
     assert space.n == 9
-    state = env.core.begin(env.params, jax.random.key(0))
+    state = env.core.reset(env.params, jax.random.key(0), observe=False)
     assert state.world.spoken_token.tolist() == [-1]
-    step = jax.jit(env.core.advance)
+    step = jax.jit(functools.partial(env.core.step, observe=False))
     spoken = step(env.params, state, jnp.int32(7))
     assert env.core.snapshot(env.params, spoken).spoken_token.tolist() == [TOKENS[7]]
     np.testing.assert_array_equal(spoken.world.stopped, [False])

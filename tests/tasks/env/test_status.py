@@ -56,7 +56,7 @@ def test_a_broken_pose_ends_its_environment_alone(begun, step):
     assert wild.terminated.tolist() == [False, False, True, False]
     assert not wild.truncated.any()
     assert float(wild.reward[2]) == 0.0
-    assert wild.world.faults.tolist() == [0, 0, 1, 0]
+    assert wild.world.num_faults.tolist() == [0, 0, 1, 0]
     assert wild.world.step.tolist() == [1, 1, 0, 1]
     others = np.array([0, 1, 3])
     jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[others], b[others]), calm, wild)

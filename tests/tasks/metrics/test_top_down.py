@@ -1,5 +1,6 @@
 """The top-down map: its cells, goals, ways and fog of war by hand."""
 
+import functools
 import itertools
 
 import jax
@@ -41,7 +42,7 @@ def env():
 
 @pytest.fixture(scope="module")
 def begun(env):
-    return jax.jit(env.core.begin)(env.params, jax.random.key(0))
+    return jax.jit(functools.partial(env.core.reset, observe=False))(env.params, jax.random.key(0))
 
 
 @pytest.fixture(scope="module")
@@ -189,7 +190,7 @@ def test_goals_of_rows_are_their_rooms_and_things():
     rows = len(env.params.tasks)
 
     def maps(key, row):
-        state = env.core.begin(env.params, key, None, row)
+        state = env.core.reset(env.params, key, None, row, observe=False)
         snapshot = env.core.snapshot(env.params, state)
         return top_down_map(snapshot, state.task, update_map_memory(snapshot)), state.task.means
 

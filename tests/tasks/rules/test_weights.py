@@ -64,7 +64,7 @@ def test_weights_go_with_their_rows():
 def test_weights_can_be_made_inside_a_program():
     @jax.jit
     def program(limit, tasks):
-        own = tasks.weighted(jnp.arange(len(tasks)) < limit)
+        own = tasks.with_weights(jnp.arange(len(tasks)) < limit)
         return jnp.max(jax.vmap(own.draw)(jax.random.split(jax.random.key(1), 500)))
 
     assert [int(program(limit, bank_of(9))) for limit in (1, 4, 9)] == [0, 3, 8]

@@ -1,5 +1,7 @@
 """PiedPiper: who plays is led by the task, and following it is success."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -27,13 +29,13 @@ def env():
 def begun(env):
     rows = len(env.params.tasks)
     keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
-    return jax.jit(jax.vmap(lambda key, row: env.core.begin(env.params, key, None, row)))(keys, index)
+    return jax.jit(jax.vmap(lambda key, row: env.core.reset(env.params, key, None, row, observe=False)))(keys, index)
 
 
 @pytest.fixture(scope="module")
 def stands(env, begun):
     """States of 40 steps in which the follower is told to turn on the spot."""
-    step = jax.jit(jax.vmap(lambda s: env.core.advance(env.params, s, LEFT)))
+    step = jax.jit(jax.vmap(lambda s: env.core.step(env.params, s, LEFT, observe=False)))
     states = [begun]
     for _ in range(40):
         states.append(step(states[-1]))
@@ -95,7 +97,7 @@ def test_the_id_makes_the_task(env):
     }  # fmt: skip
     assert made.action_spec.shape == ()
     assert made.config.num_sources == 2
-    alone = home_mjx.make("PiedPiper-v0", env.bank, sensors=("state",), num_tasks=1, others=0, num_agents=2)
+    alone = home_mjx.make("PiedPiper-v0", env.bank, sensors=("state",), num_tasks=1, num_others=0, num_agents=2)
     assert alone.config.num_sources == 1
     assert (alone.num_agents, alone.config.num_agents) == (1, 2)
 
@@ -105,7 +107,7 @@ def test_the_expert_follows_and_chance_does_not(env, begun):
     def run(act):
         def step(states, key):
             actions = jax.vmap(act)(states, jax.random.split(key, states.done.shape[0]))
-            after = jax.vmap(env.core.advance, (None, 0, 0))(env.params, states, actions)
+            after = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))(env.params, states, actions)
             return jax.vmap(lambda o, a: jax.tree.map(lambda x, y: jnp.where(o.done, x, y), o, a))(states, after), None
 
         keys = jax.random.split(jax.random.key(1), HORIZON)

@@ -10,7 +10,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
@@ -86,11 +86,11 @@ def test_only_cameras_that_look_follow_the_head(bank):
 def test_environments_draw_with_the_preset_of_their_choice(bank):
     """The room has no lights but daylight from nowhere, so the lit image is black where the fast one is not."""
     options = {"sensors": ("rgb",), "cameras": ()}
-    fast, lit = (observe(bank, rgb_preset=preset, **options)["pixels/head_rgb"] for preset in ("fast", "lit"))
+    fast, lit = (observe(bank, shader=preset, **options)["pixels/head_rgb"] for preset in ("fast", "lit"))
     assert (fast.max(axis=-1) > 50).all()
     assert (lit == 0).all()
     light = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
-    assert (observe(light, rgb_preset=LitShader(sun=0.0), **options)["pixels/head_rgb"].max(axis=-1) > 50).all()
+    assert (observe(light, shader=LitShader(sun=0.0), **options)["pixels/head_rgb"].max(axis=-1) > 50).all()
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_environments_draw_with_the_preset_of_their_choice(bank):
         (lambda: AgentCamera("a", kinds=("rgbb",)), "Did you mean `rgb`"),
         (lambda: AgentCamera("a", fovy=180.0), "`fovy` of camera `a`"),
         (lambda: make_config(cameras=(AgentCamera("head"),)), "distinct names"),
-        (lambda: make_config(rgb_preset="list"), "Did you mean `lit`"),
+        (lambda: make_config(shader="list"), "Did you mean `lit`"),
         (lambda: make_config(cameras=(AgentCamera("a"), AgentCamera("a"))), "distinct names"),
     ],
 )

@@ -1,5 +1,7 @@
 """Levels and delays at both ears beside the waveform that the same rays give."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -20,8 +22,8 @@ def heard():
     """A function from the clip, schedule and yaw to what is heard in the third frame of 0.3 s."""
     core = HouseholdEnv(make_config(num_agents=2, speech=("say:yes",), **OPTIONS))
     env = core.bind(HouseBank.from_compiled([shoebox((9.0, 7.0, 3.0), absorption=0.5)]))
-    begun, template = core.begin(env.params, jax.random.key(0)), core.template(env.bank)
-    perceive = jax.jit(core.perceive)
+    begun, template = core.reset(env.params, jax.random.key(0), observe=False), core.template(env.bank)
+    perceive = jax.jit(functools.partial(core.observe, update=True))
     angle = physics.door_angle(template, begun.physics)
 
     def hear(clip, yaw=0.0, duration=jnp.inf, gain=1.0, spoken_token=SILENT):
@@ -35,7 +37,7 @@ def heard():
             clip=jnp.full_like(sounds.clip, clip),
             body=jnp.full_like(sounds.body, agent if clip == -2 else -1),
             gain=jnp.full_like(sounds.gain, gain),
-            duration=jnp.full_like(sounds.lasts, lasts),
+            duration=jnp.full_like(sounds.duration, lasts),
         )
         for step in range(3):
             words = jnp.array([-1, said if step == 2 else -1], jnp.int32)

@@ -36,7 +36,7 @@ class TurningRadio(PointNav):
 @pytest.mark.parametrize("noises", [None, ContactSoundConfig(num_transients=1, num_sustained=1)])
 def test_a_radio_that_turns_away_is_heard_by_its_pattern(noises):
     """A cardioid: 1 ahead, 0.5 to the side, nothing behind, which is told."""
-    core = HouseholdEnv(make_config(num_sources=2, noises=noises, **BARE), TurningRadio())
+    core = HouseholdEnv(make_config(num_sources=2, contact_sounds=noises, **BARE), TurningRadio())
     env = core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0))]))
     state, step = jax.jit(core.reset)(env.params, jax.random.key(0)), jax.jit(core.step)
     energy, told = [], []

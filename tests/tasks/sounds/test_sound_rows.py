@@ -1,6 +1,7 @@
 """Sounds of rows: written, read, refused; and where they are in an environment."""
 
 import dataclasses
+import functools
 import json
 from dataclasses import dataclass
 
@@ -64,11 +65,11 @@ def walk(env):
     turn, states = jnp.full(rows, 2), []
 
     def reset(key, row):
-        return env.core.begin(env.params, key, None, row)
+        return env.core.reset(env.params, key, None, row, observe=False)
 
     begun = jax.jit(jax.vmap(reset))(keys, index)
     states.append(begun)
-    step = jax.jit(jax.vmap(env.core.advance, (None, 0, 0)))
+    step = jax.jit(jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0)))
     for _ in range(20):
         states.append(step(env.params, states[-1], turn))
     return states
@@ -247,7 +248,7 @@ def test_experts_go_to_what_sounds_and_chance_does_not(env, columns, walk):
     def run(act):
         def step(states, key):
             actions = jax.vmap(act)(states, jax.random.split(key, states.done.shape[0]))
-            after = jax.vmap(env.core.advance, (None, 0, 0))(env.params, states, actions)
+            after = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))(env.params, states, actions)
             return jax.vmap(lambda o, a: jax.tree.map(lambda x, y: jnp.where(o.done, x, y), o, a))(states, after), None
 
         keys = jax.random.split(jax.random.key(1), 500)

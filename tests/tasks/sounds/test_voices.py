@@ -74,7 +74,7 @@ def begun(env, step, doors="open"):
     core = HouseholdEnv(make_config(**OPTIONS | {"doors": doors}), MIX)
     rows = len(env.params.tasks)
     keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
-    states = jax.jit(jax.vmap(lambda key, row: core.begin(env.params, key, None, row)))(keys, index)
+    states = jax.jit(jax.vmap(lambda key, row: core.reset(env.params, key, None, row, observe=False)))(keys, index)
     return step(env.params, states, acts(np.full(rows, LOOK_UP)))
 
 

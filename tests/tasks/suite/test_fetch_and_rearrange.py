@@ -38,7 +38,7 @@ from home_mjx.tasks.rules.task_bank import extract_program
 from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, TargetKind
 from home_mjx.tasks.suite.carried import find_portable_objects
 
-HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}
+HANDS = {"hands": True, "max_aim_angle": 10.0, "max_pitch": 1.05}
 TASKS = HouseTasks(tasks=(Fetch(stop=True), Rearrange(stop=True, max_objects=2)), num_tasks=5)
 MOST_STEPS = 400
 
@@ -323,9 +323,9 @@ def test_what_is_put_down_and_falls_is_to_be_put_back(stop):
         ("Fetch", {"places": ("moon",)}, "moon"),
         ("Fetch", {"places": ()}, "places"),
         ("Fetch", {"success_distance": -1.0}, "success_distance"),
-        ("Rearrange", {"num_things": 3}, "num_things"),
+        ("Rearrange", {"max_objects": 3}, "max_objects"),
         ("Rearrange", {"max_mass": -1.0}, "max_mass"),
-        ("Rearrange", {"aim_angle": 90.0}, "aim_angle"),
+        ("Rearrange", {"max_aim_angle": 90.0}, "max_aim_angle"),
     ],
 )
 def test_options_that_cannot_be_are_refused(bank, task, options, words):

@@ -28,7 +28,7 @@ RANGES = {
     "mass": (1.0, 3.0),
     "volume": (0.1, 1.0),
     "clips": {"radio": 1.0, "bell": 3.0},
-    "noise_volume": (0.5, 2.0),
+    "contact_sound_volume": (0.5, 2.0),
     "step_length": (0.5, 0.8),
 }
 
@@ -61,7 +61,7 @@ def numbers(drawn):
         "friction": drawn.bodies.friction,
         "mass": drawn.bodies.mass,
         "volume": drawn.volume,
-        "noise_volume": drawn.contact_sound_volume,
+        "contact_sound_volume": drawn.contact_sound_volume,
         "step_length": drawn.step_length,
     }
 
@@ -162,9 +162,9 @@ def test_what_is_no_variation_is_refused():
 @pytest.mark.parametrize(
     ("options", "ranges", "said"),
     [
-        ({}, {"lamps": 0.5}, 'preset "fast" has no lights'),
-        ({"rgb_preset": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
-        ({}, {"noise_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
+        ({}, {"lamps": 0.5}, "shader `fast` does not use it"),
+        ({"shader": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
+        ({}, {"contact_sound_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
         ({}, {"step_length": (0.5, 0.8)}, "Bodies make no noises: give noises="),
         ({}, {"clips": ("radio", "bell")}, 'lacks the sounds "bell"'),
         ({"sensors": ("rgb",)}, {"camera_fovy": (-95, 0)}, "field of view of camera `head` would be -5 to 90 degrees"),

@@ -15,7 +15,7 @@ import home_mjx
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.errors import ConfigError, UnknownNameError
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.registry import EnvSpec, find_spec
 from home_mjx.tasks import AutoReset, HouseholdEnv, PointNav, Variation, load_states, make_config, save_states
 
@@ -46,7 +46,7 @@ OPTIONS = {
     "sensors": ("rgb", "depth", "pose", "intrinsics", "audio", "state"),
     "width": 12,
     "height": 12,
-    "rgb_preset": LIT,
+    "shader": LIT,
     "actions": "discrete",
     "clips": ("bell",),
     "num_rays": 8,
@@ -199,7 +199,7 @@ def test_resets_draw_anew():
     batch, ranges = AutoReset(core), {"volume": (1.0, 2.0)}
     params = core.bind(bank).with_variation(ranges).params
     states = jax.jit(batch.reset)(params, jax.random.split(jax.random.key(0), 16))
-    step, seen = jax.jit(batch.step), [np.asarray(states.world.drawn.volume)]
+    step, seen = jax.jit(batch.step), [np.asarray(states.world.variation.volume)]
     louder = params.replace(variation=Variation.of(volume=(5.0, 6.0)))
     for now in (params, params, params, louder):
         states = step(now, states, jnp.zeros((16, 4)))

@@ -11,7 +11,7 @@ from home_mjx.viewer.episodes.keyboard import KeyboardPlayer, image_to_text, key
 
 
 def typed(config: EnvConfig, text: str, num: int) -> list:
-    player = KeyboardPlayer(config, lambda state: None, io.StringIO(text))
+    player = KeyboardPlayer(config, io.StringIO(text))
     return [player.act(None) for _ in range(num)]
 
 

@@ -13,11 +13,13 @@ from full_disk import full_disk
 from PIL import Image
 
 from home_mjx.cli import main
+from home_mjx.core.files import write_all_or_none
 from home_mjx.errors import ConfigError, HomeMjxError
+from home_mjx.observers import EpisodeResult, ObserverGroup
 from home_mjx.registry import EnvSpec, find_spec
-from home_mjx.viewer.episodes.episode import EpisodeResult
 from home_mjx.viewer.episodes.film import VideoWriter, compose_frame, fit_image
-from home_mjx.viewer.episodes.run import PlayOptions, _Reporter, run_play
+from home_mjx.viewer.episodes.observers import FilmObserver, ResultsObserver, ShotCache
+from home_mjx.viewer.episodes.run import PlayOptions, run_play
 from home_procgen import generate_dataset
 
 
@@ -56,17 +58,22 @@ def test_a_film_runs_in_real_time_with_sound_and_never_slower_than_can_be_follow
 @pytest.mark.parametrize("size", [0, 1000, 50_000, 10**7])
 def test_a_full_disk_leaves_all_of_a_film_or_nothing(tmp_path: Path, rng: np.random.Generator, size: int):
     """Half a film was left, or one without its picture and its outcomes."""
-    reporter, film = object.__new__(_Reporter), VideoWriter(0.3)
-    film.add_final(np.zeros((64, 64, 3), np.uint8))
-    film.ends = [rng.integers(0, 255, (200, 300, 3), np.uint8)]  # a picture much larger than the film
-    reporter.options, reporter.film = PlayOptions(find_spec("PointNav-v0"), out=tmp_path), film
-    outcome = EpisodeResult(1, "PointNav", "", "a", 1.0, 1.0, 2, 3.0)
+    film, results = FilmObserver(ShotCache(), "film"), ResultsObserver("film", lambda line: None)
+    film.video = VideoWriter(0.3)
+    film.video.add_final(np.zeros((64, 64, 3), np.uint8))
+    film.video.ends = [rng.integers(0, 255, (200, 300, 3), np.uint8)]  # a picture much larger than the film
+    results.on_episode_end(EpisodeResult(1, "PointNav", "", "a", 1.0, 1.0, 2, 3.0))
+
+    def write() -> None:
+        with write_all_or_none(tmp_path, "film") as folder:
+            ObserverGroup((film, results)).write(folder)
+
     if size == 10**7:
-        reporter.write([outcome])
+        write()
         assert {path.suffix for path in tmp_path.iterdir()} == {".mp4", ".png", ".jsonl"}
         return
     with full_disk(size), pytest.raises(HomeMjxError, match="writ") as raised:
-        reporter.write([outcome])
+        write()
     assert raised.value.hint
     assert list(tmp_path.iterdir()) == []
 

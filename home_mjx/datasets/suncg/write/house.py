@@ -4,7 +4,6 @@ It accepts the records of the reader, so any `House` can be written.
 """
 
 import hashlib
-import io
 import json
 import logging
 import os
@@ -16,9 +15,9 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float, UInt8
-from PIL import Image
 
 from home_mjx.core.files import read_bytes, read_text, write_atomically
+from home_mjx.core.images import decode_image, encode_png
 from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, joints_csv, lights_json, sizes_csv
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
@@ -228,7 +227,7 @@ def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
             if isinstance(content, str):
                 file.write(content.encode())
             else:
-                Image.fromarray(content).save(file, "png", optimize=False)
+                file.write(encode_png(content))
 
 
 def _holds(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> bool:
@@ -236,8 +235,7 @@ def _holds(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> bool:
         data = read_bytes(path)
         if isinstance(content, str):
             return data == content.encode()
-        with Image.open(io.BytesIO(data)) as image:
-            return np.array_equal(np.asarray(image), content)
+        return np.array_equal(decode_image(data), content)
     except (DatasetError, OSError, ValueError, SyntaxError):  # Pillow's errors for other files than images
         return False
 
@@ -246,7 +244,7 @@ def _write_file(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
     if isinstance(content, str):
         path.write_text(content, encoding="utf-8", newline="\n")
     else:
-        Image.fromarray(content).save(path, optimize=False)
+        path.write_bytes(encode_png(content))
 
 
 def _rename(temporary: Path, target: Path) -> None:
@@ -294,7 +292,7 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
 
 def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
     """Convert a node to JSON; `place` maps a node's index to its position in the written list."""
-    entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__, "valid": 1}
+    entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__.removesuffix("Node"), "valid": 1}
     match node:
         case RoomNode():
             members = [place[i] for i in node.members]
@@ -308,7 +306,8 @@ def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[s
             entry |= {"transform": _numbers(node.transform.T), "dimensions": _numbers(node.dimensions)}
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
         case ObjectNode():
-            entry |= {"modelId": node.model_id} | ({"state": node.state} if node.state else {})
+            state = state_of(node.model_id, node.model_key)
+            entry |= {"modelId": node.model_id} | ({"state": state} if state else {})
             entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.is_mirrored else {})
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
     raise TypeError(f"unknown node {type(node).__name__}")

@@ -20,7 +20,6 @@ from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.core.native.simd import FLOATS, any_lane, broadcast, count_lanes, select
-from home_mjx.geometry.bvh import EMPTY_LEAF, MAX_DEPTH
 from home_mjx.raycast_render.backends.numba.intersect import (
     INF,
     ZERO,
@@ -40,6 +39,7 @@ from home_mjx.raycast_render.backends.numba.packet import (
     read_packet,
     write_hits,
 )
+from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
 float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
-from PIL import Image
 
 from home_mjx.core.color import decode_srgb, linear_to_lab
-from home_mjx.core.images import open_texture
+from home_mjx.core.images import read_texture
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
@@ -103,8 +102,7 @@ def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]
 @lru_cache(maxsize=1 << 12)
 def _image(path: str, changed: int) -> np.ndarray:
     """Return a downsampled image; `changed` is part of the cache key, so that a changed file is read again."""
-    image = open_texture(Path(path)).resize((IMAGE_SIDE, IMAGE_SIDE), Image.Resampling.BOX)
-    return np.asarray(image)
+    return read_texture(Path(path), IMAGE_SIDE, "box")
 
 
 def dominant_colors(

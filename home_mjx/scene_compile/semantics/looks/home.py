@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.core.images import open_texture
+from home_mjx.core.images import read_texture
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance, TexturedTriangles, surface_materials
 from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names_srgb
@@ -42,4 +42,4 @@ def _color(surface: SurfaceMaterial) -> Float[np.ndarray, " 3"]:
 
 @lru_cache(maxsize=1 << 12)
 def _mean(path: str) -> Float[np.ndarray, " 3"]:
-    return np.asarray(open_texture(Path(path)))[..., :3].mean(axis=(0, 1)) / 255
+    return read_texture(Path(path))[..., :3].mean(axis=(0, 1)) / 255

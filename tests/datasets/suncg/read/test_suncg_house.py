@@ -83,7 +83,7 @@ def test_transforms_are_column_major(edited):
     np.testing.assert_array_equal(table.transform[:3, 3], TABLE_AT)
     np.testing.assert_array_equal(table.transform @ [1, 0, 0, 0], [0, 0, -1, 0])  # 90 degrees about y: x to -z
     np.testing.assert_array_equal(door.transform @ [1, 1, 1, 1], [DOOR_AT[0] - 1, DOOR_AT[1] + 1, DOOR_AT[2] + 1, 1])
-    assert (table.mirrored, door.mirrored) == (False, True)
+    assert (table.is_mirrored, door.is_mirrored) == (False, True)
 
 
 def test_objects_fill_the_boxes_of_the_file(edited, root):
@@ -97,7 +97,7 @@ def test_objects_fill_the_boxes_of_the_file(edited, root):
 def test_state_picks_the_variant(edited):
     house = edited()
     table, door = house.levels[0].objects
-    assert (table.state, table.model_key, door.state, door.model_key) == (None, TABLE, 1, f"{DOOR}_0")
+    assert (table.model_key, door.model_key) == (TABLE, f"{DOOR}_0")
     assert set(house.models) == {TABLE, f"{DOOR}_0"}
     assert np.ptp(house.models[f"{DOOR}_0"].vertices[:, 2]) == pytest.approx(0.14)
     assert edited(lambda nodes: nodes[3].update(state=0)).levels[0].objects[1].model_key == DOOR
@@ -174,7 +174,7 @@ def test_optional_fields(edited):
     house = edited(change)
     (room,) = house.levels[0].rooms
     door = house.levels[0].objects[1]
-    assert (room.types, room.members, door.materials, door.state) == ((), (), (), None)
+    assert (room.types, room.members, door.materials, door.model_key) == ((), (), (), DOOR)
     assert house.problems == ()
 
 
@@ -285,7 +285,7 @@ def test_box_without_volume(edited):
 def test_mirror_flag_that_contradicts_the_transform(edited, index, value):
     house = edited(lambda nodes: nodes[index].update(isMirrored=value))
     assert noted(house, node(index, "isMirrored"), "contradicts the transform")
-    assert [item.mirrored for item in house.levels[0].objects] == [False, True]
+    assert [item.is_mirrored for item in house.levels[0].objects] == [False, True]
 
 
 def test_state_without_variant(edited):

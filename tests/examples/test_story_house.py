@@ -29,7 +29,7 @@ def test_the_validator_finds_nothing(dataset):
 
 def test_all_objects_are_there_and_none_is_stuck(house):
     assert house.report["objects"] == len(LOWER) + len(UPPER)
-    assert house.stuck.tolist() == []
+    assert house.blocked_objects.tolist() == []
 
 
 def test_stairs_join_both_storeys(house):
@@ -43,7 +43,7 @@ def test_stairs_join_both_storeys(house):
 
 def test_one_door_opens_and_the_other_is_shut_for_good(house):
     assert len(house.doors.mass) == 1
-    assert abs(house.doors.wide[0] - house.doors.closed[0]) == pytest.approx(np.pi / 2, abs=0.01)
+    assert abs(house.doors.fully_open[0] - house.doors.closed[0]) == pytest.approx(np.pi / 2, abs=0.01)
     (door, *_) = house.navigation.portals.leaf.tolist()
     assert 0 in door
 

@@ -3,7 +3,8 @@
 import pytest
 
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.schema.house import Metadata, ModelInfo, base_model
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata, base_model
+from home_mjx.schema.house import ModelInfo
 
 IDS = ("122", "s__1762", "s__1", "gen_coffee_table_1", "gen_coffee_table", "stores__3__1183")
 VARIANTS = {
@@ -28,7 +29,7 @@ def objects(tmp_path):
 @pytest.mark.parametrize(("variant", "base"), VARIANTS.items())
 def test_variants_belong_to_their_base(variant, base, objects):
     assert base_model(variant, IDS.__contains__) == base
-    assert Metadata({key: ModelInfo(key, fine=key) for key in IDS}).info(variant).fine == base
+    assert SuncgMetadata({key: ModelInfo(key, fine=key) for key in IDS}).info(variant).fine == base
     assert objects.model_path(variant, variant) == objects.root / "object" / base / f"{variant}.obj"
 
 
@@ -39,7 +40,7 @@ def test_what_is_no_variant_of_a_known_model_is_itself(model_id, objects):
 
 
 def test_a_variant_with_a_row_of_its_own_keeps_it():
-    metadata = Metadata({"122": ModelInfo("122", fine="door"), "122_0": ModelInfo("122_0", fine="closed")})
+    metadata = SuncgMetadata({"122": ModelInfo("122", fine="door"), "122_0": ModelInfo("122_0", fine="closed")})
     assert metadata.info("122_0").fine == "closed"
 
 

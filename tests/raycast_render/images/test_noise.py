@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
+from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
 from home_mjx.raycast_render.shaders.texture import SRGB_TO_LINEAR
 
 SIZE = 200

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from home_mjx.viewer.pictures.floor_map import SOUND_MAP_MARGIN, WALL_COLOUR, draw_sound_map
 from home_mjx.viewer.pictures.pictures import BACKGROUND
-from home_mjx.viewer.pictures.sound_map import SOUND_MAP_MARGIN, WALL_COLOUR, draw_sound_map
 
 
 def test_loud_is_bright_and_north_is_up():

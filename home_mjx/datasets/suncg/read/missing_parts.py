@@ -14,9 +14,10 @@ from home_mjx.datasets.suncg.fallbacks.models import fallback_model
 from home_mjx.datasets.suncg.fallbacks.rooms import OpeningSpan, build_fallback_part, find_room_shape, slab_mesh
 from home_mjx.datasets.suncg.formats.element import Location
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata, other_variant
 from home_mjx.datasets.suncg.read.reading import ReaderState
 from home_mjx.errors import DatasetError, MissingFileError
-from home_mjx.schema.house import Fallback, GroundNode, House, Material, Metadata, ModelInfo, Node, ObjectNode, RoomNode
+from home_mjx.schema.house import Fallback, GroundNode, House, Material, ModelInfo, Node, ObjectNode, RoomNode
 
 OPENING_CATEGORIES = ("door", "window", "arch", "garage_door")
 MESH_FIELD = {"Floor": "floor", "Ceiling": "ceiling", "Wall": "walls"}
@@ -38,8 +39,8 @@ def add_model_fallback(item: ObjectNode, error: DatasetError, reading: ReaderSta
     reading.models[item.model_key], words = fallback_model(path, info.fine, box, closed)
     reading.fallback_keys.add(item.model_key)
     if info.fine == "door":
-        other = path.with_name(f"{item.other_state_key}.obj")
-        reading.other_state_models[item.other_state_key] = fallback_model(other, info.fine, box, not closed)[0]
+        other = other_variant(item.model_id, item.model_key)
+        reading.other_models[other] = fallback_model(path.with_name(f"{other}.obj"), info.fine, box, not closed)[0]
     reading.fallbacks.append(Fallback("model", item.model_key, item.path, words, _reason(error)))
 
 
@@ -47,7 +48,7 @@ def _reason(error: DatasetError) -> str:
     return "" if isinstance(error, MissingFileError) else error.message
 
 
-def _info(tables: Metadata, model_id: str) -> ModelInfo:
+def _info(tables: SuncgMetadata, model_id: str) -> ModelInfo:
     return add_builtin_categories(tables).info(model_id)
 
 
@@ -87,7 +88,7 @@ def _with_parts(
         return _with_ground(node, reading) if kinds else node
     shape = find_room_shape(node, gaps) if kinds else None
     for kind in kinds:
-        path, reason = _lacking(node, kind, reading)
+        path, reason = _missing(node, kind, reading)
         if shape is None:
             _give_up(node, path, reading)
             continue
@@ -99,7 +100,7 @@ def _with_parts(
 
 
 def _with_ground(node: GroundNode, reading: ReaderState) -> GroundNode:
-    path, reason = _lacking(node, "Ground", reading)
+    path, reason = _missing(node, "Ground", reading)
     size = np.zeros(3) if node.bbox is None else node.bbox[1] - node.bbox[0]
     if node.bbox is None or size.min() <= 0:
         _give_up(node, path, reading)
@@ -111,7 +112,7 @@ def _with_ground(node: GroundNode, reading: ReaderState) -> GroundNode:
     return replace(node, mesh=mesh)
 
 
-def _lacking(node: RoomNode | GroundNode, kind: str, reading: ReaderState) -> tuple[Path, str]:
+def _missing(node: RoomNode | GroundNode, kind: str, reading: ReaderState) -> tuple[Path, str]:
     """Return the path of a missing mesh, and the reason if the file exists but cannot be read."""
     path = reading.assets.room_path(reading.house_id, node.model_id + MESH_SUFFIX[kind])
     return path, reading.missing_parts[node.path, kind]

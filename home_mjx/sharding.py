@@ -1,0 +1,217 @@
+"""Environments over devices: the mesh, the partition specs of parameters and states, and collectives.
+
+A mesh has one axis, `ENV_AXIS`. Environments are split over it: states, observations, actions, keys and everything else
+with a leading environment axis. Networks and optimizers are replicated. Houses are replicated too, or each device holds
+houses of its own. Specs are prefixes of pytrees, so this module knows no record of the environment.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.experimental.custom_partitioning import custom_partitioning
+from jax.interpreters.mlir import ir
+from jax.sharding import AxisType, Mesh, NamedSharding, PartitionSpec
+from jaxtyping import Array, Bool, Int
+
+from home_mjx.errors import ConfigError
+
+ENV_AXIS = "envs"  # mesh axis over which environments are split
+ENV, RAY = "e", "r"  # axes of arrays in sharding rules: environments, and rays of an environment
+REPLICATED = PartitionSpec()
+BY_ENV = PartitionSpec(ENV_AXIS)
+
+T = TypeVar("T")
+Axes = tuple[str, ...]
+LeadingAxes = Callable[[list[tuple[int, ...]], list[tuple[int, ...]]], tuple[list[Axes], list[Axes]]]
+
+
+def make_mesh(devices: Sequence[Any] | None = None, axis_type: AxisType = AxisType.Auto) -> Mesh:
+    """Return a mesh of devices with the axis `ENV_AXIS`.
+
+    Args:
+        devices: The devices; None: all of JAX's.
+        axis_type: `AxisType.Explicit` gives results whose types have their sharding.
+    """
+    return Mesh(np.array(jax.devices() if devices is None else list(devices)), (ENV_AXIS,), axis_types=(axis_type,))
+
+
+@dataclass(frozen=True)
+class EnvSharding:
+    """Sharding of environments over the devices of a mesh.
+
+    Attributes:
+        mesh: Mesh of `make_mesh`, with Auto or Explicit axes.
+        split_houses: Each device holds houses of its own, see `put_params`; False: every device holds all houses.
+
+    Example:
+        >>> sharding = EnvSharding(make_mesh())
+        >>> reset = sharding.map_envs(jax.vmap(env.core.reset, (None, 0)))  # doctest: +SKIP
+        >>> states = reset(sharding.put_params(env.params), sharding.put_envs(keys))  # doctest: +SKIP
+    """
+
+    mesh: Mesh
+    split_houses: bool = False
+
+    @property
+    def num_devices(self) -> int:
+        """Number of devices."""
+        return self.mesh.size
+
+    @property
+    def params(self) -> PartitionSpec:
+        """Spec of `EnvParams` and banks: replicated, or a leading axis of devices."""
+        return BY_ENV if self.split_houses else REPLICATED
+
+    def named(self, specs: Any) -> Any:
+        """Return the shardings of a pytree of partition specs on the mesh."""
+        is_spec = lambda x: isinstance(x, PartitionSpec)  # noqa: E731
+        return jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), specs, is_leaf=is_spec)
+
+    def put(self, tree: T, specs: Any) -> T:
+        """Put arrays on the devices; `specs` is a prefix of their pytree."""
+        return jax.device_put(tree, self.named(specs))
+
+    def put_envs(self, tree: T) -> T:
+        """Split arrays with a leading environment axis over the devices.
+
+        Raises:
+            ConfigError: The number of environments is not a multiple of the devices.
+        """
+        for leaf in jax.tree.leaves(tree):
+            self.check_num_envs(leaf.shape[0])
+        return self.put(tree, BY_ENV)
+
+    def put_params(self, params: Any) -> Any:
+        """Put `EnvParams`, or a bank, on the devices.
+
+        Args:
+            params: The parameters; with `split_houses` a sequence of them, one per device. Their banks have the same
+                `spec` and shapes, and their tasks the same number of rows. States then have local house indices.
+
+        Raises:
+            ConfigError: There is not one per device, or they differ in shapes or static data.
+        """
+        if not self.split_houses:
+            return self.put(params, REPLICATED)
+        if len(params) != self.num_devices:
+            raise ConfigError(f"expected parameters of {self.num_devices} devices, got {len(params)}")
+        try:
+            stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *params)
+        except ValueError as error:
+            hint = "Their banks must have equal shapes, as those of houses in the same size classes have."
+            raise ConfigError(f"parameters of the devices differ: {error}", hint=hint) from error
+        return self.put(stacked, BY_ENV)
+
+    def local(self, params: T) -> T:
+        """Return the parameters of one device, inside a function of `map`."""
+        return jax.tree.map(lambda x: x[0], params) if self.split_houses else params
+
+    def map(self, function: Callable[..., Any], in_specs: Any, out_specs: Any) -> Any:
+        """Compile a function that runs on each device with its part of the arguments; nothing is exchanged implicitly.
+
+        Args:
+            function: Function of local arrays; it calls `local` for its parameters.
+            in_specs: Partition spec per argument, each a prefix of its pytree: `params`, `BY_ENV` or `REPLICATED`.
+            out_specs: Partition specs of the results.
+
+        Returns:
+            A function jitted over the mesh, with the shardings of `out_specs`.
+        """
+        # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
+        mapped = jax.shard_map(function, mesh=self.mesh, in_specs=in_specs, out_specs=out_specs, check_vma=False)
+        # Explicit, because otherwise arrays without elements change their sharding from input to output.
+        return jax.jit(mapped, out_shardings=self.named(out_specs))
+
+    def map_envs(self, function: Callable[..., Any]) -> Any:
+        """Compile a function of parameters and of arrays with a leading environment axis, such as a batch's step.
+
+        Args:
+            function: Function `(params, *arrays)` whose results have a leading environment axis as well.
+        """
+        mapped = self.map(lambda params, given: function(self.local(params), *given), (self.params, BY_ENV), BY_ENV)
+        return jax.jit(lambda params, *given: mapped(params, given))
+
+    def check_num_envs(self, num_envs: int) -> None:
+        """Raise `ConfigError` unless environments split evenly over the devices."""
+        if num_envs % self.num_devices:
+            message = f"`num_envs` must be a multiple of the {self.num_devices} devices, got {num_envs}"
+            raise ConfigError(message, hint="Or use fewer devices, such as jax.devices()[:1].")
+
+
+def env_index(num_local: int) -> Int[Array, ""]:
+    """Return the index of a device's first environment, inside `EnvSharding.map`, with `num_local` per device."""
+    return jax.lax.axis_index(ENV_AXIS) * num_local
+
+
+def mean_over_devices(tree: T) -> T:
+    """Average arrays over the devices, inside `EnvSharding.map`."""
+    return jax.lax.pmean(tree, ENV_AXIS)
+
+
+def sum_over_devices(tree: T) -> T:
+    """Sum arrays over the devices, inside `EnvSharding.map`."""
+    return jax.lax.psum(tree, ENV_AXIS)
+
+
+def partition_kernel(run: Callable[..., T], leading_axes: LeadingAxes) -> Callable[..., T]:
+    """Return a function with a partitioning rule: it runs on each device's environments and rays.
+
+    Without a rule, a program on sharded inputs gathers them all on every device before each call.
+
+    Args:
+        run: Function of pytrees; it must not capture arrays.
+        leading_axes: Function of the shapes of all operands and of all results that returns the leading axes of each,
+            such as `("e", "r")`; `()` for shared operands. All other axes stay whole.
+    """
+
+    def partition(mesh: Any, arguments: Any, results: Any) -> Any:
+        operands, operand_tree = jax.tree.flatten(arguments)
+        made, result_tree = jax.tree.flatten(results)
+        axes, result_axes = leading_axes([x.shape for x in operands], [x.shape for x in made])
+        widest = max(range(len(axes)), key=lambda i: len(axes[i]))
+        places = dict(zip(axes[widest], (*operands[widest].sharding.spec, None, None), strict=False))
+        place = lambda names: NamedSharding(mesh, PartitionSpec(*(places.get(name) for name in names)))  # noqa: E731
+        return mesh, run, result_tree.unflatten(map(place, result_axes)), operand_tree.unflatten(map(place, axes))
+
+    def rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
+        given, made = ([tuple(ir.RankedTensorType(x).shape) for x in tensors] for tensors in (operands, results))
+        axes, result_axes = leading_axes(given, made)
+        left = (_factors(*item, f"x{i}y") for i, item in enumerate(zip(given, axes, strict=True)))
+        right = (_factors(*item, f"z{i}y") for i, item in enumerate(zip(made, result_axes, strict=True)))
+        return f"{', '.join(left)} -> {', '.join(right)}"
+
+    split = custom_partitioning(run)
+    split.def_partition(partition=partition, sharding_rule=rule)
+    return split
+
+
+def _factors(shape: tuple[int, ...], axes: Axes, prefix: str) -> str:
+    """Return an array's part of the einsum-like sharding rule; axes that stay whole have names of their own."""
+    return " ".join((*axes, *(f"{prefix}{axis}" for axis in range(len(axes), len(shape)))))
+
+
+def varying_false(*inputs: object) -> Bool[Array, ""]:
+    """Return False with a type that varies over all mesh axes over which any input varies; it costs nothing.
+
+    `shard_map` checks that the carries of loops and the branches of conditionals vary over the same mesh axes. A
+    constant becomes varying by a computation with this value.
+    """
+    zeros = (jnp.zeros_like(x, jnp.int32, shape=()) for x in jax.tree.leaves(inputs))
+    return sum(zeros, jnp.int32(0)) > 0
+
+
+def varying_as(inputs: object, results: Sequence[Array]) -> tuple[Array, ...]:
+    """Return results of compiled code with types that vary over the mesh axes of the inputs."""
+    never = varying_false(inputs)
+    return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in results)
+
+
+def run_untraced(make: Callable[[], T]) -> T:
+    """Run a function in a thread of its own: arrays made within a trace or `shard_map` would belong to it."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(make).result()
