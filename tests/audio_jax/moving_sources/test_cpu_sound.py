@@ -85,7 +85,7 @@ def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
     """No echoes of the second part, odd and even numbers of them, more environments than a chunk, late onsets."""
     config = moving(receiver, seconds, rate)
     given = some_late(rng, 11, sources, config)
-    assert calls.supports_late(given[1], config)
+    assert supports_late(given[1], config)
     wanted = jax.jit(jax.vmap(lambda *x: render_late_by_xla(*x, config)))(*given)
     got = jax.jit(jax.vmap(lambda *x: render_late_frame(*x, config)))(*given)
     assert not np.array_equal(got, wanted)
@@ -95,7 +95,7 @@ def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
 def test_noises_with_something_in_common_are_made_by_xla(rng):
     config = AudioConfig(response_seconds=0.2, motion=Motion(tail_seconds=0.0), receiver=Ambisonics())
     signals, sound = jax.tree.map(lambda x: x[0], some_late(rng, 1, 1, config))
-    assert not calls.supports_late(sound, config)
+    assert not supports_late(sound, config)
     wanted = jax.jit(lambda *x: render_late_by_xla(*x, config))(signals, sound)
     np.testing.assert_array_equal(jax.jit(lambda *x: render_late_frame(*x, config))(signals, sound), wanted)
 

@@ -223,7 +223,7 @@ def test_filters_of_the_engine_ring_out_before_the_frame():
 
 def test_weights_in_cuda_are_those_of_python():
     """Sixty rounded numbers that nobody compares by eye."""
-    text = kernels.SUMS_SOURCES[0].read_text()
+    text = kernels.MIX_SOURCES[0].read_text()
     rows = re.findall(r"^ +\{(-?\d.*)\},$", text, re.MULTILINE)
     table = np.array([[np.float32(x.strip("f ")) for x in row.split(",")] for row in rows], np.float32)
     np.testing.assert_array_equal(table, delays.interpolation_polynomials())
