@@ -17,7 +17,9 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 LARGEST = 60_000  # bytes of a picture
 WIDEST = 800  # [px]
-IDS = tuple(env_id for env_id in home_mjx.list_envs() if find_spec(env_id).entry_point.startswith("home_mjx.tasks.suite:"))
+IDS = tuple(
+    env_id for env_id in home_mjx.list_envs() if find_spec(env_id).entry_point.startswith("home_mjx.tasks.suite:")
+)
 SHARED = {field.name for field in fields(RowTask)}
 
 

@@ -180,8 +180,6 @@ def build_instance_tree(
         models: Models by key.
         doors: Instances of door leaves, which are omitted as well; None without doors.
     """
-    from home_mjx.geometry.bvh import build_tree  # loads Numba, which the readers of models do not need
-
     static = np.setdiff1d(np.flatnonzero(instances.body < 0), [] if doors is None else doors)
     boxes = np.array([instance_box(instances.pose[i], models[instances.model[i]].box) for i in static])
     tree, order = build_tree(boxes + np.array([[-INSTANCE_BOX_MARGIN], [INSTANCE_BOX_MARGIN]]), leaf_size=1)

@@ -371,11 +371,10 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
 
     def prepare(folder: Path) -> tuple[list[bytes], Read]:
         from home_mjx import tasks
-        from home_mjx.tasks.suite import RoomNav
         from home_mjx.houses import load_bank
         from home_mjx.physics import PhysicsConfig
         from home_mjx.tasks.rules.house_view import house_views
-        from home_mjx.tasks.suite import task_lines
+        from home_mjx.tasks.suite import RoomNav, task_lines
         from home_procgen.v1.dataset import generate_dataset
 
         os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
