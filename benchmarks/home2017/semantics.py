@@ -10,11 +10,11 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from home_mjx.scene_compile.architecture.frame import find_frame
 from jaxtyping import Float
 
 from home_mjx.core.images import read_texture
 from home_mjx.geometry.meshes import surface_areas
+from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
