@@ -6,8 +6,19 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.geometry.normals import crease_normals
-from home_mjx.schema.compiled import Model
+from home_mjx.geometry.bvh import build_tree, build_triangle_tree
+from home_mjx.schema.compiled import BVH, Instances, Model
+from home_mjx.schema.house import Mesh
+
+Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # rotation from file to world axes: (x, y, z) -> (x, -z, y)
+# Corners of a cube by bits (x, y, z), and its faces as quads, counter-clockwise seen from outside.
+_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+_QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+FACE_NORMALS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]], float)
+MIN_CREASE_COSINE = np.cos(np.deg2rad(40.0))  # cosine of the crease angle; sharper edges are not smoothed
+WELD_DISTANCE = 1e-4  # [m], corners in the same grid cell of this size are merged
+MAX_CORNER_FACES = 64  # maximum faces around a smoothed corner; more indicate foliage, not a surface
+INSTANCE_BOX_MARGIN = 1e-4  # [m], margin of boxes; rays intersect instances in local frames, with other rounding errors
 
 
 def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " t"]:
@@ -78,8 +89,6 @@ def make_model(
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
     """
-    from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which the readers of models do not need
-
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
     triangle = triangles.astype(np.float32)
@@ -103,6 +112,8 @@ def make_model(
 
 def tree_order(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
     """Return the order in which `make_model` stores triangles: row i of the model is triangle `order[i]`."""
+    from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which the readers of models do not need
+
     return build_triangle_tree(triangles.astype(np.float32))[1]
 
 

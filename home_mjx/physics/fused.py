@@ -125,4 +125,4 @@ def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array,
     results += [jax.ShapeDtypeStruct((envs, mobiles, 4), jnp.float32), jax.ShapeDtypeStruct((envs, mobiles), jnp.int32)]
     if 0 in (envs, agents):
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
-    return step(operands, results)
+    return tuple(step(operands, results))

@@ -288,7 +288,7 @@ def run_config() -> Any:
     from home_mjx.training.config import CPU_CONFIG, RunConfig
 
     return RunConfig(
-        EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"sensors": ("state",)}, num_houses=2), CPU_CONFIG
+        EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav", {"sensors": ("state",)}, num_houses=2), CPU_CONFIG
     )
 
 

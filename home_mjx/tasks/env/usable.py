@@ -16,8 +16,9 @@ from home_mjx.houses.bakes import Bake
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.sounds.row import VOICE_CLIP, clip_name, extract_sounds
+from home_mjx.tasks.sounds.row import VOICE_CLIP, SoundEvents, clip_name
 from home_mjx.tasks.variation.ranges import Variation
 
 MAX_FOVY = 179.0  # [degrees], maximum field of view
@@ -143,7 +144,7 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
     """
     if not isinstance(tasks, TaskBank) or isinstance(tasks.field, jax.core.Tracer):  # pyright: ignore
         return
-    emission = extract_sounds(tasks.rows.columns)
+    emission = extract(SoundEvents, tasks.rows.columns)
     used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
     count = used.sum(axis=1)
     most = int(count.max(initial=0))

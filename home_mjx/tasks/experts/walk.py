@@ -25,7 +25,7 @@ from home_mjx.tasks.experts.grips import add_door_commands, add_hand_commands, i
 from home_mjx.tasks.experts.leaves import is_facing_shut_leaf, plan_opening
 from home_mjx.tasks.experts.speaking import insert_words
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, is_in_target_room
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.words import FAILURE, Attribute, Feature, TargetKind
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position

@@ -98,6 +98,7 @@ WRONG_TYPES = """
 import tempfile
 from pathlib import Path
 from home_mjx import AutoReset, BoundEnv, HouseBank, HouseFilter, HouseholdEnv, HouseStream, make
+from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, LitShader
 from home_mjx.scene_compile import CompileOptions
@@ -118,7 +119,9 @@ calls |= {
     "camera without name": lambda: AgentCamera(""),
     "heights in words": lambda: make("PointNav-v0", **{"compile.colliders.height": "low"}),
     "light in words": lambda: make("PointNav-v0", **{"compile.lights.room_power": "bright"}),
-    "places in words": lambda: make_config(receiver="array", microphones="left"),
+    "late in words": lambda: AudioConfig(late="baked"),
+    "air in words": lambda: AudioConfig(air="cold"),
+    "places in words": lambda: make_config(receiver="array", positions="left"),
     "kinds with commas": lambda: make("HouseQA-v0", kinds="colour,size"),
     "no kinds": lambda: make("HouseQA-v0", kinds=[]),
     "one kind": lambda: AgentCamera("scanner", "depth"),

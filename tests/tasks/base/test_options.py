@@ -10,8 +10,9 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig, PhysicsSetup
 from home_mjx.scene_compile import CompileOptions
 from home_mjx.schema import AgentBody, Timing
-from home_mjx.tasks import AgentCamera, DiscreteActions, EnvConfig, PointNav, Task, make_config
+from home_mjx.tasks import AgentCamera, DiscreteActions, EnvConfig, Task, make_config
 from home_mjx.tasks.base.options import override_options
+from home_mjx.tasks.suite import PointNav
 
 
 @dataclasses.dataclass(frozen=True)

@@ -123,7 +123,7 @@ def test_the_option_is_the_head_cameras_alone():
 def test_specs_keep_the_shader():
     lit = LitShader(num_lights=1)
     cameras = (AgentCamera("other", shader=lit),)
-    spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"shader": "lit", "cameras": cameras})
+    spec = EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav", {"shader": "lit", "cameras": cameras})
     assert EnvSpec.from_json(spec.to_json()) == spec
 
 

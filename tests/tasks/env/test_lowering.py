@@ -12,7 +12,8 @@ import functools, sys
 import jax, jax.numpy as jnp
 from handmade import shoebox
 from home_mjx import HouseBank, EnvParams, HouseholdEnv
-from home_mjx.tasks import SENSORS, make_config
+from home_mjx.tasks import make_config
+from home_mjx.tasks.sensors import SENSORS
 
 config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, shader=sys.argv[1])
 core, params = HouseholdEnv(config), EnvParams(HouseBank.from_compiled([shoebox()]))

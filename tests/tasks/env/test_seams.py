@@ -18,8 +18,9 @@ from home_mjx import EnvSpec, HouseBank, HouseFilter
 from home_mjx.core.checks import check_frozen_dataclass
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, LitShader
-from home_mjx.tasks import AgentCamera, ArraySpec, PointNav, Task, make_config
+from home_mjx.tasks import AgentCamera, ArraySpec, Task, make_config
 from home_mjx.tasks.base import sensor as sensor_seam
+from home_mjx.tasks.suite import PointNav
 
 OWN = '''
 """A user's own file: a task that counts rooms, and a sensor that remembers the last action's turn."""

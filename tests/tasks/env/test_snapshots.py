@@ -10,9 +10,10 @@ from handmade import shoebox
 
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
 from home_mjx.bank.bank import HouseBank
-from home_mjx.tasks import AutoReset, HouseholdEnv, PointNav, make_config
+from home_mjx.tasks import AutoReset, HouseholdEnv, make_config
 from home_mjx.tasks.env import begin
 from home_mjx.tasks.env.handling import decode_hand_commands
+from home_mjx.tasks.suite import PointNav
 
 KEYS = jax.ShapeDtypeStruct((2, 2), np.uint32)
 

@@ -12,9 +12,10 @@ import pytest
 from home_mjx.adapters.base.spaces import DiscreteSpace, action_space
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config, tokenize
+from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config
 from home_mjx.tasks.base.specs import MOVE_NAMES
 from home_mjx.tasks.env.moves import action_names, decode_actions
+from home_mjx.tasks.language import tokenize
 
 WORDS = ("say:yes", "answer:red", "say:kitchen")
 TOKENS = [-1] * 6 + list(tokenize("yes red kitchen"))
@@ -35,7 +36,7 @@ class Pair(Task):
     """For two."""
 
     @property
-    def least_agents(self):
+    def min_agents(self):
         return 2
 
 

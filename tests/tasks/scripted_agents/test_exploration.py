@@ -12,8 +12,9 @@ import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import EnvConfig, Exploration, HouseholdEnv, expert_action
+from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action
 from home_mjx.tasks.scripted_agents.exploration import divide_in_tiles
+from home_mjx.tasks.suite import Exploration
 
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 NUM, HORIZON = 8, 500

@@ -12,7 +12,8 @@ from home_mjx.audio_jax import CLIPS
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import EnvConfig, HouseholdEnv, PiedPiper, expert_action
+from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action
+from home_mjx.tasks.suite import PiedPiper
 from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 
 PHYSICS = PhysicsConfig(impl="kinematic", num_agents=3)

@@ -9,8 +9,10 @@ import pytest
 from handmade import shoebox
 
 from home_mjx import HouseBank, HouseholdEnv, physics
-from home_mjx.audio_jax import CLIPS, AudioConfig, clip_power, clip_samples, mean_band_power
-from home_mjx.tasks import make_config, tokenize
+from home_mjx.audio_jax import CLIPS, AudioConfig, clip_samples
+from home_mjx.audio_jax.auralization.envelope import clip_power, mean_band_power
+from home_mjx.tasks import make_config
+from home_mjx.tasks.language import tokenize
 
 OCTAVES = 125 * 2.0 ** np.arange(7)
 TONE, NOISE, SILENT = CLIPS.index("tone"), CLIPS.index("noise"), -1

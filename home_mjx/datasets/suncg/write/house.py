@@ -18,6 +18,7 @@ from jaxtyping import Float, UInt8
 
 from home_mjx.core.files import read_bytes, read_text, write_atomically
 from home_mjx.core.images import decode_image, encode_png
+from home_mjx.datasets.suncg.formats.variants import state_of
 from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, joints_csv, lights_json, sizes_csv
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text

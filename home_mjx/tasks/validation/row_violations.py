@@ -1,24 +1,23 @@
-"""Validation of rows as arrays: the first invalid row, and the reason."""
+"""Validation of rows as arrays (host side): the first invalid row, and the reason."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.base.state import MAX_FLOOR_OFFSET, Episodes
 from home_mjx.tasks.rules.program import FIRST_DESCRIPTOR_FEATURES, SECOND_DESCRIPTOR_FEATURES
-from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, Feature, TargetKind
+from home_mjx.tasks.rules.words import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Attribute, Feature, TargetKind
 from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
-from home_mjx.tasks.validation.starts import is_standable
-from home_mjx.tasks.validation.table import DESCRIPTOR_COLUMN, Range
-from home_mjx.tasks.validation.waiting import min_steps
+from home_mjx.tasks.validation.column_ranges import DESCRIPTOR_COLUMN, Range
 
 MAX_START_HEIGHT = 4.0  # [m] maximum height of a start above the highest floor
 MAX_START_DEPTH = 1.0  # [m] maximum depth of a start below the lowest floor
 SOUND_KINDS = (TargetKind.OBJECT, TargetKind.PLACE, TargetKind.AGENT)
+NEIGHBOR_OFFSETS = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
 Columns = Mapping[str, np.ndarray]
 
 
@@ -64,7 +63,7 @@ def find_violation(
         or _find_outside_grid(columns, bank)
         or _find_blocked_start(columns, bank)
     )
-    if found is None and "needs" in columns:
+    if found is None and "require" in columns:
         found = next(_program_violations(columns, features, hints), None) or _find_too_long(columns, max_steps)
     return found
 
@@ -120,35 +119,35 @@ def blocked_start(row: int, start: Float[np.ndarray, "3"]) -> Violation:
 
 def _find_too_long(columns: Columns, most_steps: float) -> Violation | None:
     steps = min_steps(columns)
-    at_once = dict(columns) | {"least": np.zeros_like(columns["least"])}
+    at_once = dict(columns) | {"minimum": np.zeros_like(columns["minimum"])}
     late = steps > most_steps
     at = _first_true(late & np.isfinite(min_steps(at_once))) if late.any() else None
     if at is None:
         return None
     message = f"success takes at least {steps[at[0]]:g} steps of `time`, an episode has {most_steps:g}"
-    return Violation(at[0], "needs", message, "Set a longer episode_length, or require less `time` in the task.")
+    return Violation(at[0], "require", message, "Set a longer episode_length, or require less `time` in the task.")
 
 
 def _program_violations(
     columns: Columns, features: Float[np.ndarray, "features 2"], hints: Mapping[str, str]
 ) -> Iterator[Violation]:
     """Yield conditions that never hold or test nothing, incomplete descriptors, and sounds without a position."""
-    needs, bars = (_used_conditions(columns[name]) for name in ("needs", "bars"))
+    needs, bars = (_used_conditions(columns[name]) for name in ("require", "forbid"))
     yield from _unsatisfiable_conditions(columns, needs, features, hints)
-    kind, feature = columns["meant.kind"], columns["feature"]
+    kind, feature = columns["selectors.kind"], columns["feature"]
     for name, group in (("first", FIRST_DESCRIPTOR_FEATURES), ("second", SECOND_DESCRIPTOR_FEATURES)):
         asked = np.isin(feature, group) & (needs | bars)
         at = _first_true(asked & (_kinds_of(kind, columns[name]) == TargetKind.NOTHING))
         if at is not None:
             what = Feature(int(feature[at])).name.lower()
             message = f"`{what}` tests descriptor {columns[name][at]}, which selects nothing"
-            yield Violation(at[0], name, message, f"Set `{name}` to the index of an item of `meant`.")
+            yield Violation(at[0], name, message, f"Set `{name}` to the index of an item of `selectors`.")
     nowhere = (kind == TargetKind.PLACE) & ~np.isfinite(columns["place"]).all(axis=-1)
-    nobody = (kind == TargetKind.AGENT) & (columns["meant.agent"] < 0)
+    nobody = (kind == TargetKind.AGENT) & (columns["selectors.agent"] < 0)
     for wrong, name in ((nowhere, "place"), (nobody, "agent")):
         at = _first_true(wrong)
         if at is not None:
-            yield Violation(at[0], "meant", f"`meant[{at[1]}]` has no `{name}`", f"Give its `{name}`.")
+            yield Violation(at[0], "selectors", f"`selectors[{at[1]}]` has no `{name}`", f"Give its `{name}`.")
     yield from _sound_violations(columns, kind)
 
 
@@ -156,23 +155,23 @@ def _unsatisfiable_conditions(
     columns: Columns, used: Bool[np.ndarray, "t c"], features: np.ndarray, hints: Mapping[str, str]
 ) -> Iterator[Violation]:
     """Yield required conditions that no value of their feature fulfils."""
-    feature, least, most = (columns[name] for name in ("feature", "least", "most"))
+    feature, least, most = (columns[name] for name in ("feature", "minimum", "maximum"))
     at = _first_true(used & (np.maximum(least, features[feature, 0]) > np.minimum(most, features[feature, 1])))
     if at is not None:
         name, (low, high) = Feature(int(feature[at])).name.lower(), features[feature[at]]
         values = f"it is from {low:g} to {high:g}" if high > low else f"it is always {low:g}"
         message = f"`{name}` is never from {least[at]:g} to {most[at]:g}: {values} here"
-        yield Violation(at[0], "needs", message, hints.get(name, "Choose other limits `least` and `most`."))
+        yield Violation(at[0], "require", message, hints.get(name, "Choose other limits `minimum` and `maximum`."))
 
 
 def _sound_violations(columns: Columns, kind: np.ndarray) -> Iterator[Violation]:
-    emitter, towards, clip = (columns[f"sound_{name}"] for name in ("emitter", "towards", "clip"))
+    emitter, towards, clip = (columns[f"sound_{name}"] for name in ("emitter", "destination", "clip"))
     mute = (emitter >= 0) & ~np.isin(_kinds_of(kind, emitter), SOUND_KINDS)
     lost = (emitter >= 0) & (towards >= 0) & (_kinds_of(kind, towards) == TargetKind.NOTHING)
     voiceless = (emitter >= 0) & (clip == VOICE_CLIP_NUMBER) & (_kinds_of(kind, emitter) != TargetKind.AGENT)
     for wrong, name, of in (
         (mute, "emitter", "an object, a place or an agent"),
-        (lost, "towards", "a place or an object"),
+        (lost, "destination", "a place or an object"),
     ):
         at = _first_true(wrong)
         if at is not None:
@@ -196,3 +195,66 @@ def _kinds_of(kind: np.ndarray, number: np.ndarray) -> np.ndarray:
     """Return the kinds of the descriptors with these indices; NOTHING for -1."""
     found = np.take_along_axis(kind, np.maximum(number, 0).astype(int), axis=1)
     return np.where(number < 0, TargetKind.NOTHING, found)
+
+
+def min_steps(columns: Columns) -> Float[np.ndarray, " t"]:
+    """Return the minimum number of steps before a row can succeed: the least sum of `TIME` along its stages.
+
+    All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success.
+
+    Args:
+        columns: `require`, `next`, `feature` and `minimum` of the rows, see `TaskProgram`.
+
+    Example:
+        >>> columns = {"require": np.full((1, 6, 3), -1), "next": np.full((1, 6, 3), -1)}
+        >>> columns |= {"feature": np.zeros((1, 8), int), "minimum": np.zeros((1, 8))}
+        >>> columns["require"][0, 0, 0] = 0b10  # success needs the second condition
+        >>> columns["feature"][0, 1], columns["minimum"][0, 1] = Feature.TIME, 80.0
+        >>> min_steps(columns).tolist()
+        [80.0]
+    """
+    needs, after = columns["require"], columns["next"].astype(int)
+    taken = np.where(needs >= 0, 0.0, np.inf)  # minimum number of steps before each transition
+    for condition in range(NUM_CONDITIONS):
+        asked = (needs >= 0) & (needs.astype(int) >> condition & 1 == 1)
+        time = columns["feature"][:, condition] == Feature.TIME
+        wait = np.where(time, np.maximum(columns["minimum"][:, condition], 0.0), 0.0)
+        taken = np.where(asked, np.maximum(taken, wait[:, None, None]), taken)
+    arrived = np.full((len(needs), NUM_STAGES), np.inf)
+    arrived[:, 0] = 0.0
+    for _ in range(NUM_STAGES):
+        left = arrived[:, :, None] + taken
+        for stage in range(NUM_STAGES):
+            there = np.where(after == stage, left, np.inf).min(axis=(1, 2))
+            arrived[:, stage] = np.minimum(arrived[:, stage], there)
+    return np.where(after == SUCCESS, arrived[:, :, None] + taken, np.inf).min(axis=(1, 2))
+
+
+def is_standable(
+    bank: HouseBank, house: Int[np.ndarray, " t"], start: Float[np.ndarray, "t 3"]
+) -> Bool[np.ndarray, " t"]:
+    """Return whether an agent fits at each position and can reach the home region from there.
+
+    True in or next to a cell of the home region, which is free for the body size that the houses were compiled for.
+
+    Args:
+        bank: The houses.
+        house: Index of the house of each position.
+        start: Positions on the floor [m].
+    """
+    navigation = bank.navigation
+    numbers, height = np.asarray(navigation.cell), np.asarray(navigation.height)
+    levels, *size = numbers.shape[1:]
+    first = np.asarray(navigation.first_cell)[house]
+    end = first + np.asarray(navigation.num_cells)[house]
+    plan = np.floor((start[:, :2] - np.asarray(navigation.origin)[house]) / bank.spec.cell)
+    column, row = np.clip(plan, -2, np.array(size[::-1]) + 1).astype(int).T  # keeps integers in range
+    found = np.zeros(len(house), bool)
+    for level in range(levels):
+        for away in NEIGHBOR_OFFSETS:
+            at = row + away[0], column + away[1]
+            inside = (at[0] >= 0) & (at[0] < size[0]) & (at[1] >= 0) & (at[1] < size[1])
+            number = numbers[house, level, np.clip(at[0], 0, size[0] - 1), np.clip(at[1], 0, size[1] - 1)]
+            near = np.abs(height[np.maximum(number, 0)] - start[:, 2]) < MAX_FLOOR_OFFSET
+            found |= inside & (number >= first) & (number < end) & near
+    return found

@@ -1,5 +1,6 @@
 """HoME's mode against figures taken from HoME itself, and its formula written anew."""
 
+from dataclasses import replace
 from functools import partial
 
 import jax
@@ -9,14 +10,12 @@ import pytest
 from handmade import Furniture, shoebox
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax.auralization.response import early_response, impulse_response
+from benchmarks.home2017.paths import HOME2017, home2017_air_level, home2017_paths, home2017_response
+from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
-from home_mjx.audio_jax.base.home_air import home2017_air_level
-from home_mjx.audio_jax.base.presets import audio_preset
+from home_mjx.audio_jax.base.options import Air, EarlyPaths, Omni
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.home_paths import home2017_paths
-from home_mjx.errors import ConfigError
 from home_mjx.houses.house_set import HouseSet
 
 AIR_AT_10_M = [-0.0087, -0.0261, -0.0523, -0.0873, -0.1489, -0.3636, -1.2597]  # [dB], of HoME, 20 degrees, 65 %
@@ -28,11 +27,12 @@ PAIR_B = (2.195, 2.729, 3.164, 3.516, 3.716, 6.894)  # [m], HoME's first order i
 @partial(jax.jit, static_argnums=3)
 def run(scene, source, listener, config):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return early_paths(scene, SoundSource(source), Listener(listener, HEAD), config)
+        return early_paths(scene, SoundSource(source), Listener(listener, HEAD), config, [home2017_paths])
 
 
-def home(order: int, **changes) -> AudioConfig:
-    return audio_preset("home", reflection_order=max(order, 1), num_reflections=(0, 6, 24, 62)[order], **changes)
+def home(order: int, num_reflections: int | None = None) -> AudioConfig:
+    count = (0, 6, 24, 62)[order] if num_reflections is None else num_reflections
+    return replace(HOME2017, early=EarlyPaths(count, max(order, 1)))
 
 
 def sounding(paths) -> tuple[np.ndarray, np.ndarray]:
@@ -90,7 +90,7 @@ def test_the_reflection_beside_the_listener_loses_nothing():
     absorption[1], absorption[3] = 0.5, 0.2  # at +x and at +y
     scene = scene_of(shoebox((CUBE,) * 3, absorption))
     source, listener = np.array([1.0, -1.5, 5.0]), np.array([-3.0, 2.0, 5.0])
-    paths = run(scene, jnp.float32(source), jnp.float32(listener), home(2, max_crossings=4))
+    paths = run(scene, jnp.float32(source), jnp.float32(listener), home(2))
     length, level = sounding(paths)
     image = np.array([CUBE - source[0], CUBE - source[1], 5.0])
     index = np.argmin(abs(length - np.linalg.norm(image - listener)))
@@ -102,13 +102,13 @@ def test_the_reflection_beside_the_listener_loses_nothing():
 
 def test_delays_are_whole_samples_and_nothing_comes_late(cube):
     """The response is that of its paths, each moved to the sample before it."""
-    config = home(1, response_seconds=0.2)
+    config = replace(home(1), response_seconds=0.2)
     ends = SoundSource(jnp.float32(SOURCE)), Listener(jnp.float32(LISTENER), HEAD)
-    whole = jax.jit(impulse_response, static_argnums=4)(cube[1], *ends, jax.random.key(0), config)
+    whole = jax.jit(home2017_response, static_argnums=3)(cube[1], *ends, config)
     paths = jax.jit(home2017_paths, static_argnums=3)(cube[1], *ends, config)
     rate = config.sample_rate / config.speed_of_sound
     moved = paths.replace(distance=jnp.floor(paths.distance * rate) / rate + 1e-5)
-    physical = AudioConfig(receiver="omni", response_seconds=0.2, humidity=65.0)
+    physical = AudioConfig(receiver=Omni(), response_seconds=0.2, air=Air(humidity=65.0))
     render = jax.jit(early_response, static_argnums=2)
     np.testing.assert_allclose(whole, render(moved, HEAD, physical), atol=2e-3 * float(jnp.max(whole)))
     assert float(jnp.abs(whole - render(paths, HEAD, physical)).max()) > 0.05 * float(jnp.max(whole))
@@ -127,17 +127,8 @@ def test_objects_are_boxes_that_mirror_and_hide():
     assert np.abs(length - np.linalg.norm(front - listener)).min() < 1e-3
     own = SoundSource(jnp.float32(source), jnp.int32(0))
     behind = scene_of(shoebox((CUBE,) * 3, 0.1, furniture=[between]))
-    paths = jax.jit(early_paths, static_argnums=3)(behind, own, Listener(jnp.float32(listener), HEAD), home(1))
+    paths = jax.jit(home2017_paths, static_argnums=3)(behind, own, Listener(jnp.float32(listener), HEAD), home(1))
     assert float(paths.gain[0, 0]) > 0
-
-
-def test_the_mode_is_off_by_default_and_refuses_what_it_has_not():
-    assert AudioConfig().early == "physical"
-    for wrong in ({"late": "traced"}, {"num_edges": 4}, {"motion": True}):
-        with pytest.raises(ConfigError, match="early='home' needs"):
-            audio_preset("home", **wrong)
-    with pytest.raises(ConfigError, match="Did you mean `home`"):
-        AudioConfig(early="hom")
 
 
 @pytest.mark.real
@@ -152,8 +143,8 @@ def test_first_order_in_homes_own_house(suncg_root):
     shift = np.array([*house.offset[:2], 0.0])
     source, listener = np.array([39, -38.6, 1.5]) + shift, np.array([41, -39.5, 1.6]) + shift
     scene, ends = scene_of(house), (jnp.float32(source), jnp.float32(listener))
-    length, _ = sounding(run(scene, *ends, audio_preset("home", reflection_order=1, num_reflections=24)))
+    length, _ = sounding(run(scene, *ends, home(1, 24)))
     assert len(length) == len(PAIR_B)
     np.testing.assert_allclose(length[:5], PAIR_B[:5], atol=1e-3)
     assert length[5] == pytest.approx(PAIR_B[5], abs=0.065)
-    assert len(sounding(run(scene, *ends, audio_preset("home", reflection_order=2, num_reflections=200)))[0]) == 18
+    assert len(sounding(run(scene, *ends, home(2, 200)))[0]) == 18

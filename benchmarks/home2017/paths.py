@@ -1,4 +1,4 @@
-"""Path model of HoME (2017), for comparison with it: `AudioConfig(early="home")`.
+"""Path model of HoME (2017), for comparison with it: a producer for `early_paths`, and responses of its paths.
 
 Paths are specular only. The level of a path of length L over materials with absorption α is, per octave,
 20 lg(1 / L) + 20 lg(1 - m L) + Σ 20 lg(1 - α) dB. This is not physical: α and m are energy fractions, which HoME
@@ -8,19 +8,22 @@ reflection next to the listener. Objects are boxes around their models; doors ar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
-from home_mjx.audio_jax.base.home_air import home2017_air_level
-from home_mjx.audio_jax.geometry.images import ImageSources, find_image_sources, select_nearest_mirrors
-from home_mjx.audio_jax.propagation.home_boxes import (
+from benchmarks.home2017.boxes import (
     LEG_END_MARGIN,
     ModelBoxes,
     box_mirrors,
     is_occluded_by_boxes,
     model_boxes,
 )
+from home_mjx.audio_jax.auralization.response import early_response
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import Air, EarlyPaths, NoLate, Omni
+from home_mjx.audio_jax.geometry.images import ImageSources, find_image_sources, select_nearest_mirrors
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.mirrored import (
     MAX_MIRROR_DISTANCE,
     MIN_LEG_LENGTH,
@@ -35,10 +38,36 @@ from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, RayKind
 
+TEMPERATURES, HUMIDITIES = (10.0, 20.0), (40.0, 60.0, 80.0)  # [degrees Celsius], [%]
+# Coefficients per octave [1/1000 m]: Vorländer, Auralization, 2008. They are for energy; HoME applies them to pressure.
+COEFFICIENTS = np.array(
+    [
+        [
+            [0.1, 0.2, 0.5, 1.1, 2.7, 9.4, 29.0],
+            [0.1, 0.2, 0.5, 0.8, 1.8, 5.9, 21.1],
+            [0.1, 0.2, 0.5, 0.7, 1.4, 4.4, 15.8],
+        ],
+        [
+            [0.1, 0.3, 0.6, 1.0, 1.9, 5.8, 20.3],
+            [0.1, 0.3, 0.6, 1.0, 1.7, 4.1, 13.5],
+            [0.1, 0.3, 0.6, 1.1, 1.7, 3.5, 10.6],
+        ],
+    ]
+)
+MIN_REMAINING_PRESSURE = 1e-7  # minimum remaining share of the pressure, so that levels stay finite
 MAX_MIRRORS = {1: (64, 256), 2: (40, 120), 3: (16, 16)}  # maximum numbers of room and box mirrors, by order
 CANDIDATES_PER_PATH = 4  # candidate sequences per path, because several sequences can yield the same path
 MIN_REFLECTANCE = 1e-7  # minimum of 1 - α, as in HoME's float32
 MAX_ATTENUATION = 120.0  # [dB], attenuation of all octaves from which a path is dropped
+SAMPLE_MARGIN = 1e-5  # [m], excess over whole samples, against rounding down by one
+
+HOME2017 = AudioConfig(  # `humidity` selects HoME's row of 60 %
+    response_seconds=1.0,
+    air=Air(humidity=65.0),
+    early=EarlyPaths(num_reflections=62, reflection_order=3),
+    late=NoLate(),
+    receiver=Omni(),
+)
 
 
 class _Legs(Pytree):
@@ -55,7 +84,7 @@ class _Legs(Pytree):
 
 
 def home2017_paths(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
-    """Compute the direct path and image sources up to `config.reflection_order` with HoME's lengths and levels.
+    """Compute the direct path and image sources up to `config.early.reflection_order` with HoME's lengths and levels.
 
     There are two differences. HoME applies a random sign to each path; this function does not. HoME enumerates all
     mirrors; here only those nearest to source and listener are used (`MAX_MIRRORS`).
@@ -64,13 +93,13 @@ def home2017_paths(scene: Scene, source: SoundSource, listener: Listener, config
         scene: The environment.
         source: The source.
         listener: The listener.
-        config: Options; uses order and number of reflections, `max_crossings`, temperature and humidity.
+        config: Options; uses `early` without `num_edges`, and temperature and humidity of `air`.
 
     Returns:
-        1 + `config.num_reflections` paths, or fewer if there are fewer sequences; silent ones included.
+        1 + `config.early.num_reflections` paths, or fewer if there are fewer sequences; silent ones included.
 
     Example:
-        >>> home_paths(scene, source, listener, audio_preset("home")).distance.shape  # doctest: +SKIP
+        >>> home2017_paths(scene, source, listener, HOME2017).distance.shape  # doctest: +SKIP
         (63,)
     """
     boxes = model_boxes(scene, source, listener)
@@ -82,11 +111,55 @@ def home2017_paths(scene: Scene, source: SoundSource, listener: Listener, config
     length = jnp.maximum(jnp.where(heard, found.length, 1.0), MIN_PATH_LENGTH)
     counts = (legs.used & ~legs.last).at[:, 0].set(False)  # not the reflection next to the listener
     lost = jnp.where(counts[:, :, None], 20 * jnp.log10(jnp.maximum(1 - absorption, MIN_REFLECTANCE)), 0.0)
-    air = home2017_air_level(length, config.temperature, config.humidity)
+    air = home2017_air_level(length, config.air.temperature, config.air.humidity)
     level = air + jnp.sum(lost, axis=1) - 20 * jnp.log10(length)[:, None]
     heard = heard & jnp.any(jnp.abs(level) < MAX_ATTENUATION, axis=1)
     gain = jnp.where(heard[:, None], 10 ** (level / 20), 0.0)
     return Paths(length, gain, _directions_to(found.point[:, 0], listener), path_names(found))
+
+
+def home2017_response(
+    scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig = HOME2017
+) -> Float[Array, "e l"]:
+    """Compute the impulse response of HoME's paths, delayed by whole samples, without late reverberation.
+
+    Args:
+        scene: The environment.
+        source: The source, omnidirectional.
+        listener: The listener.
+        config: Options; `num_edges`, `late` and `motion` have no effect.
+
+    Example:
+        >>> home2017_response(scene, source, listener).shape  # doctest: +SKIP
+        (2, 16000)
+    """
+    paths = early_paths(scene, source, listener, config, producers=[home2017_paths])
+    rate = config.sample_rate / config.speed_of_sound
+    paths = paths.replace(distance=jnp.floor(paths.distance * rate) / rate + SAMPLE_MARGIN)
+    return early_response(paths, listener.quat, config, listener.head)
+
+
+def home2017_air_level(
+    distance: Float[Array, " p"], temperature: float = 20.0, humidity: float = 65.0
+) -> Float[Array, "p bands"]:
+    """Compute the level change by air over a distance d [dB] by HoME's rule 20 lg(1 - m d), m from the nearest row.
+
+    Args:
+        distance: [m].
+        temperature: [degrees Celsius].
+        humidity: Relative humidity [%].
+
+    Example:
+        >>> round(float(home2017_air_level(jnp.array([10.0]))[0, -1]), 2)  # at 8 kHz
+        -1.26
+    """
+    row = COEFFICIENTS[_nearest(TEMPERATURES, temperature), _nearest(HUMIDITIES, humidity)] / 1000
+    kept = 1 - distance[:, None] * jnp.asarray(row, jnp.float32)[None]
+    return 20 * jnp.log10(jnp.clip(kept, MIN_REMAINING_PRESSURE, 1.0))
+
+
+def _nearest(values: tuple[float, ...], value: float) -> int:
+    return int(np.argmin(np.abs(np.array(values) - value)))
 
 
 def _directions_to(point: Float[Array, "p 3"], listener: Listener) -> Float[Array, "p 3"]:
@@ -99,19 +172,21 @@ def _find_images(
     scene: Scene, boxes: ModelBoxes, source: SoundSource, listener: Listener, config: AudioConfig
 ) -> tuple[ImageSources, Int[Array, "p k"]]:
     """Find the straight path, then the shortest image sources; return them and box material rows (-1 if none)."""
-    order, shell = config.reflection_order, house_mirrors(scene)
+    order, shell = config.early.reflection_order, house_mirrors(scene)
     kinds = shell.replace(material=jnp.full(shell.valid.shape, -1, jnp.int32)), box_mirrors(boxes)
     kept = [
         select_nearest_mirrors(m, source.pos, listener.pos, n) for m, n in zip(kinds, MAX_MIRRORS[order], strict=True)
     ]
     mirrors = jax.tree.map(lambda *x: jnp.concatenate(x), *kept)
     found = find_image_sources(mirrors, source.pos, listener.pos, order)
-    _, shortest = jax.lax.top_k(-found.length, min(CANDIDATES_PER_PATH * config.num_reflections, found.length.size))
+    _, shortest = jax.lax.top_k(
+        -found.length, min(CANDIDATES_PER_PATH * config.early.num_reflections, found.length.size)
+    )
     found = jax.tree.map(lambda x: x[shortest], found)
     again = find_duplicates(
         found.length, _directions_to(found.point[:, 0], listener)
     )  # paths into corners, and over coplanar faces
-    first = jnp.argsort(again, stable=True)[: config.num_reflections]
+    first = jnp.argsort(again, stable=True)[: config.early.num_reflections]
     found = found.replace(length=jnp.where(again, jnp.inf, found.length))
     straight = ImageSources(
         length=jnp.linalg.norm(source.pos - listener.pos)[None],
@@ -177,7 +252,7 @@ def _cast_to_architecture(
 
     def more(carry: tuple) -> Bool[Array, ""]:
         number, _, _, t, _ = carry
-        return (number < config.max_crossings) & jnp.any(jnp.isnan(t))
+        return (number < config.early.max_crossings) & jnp.any(jnp.isnan(t))
 
     def march(carry: tuple) -> tuple:
         number, start, skipped, t, absorption = carry

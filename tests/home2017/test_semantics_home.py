@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.home2017.semantics import HOME2017, home2017_appearance, home2017_semantics
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.geometry.meshes import surface_areas
@@ -10,8 +11,7 @@ from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import library_model
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.scene_compile.semantics.looks.appearance import TexturedTriangles
-from home_mjx.scene_compile.semantics.looks.home import compute_home_appearance
-from home_mjx.scene_compile.semantics.looks.options import HOME2017, SemanticOptions
+from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 
 pytestmark = pytest.mark.real
 
@@ -55,7 +55,7 @@ def house(dataset):
 
 @pytest.fixture(scope="module")
 def meaning(house, dataset):
-    return house_semantics(house, dataset.metadata, HOME2017)
+    return home2017_semantics(house, dataset.metadata)
 
 
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row[0])
@@ -65,7 +65,7 @@ def test_golden_rows(row, meaning):
     assert items
     for item in items:
         assert (item.fine, item.size) == (fine, size)
-        found = [*item.look.colors.values(), item.look.materials]
+        found = [*item.appearance.colors.values(), item.appearance.materials]
         assert [set(f) for f in found] == [set(text.split(",")) if text else set() for text in names]
         assert all(len(set(f)) == len(f) for f in found)
 
@@ -77,10 +77,10 @@ def test_the_description_that_home_asserted(meaning):
 
 def test_the_other_values_that_home_asserted(meaning, house):
     trash, toilet = (next(i for i in meaning.objects if i.model == model) for model in ("317", "83"))
-    assert trash.look.colors == {"basic": ("silver",), "css": ("navajo white",), "xkcd": ("light peach",)}
-    assert trash.look.materials == ("wood",)
-    assert toilet.look.colors["basic"] == ("white",)
-    everything = house_semantics_of_model(house, "317", SemanticOptions("home", "share", "home", share=1e-6))
+    assert trash.appearance.colors == {"basic": ("silver",), "css": ("navajo white",), "xkcd": ("light peach",)}
+    assert trash.appearance.materials == ("wood",)
+    assert toilet.appearance.colors["basic"] == ("white",)
+    everything = house_semantics_of_model(house, "317", SemanticOptions("share", share=1e-6))
     assert everything.colors["css"] == ("navajo white", "dark slate gray")
     assert everything.materials == ("wood",)
 
@@ -89,7 +89,7 @@ def house_semantics_of_model(house, key, options):
     mesh = house.models[key]
     model = library_model(key, mesh)
     slots = tuple(surface_material(slot, "", "") for slot in mesh.materials)
-    return compute_home_appearance(
+    return home2017_appearance(
         TexturedTriangles(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), options
     )
 
@@ -98,7 +98,7 @@ def test_a_lamp_that_no_table_names(dataset):
     mesh = dataset.load_model("s__1296")
     model = library_model("s__1296", mesh)
     slots = tuple(surface_material(slot, "unknown", "unknown") for slot in mesh.materials)
-    look = compute_home_appearance(
+    look = home2017_appearance(
         TexturedTriangles(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), HOME2017
     )
     wanted = [{"black", "silver"}, {"black", "gainsboro"}, {"light grey", "almost black"}, {"linen"}]
@@ -115,7 +115,7 @@ def test_sizes_with_the_full_tables(house, suncg_root):
     folder = suncg_root.parent / "suncg_metadata_v1"
     if not folder.is_dir():
         pytest.skip("the full SUNCG v1 metadata is not beside the sample")
-    meaning = house_semantics(house, read_metadata(folder), HOME2017)
+    meaning = home2017_semantics(house, read_metadata(folder))
     assert {item.model: item.size for item in meaning.objects if item.size != "normal"} == FULL
     (item,) = [item for item in meaning.objects if item.model == "561"]
     assert item.description == "linen coffee table made of wood"
