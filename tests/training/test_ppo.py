@@ -59,7 +59,7 @@ def test_an_update_changes_what_it_should_and_nothing_of_its_form(ppo: PPO, env,
     assert all(np.isfinite(x) for x in metrics.values())
     # In 4 steps of 6 staggered ones some have ended; those that have not are counted on.
     assert 0 < metrics["episode/episodes"] <= 8
-    assert np.array_equal(new.actor.begins, new.actor.totals["length"] == 0)
+    assert np.array_equal(new.actor.is_first, new.actor.totals["length"] == 0)
     assert np.all(new.actor.totals["length"] <= 4)
 
 
