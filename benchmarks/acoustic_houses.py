@@ -19,7 +19,9 @@ import numpy as np
 from acoustics import UPRIGHT, config_of, engine, opened
 from house_truth import judged
 
-from home_mjx.audio_jax import BakeOptions, LateReverbBake, Listener, SoundSource, early_paths, edt, t30
+from home_mjx.audio_jax import BakeOptions, LateReverbBake, Listener, SoundSource, early_paths
+from home_mjx.audio_jax.base.options import Baked
+from home_mjx.audio_jax.parameters import edt, t30
 from home_mjx.bank.bank import HouseBank
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet
@@ -75,7 +77,7 @@ class Plan:
 
 def is_baked(preset):
     """Return whether a preset needs a baked bank."""
-    return config_of(preset, 1.0).late == "baked"
+    return isinstance(config_of(preset, 1.0).late, Baked)
 
 
 def tight(bank):
@@ -90,9 +92,9 @@ def tight(bank):
 
 def straight(scene, source, listener, config):
     """Compute the energy of direct and diffracted sound per octave."""
-    config = replace(config, num_edges=EDGES)
+    config = replace(config, early=replace(config.early, num_edges=EDGES))
     paths = early_paths(scene, SoundSource(source), Listener(listener, UPRIGHT), config)
-    return jnp.sum(paths.gain[: 1 + config.num_edges] ** 2, axis=0)
+    return jnp.sum(paths.gain[: 1 + config.early.num_edges] ** 2, axis=0)
 
 
 def emptied(bank):

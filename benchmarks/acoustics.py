@@ -27,12 +27,11 @@ from home_mjx.audio_jax import (
     Listener,
     SoundSource,
     audio_preset,
-    decay_time,
     early_paths,
-    edt,
-    t30,
 )
 from home_mjx.audio_jax.auralization.response import late_energy
+from home_mjx.audio_jax.base.options import Baked, Omni
+from home_mjx.audio_jax.parameters import decay_time, edt, t30
 from home_mjx.bank.bank import HouseBank
 from home_mjx.houses import add_bakes
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -65,9 +64,9 @@ def opened(bank, house):
 
 def config_of(preset, seconds):
     """Return options of an omnidirectional microphone with a response of `seconds`."""
-    options = {"receiver": "omni", "response_seconds": seconds}
+    options = {"receiver": Omni(), "response_seconds": seconds}
     if preset == "baked":
-        return AudioConfig(late="baked", **options)
+        return AudioConfig(late=Baked(), **options)
     name, traced = preset.removesuffix("-traced"), preset.endswith("-traced")
     return audio_preset(name, **options, **({"late": "traced"} if traced else {}))
 
@@ -153,7 +152,7 @@ def measure(case, args):
     truth = fly(case.blocks, case.source, case.listeners, args.seconds, dt, args.particles).energy
     for preset in args.presets:
         config = config_of(preset, args.seconds)
-        if config.late == "baked" and not bank.bakes:
+        if isinstance(config.late, Baked) and not bank.bakes:
             bank = add_bakes(
                 bank, [case.house], LateReverbBake(BakeOptions(args.bake_size, args.bake_rays, seed=args.bake_seed))
             )

@@ -16,7 +16,8 @@ import jax.numpy as jnp
 
 import home_mjx
 from home_mjx.core.profiling import device_name
-from home_mjx.tasks import Env, PointNav
+from home_mjx.tasks import Env
+from home_mjx.tasks.suite import PointNav
 
 LENGTH = 500  # length of an episode [steps]
 FEW = 8  # environments whose episode ends

@@ -202,7 +202,7 @@ def wander(env: Any) -> Act:
         action = jnp.where(left > 0, names.index("turn_left"), names.index("move_forward"))
         if "pick" in names:
             action = jnp.where(draw[:, 1] < PICKS, names.index("pick"), action)
-        if env.task.needs_stop:
+        if env.task.requires_stop:
             action = jnp.where(draw[:, 2] < 1 / STOPS, names.index("stop"), action)
         return jnp.maximum(left - 1, 0), action
 

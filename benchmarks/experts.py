@@ -21,8 +21,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.core.profiling import device_name
 from home_mjx.houses import load_bank
-from home_mjx.tasks import add_expert, detokenize
+from home_mjx.tasks import add_expert
 from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.language import detokenize
 from home_mjx.training import evaluate, expert_policy
 from home_procgen import generate_dataset
 

@@ -36,8 +36,9 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import unit_normals
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import shading
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.fast import shade_headlight
+from home_mjx.raycast_render.shaders.lit import LitShader
+from home_mjx.raycast_render.shaders.texture import albedo, encode_srgb
 
 ROUNDS = 5
 ROUND_SECONDS = 0.06
@@ -139,11 +140,11 @@ def primary(size, executor=None):
     return look
 
 
-def images(size, *kinds, preset="fast"):
+def images(size, *kinds, shader="fast"):
     """Return a look that calls `render`."""
 
     def look(bank, scene, camera):
-        return render(scene, camera, Lens(size, size), kinds=kinds, shader=preset, exclude=own_body(bank))
+        return render(scene, camera, Lens(size, size), kinds=kinds, shader=shader, exclude=own_body(bank))
 
     return look
 
@@ -159,8 +160,8 @@ def shadowed(size):
         lamp = (camera.pos + jnp.array([0.3, 0.2, 0.8], jnp.float32))[None, None]
         point = origin + jnp.where(jnp.isfinite(hit.t), hit.t, 0)[..., None] * direction
         dark = occluded(scene, point, lamp - point, t_min=1e-3, t_max=1.0, exclude=own_body(bank))
-        light = shading.shade_headlight(shading.albedo(scene, hit), unit_normals(scene, way, hit), way)
-        return (light * jnp.where(dark, 0.3, 1.0)).map(shading.encode_srgb).pack(), hit.t
+        light = shade_headlight(albedo(scene, hit), unit_normals(scene, way, hit), way)
+        return (light * jnp.where(dark, 0.3, 1.0)).map(encode_srgb).pack(), hit.t
 
     return look
 
@@ -291,14 +292,14 @@ def rooms(bench, sizes):
 
 
 def colors(bench, size):
-    """Measure colour images by preset."""
+    """Measure colour images by shader."""
     bench.frames("fast-rgb", images(size, "rgb", "depth"), size, "`kernels` RGB and depth", "rgb+depth")
     note = "stand-in: primary ray, one shadow ray, texture and head light"
     bench.frames("shadowed-rgb", shadowed(size), size, note, "rgb+depth+shadows", rays=2)
-    look = images(size, "rgb", "depth", preset=LitShader(num_lights=1, max_specular_depth=0, sun=0))
+    look = images(size, "rgb", "depth", shader=LitShader(num_lights=1, max_specular_depth=0, sun=0))
     note = "`lit` with one light, no bounces, no sun, and depth"
     bench.frames("lit-1", look, size, note, "rgb+depth+shadows")
-    look = images(size, "rgb", "depth", preset="lit")
+    look = images(size, "rgb", "depth", shader="lit")
     bench.frames("lit", look, size, "`lit` as it is (4 lights, 2 bounces, sun), and depth")
 
 

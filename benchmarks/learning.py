@@ -25,8 +25,8 @@ import numpy as np
 from home_mjx.cli.learning.named import parse_assignments
 from home_mjx.core.profiling import device_name
 from home_mjx.registry import find_spec
-from home_mjx.tasks import chance_accuracy, prior_accuracy
 from home_mjx.tasks.base.options import override_options
+from home_mjx.tasks.metrics import chance_accuracy, prior_accuracy
 from home_mjx.training import (
     Policy,
     PPOConfig,

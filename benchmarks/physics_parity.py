@@ -32,7 +32,7 @@ from tqdm import tqdm
 import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.core.profiling import device_name
-from home_mjx.physics import PhysicsConfig, PhysicsState, Template
+from home_mjx.physics import PhysicsSetup, PhysicsState, Template
 from home_mjx.physics.base.layout import Layout
 from home_mjx.schema.timing import Timing
 
@@ -40,8 +40,8 @@ QUANTILES = (50, 90, 99, 99.9, 100)
 BOUNDS = (0.001, 0.01, 0.1, 1.0, 10.0)  # bounds [mm] and [mrad]
 POSES = ("agent_mm", "agent_mrad", "body_mm", "body_mrad", "door_mrad")
 STEPS = {
-    "control step": PhysicsConfig(),
-    "physics step": PhysicsConfig(timing=Timing(ctrl_dt=Timing().sim_dt), sleep=False),
+    "control step": PhysicsSetup(),
+    "physics step": PhysicsSetup(timing=Timing(ctrl_dt=Timing().sim_dt), sleep=False),
 }
 
 
@@ -133,7 +133,7 @@ def draw(bank: HouseBank, args: argparse.Namespace) -> States:
     """Return every `stride`-th state of the environments' rollouts, on the CPU."""
     envs, cpu = args.num_envs, jax.devices("cpu")[0]
     kind, house = np.arange(envs) % len(KINDS), np.arange(envs) // len(KINDS) % bank.num_houses
-    template = template_of(bank, PhysicsConfig(), args.num_agents)
+    template = template_of(bank, PhysicsSetup(), args.num_agents)
     with jax.default_device(cpu):
         here, keys = jax.device_put(bank, cpu), jax.random.split(jax.device_put(jax.random.key(args.seed), cpu), envs)
         state = jax.jit(jax.vmap(partial(start, template), (None, 0, 0)))(here, house, keys)
@@ -154,7 +154,7 @@ def advance(template: Template, bank: HouseBank, house: jax.Array, state: Physic
     return physics.update_hands(template, bank, house, physics.step(template, bank, house, state, action))
 
 
-def template_of(bank: HouseBank, config: PhysicsConfig, num_agents: int) -> Template:
+def template_of(bank: HouseBank, config: PhysicsSetup, num_agents: int) -> Template:
     """Return the template of an implementation."""
     return Template(dataclasses.replace(config, num_agents=num_agents), bank.spec)
 

@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.core.profiling import device_name
-from home_mjx.physics import PhysicsConfig, Template
+from home_mjx.physics import PhysicsSetup, Template
 
 STEPS, CALLS = 20, 5
 COUNTS = (0, 1, 2, 4, 8, 16, 32)  # numbers of bodies of the curve
@@ -41,7 +41,7 @@ def main() -> None:
     cases = [(with_bodies(bank, 0, 0), 1, "drawn"), (bank, 1, "drawn"), (bank, 4, "drawn"), (bank, 8, "drawn")]
     for impl in ("kinematic", "fused", *(("jax",) if args.with_mjx else ())):
         for houses, agents, kind in cases + (curve(bank) if args.curves and impl == "fused" else []):
-            record = measure(houses, PhysicsConfig(impl=impl, num_agents=agents), args.num_envs, kind)
+            record = measure(houses, PhysicsSetup(impl=impl, num_agents=agents), args.num_envs, kind)
             record |= {"bodies": houses.spec.num_bodies, "doors": houses.spec.num_doors}
             record |= {"houses": args.houses or f"{bank.num_houses} generated", "device": device_name()}
             print(json.dumps(record), flush=True)
@@ -67,7 +67,7 @@ def with_bodies(bank: HouseBank, bodies: int, doors: int) -> HouseBank:
     return bank.replace(physics=bank.physics.replace(**arrays), spec=spec)
 
 
-def measure(bank: HouseBank, config: PhysicsConfig, num_envs: int, kind: str) -> dict:
+def measure(bank: HouseBank, config: PhysicsSetup, num_envs: int, kind: str) -> dict:
     """Return the record of one case: random actions, all bodies at rest, or all bodies falling."""
     template, agents = Template(config, bank.spec), config.num_agents
     house = jnp.arange(num_envs) % bank.num_houses

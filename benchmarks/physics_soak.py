@@ -38,7 +38,7 @@ import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.core.profiling import device_name
 from home_mjx.navigation import door_angles
-from home_mjx.physics import HandCommands, PhysicsConfig, PhysicsState, Template
+from home_mjx.physics import HandCommands, PhysicsSetup, PhysicsState, Template
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.timing import Timing
 
@@ -79,7 +79,7 @@ def main() -> None:
     args = parser.parse_args()
     bank = home_mjx.make("PointNav-v0", args.houses, num_houses=args.num_houses, sensors=("state",)).params.bank
     timing = Timing(sim_dt=args.sim_dt)
-    template = Template(PhysicsConfig(impl=args.impl, timing=timing, num_agents=args.num_agents), bank.spec)
+    template = Template(PhysicsSetup(impl=args.impl, timing=timing, num_agents=args.num_agents), bank.spec)
     begun = time.perf_counter()
     house, seen, steps = soak(template, bank, args.num_envs, args.steps, args.seed, args.seconds)
     record = {"case": f"physics_soak/{args.impl}", "houses": args.houses or "generated", "num_houses": bank.num_houses}

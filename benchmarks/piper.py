@@ -46,10 +46,8 @@ class Advised(ExpertObservationEnv):
         super().__init__(core)
         self._act = act
 
-    def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
-        """Return observations and advice."""
-        obs = HouseholdEnv.sense(self, snapshot, state, costly)
-        return obs if costly else obs | {EXPERT: self._select_acting(self._act(snapshot, state))}
+    def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
+        return {EXPERT: self._act(snapshot, state)}
 
 
 def follow(snapshot: Snapshot, whom: Array) -> Array:
@@ -86,10 +84,9 @@ def loyal(snapshot: Snapshot, state: State) -> Array:
 class Remembers(Advised):
     """Environment that stores the start positions of agents in `State.info`."""
 
-    def begin(self, *args: Any, **options: Any) -> State:
-        """Start a new episode."""
-        state = super().begin(*args, **options)
-        return state.replace(info=state.info | {"begun": self.snapshot(args[0], state).pose.pos})
+    def _init(self, *args: Any, **options: Any) -> tuple[State, Snapshot]:
+        state, snapshot = super()._init(*args, **options)
+        return state.replace(info=state.info | {"begun": snapshot.pose.pos}), snapshot
 
 
 def main() -> None:

@@ -19,7 +19,7 @@ import numpy as np
 
 import home_mjx
 from home_mjx import physics
-from home_mjx.physics import PhysicsConfig, Template
+from home_mjx.physics import PhysicsSetup, Template
 from home_mjx.physics.mjx.slots import half_above_floor
 from home_mjx.physics.mujoco.mjcf import HouseRows, house_mjcf
 from home_mjx.schema.timing import Timing
@@ -27,7 +27,7 @@ from home_mjx.schema.timing import Timing
 STEPS, CALLS, SUBSTEPS = 20, 5, Timing().substeps
 NCONMAX, NJMAX = 256, 1024  # maximum number of contacts and constraints of a world
 PUSH = 4.0  # [m/s^2] acceleration by forces; agents then move at about 0.5 m/s
-ITERATIONS = 6  # iterations of Newton's method and its line search, as in `PhysicsConfig`
+ITERATIONS = 6  # iterations of Newton's method and its line search, as in `PhysicsSetup`
 
 
 def main() -> None:
@@ -41,7 +41,7 @@ def main() -> None:
     args = parser.parse_args()
     options = {"num_houses": args.num_houses, "max_bodies": max(args.bodies), "sensors": ("state",)}
     bank = home_mjx.make("PointNav-v0", args.houses, **options).params.bank
-    config, begins = PhysicsConfig(), np.asarray(bank.navigation.start)
+    config, begins = PhysicsSetup(), np.asarray(bank.navigation.start)
     for house in range(args.measure):
         for bodies in args.bodies:
             rows = rows_of(bank, house, bodies)
@@ -63,7 +63,7 @@ def rows_of(bank, house: int, bodies: int) -> HouseRows:
     return HouseRows(**rows)
 
 
-def poses(bank, config: PhysicsConfig, house: int, rows: HouseRows) -> np.ndarray:
+def poses(bank, config: PhysicsSetup, house: int, rows: HouseRows) -> np.ndarray:
     """Return the `qpos` of the model after a reset."""
     template = Template(config, bank.spec)
     state = physics.reset(template, bank, jnp.int32(house), bank.navigation.start[house, :1], jnp.zeros(1))

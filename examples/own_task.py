@@ -8,19 +8,19 @@ import numpy as np
 import home_mjx
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import (
+from home_mjx.tasks import add_expert
+from home_mjx.tasks.rules import (
     FAILURE,
     SUCCESS,
     Condition,
     Feature,
     HouseView,
-    NavigationTask,
     Selector,
     TaskRow,
     TaskStage,
     Transition,
-    add_expert,
 )
+from home_mjx.tasks.suite import NavigationTask
 from home_mjx.training import evaluate, expert_policy
 
 
@@ -36,7 +36,7 @@ class HurryToBed(NavigationTask):
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield one task per bed; start poses are sampled by the environment."""
-        near, late = Condition(Feature.DISTANCE, 0, most=1.0), Condition(Feature.TIME, least=self.most_steps)
+        near, late = Condition(Feature.DISTANCE, 0, maximum=1.0), Condition(Feature.TIME, minimum=self.most_steps)
         for thing in view.objects:
             if thing.semantic(Semantic.COARSE) == COARSE.index("bed"):
                 stage = TaskStage((Transition(SUCCESS, (near,), reward=1.0), Transition(FAILURE, (late,))), guide=0)

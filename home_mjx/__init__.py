@@ -12,7 +12,7 @@ __version__ = "0.1.0"
 
 _PUBLIC = {
     "AutoReset": "home_mjx.tasks",
-    "BoundEnv": "home_mjx.tasks",
+    "Env": "home_mjx.tasks",
     "EnvConfig": "home_mjx.tasks",
     "EnvParams": "home_mjx.tasks",
     "EnvSpec": "home_mjx.registry",

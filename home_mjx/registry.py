@@ -9,7 +9,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from home_mjx.core.checks import check_flag, check_number, check_type
+from home_mjx.core.checks import check_flag, check_frozen_dataclass, check_number, check_type
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
@@ -44,7 +44,7 @@ class EnvSpec:
         ConfigError: A value has the wrong type.
 
     Example:
-        >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
+        >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav", {"width": 32})
         >>> EnvSpec.from_json(spec.to_json()) == spec
         True
     """
@@ -151,7 +151,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         ConfigError: The id has another form or is taken, or a `Task` subclass is not a frozen dataclass.
 
     Example:
-        >>> register("NearGoal-v0", "home_mjx.tasks:PointNav", {"success_radius": 1.0})  # doctest: +SKIP
+        >>> register("NearGoal-v0", "home_mjx.tasks.suite:PointNav", {"success_radius": 1.0})  # doctest: +SKIP
     """
     if not _ID.match(env_id):
         raise ConfigError(f"environment id `{env_id}` is not of the form Name-vN", hint="For example PointNav-v0")
@@ -233,11 +233,11 @@ def find_spec(env_id: str) -> EnvSpec:
 
 def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
     """Return whether the entry point is a `Task` subclass; raise `ConfigError` if it is an invalid one."""
-    from home_mjx.tasks.base.task import Task, check_task_class
+    from home_mjx.tasks.base.task import Task
 
     if not (isinstance(entry_point, type) and issubclass(entry_point, Task)):
         return False
-    check_task_class(entry_point)
+    check_frozen_dataclass("task", entry_point)
     return True
 
 
@@ -259,20 +259,22 @@ def load_entry_point(entry_point: str) -> Callable[..., Any]:
 
 if "gymnasium" not in sys.modules:
     sys.meta_path.insert(0, _GymnasiumFinder())
-register("PointNav-v0", "home_mjx.tasks:PointNav")
+register("PointNav-v0", "home_mjx.tasks.suite:PointNav")
 for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
-    register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})
+    register(f"{_name}-v0", f"home_mjx.tasks.suite:{_name}", {"actions": "discrete", "stop": True})
 # Number of exploration steps of Chaplot et al. with the same actions (arXiv:2004.05155).
-register("Exploration-v0", "home_mjx.tasks:Exploration", {"actions": "discrete", "episode_length": 1000})
-register("PiedPiper-v0", "home_mjx.tasks:PiedPiper", {"actions": "discrete", "num_agents": 3})
-register("HouseQA-v0", "home_mjx.tasks:HouseQA", {"actions": "discrete"})
-register("VQA-v0", "home_mjx.tasks:VQA", {"actions": "discrete"})
-register("Dialogue-v0", "home_mjx.tasks:Dialogue", {"actions": "discrete", "stop": True})
-register("Communication-v0", "home_mjx.tasks:Communication", {"actions": "discrete", "stop": True, "num_agents": 2})
+register("Exploration-v0", "home_mjx.tasks.suite:Exploration", {"actions": "discrete", "episode_length": 1000})
+register("PiedPiper-v0", "home_mjx.tasks.suite:PiedPiper", {"actions": "discrete", "num_agents": 3})
+register("HouseQA-v0", "home_mjx.tasks.suite:HouseQA", {"actions": "discrete"})
+register("VQA-v0", "home_mjx.tasks.suite:VQA", {"actions": "discrete"})
+register("Dialogue-v0", "home_mjx.tasks.suite:Dialogue", {"actions": "discrete", "stop": True})
+register(
+    "Communication-v0", "home_mjx.tasks.suite:Communication", {"actions": "discrete", "stop": True, "num_agents": 2}
+)
 _HANDS = {
     "hands": True,
     "max_aim_angle": 10.0,
     "max_pitch": 1.05,
 }  # pitch steps of 15 degrees, down to 60 as in AI2-THOR
 for _name in ("Fetch", "Rearrange"):
-    register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True, **_HANDS})
+    register(f"{_name}-v0", f"home_mjx.tasks.suite:{_name}", {"actions": "discrete", "stop": True, **_HANDS})

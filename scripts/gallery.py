@@ -17,10 +17,10 @@ from PIL import Image
 from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.houses import load_bank
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
-from home_mjx.raycast_render.cameras.noise import kinect_depth
+from home_mjx.raycast_render.images.noise import kinect_depth
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.tasks.arrangements import with_arrangements
 from home_mjx.tasks.variation.draw import CameraOffsets, sample_variation
 from home_mjx.tasks.variation.ranges import Variation
@@ -49,10 +49,10 @@ class Studio:
         nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
         return make_scene(self.bank, self.house, jnp.asarray(self.bodies), jnp.asarray(self.turns), *nobody)
 
-    def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None, drawn=None):
+    def draw(self, camera, lens, kinds=("rgb",), shader="fast", depth_max=None, drawn=None):
         """Render images to the host; `drawn` applies an episode's variation."""
         scene = self.scene() if drawn is None else self.scene().replace(appearance=drawn.look)
-        images = look(lens, kinds, preset, depth_max)(scene, camera)
+        images = look(lens, kinds, shader, depth_max)(scene, camera)
         return {kind: np.asarray(image) for kind, image in images.items()}
 
     def views(self, count, tries=40):
@@ -81,9 +81,9 @@ class Studio:
 
 
 @functools.cache
-def look(lens, kinds, preset, depth_max):
-    """Return a compiled program per lens and preset."""
-    return jax.jit(functools.partial(render, lens=lens, kinds=kinds, shader=preset, depth_max=depth_max))
+def look(lens, kinds, shader, depth_max):
+    """Return a compiled program per lens and shader."""
+    return jax.jit(functools.partial(render, lens=lens, kinds=kinds, shader=shader, depth_max=depth_max))
 
 
 def camera(pos, yaw, pitch=0.0, fovy=1.25):
@@ -97,13 +97,13 @@ def panels(*rows):
 
 
 def presets(studios, samples):
-    """Draw the presets side by side."""
+    """Draw the shaders side by side."""
     rows = []
     for studio in studios[:2]:
         view = studio.views(1)[0]
         fast = studio.draw(view, Lens(*SIZE, samples=4))["rgb"]
-        one = studio.draw(view, Lens(*SIZE), preset="lit")["rgb"]
-        lit = studio.draw(view, Lens(*SIZE, samples=samples), preset=FINE)["rgb"]
+        one = studio.draw(view, Lens(*SIZE), shader="lit")["rgb"]
+        lit = studio.draw(view, Lens(*SIZE, samples=samples), shader=FINE)["rgb"]
         rows.append([("fast", fast), ("lit, one sample", one), (f"lit, {samples} samples, dark corners", lit)])
     return panels(*rows)
 
@@ -113,7 +113,7 @@ def kinds(studio, samples):
     view = studio.views(1)[0]
     names = ("depth", "normal", "albedo", "instance", "fine", "coarse", "nyu40", "room", "material", "partition")
     images = studio.draw(view, Lens(*SIZE), names)
-    shown = {"rgb": studio.draw(view, Lens(*SIZE, samples=samples), preset=FINE)["rgb"]}
+    shown = {"rgb": studio.draw(view, Lens(*SIZE, samples=samples), shader=FINE)["rgb"]}
     shown["depth"] = pictures.colour_depth(np.minimum(images["depth"][..., 0], FAR), FAR)
     noisy = np.asarray(kinect_depth(jax.random.key(0), jnp.asarray(images["depth"])))[..., 0]
     shown["depth of a Kinect"] = np.where(
@@ -129,7 +129,7 @@ def kinds(studio, samples):
 def cameras(studio, samples):
     """Draw the lenses: panorama, cube map, plan, lidar."""
     pos = np.asarray(studio.views(1)[0].pos)
-    draw = functools.partial(studio.draw, preset=FINE)
+    draw = functools.partial(studio.draw, shader=FINE)
     around = draw(camera(pos, 0.0), Lens(640, 320, "panorama", samples=samples))["rgb"]
     cube = draw(camera(pos, 0.0), Lens(160, 160, "cube", samples=samples))["rgb"]
     cube = np.concatenate([np.concatenate(cube[:3], axis=1), np.concatenate(cube[3:], axis=1)])
@@ -212,7 +212,7 @@ def varied(studio, samples):
     episodes = [(name, ranges, seed) for seed, (name, ranges) in enumerate(alone.items(), 1)]
     episodes += [(f"all, episode {seed}", whole, seed) for seed in range(3)]
     num_rooms = studio.bank.lights.ambient.shape[1]
-    shown = [("as the house has it", studio.draw(view, lens, preset=FINE)["rgb"])]
+    shown = [("as the house has it", studio.draw(view, lens, shader=FINE)["rgb"])]
     for name, ranges, seed in episodes:
         drawn = sample_variation(Variation.of(**ranges), jax.random.key(seed), num_rooms)
         mount = drawn.camera_offsets or CameraOffsets()
@@ -220,7 +220,7 @@ def varied(studio, samples):
         turn = np.array(quat_matrix(view.quat))
         yaw, pitch = np.arctan2(-turn[1, 2], -turn[0, 2]), np.arcsin(-turn[2, 2])
         own = camera(np.asarray(view.pos) + np.array([0, 0, rise]), yaw, pitch + tilt, float(view.fovy) + wider)
-        shown.append((name, studio.draw(own, lens, preset=FINE, drawn=drawn)["rgb"]))
+        shown.append((name, studio.draw(own, lens, shader=FINE, drawn=drawn)["rgb"]))
     return panels(shown[:3], shown[3:6], shown[6:])
 
 
@@ -228,7 +228,7 @@ def rooms(studios, samples):
     """Draw rooms of different houses."""
     lens = Lens(*SIZE, samples=samples)
     shown = [
-        [(f"house {i}", studio.draw(view, lens, preset=FINE)["rgb"]) for view in studio.views(3)]
+        [(f"house {i}", studio.draw(view, lens, shader=FINE)["rgb"]) for view in studio.views(3)]
         for i, studio in enumerate(studios[:3])
     ]
     return panels(*shown)

@@ -33,11 +33,12 @@ from home_mjx.audio_jax import (
     audio_preset,
     clip_samples,
     early_paths,
-    lookup_late_sound,
     render_frame,
     render_receiver_state,
     stft_magnitude,
 )
+from home_mjx.audio_jax.base.options import Baked, EarlyPaths, Omni
+from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli.floors import draw_storey_maps
 from home_mjx.core.transforms import camera_quat
@@ -109,7 +110,7 @@ def doors(args):
     hinged = (portals.room >= 0).all(axis=1) & (portals.leaf[:, 0] >= 0)
     pair = portals.room[np.flatnonzero(hinged)[0]]
     source, listener = (jnp.asarray(middle(house, room), jnp.float32) for room in pair)
-    config = AudioConfig(receiver="omni", late="baked", num_edges=8)
+    config = AudioConfig(early=EarlyPaths(num_edges=8), late=Baked(), receiver=Omni())
     wide, closed = bank.physics.door_fully_open[0], bank.physics.door_closed[0]
 
     @jax.jit
@@ -138,13 +139,13 @@ def doorway(args):
     scene, source = scene_of(bank), jnp.float32([4.6, 0.9, 1.4])
     along = np.arange(-1.8, 1.81, 0.05)
     places = jnp.asarray(np.stack([np.full_like(along, 7.2), along, np.full_like(along, 1.5)], axis=1), jnp.float32)
-    cliff, bent = (AudioConfig(receiver="omni", late="baked", num_edges=n) for n in (0, 8))
+    cliff, bent = (AudioConfig(early=EarlyPaths(num_edges=n), late=Baked(), receiver=Omni()) for n in (0, 8))
 
     @partial(jax.jit, static_argnums=1)
     def walk(places, config):
         def one(place):
             paths = early_paths(scene, SoundSource(source), Listener(place, UPRIGHT), config)
-            straight = jnp.sum(paths.gain[: 1 + config.num_edges] ** 2, axis=0)
+            straight = jnp.sum(paths.gain[: 1 + config.early.num_edges] ** 2, axis=0)
             late = jnp.sum(lookup_late_sound(scene, source, place, config).energy, axis=0)
             return straight, late + jnp.sum(paths.gain**2, axis=0)
 
@@ -163,7 +164,7 @@ def doorway(args):
 
 def plan(args):
     """Draw level and T30 over a storey."""
-    house, config = args.house, AudioConfig(late="baked", response_seconds=1.2)
+    house, config = args.house, AudioConfig(late=Baked(), response_seconds=1.2)
     goal = np.asarray(house.navigation.start)[0] + EARS
     pictures = draw_storey_maps(scene_of(args.baked), goal.astype(np.float32), config)
     height = max(picture.shape[0] for picture in pictures.values())

@@ -17,6 +17,7 @@ import numpy as np
 from PIL import Image
 
 import home_mjx
+import home_mjx.tasks.suite
 from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.observers import EpisodeStep, Observer
 from home_mjx.tasks import add_expert
@@ -93,7 +94,7 @@ class Artist:
 
     def __init__(self, env_id: str) -> None:
         self.shown = SHOWN[env_id]
-        task = getattr(home_mjx.tasks, home_mjx.registry.find_spec(env_id).entry_point.partition(":")[2])
+        task = getattr(home_mjx.tasks.suite, home_mjx.registry.find_spec(env_id).entry_point.partition(":")[2])
         options = {"num_tasks": ROWS} if hasattr(task, "num_tasks") else {}
         options |= {"num_houses": HOUSES, "split": "val", "sensors": ("state",), "impl": "kinematic"}
         self.env = add_expert(with_episodes(home_mjx.make(env_id, **options, **self.shown.options), ROWS * HOUSES))

@@ -60,7 +60,7 @@ jax.eval_shape(env.step, state, jax.ShapeDtypeStruct((env.action_size,), "float3
 def test_gymnasium_has_our_ids_whichever_is_imported_first(order: str):
     program = f"""
 import {order}
-home_mjx.register("Later-v0", "home_mjx.tasks:PointNav")
+home_mjx.register("Later-v0", "home_mjx.tasks.suite:PointNav")
 print(sum(name.startswith("home_mjx/") for name in gymnasium.registry) == len(home_mjx.list_envs()))
 """
     assert run_python(program).split() == ["True"]

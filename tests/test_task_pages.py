@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 import home_mjx
-import home_mjx.tasks
+import home_mjx.tasks.suite
 from home_mjx.registry import find_spec
 from home_mjx.tasks import RowTask
 
@@ -17,7 +17,9 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 LARGEST = 60_000  # bytes of a picture
 WIDEST = 800  # [px]
-IDS = tuple(env_id for env_id in home_mjx.list_envs() if find_spec(env_id).entry_point.startswith("home_mjx.tasks:"))
+IDS = tuple(
+    env_id for env_id in home_mjx.list_envs() if find_spec(env_id).entry_point.startswith("home_mjx.tasks.suite:")
+)
 SHARED = {field.name for field in fields(RowTask)}
 
 
@@ -47,7 +49,7 @@ def test_a_task_has_a_page_with_a_small_picture(env_id):
 
 @pytest.mark.parametrize("env_id", IDS)
 def test_its_page_names_every_option_and_its_default(env_id):
-    task = getattr(home_mjx.tasks, find_spec(env_id).entry_point.partition(":")[2])
+    task = getattr(home_mjx.tasks.suite, find_spec(env_id).entry_point.partition(":")[2])
     told = dict(re.findall(r"^\| `(\w+)` \| ([^|]+) \|", page_of(env_id).read_text(), re.MULTILINE))
     shared = SHARED if issubclass(task, RowTask) else set()
     own = {field.name: default_of(field) for field in fields(task) if field.name not in shared}

@@ -17,6 +17,7 @@ from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import convolve_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import Baked
 from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions, bake_house
 from home_mjx.audio_jax.moving_sources.frame import render_early, render_frame, render_frames, render_late
@@ -32,7 +33,7 @@ FRAME_MOVEMENT = 0.1  # [m] movement of source and listener in a frame
 def response(settings: BenchSettings) -> Measurement:
     """Measure impulse responses."""
     value, seconds = rate_per_environment(settings, partial(_receive, impulse_response, CONFIG, 0.0))
-    note = f"{CONFIG.num_rays} rays, {CONFIG.num_bounces} bounces, {CONFIG.response_length} samples; {settings.houses}"
+    note = f"{_describe_late(CONFIG)}, {CONFIG.response_length} samples; {settings.houses}"
     return make_measurement(
         "audio/response", value, "responses/s", note, num_envs=settings.num_envs, compile_seconds=seconds
     )
@@ -90,7 +91,7 @@ def frame_late(settings: BenchSettings) -> Measurement:
 
 def frame_baked(settings: BenchSettings) -> Measurement:
     """Measure a response and its frame with baked late reverberation."""
-    return _frames("audio/frame-baked", AudioConfig(late="baked"), settings)
+    return _frames("audio/frame-baked", AudioConfig(late=Baked()), settings)
 
 
 def reception_fast(settings: BenchSettings) -> Measurement:
@@ -117,7 +118,7 @@ def features(settings: BenchSettings) -> Measurement:
 
 def features_baked(settings: BenchSettings) -> Measurement:
     """Measure the same features with baked late reverberation."""
-    return _features("audio/features-baked", AudioConfig(late="baked"), settings)
+    return _features("audio/features-baked", AudioConfig(late=Baked()), settings)
 
 
 def bake(settings: BenchSettings) -> Measurement:
@@ -194,15 +195,17 @@ def _frames(case: str, config: AudioConfig, settings: BenchSettings, sources: in
 
 
 def _describe_late(config: AudioConfig) -> str:
-    return "late sound baked" if config.late == "baked" else f"{config.num_rays} rays, {config.num_bounces} bounces"
+    if isinstance(config.late, Baked):
+        return "late sound baked"
+    return f"{config.traced.num_rays} rays, {config.traced.num_bounces} bounces"
 
 
 def _bank(settings: BenchSettings, config: AudioConfig) -> HouseBank:
-    return settings.late_bank if config.late == "baked" else settings.bank
+    return settings.late_bank if isinstance(config.late, Baked) else settings.bank
 
 
 def _receiver(config: AudioConfig) -> Callable[..., Any]:
-    return render_receiver_state if config.motion else impulse_response
+    return render_receiver_state if config.motion is not None else impulse_response
 
 
 def _previous_receptions(settings: BenchSettings, config: AudioConfig, step: float, sources: int = 1) -> Any:
@@ -232,7 +235,7 @@ def _frame(config: AudioConfig, house: jax.Array, old: Any, new: Any, sources: i
     source = _clip(config, house)
     if sources > 1:
         return render_frames(jnp.broadcast_to(source, (sources, *source.shape)), old, new, config)
-    return (render_frame if config.motion else convolve_frame)(source, old, new, config)
+    return (render_frame if config.motion is not None else convolve_frame)(source, old, new, config)
 
 
 def _clip(config: AudioConfig, house: jax.Array) -> jax.Array:

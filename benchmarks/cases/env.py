@@ -23,7 +23,8 @@ def depth(settings: BenchSettings) -> Measurement:
 
 def mix(settings: BenchSettings) -> Measurement:
     """Measure steps of a mix of tasks with the default sensors; the peer is PointNav alone with the same actions."""
-    from home_mjx.tasks import HouseholdEnv, HouseTasks, InstructionFollowing, ObjectNav, PointGoals, RoomNav
+    from home_mjx.tasks import HouseholdEnv
+    from home_mjx.tasks.suite import HouseTasks, InstructionFollowing, ObjectNav, PointGoals, RoomNav
 
     options: dict[str, Any] = {"actions": "discrete", "stop": True}
     alone = make("PointNav-v0", settings.bank, episode_length=10**6, **options)

@@ -18,7 +18,7 @@ from home_mjx.core import profiling
 
 def step(settings: BenchSettings) -> Measurement:
     """Measure control steps of all environments with MJX; the peer is MuJoCo in C on the first house's full MJCF."""
-    peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, physics.PhysicsConfig()))
+    peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, physics.PhysicsSetup()))
     return _record(settings, "step", "jax", peer)
 
 
@@ -38,7 +38,7 @@ def kinematic(settings: BenchSettings) -> Measurement:
 
 
 def _record(settings: BenchSettings, case: str, impl: str, peer: tuple[str, float] | None) -> Measurement:
-    bank, config = settings.bank, physics.PhysicsConfig(impl=impl)
+    bank, config = settings.bank, physics.PhysicsSetup(impl=impl)
     template = physics.Template(config, bank.spec)
     houses, starts = houses_and_starts(settings)
     yaw = jnp.zeros((settings.num_envs, 1), jnp.float32)
@@ -55,7 +55,7 @@ def _record(settings: BenchSettings, case: str, impl: str, peer: tuple[str, floa
     )
 
 
-def _mujoco(settings: BenchSettings, config: physics.PhysicsConfig) -> float:
+def _mujoco(settings: BenchSettings, config: physics.PhysicsSetup) -> float:
     """Measure control steps per second of MuJoCo in C."""
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 

@@ -35,7 +35,7 @@ class Actor:
 
     def walk(self, moment: Moment, aim: Float[np.ndarray, " 2"], pitch: float = 0.0) -> Action:
         """Straight towards a point [m], looking up by `pitch` [rad]."""
-        body, dt = self.config.physics.agents[self.agent], self.config.timing.ctrl_dt
+        body, dt = self.config.agents[self.agent], self.config.timing.ctrl_dt
         action = self.stand()
         action[:4] = steer(moment.pos[self.agent], float(moment.yaw[self.agent]), aim, body.turn_rate * dt)
         action[NAMES.index("look_up")] = self._tilt(pitch - float(moment.pitch[self.agent]))
@@ -43,7 +43,7 @@ class Actor:
 
     def look(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> Action:
         """Towards a point [m], on the spot."""
-        body, dt = self.config.physics.agents[self.agent], self.config.timing.ctrl_dt
+        body, dt = self.config.agents[self.agent], self.config.timing.ctrl_dt
         turn, tilt = self._off(moment, point)
         action = self.stand()
         action[NAMES.index("turn_left")] = np.clip(CALM * turn / (body.turn_rate * dt), -1, 1)
@@ -67,7 +67,7 @@ class Actor:
 
     def eyes(self, moment: Moment) -> Float[np.ndarray, "3"]:
         """[m]."""
-        body = self.config.physics.agents[self.agent]
+        body = self.config.agents[self.agent]
         return moment.pos[self.agent] + np.array([0.0, 0.0, body.eye_height - body.height / 2])
 
     def _off(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> tuple[float, float]:

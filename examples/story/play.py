@@ -79,7 +79,7 @@ def play(env: Env[HouseholdEnv], told: Callable[[Step], None] = lambda step: Non
 
 def opening(core: HouseholdEnv, params: EnvParams, key: jax.Array, places: Places) -> State:
     """The first state that a key gives, in which the loudspeaker plays; pure JAX."""
-    state = core.begin(params, key)
+    state = core.reset(params, key, observe=False)
     return state.replace(world=state.world.move_source(jnp.asarray(places.sound, jnp.float32)))
 
 
@@ -90,7 +90,9 @@ def suitable_start(env: Env[HouseholdEnv], places: Places) -> jax.Array:
         HomeMjxError: There is none among many keys.
     """
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), TRIED))
-    start = jax.jit(jax.vmap(lambda p, k: moment_of(env.core, p, env.core.begin(p, k))["pos"], (None, 0)))
+    start = jax.jit(
+        jax.vmap(lambda p, k: moment_of(env.core, p, env.core.reset(p, k, observe=False))["pos"], (None, 0))
+    )
     pos = np.asarray(start(env.params, keys))
     door, upstairs = places.door, places.stairs.upstairs
     away = door.middle[:2] - pos[:, CARRIER, :2]

@@ -109,7 +109,7 @@ class Script:
 
     def is_upstairs(self, moment: Moment) -> bool:
         """Whether the carrier stands on the upper floor."""
-        half = self.carrier.config.physics.agents[CARRIER].height / 2
+        half = self.carrier.config.agents[CARRIER].height / 2
         return abs(float(moment.pos[CARRIER, 2]) - half - self.places.stairs.upstairs) < 0.02
 
     def spot(self, moment: Moment) -> Float[np.ndarray, "3"]:

@@ -155,7 +155,7 @@ class DisplayCamera:
     """
 
     def __init__(self, env: Env[HouseholdEnv], size: tuple[int, int]) -> None:
-        view = AgentCamera("picture", ("rgb",), Lens(*size), env.config.fovy)
+        view = AgentCamera("picture", ("rgb",), Lens(*size), env.config.fovy, shader=env.config.shader)
 
         def draw(params: Any, state: State) -> Any:
             snapshot = env.core.snapshot(params, state)
@@ -163,8 +163,7 @@ class DisplayCamera:
                 lambda x: x[0], place_cameras(env.config, view, snapshot.pose, snapshot.camera_offsets)
             )
             own = agent_ids(snapshot.bank, 1)[0]
-            preset = env.config.shader
-            return render(snapshot.scene, camera, view.lens, kinds=("rgb",), shader=preset, exclude=own)["rgb"]
+            return render(snapshot.scene, camera, view.lens, kinds=("rgb",), shader=view.shader, exclude=own)["rgb"]
 
         self._params, self._draw = env.params, jax.jit(draw)
 

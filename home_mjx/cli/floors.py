@@ -48,8 +48,13 @@ def draw_storey_maps(scene: "Scene", source: np.ndarray, config: "AudioConfig") 
 
 def reduce_rays(config: "AudioConfig") -> "AudioConfig":
     """Return options for many receivers: fewer rays, but enough per octave for receivers that few rays reach."""
-    rays = min(MAX_RAYS_PER_OCTAVE * config.ray_groups, config.num_rays)
-    return replace(config, num_rays=rays, num_bounces=min(MAX_BOUNCES, config.num_bounces))
+    from home_mjx.audio_jax.base.options import Traced
+
+    if not isinstance(config.late, Traced):
+        return config
+    rays = min(MAX_RAYS_PER_OCTAVE * config.late.num_groups, config.late.num_rays)
+    few = replace(config.late, num_rays=rays, num_bounces=min(MAX_BOUNCES, config.late.num_bounces))
+    return replace(config, late=few)
 
 
 def _receiver_grid(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

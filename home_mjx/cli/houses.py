@@ -26,7 +26,7 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
         type=parse_path,
         default=dataset_root(),
         metavar="ROOT",
-        help="root of a dataset in SUNCG's format (default: $SUNCG_DATA_DIR, or generated houses)",
+        help="folder of a dataset, or its name such as procedural:16 (default: $SUNCG_DATA_DIR, or generated houses)",
     )
     parser.add_argument("--suncg", dest="dataset", type=parse_path, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
 
@@ -77,13 +77,15 @@ def selected_root(args: argparse.Namespace) -> str | Path:
     """Return the folder or name of the dataset that the arguments name, by default of one generated house."""
     if is_dataset_root(args):
         return args.house
-    return args.dataset or DEFAULT_DATASET
+    return str(args.dataset or DEFAULT_DATASET)
 
 
 def is_dataset_root(args: argparse.Namespace) -> bool:
-    """Return whether `HOUSE` is a dataset root: a path, or a folder that is not a house of `--dataset`."""
+    """Return whether `HOUSE` is a dataset: its name, a path, or a folder that is not a house of `--dataset`."""
+    from home_mjx.datasets.registry import has_scheme
+
     name = args.house
-    if name is None or Path(name).name != name:
+    if name is None or Path(name).name != name or has_scheme(name):
         return name is not None
     known = args.dataset is not None and (args.dataset / "house" / name / "house.json").exists()
     return Path(name).is_dir() and not known

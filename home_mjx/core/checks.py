@@ -1,5 +1,6 @@
 """Option checks; each raises a `ConfigError` with the expected and the actual value."""
 
+import inspect
 import json
 import math
 import numbers
@@ -50,6 +51,20 @@ def check_type(name: str, value: object, kind: type) -> None:
     """Raise `ConfigError` unless an option is an instance of `kind`."""
     if not isinstance(value, kind):
         raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {shorten(value)}")
+
+
+def check_frozen_dataclass(role: str, cls: type) -> None:
+    """Raise `ConfigError` unless a class whose fields are options is a frozen dataclass.
+
+    Args:
+        role: Role of the class, for the message.
+        cls: The class; one that adds fields to a frozen dataclass needs the decorator as well.
+    """
+    params = getattr(cls, "__dataclass_params__", None)
+    lost = inspect.get_annotations(cls) if "__dataclass_params__" not in vars(cls) else {}
+    if params is None or not params.frozen or lost:
+        hint = "Write @dataclasses.dataclass(frozen=True) above the class."
+        raise ConfigError(f"the {role} {cls.__name__} is not a frozen dataclass", hint=hint)
 
 
 def check_number(

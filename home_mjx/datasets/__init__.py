@@ -4,7 +4,6 @@ Host only: no module here imports JAX.
 """
 
 from home_mjx.datasets.base import Dataset, FileDigests, InputDigests
-from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.outlines import RoomOutline, WallOpening, outline_house
 from home_mjx.datasets.registry import dataset_schemes, open_dataset, register_dataset
@@ -14,6 +13,7 @@ from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg import LibraryModel, SuncgDataset, write_house, write_library
 from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
 from home_mjx.datasets.suncg.validate.validate import validate_house
+from home_mjx.schema.house import Joint
 
 __all__ = [
     "RULES",

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import ClassVar, Protocol, runtime_checkable
 
 from home_mjx.core.files import resolve_below
-from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
-from home_mjx.schema.house import Fallback, House, Metadata, ModelInfo
+from home_mjx.schema.categories import COARSE, FINE, NYU40
+from home_mjx.schema.house import Fallback, House, Joints, Metadata, ModelInfo
 
 log = logging.getLogger(__name__)
 
@@ -155,23 +155,27 @@ class Dataset(ABC):
             category: A key of `categories`.
 
         Raises:
-            UnknownNameError: `categories` lacks the category.
+            UnknownNameError: `categories` lacks the category, or maps it to a name outside `FINE`, `COARSE` or `NYU40`.
         """
         if category not in self.categories:
             message = f"category `{category}` of model `{model_id}` has no entry in {type(self).__name__}.categories"
             raise UnknownNameError(message, hint=did_you_mean(category, self.categories))
-        fine, coarse, nyu40 = self.categories[category]
-        return ModelInfo(model_id, fine, coarse, nyu40)
+        row = self.categories[category]
+        for name, known in zip(row, (FINE, COARSE, NYU40), strict=True):
+            if name not in known:
+                message = f"category `{category}` maps to `{name}`, which is not in SUNCG's vocabulary"
+                raise UnknownNameError(message, hint=did_you_mean(name, known))
+        return ModelInfo(model_id, *row)
 
-    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[Fallback]) -> None:
+    def warn_fallbacks(self, house_id: str, fallbacks: Sequence[Fallback]) -> None:
         """Log one warning that lists replacements of missing files.
 
         Args:
             house_id: Id of the house.
-            stand_ins: The replacements; no warning if empty.
+            fallbacks: The replacements; no warning if empty.
         """
-        if stand_ins:
-            log.warning("house %s lacks %d files: fallbacks are used", house_id, len(stand_ins))
+        if fallbacks:
+            log.warning("house %s lacks %d files: fallbacks are used", house_id, len(fallbacks))
 
     @cached_property
     def _known(self) -> frozenset[str]:

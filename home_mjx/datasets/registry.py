@@ -19,6 +19,7 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError, Unknown
 
 LAYOUT = "A dataset root in SUNCG's format holds house/, room/, object/, texture/ and metadata/."
 GROUP = "home_mjx.datasets"  # entry points that open datasets by their scheme
+SUNCG = EntryPoint("suncg", "home_mjx.datasets.suncg.dataset:open_suncg", GROUP)  # opens other folders
 SCHEME = re.compile(r"([a-z][a-z0-9_+-]+):(?!//|\\)(.*)", re.DOTALL)  # two letters and more: `C:` is a drive
 
 
@@ -111,9 +112,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
     for known in [*_FORMATS.values()]:
         if known.recognizes is not None and known.recognizes(path):
             return known.open(str(path))
-    from home_mjx.datasets.suncg.dataset import open_suncg
-
-    return open_suncg(path)
+    return find_format(SUNCG.name).open(str(path))
 
 
 def find_format(scheme: str) -> DatasetFormat:
@@ -136,7 +135,7 @@ def find_format(scheme: str) -> DatasetFormat:
 @cache
 def _installed() -> dict[str, EntryPoint]:
     """Entry points of datasets by scheme."""
-    return {point.name: point for point in entry_points(group=GROUP)}
+    return {point.name: point for point in (SUNCG, *entry_points(group=GROUP))}
 
 
 def _loaded(point: EntryPoint) -> Any:

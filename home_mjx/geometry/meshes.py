@@ -1,12 +1,24 @@
-"""Triangles: frames, boxes and library models."""
+"""Triangles: frames, boxes, vertex normals, library models, and the tree over a house's static instances."""
 
 import hashlib
+from collections.abc import Mapping
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.geometry.normals import crease_normals
-from home_mjx.schema.compiled import Model
+from home_mjx.geometry.bvh import build_tree, build_triangle_tree
+from home_mjx.schema.compiled import BVH, Instances, Model
+from home_mjx.schema.house import Mesh
+
+Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # rotation from file to world axes: (x, y, z) -> (x, -z, y)
+# Corners of a cube by bits (x, y, z), and its faces as quads, counter-clockwise seen from outside.
+_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+_QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+FACE_NORMALS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]], float)
+MIN_CREASE_COSINE = np.cos(np.deg2rad(40.0))  # cosine of the crease angle; sharper edges are not smoothed
+WELD_DISTANCE = 1e-4  # [m], corners in the same grid cell of this size are merged
+MAX_CORNER_FACES = 64  # maximum faces around a smoothed corner; more indicate foliage, not a surface
+INSTANCE_BOX_MARGIN = 1e-4  # [m], margin of boxes; rays intersect instances in local frames, with other rounding errors
 
 
 def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " t"]:
@@ -15,17 +27,14 @@ def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " 
     return np.linalg.norm(normal, axis=1) / 2
 
 
-Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # rotation from file to world axes: (x, y, z) -> (x, -z, y)
-
-# Corners of a cube by bits (x, y, z), and its faces as quads, counter-clockwise seen from outside.
-_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-_QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
-FACE_NORMALS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]], float)
-
-
 def to_z_up(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
     """Rotate points from the dataset's axes (Y up) to the world's (Z up), without the house's offset."""
     return points @ Z_UP.T
+
+
+def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
+    """Return the triangles of a mesh, Z up [m]."""
+    return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
 
 
 def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "12 3 3"]:
@@ -80,8 +89,6 @@ def make_model(
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
     """
-    from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which the readers of models do not need
-
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
     triangle = triangles.astype(np.float32)
@@ -101,3 +108,87 @@ def make_model(
         tree=tree,
         box=bounds(triangle),
     )
+
+
+def tree_order(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
+    """Return the order in which `make_model` stores triangles: row i of the model is triangle `order[i]`."""
+    from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which the readers of models do not need
+
+    return build_triangle_tree(triangles.astype(np.float32))[1]
+
+
+def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
+    """Compute unit normals of corners: the mean of adjacent faces that differ by less than the crease angle.
+
+    Faces are weighted by area. A face without area has zero normals.
+
+    Args:
+        triangles: Corners, counter-clockwise outwards [m].
+
+    Example:
+        >>> flat = crease_normals(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]))
+        >>> flat[0, 0].tolist()
+        [0.0, 0.0, 1.0]
+    """
+    area = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    length = np.linalg.norm(area, axis=1, keepdims=True)
+    flat = np.divide(area, length, out=np.zeros_like(area), where=length > 0)
+    corner, other = _neighbours(triangles)
+    face = corner // 3
+    joined = np.einsum("ni,ni->n", flat[face], flat[other]) > MIN_CREASE_COSINE
+    total = np.zeros((len(triangles) * 3, 3))
+    for axis in range(3):
+        total[:, axis] = np.bincount(corner[joined], area[other[joined], axis], len(total))
+    size = np.linalg.norm(total, axis=1, keepdims=True)
+    smooth = np.divide(total, size, out=np.repeat(flat, 3, axis=0), where=size > 1e-12)
+    return smooth.reshape(-1, 3, 3)
+
+
+def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
+    """Return pairs of a corner (face * 3 + k) and a face with a corner at the same position, itself included."""
+    places = np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64)
+    place = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
+    order = np.argsort(place, kind="stable")
+    count = np.bincount(place)
+    start = np.cumsum(count) - count
+    mine = np.where(count[place] <= MAX_CORNER_FACES, count[place], 0)
+    corner = np.repeat(np.arange(len(place)), mine)
+    step = np.arange(len(corner)) - np.repeat(np.cumsum(mine) - mine, mine)
+    return corner, order[start[place[corner]] + step] // 3
+
+
+def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
+    """Return the horizontal axis, of either sign, that most of a wall's area faces.
+
+    It is the first principal axis of the normals, weighted by area.
+
+    Args:
+        normal: Horizontal part of each triangle's normal, scaled by its area [m^2].
+        area: Area of each triangle [m^2].
+    """
+    flat = normal / np.sqrt(np.maximum(area, 1e-12))[:, None]
+    return np.linalg.eigh(flat.T @ flat)[1][:, -1]
+
+
+def build_instance_tree(
+    instances: Instances, models: Mapping[str, Model], doors: Int[np.ndarray, " h"] | None = None
+) -> BVH:
+    """Build a tree with one static instance per leaf; leaves hold instance indices.
+
+    Args:
+        instances: Instances of a house; movable bodies are omitted.
+        models: Models by key.
+        doors: Instances of door leaves, which are omitted as well; None without doors.
+    """
+    static = np.setdiff1d(np.flatnonzero(instances.body < 0), [] if doors is None else doors)
+    boxes = np.array([instance_box(instances.pose[i], models[instances.model[i]].box) for i in static])
+    tree, order = build_tree(boxes + np.array([[-INSTANCE_BOX_MARGIN], [INSTANCE_BOX_MARGIN]]), leaf_size=1)
+    leaf = (tree.child < 0) & (tree.child != -1)
+    first = np.where(leaf, ~tree.child >> 4, 0)
+    return BVH(tree.box, np.where(leaf, ~(static[order[first]] << 4 | 1), tree.child).astype(np.int32))
+
+
+def instance_box(pose: Float[np.ndarray, "3 4"], box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
+    """Return the world bounds of a model's box [m]."""
+    corners = np.stack(np.meshgrid(*box.astype(np.float64).T), axis=-1).reshape(-1, 3)
+    return bounds(transform(pose, corners))

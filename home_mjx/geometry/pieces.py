@@ -22,6 +22,7 @@ class MeshPiece:
     faces: Int[np.ndarray, "f 3"]
     uv: Float[np.ndarray, "f 3 2"]
     slot: Int[np.ndarray, " f"]
+    part: str = ""  # pieces of one part, such as the layers of a wall, share its name
 
 
 def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
@@ -29,14 +30,14 @@ def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
 
     Args:
         wall: The wall.
-        wall_id: Suffix of both group names, such as `0_1_3`.
+        wall_id: Name of the wall, such as `0_1_3`: suffix of both group names, and their part.
     """
-    names = [f"{name}#{wall_id}" for name in ("WallInside", "WallOutside")]
-    return [_wall_piece(*item) for item in zip(names, wall_prisms(wall), (0, 2), strict=True)]
+    layers = zip(("WallInside", "WallOutside"), wall_prisms(wall), (0, 2), strict=True)
+    return [_wall_piece(f"{name}#{wall_id}", prism, slot, wall_id) for name, prism, slot in layers]
 
 
-def _wall_piece(group: str, prism: WallPrism, slot: int) -> MeshPiece:
-    return MeshPiece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.is_large_face, slot, 1))
+def _wall_piece(group: str, prism: WallPrism, slot: int, wall_id: str) -> MeshPiece:
+    return MeshPiece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.is_large_face, slot, 1), part=wall_id)
 
 
 def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Material], scale: float = 1.0) -> Mesh:
@@ -50,6 +51,7 @@ def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Mat
     """
     starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     names = tuple(dict.fromkeys(piece.group for piece in pieces))
+    parts = tuple(dict.fromkeys(piece.part for piece in pieces))
     return Mesh(
         path=path,
         vertices=np.concatenate([piece.vertices for piece in pieces]) * scale,
@@ -59,4 +61,5 @@ def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Mat
         group=np.concatenate([np.full(len(p.faces), names.index(p.group)) for p in pieces]).astype(np.int32),
         materials=tuple(replace(material, name=f"material_{i}") for i, material in enumerate(materials)),
         groups=names,
+        part=np.concatenate([np.full(len(p.faces), parts.index(p.part)) for p in pieces]).astype(np.int32),
     )

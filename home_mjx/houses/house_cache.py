@@ -131,14 +131,14 @@ class HouseCache:
         textures = {self._absolute(path): digest for path, digest in notes.pop("texture_paths").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(entry)
-        stand_ins = tuple(Fallback(**item) for item in notes.pop("fallbacks"))
-        if any(item.kind == "texture" and self._inputs.has_texture(item.name) for item in stand_ins):
+        fallbacks = tuple(Fallback(**item) for item in notes.pop("fallbacks"))
+        if any(item.kind == "texture" and self._inputs.has_texture(item.name) for item in fallbacks):
             raise FileNotFoundError(entry)  # other added files change the key
         models = self._models(notes["instances.model"])
         house = rebuild(CompiledHouse, arrays, notes, models=models)
         check_house(house, house_id)
-        self.fallbacks[house_id] = stand_ins
-        self.dataset.warn_fallbacks(house_id, stand_ins)
+        self.fallbacks[house_id] = fallbacks
+        self.dataset.warn_fallbacks(house_id, fallbacks)
         texture = tuple(map(self._absolute, house.materials.texture))
         return replace(house, materials=replace(house.materials, texture=texture))
 
@@ -156,7 +156,7 @@ class HouseCache:
         models = {key: self.library.setdefault(key, model) for key, model in compiled.models.items()}
         return replace(compiled, models=models)
 
-    def _write(self, house: CompiledHouse, stand_ins: Sequence[Fallback], entry: Path, broken: bool) -> None:
+    def _write(self, house: CompiledHouse, fallbacks: Sequence[Fallback], entry: Path, broken: bool) -> None:
         """Write the house's missing models, or all of them if the entry was corrupted, and then the house."""
         create_version_folder(self._folder)
         for key, model in house.models.items():
@@ -169,7 +169,7 @@ class HouseCache:
         notes["texture_paths"] = {
             self._relative(path): self._inputs.texture(path) for path in sorted(set(paths)) if path
         }
-        notes["fallbacks"] = [asdict(item) for item in stand_ins]
+        notes["fallbacks"] = [asdict(item) for item in fallbacks]
         write_entry(entry, arrays, notes)
 
     def _relative(self, path: str) -> str:

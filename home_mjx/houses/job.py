@@ -106,7 +106,7 @@ def compile_dataset(
         for outcome in found:
             note(outcome)
             counts[outcome.status] += 1
-            incomplete += bool(outcome.stand_ins)
+            incomplete += bool(outcome.fallbacks)
             fixed += outcome.fixed
             bar.set_postfix(failed=counts[FAILED], refresh=False)
             bar.update()
@@ -133,12 +133,12 @@ def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: s
         house_id: The house.
     """
     begin = time.perf_counter()
-    status, error, entry, stand_ins, fixed = FAILED, None, None, [], 0
+    status, error, entry, fallbacks, fixed = FAILED, None, None, [], 0
     try:
         houses = _houses(dataset, options, run)
         before = houses.num_compiled
         fixed = int(houses.load(house_id).report["movable_but_too_many"])
-        stand_ins = [str(item) for item in houses.fallbacks.get(house_id, ())]
+        fallbacks = [str(item) for item in houses.fallbacks.get(house_id, ())]
         status = COMPILED if houses.num_compiled > before else CACHED
         if len(houses.library) > MAX_CACHED_MODELS:
             _houses.cache_clear()
@@ -150,7 +150,7 @@ def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: s
         entry = str(path.relative_to(cache_folder()))
     except Exception as problem:  # one broken house of 45,000 must not stop the run
         status, error = FAILED, error_record(problem)
-    return CompileOutcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry, stand_ins, fixed)
+    return CompileOutcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry, fallbacks, fixed)
 
 
 @lru_cache(maxsize=1)

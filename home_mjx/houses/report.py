@@ -31,7 +31,7 @@ class CompileOutcome:
         seconds: Wall-clock time [s].
         error: Type, message, file, element and hint of the error; None unless it failed.
         entry: Path below the cache folder; None if it failed.
-        stand_ins: Descriptions of the fallbacks for missing parts of the dataset.
+        fallbacks: Descriptions of the fallbacks for missing parts of the dataset.
         fixed: Number of movable objects that stay fixed because they exceed `MovableOptions.max_bodies`.
     """
 
@@ -40,7 +40,7 @@ class CompileOutcome:
     seconds: float
     error: dict[str, str | None] | None = None
     entry: str | None = None
-    stand_ins: list[str] = field(default_factory=list)
+    fallbacks: list[str] = field(default_factory=list)
     fixed: int = 0
 
 

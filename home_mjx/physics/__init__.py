@@ -9,7 +9,7 @@ Standalone use:
     state = step(template, bank, house, state, action)
 """
 
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.dynamics import (
     agent_contact,
@@ -39,6 +39,7 @@ __all__ = [
     "MujocoModel",
     "Overflow",
     "PhysicsConfig",
+    "PhysicsSetup",
     "PhysicsState",
     "Template",
     "agent_contact",

@@ -16,7 +16,7 @@ from home_mjx.bank.records import Physics
 from home_mjx.core.native.fork_guard import check_not_forked
 from home_mjx.core.native.kernel import Kernel, call_native
 from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves, door_table
 from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.base.surfaces import body_surfaces
@@ -99,7 +99,7 @@ def _is_asleep(template: Template, qvel: Array, qacc: Array) -> Array:
     return ~jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
 
 
-def _house_arrays(config: PhysicsConfig, physics: Physics) -> tuple[Array, ...]:
+def _house_arrays(config: PhysicsSetup, physics: Physics) -> tuple[Array, ...]:
     """Return the house arrays in the order of `operands`; boxes not above the floor get a negative size."""
     half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
@@ -125,4 +125,4 @@ def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array,
     results += [jax.ShapeDtypeStruct((envs, mobiles, 4), jnp.float32), jax.ShapeDtypeStruct((envs, mobiles), jnp.int32)]
     if 0 in (envs, agents):
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
-    return step(operands, results)
+    return tuple(step(operands, results))

@@ -8,24 +8,41 @@ from home_mjx.raycast_render.cameras.camera import (
     intrinsics,
     world_from_camera,
 )
-from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
 from home_mjx.raycast_render.cameras.schedule import render_every, render_some
 from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
 from home_mjx.raycast_render.images.render import KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.surface import unit_normals
 from home_mjx.raycast_render.scene.types import DynamicInstances, Hit, Rays, Scene
-from home_mjx.raycast_render.shaders.preset import LitShader, ShaderSpec
+from home_mjx.raycast_render.scene.vec import Vec
+from home_mjx.raycast_render.shaders.base import (
+    CameraRays,
+    Shader,
+    ShaderSpec,
+    register_shader,
+    resolve_shader,
+    shader_names,
+)
+from home_mjx.raycast_render.shaders.fast import FastShader
+from home_mjx.raycast_render.shaders.lit import LitShader
+from home_mjx.raycast_render.shaders.texture import albedo
 
 __all__ = [
     "KINDS",
     "Camera",
+    "CameraRays",
     "DynamicInstances",
+    "FastShader",
     "Hit",
     "Lens",
     "LitShader",
     "Rays",
     "Scene",
+    "Shader",
     "ShaderSpec",
+    "Vec",
+    "albedo",
     "camera_rays",
     "cast",
     "depth_points",
@@ -33,9 +50,13 @@ __all__ = [
     "kinect_depth",
     "make_scene",
     "occluded",
+    "register_shader",
     "render",
     "render_every",
     "render_some",
+    "resolve_shader",
     "sensor_rgb",
+    "shader_names",
+    "unit_normals",
     "world_from_camera",
 ]

@@ -10,7 +10,6 @@ from home_mjx.scene_compile.mjcf.export import export_mjcf, to_mjcf
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.scene_compile.semantics import (
-    HOME2017,
     HouseSemantics,
     ObjectSemantics,
     ObserverPose,
@@ -26,7 +25,6 @@ from home_mjx.scene_compile.semantics import (
 )
 
 __all__ = [
-    "HOME2017",
     "ColliderOptions",
     "CompileOptions",
     "HouseSemantics",

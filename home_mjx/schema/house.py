@@ -3,13 +3,16 @@
 Nothing here needs JAX or MuJoCo. The compiler turns these into the world frame (Z up).
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 from jaxtyping import Float, Int
+
+from home_mjx.errors import ConfigError
 
 
 @dataclass(frozen=True)
@@ -38,17 +41,130 @@ class Material:
 
 @dataclass(frozen=True)
 class Mesh:
-    """A triangle mesh as read from one OBJ and its MTL."""
+    """A triangle mesh with material slots."""
 
-    path: Path
+    path: Path  # its file, for messages
     vertices: Float[np.ndarray, "v 3"]  # [m], Y up
     faces: Int[np.ndarray, "f 3"]  # indices into vertices, counter-clockwise outwards
     uv: Float[np.ndarray, "f 3 2"]  # per corner; 0 where the file has none
-    slot: Int[np.ndarray, " f"]  # index into materials, in MTL order
+    slot: Int[np.ndarray, " f"]  # index into materials
     group: Int[np.ndarray, " f"]  # index into groups; -1 where the file has none
     materials: tuple[Material, ...]
-    groups: tuple[str, ...] = ()  # names of the `o` lines, such as WallInside#0_1_3
+    groups: tuple[str, ...] = ()  # names of the groups, such as the `o` lines of an OBJ; nothing is derived from them
     normal: Float[np.ndarray, "f 3 3"] | None = None  # unit, per corner; None if the file lacks normals or all are flat
+    part: Int[np.ndarray, " f"] | None = None  # of a mesh of walls: wall of each face; None: all faces are one wall
+
+    def faces_by_part(self) -> list[Int[np.ndarray, " _"]]:
+        """Return the indices of the faces of each part, in ascending order of parts."""
+        part = np.zeros(len(self.faces), int) if self.part is None else self.part
+        return [np.flatnonzero(part == number) for number in np.unique(part)]
+
+
+JointKind = Literal["hinge", "slide"]
+JOINT_KINDS: tuple[str, ...] = get_args(JointKind)
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A movable part of a model's mesh, in the model's own Y-up frame; joint value 0 is the pose of the mesh.
+
+    Example:
+        >>> door = Joint("home_x_1", "door_1", "hinge", (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), 0.0, 1.5, ((0, 1), (4, 4)))
+        >>> door.faces.tolist()
+        [0, 1, 4]
+    """
+
+    model_id: str
+    part: str  # such as `drawer_2`: kind of part, and a number unique in its model
+    kind: JointKind
+    axis: Vector  # unit vector; right-handed rotation of a hinge, direction of a slide
+    point: Vector  # [m], a point on the axis of a hinge or on the front of a slide
+    low: float  # hinge [rad], slide [m]; minimum, at most 0
+    high: float
+    face_ranges: tuple[tuple[int, int], ...]  # first and last face of each run; joints of a mesh share no face
+    closed: float = 0.0  # value of the closed pose
+
+    @property
+    def open(self) -> float:
+        """End of the range that is farther from `closed`: wide open."""
+        return self.high if self.high - self.closed >= self.closed - self.low else self.low
+
+    @cached_property
+    def faces(self) -> Int[np.ndarray, " n"]:
+        """Indices of its faces in the mesh."""
+        return np.concatenate([np.arange(first, last + 1) for first, last in self.face_ranges])
+
+    def matrix(self, value: float) -> Float[np.ndarray, "4 4"]:
+        """Return the rigid motion from the pose of the mesh to a joint value.
+
+        Args:
+            value: Angle [rad] or displacement [m].
+
+        Raises:
+            ConfigError: The value is outside the joint's range.
+        """
+        if not self.low <= value <= self.high:
+            hint = f"Its range is {self.low:g} to {self.high:g}."
+            raise ConfigError(f"{self.model_id} {self.part} has no joint value {value!r:.40}", hint=hint)
+        motion = np.eye(4)
+        if self.kind == "slide":
+            motion[:3, 3] = value * np.asarray(self.axis)
+        else:
+            motion[:3, :3] = _turn(np.asarray(self.axis), value)
+            motion[:3, 3] = np.asarray(self.point) - motion[:3, :3] @ np.asarray(self.point)
+        return motion
+
+    def move(self, mesh: Mesh, value: float) -> Mesh:
+        """Return the model with this part moved; call it once per part to move several parts.
+
+        Args:
+            mesh: The mesh that the joint belongs to, with faces in their original order.
+            value: Angle [rad] or displacement [m].
+
+        Raises:
+            ConfigError: The value is out of range, or the mesh lacks faces of the part.
+        """
+        if self.face_ranges[-1][1] >= len(mesh.faces):
+            raise ConfigError(f"{self.model_id} {self.part} has faces that the mesh lacks", hint="Is it another model?")
+        motion, vertices = self.matrix(value), mesh.vertices.copy()
+        own = np.unique(mesh.faces[self.faces])
+        vertices[own] = vertices[own] @ motion[:3, :3].T + motion[:3, 3]
+        return replace(mesh, vertices=vertices, normal=_turned(mesh, self.faces, motion[:3, :3]))
+
+
+def _turn(axis: Float[np.ndarray, " 3"], angle: float) -> Float[np.ndarray, "3 3"]:
+    """Return the rotation about a unit vector by Rodrigues' formula."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+def _turned(mesh: Mesh, faces: Int[np.ndarray, " n"], turn: Float[np.ndarray, "3 3"]) -> np.ndarray | None:
+    if mesh.normal is None:
+        return None
+    normal = mesh.normal.copy()
+    normal[faces] = normal[faces] @ turn.T
+    return normal
+
+
+Joints = Mapping[str, tuple[Joint, ...]]  # by model id
+LightKind = Literal["point", "spot", "line"]
+LIGHT_KINDS: tuple[str, ...] = get_args(LightKind)
+
+
+@dataclass(frozen=True)
+class Light:
+    """One light of a lamp model, in the model's own Y-up frame."""
+
+    kind: LightKind
+    power: float  # [W]
+    color: tuple[float, float, float]  # sRGB, 0..1
+    position: tuple[float, float, float]  # [m]
+    direction: tuple[float, float, float] | None = None
+    cutoff: float | None = None  # [rad]
+    end: tuple[float, float, float] | None = None  # [m], second end of a `line`
+    dropoff: float = 0.0  # exponent of the cosine to `direction`; intensity falls with the squared distance
 
 
 @dataclass(frozen=True)
@@ -64,22 +180,14 @@ class Node:
 
 @dataclass(frozen=True)
 class ObjectNode(Node):
-    """An instance of a library model."""
+    """An instance of a model."""
 
-    model_id: str
-    state: int | None  # None or 0: base model (an open door); 1: the `_0` variant (closed)
+    model_id: str  # id of its category and size, see `Metadata.info`
+    model_key: str  # key of its mesh in `House.models`; states of a model, such as open and closed, have own meshes
     transform: Float[np.ndarray, "4 4"]  # scene from model, row-major
     materials: tuple[Material, ...] = ()  # overrides by slot position
-
-    @property
-    def model_key(self) -> str:
-        """Stem of the OBJ of this instance's state."""
-        return self.model_id if not self.state else f"{self.model_id}_{self.state - 1}"
-
-    @property
-    def other_state_key(self) -> str:
-        """Stem of the OBJ of the other state: the closed variant of an open object, else the open base model."""
-        return self.model_id if self.state else f"{self.model_id}_0"
+    lights: tuple[Light, ...] = ()  # lights that it carries, in its model's frame
+    joints: tuple[Joint, ...] = ()  # movable parts of its mesh; the compiler uses those of doors
 
     @property
     def is_mirrored(self) -> bool:
@@ -151,7 +259,7 @@ class Problem:
 class Fallback:
     """A missing part of the dataset and the fallback used instead."""
 
-    kind: str  # one of STAND_INS
+    kind: str  # one of FALLBACK_KINDS
     name: str  # name of the texture, material library, model, room mesh or metadata row
     element: str  # first user: an element path or a file
     replacement: str  # description of the fallback
@@ -171,39 +279,17 @@ class House:
 
     id: str
     version: str
-    path: Path  # house.json
+    path: Path  # its file, for messages
     levels: tuple[Level, ...]
-    models: Mapping[str, Mesh]  # by Object.model_key
-    other_state_models: Mapping[str, Mesh] = field(
-        default_factory=dict
-    )  # by Object.other_key, for objects with another state
+    models: Mapping[str, Mesh]  # by `ObjectNode.model_key`
     problems: tuple[Problem, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
     fallbacks: tuple[Fallback, ...] = ()  # fallbacks for missing parts of the dataset
 
 
-def base_model(model_id: str, known: Callable[[str], bool]) -> str:
-    """Return the base model of a variant (`122` of `122_0`, `s__12` of `s__12_2`), or the model itself.
-
-    Ids themselves contain underscores and digits, so the set of existing models decides, not the form of the id.
-
-    Args:
-        model_id: The id of a model or of a variant.
-        known: Returns whether a model id exists.
-
-    Example:
-        >>> models = {"122", "s__12", "s__1296", "table_1"}
-        >>> [base_model(key, models.__contains__) for key in ("122_0", "s__12_2", "s__1296", "table_1", "table_1_0")]
-        ['122', 's__12', 's__1296', 'table_1', 'table_1']
-    """
-    base, _, variant = model_id.rpartition("_")
-    is_variant = len(variant) == 1 and variant in "0123456789" and not known(model_id) and known(base)
-    return base if is_variant else model_id
-
-
 @dataclass(frozen=True)
 class ModelInfo:
-    """A row of ModelCategoryMapping.csv joined with its row of models.csv."""
+    """Category and size of a model, in SUNCG's vocabulary."""
 
     model_id: str
     fine: str = "unknown"
@@ -215,26 +301,11 @@ class ModelInfo:
 
 
 @dataclass(frozen=True)
-class Light:
-    """One light of a lamp model, in the model's own Y-up frame."""
-
-    kind: str  # PointLight, SpotLight, LineLight
-    power: float  # [W]
-    color: tuple[float, float, float]  # sRGB, 0..1
-    position: tuple[float, float, float]  # [m]
-    direction: tuple[float, float, float] | None = None
-    cutoff: float | None = None  # [rad]
-    end: tuple[float, float, float] | None = None  # [m], second end of a LineLight
-    dropoff: float = 0.0  # exponent of the cosine to `direction`; intensity falls with the squared distance
-
-
-@dataclass(frozen=True)
 class Metadata:
-    """The metadata tables of a dataset."""
+    """Categories and sizes of the models of a dataset."""
 
-    models: Mapping[str, ModelInfo]
-    lights: Mapping[str, tuple[Light, ...]] = field(default_factory=dict)
+    models: Mapping[str, ModelInfo]  # by `ObjectNode.model_id`
 
     def info(self, model_id: str) -> ModelInfo:
-        """Return the row of a model; variants (`_0`, `_2`) fall back to their base, other ids to `unknown`."""
-        return self.models.get(base_model(model_id, self.models.__contains__)) or ModelInfo(model_id)
+        """Return the row of a model; its category is `unknown` if it has none."""
+        return self.models.get(model_id) or ModelInfo(model_id)

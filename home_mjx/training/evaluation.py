@@ -48,7 +48,7 @@ def evaluation_spec(
         dataset: Root of a dataset other than that of training.
 
     Example:
-        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks:ObjectNav", {"stop": True, "mistakes_end": False})
+        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks.suite:ObjectNav", {"stop": True, "mistakes_end": False})
         >>> judged(spec).options, judged(spec).split
         ({'stop': True}, 'val')
         >>> judged(spec, None).options, judged(spec, None).num_houses

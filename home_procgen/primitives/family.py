@@ -11,8 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.joints import Joint
-from home_mjx.schema.house import Light, Mesh
+from home_mjx.schema.house import Joint, Light, Mesh
 from home_procgen.primitives.palette import FINISHES
 from home_procgen.primitives.solids import Solid, Vector, move, to_mesh
 
@@ -152,7 +151,7 @@ def variant(**parameters: Any) -> Mapping[str, Any]:
 
 def _light(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Light:
     x, y, z = np.round(np.asarray(bulb.position) + shift, 6).tolist()
-    return Light("PointLight", bulb.power, (1.0, 1.0, 1.0), (x, y, z))
+    return Light("point", bulb.power, (1.0, 1.0, 1.0), (x, y, z))
 
 
 def slots(*names: str, **finishes: str) -> Mapping[str, str]:

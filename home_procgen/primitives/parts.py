@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.joints import JointKind, Vector
+from home_mjx.schema.house import JointKind, Vector
 
 
 @dataclass(frozen=True)

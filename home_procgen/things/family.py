@@ -127,4 +127,4 @@ def _add_normals(mesh: Mesh) -> Mesh:
 
 def _make_light(bulb: Bulb) -> Light:
     x, y, z = np.round(bulb.position, 6).tolist()
-    return Light("PointLight", bulb.power, (1.0, 1.0, 1.0), (x, y, z))
+    return Light("point", bulb.power, (1.0, 1.0, 1.0), (x, y, z))

@@ -8,9 +8,8 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.suncg.write.obj import face_order
-from home_mjx.schema.house import Mesh
+from home_mjx.schema.house import Joint, Mesh
 from home_procgen.primitives.parts import Part
 from home_procgen.primitives.solids import Solid, Vector
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.suncg.formats.variants import variant_key
 from home_mjx.schema.house import House, Level, Mesh, ObjectNode, RoomNode
 from home_procgen.floor_plan.placed import PlacedFurniture
 from home_procgen.floor_plan.walls import room_meshes
@@ -65,7 +66,7 @@ def furniture_object(placed: PlacedFurniture, index: int) -> ObjectNode:
         path=f"levels[0].nodes[{index}]",
         bbox=None,
         model_id=placed.model.id,
-        state=1 if placed.closed else None,
+        model_key=variant_key(placed.model.id, int(placed.closed)),
         transform=transform,
         materials=placed.materials,
     )
@@ -74,5 +75,5 @@ def furniture_object(placed: PlacedFurniture, index: int) -> ObjectNode:
 def used_models(objects: Sequence[PlacedFurniture]) -> Mapping[str, Mesh]:
     """Every mesh that the objects show, and the base of each."""
     meshes = {placed.model.id: placed.model.mesh for placed in objects}
-    closed = {f"{p.model.id}_0": p.model.closed for p in objects if p.closed and p.model.closed is not None}
+    closed = {variant_key(p.model.id, 1): p.model.closed for p in objects if p.closed and p.model.closed is not None}
     return meshes | closed

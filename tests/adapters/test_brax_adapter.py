@@ -125,7 +125,7 @@ def test_braxs_checkpoints_load_by_default_arguments(tmp_path):
 def test_braxs_registry_has_every_id(generated_bank, brax_env, monkeypatch):
     """Those from before the adapter was imported; after another `register` also those of users and other tests."""
     monkeypatch.setattr(envs, "_envs", dict(envs._envs))
-    monkeypatch.setitem(registry._REGISTRY, "Late-v0", registry.EnvSpec("Late-v0", "home_mjx.tasks:PointNav"))
+    monkeypatch.setitem(registry._REGISTRY, "Late-v0", registry.EnvSpec("Late-v0", "home_mjx.tasks.suite:PointNav"))
     assert "Late-v0" not in envs._envs
     env = envs.get_environment("PointNav-v0", houses=generated_bank, sensors=("state", "goal"), impl="kinematic")
     assert isinstance(env, BraxEnv)

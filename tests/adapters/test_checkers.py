@@ -17,7 +17,9 @@ REFUSED = {
     "gymnax": {"Communication-v0": "one agent"},
 }
 REFUSED["Playground"] = REFUSED["Brax"]
-IDS = tuple(env_id for env_id in home_mjx.list_envs() if find_spec(env_id).entry_point.startswith("home_mjx.tasks:"))
+IDS = tuple(
+    env_id for env_id in home_mjx.list_envs() if find_spec(env_id).entry_point.startswith("home_mjx.tasks.suite:")
+)
 
 
 @pytest.mark.slow

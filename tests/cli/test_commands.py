@@ -248,8 +248,9 @@ def test_listen_draws_level_and_decay_over_the_floor(houses: Path, tmp_path: Pat
 
 def test_the_map_has_as_many_rays_of_each_octave_as_if_one_carried_all():
     """A survey's rays carry one octave each; with as few of each as their share, far rooms heard nothing."""
-    shared = replace(SURVEY_CONFIG, octave_rays=False)
-    assert reduce_rays(SURVEY_CONFIG).num_rays == 7 * reduce_rays(shared).num_rays < SURVEY_CONFIG.num_rays
+    shared = replace(SURVEY_CONFIG, late=replace(SURVEY_CONFIG.traced, octave_rays=False))
+    assert reduce_rays(SURVEY_CONFIG).traced.num_rays == 7 * reduce_rays(shared).traced.num_rays
+    assert reduce_rays(SURVEY_CONFIG).traced.num_rays < SURVEY_CONFIG.traced.num_rays
 
 
 def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):

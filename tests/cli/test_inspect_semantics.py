@@ -28,20 +28,6 @@ def test_the_table_has_a_line_per_surface_and_object(houses: Path, capsys: pytes
     assert lines[-1] == f"0 objects outside of every room, {len(record['relations'])} relations"
 
 
-def test_homes_rules_can_be_asked_for(houses: Path, capsys: pytest.CaptureFixture):
-    assert main(["inspect", "--dataset", str(houses), "--home", "--json"]) == 0
-    home = json.loads(capsys.readouterr().out)
-    assert {item["size"] for item in home["objects"]} <= {"small", "normal", "large", "huge", ""}
-    assert main(["inspect", "--dataset", str(houses), "--semantics", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["objects"] != home["objects"]
-
-
 def test_one_report_at_a_time(houses: Path, capsys: pytest.CaptureFixture):
     assert main(["inspect", "--dataset", str(houses), "--semantics", "--validate"]) == 2
     assert "not allowed with" in capsys.readouterr().err
-
-
-@pytest.mark.real
-def test_the_real_house_by_homes_rules(suncg_root: Path, capsys: pytest.CaptureFixture):
-    assert main(["inspect", "--dataset", str(suncg_root), "--home"]) == 0
-    assert "small linen coffee table made of wood\n" in capsys.readouterr().out

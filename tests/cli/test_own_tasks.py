@@ -24,7 +24,7 @@ SOURCE = """
 from dataclasses import dataclass
 
 import home_mjx
-from home_mjx.tasks import PointNav
+from home_mjx.tasks.suite import PointNav
 
 
 @dataclass(frozen=True)

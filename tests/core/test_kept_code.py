@@ -14,9 +14,9 @@ from home_mjx.core.native import numba_cache as kept
 
 SOURCE = """
 from numba import cfunc, types
-from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.core.native.numba_cache import verify_cache
 
-@with_checked_cache
+@verify_cache
 def build():
     @cfunc(types.intp(types.intp), cache=True)
     def double(x):
@@ -73,7 +73,7 @@ def test_code_of_the_compiler_of_houses_is_checked_once(monkeypatch):
     checks = []
     monkeypatch.setattr(kept, "delete_unverified", lambda *place: checks.append(place))
     double = kept.verify_cache_once(lambda x: 2 * x)
-    monkeypatch.setattr(kept, "_definition_of", lambda _: (Path("/nowhere"), "code"))
+    monkeypatch.setattr(kept, "_place", lambda _: (Path("/nowhere"), "code"))
     assert [double(x) for x in (1, 2, 3)] == [2, 4, 6]
     assert len(checks) == 1
 
@@ -87,7 +87,7 @@ def test_one_compiles_while_the_others_wait(tmp_path, monkeypatch):
         time.sleep(0.02)
         stretches.append((begun, time.monotonic()))
 
-    monkeypatch.setattr(kept, "_definition_of", lambda _: (tmp_path, "code"))
+    monkeypatch.setattr(kept, "_place", lambda _: (tmp_path, "code"))
     monkeypatch.setattr(kept, "POLL_SECONDS", 0.001)
     threads = [threading.Thread(target=kept.verify_cache(build)) for _ in range(8)]
     for thread in threads:

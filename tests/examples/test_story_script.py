@@ -45,7 +45,7 @@ class Puppets:
         config, dt = self.script.carrier.config, self.script.carrier.config.timing.ctrl_dt
         told = [dict(zip(NAMES, action, strict=True)) for action in actions]
         pos, yaw, pitch = self.now.pos.copy(), self.now.yaw.copy(), self.now.pitch.copy()
-        for agent, body in enumerate(config.physics.agents):
+        for agent, body in enumerate(config.agents):
             yaw[agent] += told[agent]["turn_left"] * body.turn_rate * dt
             pitch[agent] += told[agent]["look_up"] * config.max_pitch_rate * dt
             step = told[agent]["forward"] * body.forward_speed * dt * np.array([np.cos(yaw[agent]), np.sin(yaw[agent])])
@@ -79,14 +79,14 @@ class Puppets:
     def _height(self, pos: np.ndarray) -> float:
         stairs = self.script.places.stairs
         part = np.clip((pos[:2] - stairs.foot) @ stairs.up / np.linalg.norm(stairs.head - stairs.foot), 0, 1)
-        half = self.script.carrier.config.physics.agents[CARRIER].height / 2
+        half = self.script.carrier.config.agents[CARRIER].height / 2
         return float(half + part * stairs.upstairs)
 
 
 def first_moment(env, places: Places) -> Moment:
     """The carrier before the closed door, the watcher near its place."""
     physics = env.bank.physics
-    door, half = places.door, env.config.physics.agents[CARRIER].height / 2
+    door, half = places.door, env.config.agents[CARRIER].height / 2
     before = door.middle[:2] - 2.0 * door.through
     pos = np.array([[*before, half], [*(places.lookout + 0.5), half + places.stairs.upstairs]])
     count = physics.body_pos.shape[1]

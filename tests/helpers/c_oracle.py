@@ -9,7 +9,7 @@ from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
-from home_mjx.physics import PhysicsConfig
+from home_mjx.physics import PhysicsSetup
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.control import YAW_INERTIA, agent_table
 from home_mjx.physics.base.layout import Layout
@@ -84,7 +84,7 @@ class Oracle:
 
     def __init__(
         self,
-        config: PhysicsConfig,
+        config: PhysicsSetup,
         static: Boxes,
         bodies: Boxes,
         mass: np.ndarray,

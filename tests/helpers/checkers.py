@@ -15,7 +15,7 @@ from adapted import CHEAP, assert_equal, cheap
 from gymnasium.utils.env_checker import check_env
 
 import home_mjx
-import home_mjx.tasks
+import home_mjx.tasks.suite
 from home_mjx.registry import find_spec
 
 NUM_ENVS, NUM_STEPS = 3, 7
@@ -23,7 +23,7 @@ NUM_ENVS, NUM_STEPS = 3, 7
 
 def options_of(env_id: str, **more: Any) -> dict[str, Any]:
     """Options with which an id compiles fast: few rows, kinematic physics, no images and no sound, five steps."""
-    task = getattr(home_mjx.tasks, find_spec(env_id).entry_point.partition(":")[2])
+    task = getattr(home_mjx.tasks.suite, find_spec(env_id).entry_point.partition(":")[2])
     few = {"num_tasks": 4, "follow_steps": 3}
     rows = {name: value for name, value in few.items() if hasattr(task, name)}
     senses = (*CHEAP["sensors"], *task().observation_spec)

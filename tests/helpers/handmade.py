@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
-from home_mjx.geometry.instance_tree import build_instance_tree
-from home_mjx.geometry.meshes import box_triangles, make_model
+from home_mjx.geometry.meshes import box_triangles, build_instance_tree, make_model
 from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.architecture.rooms import ground_floor_height

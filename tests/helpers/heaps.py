@@ -4,7 +4,7 @@ import numpy as np
 from c_oracle import Boxes, Leaves, Oracle
 
 from home_mjx.mjcf.contact import contact_parameters
-from home_mjx.physics import PhysicsConfig
+from home_mjx.physics import PhysicsSetup
 from home_mjx.schema.contact_materials import damping_ratio
 
 BODIES, STATIC, AGENTS, DOORS = 6, 10, 2, 4
@@ -27,7 +27,7 @@ def heap(rng, num_bodies: int = BODIES) -> tuple[Oracle, np.ndarray, np.ndarray,
     bodies.pos[:, 2] = rng.uniform(0.1, 1.2, num_bodies)
     bodies.quat[: num_bodies // 2, 1:3] *= 0.05
     static, bodies = static._replace(quat=unit(static.quat)), bodies._replace(quat=unit(bodies.quat))
-    config = PhysicsConfig(num_agents=AGENTS)
+    config = PhysicsSetup(num_agents=AGENTS)
     mass = rng.uniform(1, 60, num_bodies)
     oracle = Oracle(config, static, bodies, mass, leaves(rng), surfaces(rng, config, num_bodies))
     agents = np.c_[rng.uniform(-1, 1, (AGENTS, 2)), rng.uniform(0.75, 0.82, AGENTS), rng.uniform(-3, 3, AGENTS)]

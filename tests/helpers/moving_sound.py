@@ -4,14 +4,27 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.audio_jax import AudioConfig, Paths
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.options import Ambisonics, Motion
 from home_mjx.audio_jax.kernels import tail
 from home_mjx.audio_jax.kernels.first import max_path_change
 from home_mjx.audio_jax.kernels.reads import DelayReads
 from home_mjx.audio_jax.moving_sources import early
 from home_mjx.audio_jax.moving_sources.pairs import match_paths
+from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.receivers.diffuse import num_noises
 from home_mjx.audio_jax.receivers.shares import NoiseGains
+from home_mjx.core.variants import override_fields
+from home_mjx.schema.timing import Timing
+
+ARRAY = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0))  # [m], microphones
+
+
+def moving(receiver: str, tail_seconds: float, rate: int = 16000) -> AudioConfig:
+    """Options of moving sound with responses of 0.2 s for a receiver by its word; the array has three microphones."""
+    options = {"positions": ARRAY} if receiver == "array" else {}
+    config = AudioConfig(Timing(sample_rate=rate), response_seconds=0.2, motion=Motion(tail_seconds=tail_seconds))
+    return override_fields(config, {"receiver": receiver, **options})
 
 
 def some_paths(rng, count, away):
@@ -46,7 +59,7 @@ def some_late(rng, envs: int, sources: int, config: AudioConfig):
     """Signals and late sound of several environments and sources, with late and early onsets."""
     ends, bands = (envs, sources, 2), 7
     channels = config.num_channels
-    common = channels - 1 if config.receiver == "ambisonics" else 0
+    common = channels - 1 if isinstance(config.receiver, Ambisonics) else 0
     shares = (config.num_bins, channels, bands), (channels, num_noises(config), bands), (config.num_bins, common, bands)
     power, mix, shared = (jnp.float32(rng.normal(size=(*ends, *shape))) for shape in shares)
     start = jnp.int32(rng.integers(0, config.num_bins, ends))

@@ -6,20 +6,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import (
+from home_mjx.tasks.language import tokenize
+from home_mjx.tasks.rules import (
     FAILURE,
     SUCCESS,
     Condition,
     Feature,
     HouseView,
-    NavigationTask,
     Selector,
     SoundEvent,
     TaskRow,
     TaskStage,
     Transition,
-    tokenize,
 )
+from home_mjx.tasks.suite import NavigationTask
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Rich(NavigationTask):
         return ("say:yes",)
 
     @property
-    def hears(self) -> tuple[str, ...]:
+    def speech_observations(self) -> tuple[str, ...]:
         """What the oracle says."""
         return ("reply",)
 
@@ -46,9 +46,9 @@ class Rich(NavigationTask):
         thing = next(thing for thing in view.objects if view.is_visible(thing) and thing.coarse == "chair")
         room = int(view.room_types[view.room_types >= 0][0])
         places = view.graph.place[np.flatnonzero(~view.graph.at_leaf)[[0, -1]]].tolist()
-        stopped, late = Condition(Feature.STOPPED, least=1), Condition(Feature.TIME, least=40)
-        near = Condition(Feature.DISTANCE, 0, most=1.0), Condition(Feature.SEEN, 0, least=1)
-        there = Condition(Feature.INSIDE, 1, least=1), Condition(Feature.STRAIGHT, 3, agent=0, most=5.0)
+        stopped, late = Condition(Feature.STOPPED, minimum=1), Condition(Feature.TIME, minimum=40)
+        near = Condition(Feature.DISTANCE, 0, maximum=1.0), Condition(Feature.SEEN, 0, minimum=1)
+        there = Condition(Feature.INSIDE, 1, minimum=1), Condition(Feature.STRAIGHT, 3, agent=0, maximum=5.0)
         stages = [
             TaskStage(
                 (
@@ -67,14 +67,14 @@ class Rich(NavigationTask):
             Selector.agent(0),
         ]
         yes, no = tokenize("yes no")
-        sounds = [SoundEvent(2, "bell", every=3.0, lasts=1.0, gain=0.5, towards=0, speed=0.4)]
-        talk = {"answer": yes, "told": (0,), "oracle": [(yes, no)], "ask": 1}
+        sounds = [SoundEvent(2, "bell", period=3.0, duration=1.0, gain=0.5, destination=0, speed=0.4)]
+        talk = {"answer": yes, "instructed_agents": (0,), "oracle": [(yes, no)], "num_identifying_questions": 1}
         yield TaskRow(meant, stages, tokens=tokenize("find the chair"), sounds=sounds, later_goals=(1,), **talk)
-        said = Condition(Feature.SAID, least=yes, most=yes)
+        said = Condition(Feature.SAID, minimum=yes, maximum=yes)
         beside = (
-            Condition(Feature.BESIDE, 1, 1, most=0.5),
-            Condition(Feature.CLEAR, 1, least=1),
-            Condition(Feature.TOUCHED, most=0),
+            Condition(Feature.BESIDE, 1, 1, maximum=0.5),
+            Condition(Feature.CLEAR, 1, minimum=1),
+            Condition(Feature.TOUCHED, maximum=0),
         )
         stages = [TaskStage((Transition(SUCCESS, (said,), reward=1.0), Transition(FAILURE, beside)), guide=0)]
         yield TaskRow([Selector.point(places[1]), meant[0]], stages, sounds=[SoundEvent(1, "bell")])

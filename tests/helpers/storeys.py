@@ -73,7 +73,7 @@ def _level(storey: Storey, stairs: Sequence[Stairs]) -> Level:
 def _object(stairs: Stairs, index: int) -> ObjectNode:
     c, s = np.cos(stairs.heading), np.sin(stairs.heading)
     transform = np.array([[c, 0, s, stairs.foot[0]], [0, 1, 0, FLOOR], [-s, 0, c, stairs.foot[1]], [0, 0, 0, 1.0]])
-    return ObjectNode(f"0_{index}", index, f"levels[0].nodes[{index}]", None, stairs.key, None, transform)
+    return ObjectNode(f"0_{index}", index, f"levels[0].nodes[{index}]", None, stairs.key, stairs.key, transform)
 
 
 def straight(stairs: Stairs) -> list[np.ndarray]:

@@ -111,7 +111,7 @@ def _doors(house: TinyHouse, slides: bool) -> dict[str, np.ndarray]:
         "door_pivot": table([d.origin for d in house.doors], (0.0, 0.0)),
         "door_slide": axes,
         "door_closed": table([d.low for d in house.doors], 0.0),
-        "door_wide": table([d.high for d in house.doors], 0.0),
+        "door_fully_open": table([d.high for d in house.doors], 0.0),
         "door_low": table([d.low for d in house.doors], 0.0),
         "door_high": table([d.high for d in house.doors], 0.0),
         "door_pos": table([d.pos for d in house.doors], nothing),
@@ -127,7 +127,7 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
     used = np.arange(num_bodies) < len(movable)
     return {
         "floor": np.float32(house.floor),
-        "lot": np.array([[-LOT, -LOT], [LOT, LOT]], np.float32),
+        "fence_rectangle": np.array([[-LOT, -LOT], [LOT, LOT]], np.float32),
         "collider_pos": _table([b.pos for b in static], NUM_COLLIDERS, (0.0, 0.0, -100.0)),
         "collider_quat": _table([b.quat for b in static], NUM_COLLIDERS, (1.0, 0.0, 0.0, 0.0)),
         "collider_size": _table([b.size for b in static], NUM_COLLIDERS, nothing),
@@ -143,7 +143,7 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
         "body_damping_ratio": _table([damping_ratio(b.restitution) for b in movable], num_bodies, 0.0),
         "body_inertia": _table([b.inertia for b in movable], num_bodies, nothing),
         "body_from_model": np.tile(np.eye(3, 4, dtype=np.float32), (num_bodies, 1, 1)),
-        "arrangement": np.zeros((0, num_bodies, 7), np.float32),
+        "arrangement_pose": np.zeros((0, num_bodies, 7), np.float32),
         "ramp": np.array([house.ramp], np.float32),
         "ramp_collider": np.array([house.ramp_collider], np.int32),
     }

@@ -10,10 +10,10 @@ from home_mjx import env_factory
 from home_mjx.datasets import open_dataset
 from home_mjx.datasets.registry import has_scheme
 from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.suncg.read.hinges import find_hinges
 from home_mjx.errors import ConfigError
 from home_mjx.houses import HouseSet
 from home_mjx.houses.load import house_set
-from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.categories import ROOM_TYPES
 from home_procgen.floor_plan.openings import DOOR_Y, Opening
 from home_procgen.floor_plan.placed import PlacedFurniture, quarter_towards

@@ -12,14 +12,13 @@ from moved_parts import depths, pieces
 
 from home_mjx.cli import main
 from home_mjx.datasets import open_dataset, validate_house
-from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.suncg.digests import SuncgDigests
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.datasets.suncg.write.house import write_joints
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import ConfigError
-from home_mjx.schema.house import Mesh
+from home_mjx.schema.house import Joint, Mesh
 from home_procgen import generate_dataset
 from home_procgen.library import CLASSES
 from home_procgen.primitives.solids import box, move, rotate

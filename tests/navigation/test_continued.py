@@ -1,5 +1,7 @@
 """Distances wherever an agent can stand: on the floor, close to walls, and where things were that could be moved."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -134,14 +136,14 @@ def walk(env: Env, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     count = env.bank.num_houses * (NUM_ENVS // NUM_HOUSES)
     houses = jnp.arange(count, dtype=jnp.int32) % env.bank.num_houses
     keys = jax.random.key_data(jax.random.split(jax.random.key(3), count))
-    state = jax.jit(jax.vmap(env.core.begin, (None, 0, 0)))(env.params, keys, houses)
+    state = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0, 0)))(env.params, keys, houses)
     aims = jax.random.uniform(jax.random.key(4), (steps // 10, count, 4), jnp.float32, -1.0, 1.0)
     aims = jnp.clip(2 * aims, -1.0, 1.0)
 
     @jax.jit
     def run(params, state):
         def step(state, action):
-            after = jax.vmap(env.core.advance, (None, 0, 0))(params, state, action)
+            after = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))(params, state, action)
             return after, (after.task.distance[:, 0], after.reward, after.physics.qpos[:, :2])
 
         return jax.lax.scan(step, state, jnp.repeat(aims, 10, axis=0))[1]

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from tiny_houses import Box, TinyHouse, make_bank
 
 from home_mjx import physics
-from home_mjx.physics import PhysicsConfig, Template
+from home_mjx.physics import PhysicsConfig, PhysicsSetup, Template
 from home_mjx.schema import Timing
 
 BOX = Box((0.26, 0.02, 0.15), (0.15, 0.15, 0.15), mass=5)  # a centimetre before the agent, and a little to its left
@@ -23,7 +23,7 @@ NEAR, FAR = 1e-3, 1e-2  # differences of actions
 def pushed(impl: str, seconds: float, iterations: int = PhysicsConfig().iterations):
     """The box's place [m] after a control step, as a function of the action."""
     bank = make_bank([TinyHouse(movable=[BOX])], num_bodies=1)
-    config = PhysicsConfig(impl=impl, iterations=iterations, timing=Timing(ctrl_dt=seconds))
+    config = PhysicsSetup(impl=impl, iterations=iterations, timing=Timing(ctrl_dt=seconds))
     template, house = Template(config, bank.spec), jnp.int32(0)
     start = physics.reset(template, bank, house, jnp.zeros((1, 3)), jnp.zeros(1))
     return lambda action: physics.step(template, bank, house, start, action[None]).qpos[4:7]

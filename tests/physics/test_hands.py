@@ -13,7 +13,7 @@ from tiny_houses import Box, Door, TinyHouse, make_bank
 
 from home_mjx import physics
 from home_mjx.geometry.boxes import make_boxes, penetration_depth
-from home_mjx.physics import PhysicsConfig, Template
+from home_mjx.physics import PhysicsConfig, PhysicsSetup, Template
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.hands import (
     MAX_HOLD_DISTANCE,
@@ -198,7 +198,7 @@ def test_an_edge_that_a_hand_presses_against_an_edge_is_not_2_cm_deep(impl):
         for x, y, yaw in zip((0.191, 0.191, 0.127), (0.2, 0.25, 0.2), turned, strict=True)
     ]
     bank = make_bank([TinyHouse(static=[frame], movable=[box]) for box in boxes])
-    template = Template(PhysicsConfig(impl=impl, timing=Timing(ctrl_dt=0.01)), bank.spec)
+    template = Template(PhysicsSetup(impl=impl, timing=Timing(ctrl_dt=0.01)), bank.spec)
     house, agent = jnp.arange(len(boxes)), jnp.array([[-0.4, -1.5, 0.0]])
     state = jax.vmap(lambda h: physics.reset(template, bank, h, agent, jnp.zeros(1)))(house)
     state = state.replace(held=jnp.zeros_like(state.held))

@@ -16,12 +16,12 @@ from tiny_houses import Box, Door, TinyHouse, make_bank
 import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.errors import ConfigError
-from home_mjx.physics import PhysicsConfig, Template
+from home_mjx.physics import PhysicsConfig, PhysicsSetup, Template
 from home_mjx.physics.kinematic.footprints import MAX_PENETRATION, Footprints
 from home_mjx.physics.mjx.slots import OrientedBoxes
 from home_mjx.schema import AgentBody
 
-CONFIG = PhysicsConfig(impl="kinematic")
+CONFIG = PhysicsSetup(impl="kinematic")
 RADIUS, HALF = CONFIG.body.radius, CONFIG.body.half_length
 
 
@@ -219,7 +219,7 @@ def test_agents_too_fast_for_their_size_are_refused():
     """They once took as many parts of a step as that needs, and compiling never ended."""
     bank = make_bank([TinyHouse()])
     template, house = (
-        Template(PhysicsConfig(impl="kinematic", body=AgentBody(forward_speed=1e6)), bank.spec),
+        Template(PhysicsSetup(impl="kinematic", body=AgentBody(forward_speed=1e6)), bank.spec),
         jnp.int32(0),
     )
     state = physics.reset(template, bank, house, jnp.zeros((1, 3)), jnp.zeros(1))

@@ -14,7 +14,7 @@ from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
 from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
 from home_mjx.mjcf.contact import contact_parameters
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.dynamics import reset
 from home_mjx.physics.mjx.house_model import (
     house_doors,
@@ -141,7 +141,7 @@ def test_house_differs_from_the_template_in_derived_fields(models):
 
 def test_template_is_stepped_with_the_options_asked_for():
     bank = make_bank([TinyHouse()])
-    config = PhysicsConfig(
+    config = PhysicsSetup(
         num_agents=2, iterations=3, ls_iterations=7, timing=Timing(sim_dt=0.01), agent_slots=5, body_slots=3
     )
     model = Template(config, bank.spec).model
@@ -152,7 +152,7 @@ def test_template_is_stepped_with_the_options_asked_for():
 
 
 def test_agents_weigh_what_was_asked_for():
-    config = PhysicsConfig(body=AgentBody(mass=72.0, radius=0.2, height=1.7))
+    config = PhysicsSetup(body=AgentBody(mass=72.0, radius=0.2, height=1.7))
     model = Template(config, make_bank([TinyHouse()]).spec).model
     assert_allclose(model.body_mass[1], 72.0)
     # Yaw inertia of a capsule: cylinder m r^2 / 2 and two half balls 2/5 m r^2, shared by volume.

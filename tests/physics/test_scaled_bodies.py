@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tiny_houses import Box, TinyHouse, make_bank
 
 from home_mjx import physics
-from home_mjx.physics import BodyScale, PhysicsConfig, Template
+from home_mjx.physics import BodyScale, PhysicsSetup, Template
 from home_mjx.schema import Timing
 
 GRAVITY, FRICTION, MASS, SPEED = 9.81, 0.4, 3.0, 2.0
@@ -29,7 +29,7 @@ def boxes(friction=1.0, mass=1.0):
 def slide(houses, scales, impl="fused", speed=SPEED, agent=(50.0, 50.0, 0.0), forward=0.0):
     """Poses of all environments' bodies after two were given a speed; environment e is in house e."""
     bank, num = make_bank(houses), max(len(houses), len(scales))
-    template = Template(PhysicsConfig(timing=Timing(ctrl_dt=0.1, sim_dt=0.01), impl=impl), bank.spec)
+    template = Template(PhysicsSetup(timing=Timing(ctrl_dt=0.1, sim_dt=0.01), impl=impl), bank.spec)
     house = jnp.arange(num, dtype=jnp.int32) % len(houses)
     factors = jnp.broadcast_to(jnp.asarray(scales, jnp.float32), (num, 2))
     rows, given = template.layout.body_qvel, jnp.zeros((4, 6)).at[:2, 0].set(speed).reshape(-1)

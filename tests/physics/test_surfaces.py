@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from tiny_houses import Box, TinyHouse, make_bank
 
 from home_mjx import physics
-from home_mjx.physics import PhysicsConfig, Template
+from home_mjx.physics import PhysicsSetup, Template
 from home_mjx.schema import Timing
 
 GRAVITY, DT = 9.81, 0.01
@@ -24,7 +24,7 @@ class Run:
 
     def __init__(self, houses, steps, velocity=None, **options):
         bank = make_bank(houses)
-        template = Template(PhysicsConfig(timing=Timing(ctrl_dt=DT, sim_dt=DT), **options), bank.spec)
+        template = Template(PhysicsSetup(timing=Timing(ctrl_dt=DT, sim_dt=DT), **options), bank.spec)
         layout, house = template.layout, jnp.arange(len(houses), dtype=jnp.int32)
         away = jnp.array([[50.0, 50.0, 0.0]])
         state = jax.vmap(lambda h: physics.reset(template, bank, h, away, jnp.zeros(1)))(house)

@@ -4,7 +4,7 @@ import pytest
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
-from home_mjx.physics import PhysicsConfig
+from home_mjx.physics import PhysicsSetup
 from home_mjx.schema import AgentBody, Timing
 
 NAN = float("nan")
@@ -50,7 +50,7 @@ def test_a_step_is_a_whole_number_of_physics_steps_and_samples():
     assert Timing(sample_rate=48000, ctrl_dt=0.05, sim_dt=0.025).frame == 2400
 
 
-@pytest.mark.parametrize("config", [PhysicsConfig, AudioConfig])
+@pytest.mark.parametrize("config", [PhysicsSetup, AudioConfig])
 def test_engines_take_the_same_clock(config):
     clock = Timing(ctrl_dt=0.2)
     assert config(timing=clock).timing is clock

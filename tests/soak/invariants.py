@@ -109,7 +109,7 @@ class Soak:
         self.status, self.rng, self.breaks = Status, np.random.default_rng(seed), breaks
         core = HouseholdEnv(make_config(sensors=("state", "goal"), impl=impl, episode_length=200))
         self.env, self.layout = AutoReset(core).bind(bank), core.template(bank).layout
-        self.body = core.config.physics.agents[0]
+        self.body = core.config.agents[0]
         self.substep = core.config.timing.sim_dt
         self.limits = core.config.physics.max_body_speed, core.config.physics.max_body_spin
         self.physics = jax.device_get(bank.physics)

@@ -342,15 +342,24 @@ def task_lines(folder: Path) -> tuple[list[bytes], Read]:
     )
 
 
-NEED = {"feature": "distance", "first": 0, "most": 1.0}
-WAY = {"next": "success", "needs": [NEED, {"feature": "stopped", "least": 1}], "reward": 2.5}
+NEED = {"feature": "distance", "first": 0, "maximum": 1.0}
+WAY = {"next": "success", "require": [NEED, {"feature": "stopped", "minimum": 1}], "reward": 2.5}
 RICH_LINE = b"".join(
     json.dumps(
         {"house": "h", "task": "t", "start": [0.5, 1.0, 0.0], "yaw": 0.5, "length": 3.0, "instruction": "find the bed"}
-        | {"meant": [{"kind": "object", "coarse": "bed", "object_id": 3}, {"kind": "place", "place": [1.0, 2.0, 0.0]}]}
-        | {"stages": [{"ways": [WAY, {"next": 0, "bars": [NEED]}], "guide": 0}, {"ways": [WAY]}]}
-        | {"sounds": [{"emitter": 0, "clip": "bell", "every": 2.0, "lasts": 1.0}], "answer": "yes", "told": [0]}
-        | {"oracle": [["yes", "no"]], "ask": 0}
+        | {
+            "selectors": [
+                {"kind": "object", "coarse": "bed", "object_id": 3},
+                {"kind": "place", "place": [1.0, 2.0, 0.0]},
+            ]
+        }
+        | {"stages": [{"transitions": [WAY, {"next": 0, "forbid": [NEED]}], "guide": 0}, {"transitions": [WAY]}]}
+        | {
+            "sounds": [{"emitter": 0, "clip": "bell", "period": 2.0, "duration": 1.0}],
+            "answer": "yes",
+            "instructed_agents": [0],
+        }
+        | {"oracle": [["yes", "no"]], "num_identifying_questions": 0}
     ).encode()
     + b"\n"
     for _ in range(2)
@@ -365,7 +374,7 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
         from home_mjx.houses import load_bank
         from home_mjx.physics import PhysicsConfig
         from home_mjx.tasks.rules.house_view import house_views
-        from home_mjx.tasks.suite import task_lines
+        from home_mjx.tasks.suite import RoomNav, task_lines
         from home_procgen.v1.dataset import generate_dataset
 
         os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
@@ -377,7 +386,7 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
             tasks.save_episodes(path, bank, tasks.sample_episodes(bank, 3))
             return [path.read_bytes()], file_reader(path, lambda: tasks.load_episodes(path, bank))
         config = tasks.EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
-        env = tasks.HouseholdEnv(config, tasks.RoomNav(num_tasks=2)).bind(bank)
+        env = tasks.HouseholdEnv(config, RoomNav(num_tasks=2)).bind(bank)
         tasks.save_tasks(path, bank, env.params.tasks)
         views = house_views(bank)
         task_lines.house_views = lambda _: views  # what a house is like does not change

@@ -196,9 +196,9 @@ def compiled_result(folder: Path) -> str:
 
 CODE = """
 from numba import cfunc, types
-from home_mjx.core.native.numba_cache import with_checked_cache
+from home_mjx.core.native.numba_cache import verify_cache
 
-@with_checked_cache
+@verify_cache
 def build():
     @cfunc(types.intp(types.intp), cache=True)
     def double(x):
@@ -288,7 +288,7 @@ def run_config() -> Any:
     from home_mjx.training.config import CPU_CONFIG, RunConfig
 
     return RunConfig(
-        EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"sensors": ("state",)}, num_houses=2), CPU_CONFIG
+        EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav", {"sensors": ("state",)}, num_houses=2), CPU_CONFIG
     )
 
 

@@ -25,7 +25,7 @@ from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config,
 from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
 
 OPTIONS = {"sensors": ("state", "goal"), "actions": DiscreteActions(turn_angle=30.0), "ctrl_dt": 0.4}
-CONFIG = RunConfig(EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", OPTIONS, num_houses=2), CPU_CONFIG, 3)
+CONFIG = RunConfig(EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav", OPTIONS, num_houses=2), CPU_CONFIG, 3)
 
 
 @dataclasses.dataclass

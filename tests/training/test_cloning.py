@@ -110,7 +110,7 @@ def test_advice_beside_rewards_falls_to_nothing(generated_bank, monkeypatch: pyt
 
 
 def test_advice_can_come_first():
-    spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav")
+    spec = EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav")
     run = RunConfig(spec, SMALL, clone_timesteps=96)
     assert [(name, ppo.num_updates) for name, ppo in run.stages] == [("clone", 3), ("ppo", 10)]
     assert RunConfig(spec, SMALL, algorithm="clone").stages == (("clone", SMALL),)
@@ -141,7 +141,7 @@ def test_a_run_of_two_stages_goes_on_from_either(hall: Path, tmp_path: Path, kil
 
 
 def test_runs_say_how_they_learn():
-    spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav")
+    spec = EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav")
     assert RunConfig(spec).algorithm == "ppo"
     with pytest.raises(ConfigError, match="unknown algorithm"):
         RunConfig(spec, algorithm="cloning")

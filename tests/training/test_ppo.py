@@ -72,7 +72,7 @@ def test_another_houses_bank_runs_the_same_program(ppo: PPO, env, state: TrainSt
 
 
 def test_a_resumed_run_gives_the_same_next_update_bit_by_bit(ppo: PPO, env, state: TrainState, tmp_path: Path):
-    config = RunConfig(EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav"), SMALL)
+    config = RunConfig(EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav"), SMALL)
     one, _ = ppo.update(env.params, state)
     save_checkpoint(tmp_path / "checkpoint.npz", one, config)
     wanted = ppo.update(env.params, one)

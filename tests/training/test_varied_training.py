@@ -6,7 +6,8 @@ import pytest
 
 pytest.importorskip("flax", reason="needs the extra `train`")
 
-from home_mjx.tasks import HouseholdEnv, PointGoals, Variation, make_config
+from home_mjx.tasks import HouseholdEnv, Variation, make_config
+from home_mjx.tasks.suite import PointGoals
 from home_mjx.training import PPO, NetworkConfig, PPOConfig
 
 SMALL = PPOConfig(

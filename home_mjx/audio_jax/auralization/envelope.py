@@ -12,6 +12,7 @@ from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.base.options import Baked, Binaural, NoLate
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.audio_jax.receivers.channels import channel_gains
@@ -30,7 +31,7 @@ class EnergyEnvelope(Pytree):
     energy: Float[Array, "k e bands"]  # per time bin, channel and octave, re the free field of the source at 1 m
     left_ear_lead: Float[
         Array, " bands"
-    ]  # [s], energy-weighted mean arrival-time lead of the left ear; 0 unless "binaural"
+    ]  # [s], energy-weighted mean arrival-time lead of the left ear; 0 unless `Binaural`
 
 
 def energy_envelope(
@@ -70,10 +71,10 @@ def _late(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
     """Return late energies of the channels, and directions (n) with energies that have the late field's mean lead."""
-    if config.late == "none":
+    if isinstance(config.late, NoLate):
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
-    if config.late == "baked":
+    if isinstance(config.late, Baked):
         late, toward = baked_energy(scene, source, listener, config)
         late = late[:, : config.num_channels]
         whole, length = jnp.mean(jnp.sum(late, axis=0), axis=0), jnp.linalg.norm(toward)
@@ -122,11 +123,11 @@ def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"
 
 def _left_ear_leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConfig) -> Float[Array, " n"]:
     """Compute the arrival-time lead of the left ear for each direction [s]; 0 unless the receiver is "binaural"."""
-    if config.receiver != "binaural":
+    if not isinstance(config.receiver, Binaural):
         return jnp.zeros(direction.shape[0], jnp.float32)
     if listener.head is not None:
         delay = interpolate_directions(listener.head.delay, world_to_head(direction, listener.quat))
         return delay[:, 1] - delay[:, 0]
-    table = ear_table(HRTF_TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
-    _, delay = ear_spectrum(table, ear_angles(world_to_head(direction, listener.quat), config.ear_angle))
+    table = ear_table(HRTF_TAPS, config.sample_rate, config.receiver.head_radius, config.speed_of_sound)
+    _, delay = ear_spectrum(table, ear_angles(world_to_head(direction, listener.quat), config.receiver.ear_angle))
     return delay[:, 1] - delay[:, 0]

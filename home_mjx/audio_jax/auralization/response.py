@@ -12,6 +12,7 @@ from home_mjx.audio_jax.base.delays import HALF_WIDTH, KERNEL_WIDTH, delay_kerne
 from home_mjx.audio_jax.base.directivity import mean_energy
 from home_mjx.audio_jax.base.endpoints import Listener, MeasuredHead, SoundSource, emission_gains
 from home_mjx.audio_jax.base.filters import MAX_RINGING_SECONDS
+from home_mjx.audio_jax.base.options import Baked, NoLate
 from home_mjx.audio_jax.base.shapes import filter_basis, num_basis_taps, octave_filters_at_knots, octave_spectra
 from home_mjx.audio_jax.late_reverb.lookup.reading import LateArrivals, lookup_late_sound
 from home_mjx.audio_jax.propagation.early import early_paths
@@ -68,12 +69,12 @@ def late_energy(
         scene: The environment.
         source: The source.
         listener: The listener.
-        key: Random key of the rays; unused unless `late` is "traced".
+        key: Random key of the rays; unused unless `late` is `Traced`.
         config: Options; `late` selects traced or baked energies, or zeros.
     """
-    if config.late == "none":
+    if isinstance(config.late, NoLate):
         return jnp.zeros((config.num_bins, config.num_late_channels, len(BANDS)), jnp.float32)
-    if config.late == "baked":
+    if isinstance(config.late, Baked):
         energy = baked_energy(scene, source, listener, config)[0]
     else:
         energy = traced_energy(trace(scene, source, listener, key, config), listener.quat, config, listener.head)
@@ -173,7 +174,6 @@ def early_response(
     length, reach = config.response_length, _pre_delay(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
-    samples = whole if config.early == "home" else samples
     toward = world_to_head(paths.direction, head_quat)
     late = (samples - whole)[:, None] + channel_delays(toward, paths.distance, config, head)
     late = jnp.broadcast_to(late, (late.shape[0], config.num_channels))

@@ -42,7 +42,7 @@ class Listener(Pytree):
     pos: Float[Array, "3"]  # [m], world, head centre
     quat: Float[Array, "4"]  # wxyz, in MuJoCo's camera frame: +x right, +y up, looking along -z
     body: Int[Array, ""] | int = -1  # object id of the listener's body, transparent to sound that it receives; -1 none
-    head: MeasuredHead | None = None  # measured HRTFs for the receiver "binaural"; None: a rigid sphere
+    head: MeasuredHead | None = None  # measured HRTFs for the receiver `Binaural`; None: a rigid sphere
 
 
 def check_listener(listener: Listener) -> None:

@@ -60,9 +60,9 @@ def render_frames(
         Pressure per channel, `config.frame` samples.
 
     Example:
-        >>> from home_mjx.audio_jax import AudioConfig
+        >>> from home_mjx.audio_jax import AudioConfig, Motion
         >>> from home_mjx.audio_jax.moving_sources.reception import silence
-        >>> config = AudioConfig(motion=True, tail_seconds=0.0, response_seconds=0.1)
+        >>> config = AudioConfig(motion=Motion(tail_seconds=0.0), response_seconds=0.1)
         >>> none = jax.tree.map(lambda x: jnp.stack([x, x]), silence(config))
         >>> width = config.memory_length - 1 + config.frame + config.ahead
         >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape

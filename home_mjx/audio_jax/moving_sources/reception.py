@@ -11,6 +11,7 @@ from home_mjx.audio_jax.auralization.response import direct_onset, late_energy
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.base.options import Ambisonics
 from home_mjx.audio_jax.kernels.tail import LateResponse, tail_gains
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import Paths
@@ -108,7 +109,7 @@ def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
     energy = heard.energy[:, : config.num_channels]
     bins = jnp.sum(energy @ share, axis=1)
     # Energy of a path summed over channels: in ambisonics W has all of it, and Y, Z and X together have it once more.
-    times = 2 if config.receiver == "ambisonics" else config.num_channels
+    times = 2 if isinstance(config.receiver, Ambisonics) else config.num_channels
     loudest = jnp.maximum(jnp.max(bins), times * jnp.max(heard.paths.gain**2 @ share))
     if config.num_tail_repeats == 0:
         return bins[-1] > MIN_DECAY_RATIO * loudest

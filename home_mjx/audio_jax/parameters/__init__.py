@@ -1,1 +1,33 @@
-"""Room acoustic parameters of ISO 3382-1, as functions for use inside `jit`."""
+"""Room acoustic parameters of ISO 3382 from responses, energies, or one trace of a room."""
+
+from home_mjx.audio_jax.parameters.clarity import c50, c80, centre_time, d50, drr, strength
+from home_mjx.audio_jax.parameters.decay import decay_curve, decay_time, edt, t20, t30
+from home_mjx.audio_jax.parameters.floor import FloorSurvey, survey_floor
+from home_mjx.audio_jax.parameters.octaves import octave_responses
+from home_mjx.audio_jax.parameters.spatial import iacc, lateral_fraction
+from home_mjx.audio_jax.parameters.survey import Survey, survey_room
+from home_mjx.audio_jax.parameters.table import RoomParameters, measure_energy, measure_response
+
+__all__ = [
+    "FloorSurvey",
+    "RoomParameters",
+    "Survey",
+    "c50",
+    "c80",
+    "centre_time",
+    "d50",
+    "decay_curve",
+    "decay_time",
+    "drr",
+    "edt",
+    "iacc",
+    "lateral_fraction",
+    "measure_energy",
+    "measure_response",
+    "octave_responses",
+    "strength",
+    "survey_floor",
+    "survey_room",
+    "t20",
+    "t30",
+]

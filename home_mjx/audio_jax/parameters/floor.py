@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import Omni
 from home_mjx.audio_jax.parameters.decay import t30
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.core.pytree import Pytree
@@ -42,7 +43,7 @@ def survey_floor(
         >>> found.strength.shape  # doctest: +SKIP
         (612, 7)
     """
-    config = replace(config, receiver="omni", microphones=(), pinna=False)
+    config = replace(config, receiver=Omni())
     metres = config.bin_seconds * config.speed_of_sound
     level = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)
 

@@ -12,8 +12,9 @@ from home_mjx.audio_jax.auralization.response import (
     late_directivity_gain,
     traced_energy,
 )
-from home_mjx.audio_jax.base.config import TWO_CHANNEL_RECEIVERS, AudioConfig
+from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import Baked, Binaural, NoLate, Omni, Traced
 from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
 from home_mjx.audio_jax.parameters.octaves import octave_responses
 from home_mjx.audio_jax.parameters.spatial import iacc, lateral_fraction
@@ -29,7 +30,7 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
 LATERAL_BIN = 0.001  # [s], bin of the histogram for the lateral fraction
-SURVEY_CONFIG = AudioConfig(response_seconds=2.0, num_rays=4200, num_bounces=100, octave_rays=True)
+SURVEY_CONFIG = AudioConfig(response_seconds=2.0, late=Traced(num_rays=4200, num_bounces=100, octave_rays=True))
 
 
 class Survey(Pytree):
@@ -46,7 +47,7 @@ def survey_room(
 ) -> Survey:
     """Trace once and compute the parameters of ISO 3382-1 for two ears, an omnidirectional and a lateral microphone.
 
-    With `config.late` "baked", late sound is looked up instead of traced.
+    If `config.late` is `Baked`, late sound is looked up instead of traced.
 
     Args:
         scene: Scene of the environment.
@@ -63,16 +64,14 @@ def survey_room(
         >>> found.measures.t30.shape  # doctest: +SKIP
         (7,)
     """
-    if config.receiver not in TWO_CHANNEL_RECEIVERS:
-        raise ConfigError(f"IACC needs two ears, not receiver={config.receiver!r}", hint='Use "binaural" or "omni".')
+    if not isinstance(config.receiver, Binaural | Omni):
+        raise ConfigError(f"IACC needs two ears, not receiver={config.receiver}", hint="Use Binaural() or Omni().")
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
     ears, late = _late_energies(scene, source, listener, trace_key, config)
     response = combine_early_late(paths, ears, listener.quat, noise_key, config, listener.head)
     both = jnp.broadcast_to(late[:, :1], late.shape)
-    pressure = combine_early_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni", pinna=False))[
-        0
-    ]
+    pressure, _ = combine_early_late(paths, both, listener.quat, noise_key, replace(config, receiver=Omni()))
     rate = config.sample_rate
     energy = _fine_histogram(paths, jnp.ones(paths.distance.shape, jnp.float32), late[:, 0], config)
     lateral = _fine_histogram(paths, _lateral_gain(paths.direction, listener.quat), late[:, 1], config)
@@ -88,10 +87,10 @@ def _late_energies(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
     """Compute the late energy over time at both ears, and of an omnidirectional and a figure-of-eight microphone."""
-    if config.late == "none":
+    if isinstance(config.late, NoLate):
         nothing = jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
         return nothing, nothing
-    if config.late == "baked":
+    if isinstance(config.late, Baked):
         ears, _ = baked_energy(scene, source, listener, config)
         found = lookup_late_sound(scene, source.pos, listener.pos, config)
         found = found.replace(energy=found.energy * late_directivity_gain(source, found))

@@ -78,10 +78,10 @@ def diffracted_paths(scene: Scene, source: SoundSource, listener: Listener, conf
         config: Options.
 
     Returns:
-        1 + `config.num_edges` paths.
+        1 + `config.early.num_edges` paths.
     """
     straight = trace_straight_line(scene, source, listener, config)
-    found = _select_edge_paths(scene, source, listener, config.num_edges)
+    found = _select_edge_paths(scene, source, listener, config.early.num_edges)
     heard = _is_visible(scene, source, listener, found)
     return assemble_paths(straight, found, heard, listener.pos, config)
 

@@ -8,7 +8,6 @@ import jax.numpy as jnp
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, check_listener, check_source, emission_gains
 from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
-from home_mjx.audio_jax.propagation.home_paths import home2017_paths
 from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
 from home_mjx.audio_jax.propagation.paths import (
     MAX_PATH_NAMES,
@@ -26,15 +25,12 @@ def select_producers(config: AudioConfig) -> tuple[PathProducer, ...]:
     """Return the producers of early paths; the first one yields the direct path.
 
     Example:
-        >>> [find.__name__ for find in producers_of(AudioConfig(num_edges=8))]
-        ['bent_paths', 'reflected_paths']
+        >>> [find.__name__ for find in select_producers(AudioConfig(early=EarlyPaths(num_edges=8)))]
+        ['diffracted_paths', 'first_order_reflections']
     """
-    if config.early == "home":
-        return (home2017_paths,)
-    first_order = config.reflection_order == 1
     return (
-        diffracted_paths if config.num_edges else direct_path,
-        first_order_reflections if first_order else image_source_reflections,
+        diffracted_paths if config.early.num_edges else direct_path,
+        first_order_reflections if config.early.reflection_order == 1 else image_source_reflections,
     )
 
 
@@ -55,9 +51,9 @@ def early_paths(
         producers: Producers of paths; the first yields the direct path. None: those that the options select.
 
     Returns:
-        The paths of all producers in order, by default 1 + R. R is `config.num_reflections`, or the house's number of
-        mirror planes if that is smaller. Gains include the source's directivity; `departure` is None. Gains are 0 if
-        the listener's quaternion is not of unit length.
+        The paths of all producers in order, by default 1 + E + R: E is `config.early.num_edges`, and R is
+        `config.early.num_reflections`, or the house's number of mirror planes if that is smaller. Gains include the
+        source's directivity; `departure` is None. Gains are 0 if the listener's quaternion is not of unit length.
 
     Raises:
         ConfigError: A concrete quaternion is not of unit length; or the source has a directivity and a producer does

@@ -53,7 +53,7 @@ def object_mirrors(scene: Scene, source: SoundSource, listener: Listener) -> Mir
 
 
 def image_source_reflections(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
-    """Compute image sources up to `config.reflection_order` in walls and faces of furniture, the shortest first.
+    """Compute image sources up to `config.early.reflection_order` in walls and faces of furniture, the shortest first.
 
     Sequences are made of the mirrors nearest to source and listener (`MAX_MIRRORS`). A path is audible if each leg
     hits a surface in the plane of its mirror and the last leg reaches the source. The material is that of the surface.
@@ -65,11 +65,11 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
         config: Options.
 
     Returns:
-        `config.num_reflections` paths, or one per sequence if there are fewer, silent ones included.
+        `config.early.num_reflections` paths, or one per sequence if there are fewer, silent ones included.
     """
-    if config.num_reflections == 0:
+    if config.early.num_reflections == 0:
         return empty_paths()
-    order = config.reflection_order
+    order = config.early.reflection_order
     kinds = house_mirrors(scene), object_mirrors(scene, source, listener)
     kept = [
         select_nearest_mirrors(kind, source.pos, listener.pos, count)
@@ -77,7 +77,7 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
     ]
     mirrors = jax.tree.map(lambda *x: jnp.concatenate(x), *kept)
     found = find_image_sources(mirrors, source.pos, listener.pos, order)
-    _, shortest = jax.lax.top_k(-found.length, min(config.num_reflections, found.length.size))
+    _, shortest = jax.lax.top_k(-found.length, min(config.early.num_reflections, found.length.size))
     found = jax.tree.map(lambda x: x[shortest], found)
     away = found.point[:, 0] - listener.pos[None]
     direction = away / jnp.maximum(jnp.linalg.norm(away, axis=1), MIN_PATH_LENGTH)[:, None]

@@ -54,7 +54,7 @@ def empty_paths() -> Paths:
 
 def air_attenuation(config: AudioConfig) -> Float[np.ndarray, " bands"]:
     """Compute the energy attenuation coefficient of air m of exp(-m r) per octave [1/m]."""
-    loss = air_absorption(np.array(BANDS), config.temperature, config.humidity, config.pressure)
+    loss = air_absorption(np.array(BANDS), config.air.temperature, config.air.humidity, config.air.pressure)
     return energy_attenuation(loss).astype(np.float32)
 
 
@@ -89,7 +89,7 @@ def trace_straight_line(scene: Scene, source: SoundSource, listener: Listener, c
         scene,
         listener.pos,
         direction,
-        num_hits=config.max_crossings,
+        num_hits=config.early.max_crossings,
         hit_epsilon=RAY_OFFSET,
         t_max=distance - RAY_OFFSET,
         exclude=listener.body,
@@ -150,12 +150,12 @@ def first_order_reflections(scene: Scene, source: SoundSource, listener: Listene
         config: Options.
 
     Returns:
-        `config.num_reflections` paths, or one per mirror plane of the house if that is less, silent ones included.
+        `config.early.num_reflections` paths, or one per mirror plane of the house if that is less, with silent ones.
     """
-    if config.num_reflections == 0:
+    if config.early.num_reflections == 0:
         return empty_paths()
     start, end = source.pos, listener.pos
-    point, distance, plane = _nearest_mirrors(scene, start, end, config.num_reflections)
+    point, distance, plane = _nearest_mirrors(scene, start, end, config.early.num_reflections)
     to_listener = length3(point - end[None])
     to_source = length3(point - start[None])
     direction = (point - end[None]) / jnp.maximum(to_listener, MIN_PATH_LENGTH)[:, None]

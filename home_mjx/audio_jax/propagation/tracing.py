@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, emission_gains
+from home_mjx.audio_jax.base.options import Traced
 from home_mjx.audio_jax.propagation.paths import RAY_OFFSET, air_attenuation
 from home_mjx.audio_jax.propagation.surfaces import AcousticSurface, surface_at
 from home_mjx.core.pytree import Pytree
@@ -45,10 +46,10 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
 
     By reciprocity, energy traced from the listener equals that from the source. A hit at distance d that sees the
     source contributes 4 e (1 - absorption) s cos / d², with ray energy e and scattering coefficient s. This is
-    Schröder's diffuse rain, normalized to the free-field level at 1 m. The specular rest (1 - s) is estimated by
-    `config.detector`. Specular reflections in architecture up to `config.reflection_order` are excluded because early
-    paths render them. Contributions are weighted by the source's directivity. With `config.octave_rays` a ray carries
-    one octave and scatters by that octave's coefficient.
+    Schröder's diffuse rain, normalized to the free-field level at 1 m. The specular rest (1 - s) is estimated by the
+    detector of `config.late`. Specular reflections in architecture up to `config.early.reflection_order` are excluded
+    because early paths render them. Contributions are weighted by the source's directivity. With `octave_rays` a ray
+    carries one octave and scatters by that octave's coefficient.
 
     Args:
         scene: The environment.
@@ -57,20 +58,24 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
         key: Random key, typed or raw; the same key yields the same rays.
         config: Options.
 
+    Raises:
+        ConfigError: `config.late` is not `Traced`.
+
     Returns:
         Arrivals and the rays' decay. With the detector "sphere" there are 2 B rows of arrivals.
     """
     turn_key, choice_key, scatter_key = jax.random.split(key, 3)
-    shape = (config.num_bounces, config.num_rays)
+    rays = config.traced
+    shape = (rays.num_bounces, rays.num_rays)
     turn = jax.random.normal(turn_key, (4,), jnp.float32)  # normalised: a uniformly distributed rotation
     turn = quat_matrix(turn / jnp.linalg.norm(turn))
-    carried = _octave_shares(config)
-    lattice = np.tile(fibonacci_directions(len(carried) // config.ray_groups), (config.ray_groups, 1))
+    carried = _octave_shares(rays)
+    lattice = np.tile(fibonacci_directions(rays.num_rays // rays.num_groups), (rays.num_groups, 1))
     direction = jnp.matmul(jnp.asarray(lattice), turn, precision="highest")
     scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
     draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
     walk = _TraceContext(scene, source, config, jnp.int32(listener.body), jnp.int32(source.body), jnp.asarray(carried))
-    leaving = walk.carried * jnp.float32(len(BANDS) / config.num_rays)
+    leaving = walk.carried * jnp.float32(len(BANDS) / rays.num_rays)
     start = _Ray(
         jnp.broadcast_to(listener.pos, direction.shape),
         direction,
@@ -84,11 +89,11 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
     return Trace(direction, arrival.reshape(rows), energy.reshape(*rows, len(BANDS)), travelled, remaining, leaving)
 
 
-def _octave_shares(config: AudioConfig) -> Float[np.ndarray, "n bands"]:
+def _octave_shares(rays: Traced) -> Float[np.ndarray, "n bands"]:
     """Return the share of each octave in each ray: uniform, or one octave per ray with `octave_rays`."""
-    if config.octave_rays:
-        return np.repeat(np.eye(len(BANDS), dtype=np.float32), config.num_rays // len(BANDS), axis=0)
-    return np.full((config.num_rays, len(BANDS)), 1 / len(BANDS), np.float32)
+    if rays.octave_rays:
+        return np.repeat(np.eye(len(BANDS), dtype=np.float32), rays.num_rays // len(BANDS), axis=0)
+    return np.full((rays.num_rays, len(BANDS)), 1 / len(BANDS), np.float32)
 
 
 class _TraceContext(NamedTuple):
@@ -121,12 +126,12 @@ class _TraceContext(NamedTuple):
         point = ray.origin + length[:, None] * ray.direction + RAY_OFFSET * met.normal
         travelled = ray.travelled + length
 
-        mirrored = ray.mirrored & (index < self.config.reflection_order) & (hit.instance == ARCHITECTURE)
-        mirrored = mirrored & (self.config.num_reflections > 0)
-        rain = energy * jnp.where(mirrored[:, None] | (self.config.detector == "sphere"), met.scattering, 1.0)
+        mirrored = ray.mirrored & (index < self.config.early.reflection_order) & (hit.instance == ARCHITECTURE)
+        mirrored = mirrored & (self.config.early.num_reflections > 0)
+        rain = energy * jnp.where(mirrored[:, None] | (self.config.traced.detector == "sphere"), met.scattering, 1.0)
         arrival, arriving = self._rain(point, met.normal, rain)
         arrival = arrival + travelled
-        if self.config.detector == "sphere":
+        if self.config.traced.detector == "sphere":
             passing, passed = self._sphere(ray, length)
             arrival, arriving = jnp.stack([arrival, passing]), jnp.stack([arriving, passed])
         direction, specular, scatters = _reflect(ray.direction, met, self.carried, choice, scattered)
@@ -151,7 +156,7 @@ class _TraceContext(NamedTuple):
             exclude=self.emitter,
             mask=int(RayKind.SOUND),
         )
-        share = 4 * cosine / jnp.maximum(distance, self.config.detector_radius) ** 2
+        share = 4 * cosine / jnp.maximum(distance, self.config.traced.detector_radius) ** 2
         share = jnp.where(asks & ~hidden, share, 0.0)
         energy = energy * share[:, None] * jnp.exp(-distance[:, None] * air_attenuation(self.config)[None])
         return distance, self._leaving(energy, -toward)
@@ -161,7 +166,7 @@ class _TraceContext(NamedTuple):
         offset = self.source.pos[None] - ray.origin
         nearest = jnp.sum(offset * ray.direction, axis=1)
         miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
-        radius = self.config.detector_radius
+        radius = self.config.traced.detector_radius
         inside = (nearest > 0) & (nearest < length) & (miss < radius)
         decay = jnp.exp(-nearest[:, None] * air_attenuation(self.config)[None])
         energy = 4 / radius**2 * ray.energy * ray.specular * decay

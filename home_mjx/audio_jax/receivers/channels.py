@@ -10,6 +10,7 @@ from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import MeasuredHead
+from home_mjx.audio_jax.base.options import Ambisonics, Binaural, MicrophoneArray, Omni
 from home_mjx.audio_jax.base.shapes import filter_basis
 from home_mjx.audio_jax.receivers.heads import check_head, interpolate_directions
 from home_mjx.audio_jax.receivers.hrtf import (
@@ -45,14 +46,15 @@ def distinct_channel_gains(
     if head is not None:
         check_head(head, config)
         return interpolate_directions(head.energy, world_to_head(direction, head_quat))
-    if config.receiver in ("omni", "array"):
+    if isinstance(config.receiver, Omni | MicrophoneArray):
         return jnp.ones((direction.shape[0], 1, len(BANDS)), jnp.float32)
     toward = world_to_head(direction, head_quat)
-    if config.receiver == "ambisonics":
+    if isinstance(config.receiver, Ambisonics):
         return jnp.broadcast_to((ambisonic_gains(toward) ** 2)[..., None], (*toward.shape[:1], 4, len(BANDS)))
-    table = ear_table(EAR_TABLE_TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
-    energy = ear_energy(table, ear_angles(toward, config.ear_angle))
-    return energy * pinna_energy(toward, config.sample_rate)[:, None] if config.pinna else energy
+    ears = config.binaural
+    table = ear_table(EAR_TABLE_TAPS, config.sample_rate, ears.head_radius, config.speed_of_sound)
+    energy = ear_energy(table, ear_angles(toward, ears.ear_angle))
+    return energy * pinna_energy(toward, config.sample_rate)[:, None] if ears.pinna else energy
 
 
 def late_channel_gains(
@@ -60,7 +62,7 @@ def late_channel_gains(
 ) -> Float[Array, "n d bands"]:
     """Compute the gains of late histograms: `distinct_channel_gains`, and for ambisonics the signed products W Y, W Z, W X."""
     energy = distinct_channel_gains(direction, head_quat, config, head)
-    if config.receiver != "ambisonics":
+    if not isinstance(config.receiver, Ambisonics):
         return energy
     flow = ambisonic_gains(world_to_head(direction, head_quat))[:, 1:, None]
     return jnp.concatenate([energy, jnp.broadcast_to(flow, (flow.shape[0], 3, len(BANDS)))], axis=1)
@@ -80,9 +82,11 @@ def channel_delays(
     if head is not None:
         check_head(head, config)
         return interpolate_directions(head.delay, toward) * jnp.float32(config.sample_rate)
-    if config.receiver == "array":
-        return _excess_lengths(toward, distance, config) * jnp.float32(config.sample_rate / config.speed_of_sound)
-    if config.receiver != "binaural":
+    if isinstance(config.receiver, MicrophoneArray):
+        return _excess_lengths(toward, distance, config.receiver) * jnp.float32(
+            config.sample_rate / config.speed_of_sound
+        )
+    if not isinstance(config.receiver, Binaural):
         return jnp.zeros((*distance.shape, 1), jnp.float32)
     return _ear_delays(_ear_axis_angles(toward, config), distance[..., None], config)
 
@@ -101,20 +105,21 @@ def channel_filters(
     if head is not None:
         check_head(head, config)
         return jax.lax.complex(*(interpolate_directions(part, toward) for part in (head.real, head.imag)))
-    if config.receiver == "binaural":
-        table = ear_filters(config.sample_rate, config.head_radius, config.speed_of_sound)
+    if isinstance(config.receiver, Binaural):
+        radius = config.receiver.head_radius
+        table = ear_filters(config.sample_rate, radius, config.speed_of_sound)
         angle = _ear_axis_angles(toward, config)
-        nearness = jnp.broadcast_to((config.head_radius / distance)[:, None], angle.shape)
+        nearness = jnp.broadcast_to((radius / distance)[:, None], angle.shape)
         values = interpolate_ear_filters(table, angle, nearness)
-        if not config.pinna:
+        if not config.receiver.pinna:
             return values
-        late = ear_phase_delays(config.sample_rate, config.head_radius, config.speed_of_sound)
+        late = ear_phase_delays(config.sample_rate, radius, config.speed_of_sound)
         return add_echoes(values, interpolate_angles(late, angle), toward, config.sample_rate)
-    if config.receiver == "array":
+    if isinstance(config.receiver, MicrophoneArray):
         gain = distance[:, None] / jnp.maximum(
-            distance[:, None] + _excess_lengths(toward, distance, config), MIN_MICROPHONE_DISTANCE
+            distance[:, None] + _excess_lengths(toward, distance, config.receiver), MIN_MICROPHONE_DISTANCE
         )
-    elif config.receiver == "ambisonics":
+    elif isinstance(config.receiver, Ambisonics):
         gain = ambisonic_gains(toward)
     else:
         gain = jnp.ones((distance.size, config.num_channels), jnp.float32)
@@ -140,14 +145,14 @@ def ambisonic_gains(toward: Float[Array, "p 3"]) -> Float[Array, "p 4"]:
 
 def _ear_axis_angles(toward: Float[Array, "*p 3"], config: AudioConfig) -> Float[Array, "*p 2"]:
     """Compute the angles between directions and the axes of both ears [rad]."""
-    return ear_angles(toward.reshape(-1, 3), config.ear_angle).reshape(*toward.shape[:-1], 2)
+    return ear_angles(toward.reshape(-1, 3), config.binaural.ear_angle).reshape(*toward.shape[:-1], 2)
 
 
 def _excess_lengths(
-    toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig
+    toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], array: MicrophoneArray
 ) -> Float[Array, "*p e"]:
     """Compute the excess path length of spherical waves to microphones re the head centre [m]."""
-    place = np.asarray(config.microphones, np.float32)
+    place = np.asarray(array.positions, np.float32)
     along = jnp.matmul(toward, jnp.asarray(place.T), precision="highest")
     square = jnp.asarray(np.sum(place**2, axis=1).reshape((1,) * distance.ndim + (-1,)))
     more = square - 2 * distance[..., None] * along  # difference of the squared path lengths
@@ -162,12 +167,13 @@ def _ear_delays(
 
     The path to the ear is straight, or tangential and then along the sphere: Woodworth's model at finite distance.
     """
-    near = jnp.minimum(config.head_radius / distance, NEARNESS_KNOTS[-1])  # limit of the ear filter table
+    radius = config.binaural.head_radius
+    near = jnp.minimum(radius / distance, NEARNESS_KNOTS[-1])  # limit of the ear filter table
     touched = jnp.arccos(near)
     half = jnp.sin(angle / 2)
     # Equals (sqrt(1 + near² - 2 near cos) - 1) / near without cancellation.
     longer = near - 2 * (1 - 2 * half * half)
     straight = longer / (jnp.sqrt(jnp.maximum(1 + near * longer, 0.0)) + 1)
     around = angle - touched - near / (jnp.sqrt(1 - near * near) + 1)
-    to_samples = jnp.float32(config.head_radius / config.speed_of_sound * config.sample_rate)
+    to_samples = jnp.float32(radius / config.speed_of_sound * config.sample_rate)
     return jnp.where(angle < touched, straight, around) * to_samples

@@ -10,6 +10,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import high_pass, octave_gains
+from home_mjx.audio_jax.base.options import Ambisonics, Binaural, MicrophoneArray, Omni
 from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix
@@ -21,7 +22,7 @@ NUM_KNOTS = 3  # of amplitude in a bin: its start, middle and end
 
 def num_noises(config: AudioConfig) -> int:
     """Return the number of independent noises of the field: 1 if orientation has no effect, 4 for ambisonics."""
-    if config.receiver == "ambisonics":
+    if isinstance(config.receiver, Ambisonics):
         return 4
     return 1 if _turning_radius(config) == 0 else NUM_NOISES
 
@@ -41,13 +42,14 @@ def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array,
     if num_noises(config) == 1:
         return jnp.ones((config.num_channels, 1), jnp.float32)
     turn = quat_matrix(head_quat)
-    if config.receiver == "ambisonics":
+    if isinstance(config.receiver, Ambisonics):
         parts = jnp.stack([-turn[:, 0], turn[:, 1], -turn[:, 2]])
         return jnp.eye(4, dtype=jnp.float32).at[1:, 1:].set(parts)
-    if config.receiver == "array":
+    if isinstance(config.receiver, MicrophoneArray):
         ears = jnp.array([[1.0, 0.0, 0.0]], jnp.float32)
     else:
-        side, back = math.sin(math.radians(config.ear_angle)), -math.cos(math.radians(config.ear_angle))
+        angle = math.radians(config.binaural.ear_angle)
+        side, back = math.sin(angle), -math.cos(angle)
         ears = jnp.array([[-side, 0.0, back], [side, 0.0, back]], jnp.float32)
     axes = jnp.matmul(ears, turn.T, precision="highest")
     flat = jnp.sqrt(axes[:, 0] ** 2 + axes[:, 1] ** 2)
@@ -59,11 +61,12 @@ def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array,
 
 def _turning_radius(config: AudioConfig) -> float:
     """Return the RMS distance of the receiver's elements from its vertical axis [m]; 0 if orientation has no effect."""
-    if config.receiver in ("omni", "ambisonics"):
+    if isinstance(config.receiver, Omni | Ambisonics):
         return 0.0
-    if config.receiver == "binaural":
-        return config.head_radius
-    return math.sqrt(sum(x * x + z * z for x, _, z in config.microphones) / len(config.microphones))
+    if isinstance(config.receiver, Binaural):
+        return config.receiver.head_radius
+    places = config.receiver.positions
+    return math.sqrt(sum(x * x + z * z for x, _, z in places) / len(places))
 
 
 def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: float) -> Float[np.ndarray, " f"]:
@@ -84,12 +87,12 @@ def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Flo
     """Compute the amplitude of each noise over frequency; their powers in an ear sum to one."""
     if num_noises(config) != NUM_NOISES:
         return np.ones((num_noises(config), frequency.size))
-    if config.receiver == "array":
+    if isinstance(config.receiver, MicrophoneArray):
         radius = _turning_radius(config)
         ways = (2 * radius, math.sqrt(2) * radius)
         opposite, across = (free_coherence(frequency, way, config.speed_of_sound) for way in ways)
     else:
-        head = config.head_radius, config.speed_of_sound
+        head = config.binaural.head_radius, config.speed_of_sound
         opposite, across = (diffuse_coherence(frequency, angle, *head) for angle in (np.pi, np.pi / 2))
     even, odd = (1 + opposite) / 2, (1 - opposite) / 2
     twice = np.clip((even - across) / 2, 0, even)
@@ -108,24 +111,31 @@ def octave_noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
     frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)
     bands = octave_gains(frequency)
     rng, shape = np.random.default_rng(0), (num_noises(config), *bands.shape)
-    if config.receiver == "array":
-        phase = rng.uniform(0, 2 * np.pi, (len(config.microphones), *shape))
-        whole = np.einsum("fij,jcbf->icbf", _coherence_root(frequency, config), np.exp(1j * phase), optimize=True)
+    if isinstance(config.receiver, MicrophoneArray):
+        phase = rng.uniform(0, 2 * np.pi, (config.num_channels, *shape))
+        whole = np.einsum(
+            "fij,jcbf->icbf",
+            _coherence_root(frequency, config.receiver, config.speed_of_sound),
+            np.exp(1j * phase),
+            optimize=True,
+        )
     else:
         whole = np.exp(1j * rng.uniform(0, 2 * np.pi, shape))
     spectrum = whole * noise_levels(frequency, config)[:, None] * np.sqrt(bands) * high_pass(frequency)
     return (np.fft.irfft(spectrum, length) * np.sqrt(length)).astype(np.float32)
 
 
-def _coherence_root(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "f e e"]:
+def _coherence_root(
+    frequency: Float[np.ndarray, " f"], array: MicrophoneArray, speed: float
+) -> Float[np.ndarray, "f e e"]:
     """Compute symmetric square roots of the matrices of `free_coherence` between microphones.
 
     Independent noises mixed with these weights have that coherence: Habets, Cohen and Gannot, Generating nonstationary
     multisensor signals under a spatial coherence constraint, JASA 124 (2008).
     """
-    place = np.array(config.microphones)
+    place = np.array(array.positions)
     apart = np.linalg.norm(place[:, None] - place[None], axis=-1)
-    matrix = np.sinc(2 * frequency[:, None, None] * apart[None] / config.speed_of_sound)
+    matrix = np.sinc(2 * frequency[:, None, None] * apart[None] / speed)
     value, vector = np.linalg.eigh(matrix)
     return np.einsum("fij,fj,fkj->fik", vector, np.sqrt(np.maximum(value, 0)), vector, optimize=True)
 

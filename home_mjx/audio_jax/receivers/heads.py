@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import MeasuredHead
+from home_mjx.audio_jax.base.options import Binaural
 from home_mjx.errors import ConfigError
 
 
@@ -14,11 +15,11 @@ def check_head(head: MeasuredHead, config: AudioConfig) -> None:
     """Validate that a measured head matches the options.
 
     Raises:
-        ConfigError: The receiver is not "binaural", `pinna` is set, or the sample rate differs.
+        ConfigError: The receiver is not `Binaural`, `pinna` is set, or the sample rate differs.
     """
-    if config.receiver != "binaural":
-        raise ConfigError(f"a measured head does not work with receiver={config.receiver!r}", hint='Use "binaural".')
-    if config.pinna:
+    if not isinstance(config.receiver, Binaural):
+        raise ConfigError(f"a measured head does not work with receiver={config.receiver}", hint="Use Binaural().")
+    if config.receiver.pinna:
         raise ConfigError("a measured head already includes its outer ears", hint="Leave `pinna` at False.")
     if head.sample_rate != config.sample_rate:
         text = f"the head was read for {head.sample_rate} Hz, sound has {config.sample_rate} Hz"

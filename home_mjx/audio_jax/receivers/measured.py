@@ -54,8 +54,9 @@ def make_measured_head(
             directions is that of a rigid sphere.
 
     Raises:
-        ConfigError: Responses are not finite, silent, or of too low a sample rate. Directions are not unit vectors, too
-            few, or in one plane. A delay exceeds the size of a head.
+        ConfigError: `level` is "sphere" and the receiver is not `Binaural`. Responses are not finite, silent, or of too
+            low a sample rate. Directions are not unit vectors, too few, or in one plane. A delay exceeds the size of a
+            head.
 
     Example:
         >>> head = measured_head(direction, response, 44_100, AudioConfig())  # doctest: +SKIP
@@ -106,7 +107,7 @@ def _check(direction: np.ndarray, response: np.ndarray, rate: float, config: Aud
 
 def _sphere_level(config: AudioConfig) -> float:
     """Compute the mean energy of a rigid sphere in the 500 Hz octave over all directions."""
-    table = ear_table(ENERGY_TRANSFORM_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
+    table = ear_table(ENERGY_TRANSFORM_SIZE, config.sample_rate, config.binaural.head_radius, config.speed_of_sound)
     return float(
         np.average(table.energy[:, LEVEL_BAND_INDEX], weights=np.sin(np.linspace(0, np.pi, len(table.energy))))
     )

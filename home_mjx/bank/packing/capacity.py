@@ -1,11 +1,13 @@
-"""Capacity of a bank's arrays: axis lengths per house, and rows of the concatenated tables."""
+"""Capacity of a bank's arrays: axis lengths per house, rows of the concatenated tables, and their size classes.
+
+Few distinct lengths let similar banks share one compiled step.
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from home_mjx.bank.packing.size_classes import ragged_class, size_class
 from home_mjx.bank.records.bank_arrays import ID_LENGTH
 from home_mjx.bank.records.declaration import Sizes
 from home_mjx.bank.records.owners import Counts
@@ -131,3 +133,29 @@ def cumulative_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, i
         starts.append(dict(at))
         at = {kind: at[kind] + counts[kind] for kind in at}
     return starts
+
+
+def size_class(count: int, smallest: int) -> int:
+    """Return the smallest `smallest * 2**n` of at least `count`.
+
+    Example:
+        >>> size_class(44, 32), size_class(3, 8)
+        (64, 8)
+    """
+    size = smallest
+    while size < count:
+        size *= 2
+    return size
+
+
+def ragged_class(count: int) -> int:
+    """Return the capacity of a concatenated table: at least four classes per octave, so at most a quarter is unused.
+
+    Example:
+        >>> ragged_class(1000), ragged_class(102_076)
+        (1024, 114688)
+    """
+    step = 64
+    while step * 8 < count:
+        step *= 2
+    return -(-max(count, 1) // step) * step

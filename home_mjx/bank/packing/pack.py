@@ -17,10 +17,10 @@ from home_mjx.bank.packing.capacity import (
     check_fits,
     cumulative_starts,
     house_rows,
+    ragged_class,
     required_lengths,
 )
 from home_mjx.bank.packing.library import Library, Owners
-from home_mjx.bank.packing.size_classes import ragged_class
 from home_mjx.bank.packing.texture_layers import TEXTURE_SIZE, texture_shape
 from home_mjx.bank.records.bank_arrays import BankSpec, declarations
 from home_mjx.bank.records.declaration import HOUSE_AXIS, ROW_KINDS, SHARED, Arrays, Declaration, Key, Sizes

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from home_mjx.bank.packing.size_classes import size_class
+from home_mjx.bank.packing.capacity import size_class
 from home_mjx.core.color import decode_srgb, encode_srgb
 from home_mjx.core.images import read_texture
 from home_mjx.errors import ConfigError

@@ -37,7 +37,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     doing.add_argument(
         "--semantics", action="store_true", help="list the class, appearance and support of each object instead"
     )
-    doing.add_argument("--home", action="store_true", help="as --semantics, with the rules of HoME's code of 2017")
     doing.add_argument(
         "--validate", action="store_true", help="report all problems instead; exit code 1 if there are errors"
     )
@@ -47,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     """Print counts and tolerated problems, semantics, or with `--validate` all problems."""
     if args.validate:
         return _validate(args)
-    if args.semantics or args.home:
+    if args.semantics:
         return _semantics(args)
     if is_dataset_root(args):
         return _dataset(args)
@@ -64,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
         sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
         sizes["fields"] = fields
-        record["stand_ins"] = [asdict(item) for item in house.fallbacks]
+        record["fallbacks"] = [asdict(item) for item in house.fallbacks]
         record["stuck"] = compiled.blocked_objects.tolist()
         record["unknown_material"] = unknown
         record["joints"] = jointed
@@ -87,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
             f"warning: {unknown:.0%} of the area has a default material: acoustics and contact are approximate\n"
         )
     for item in house.fallbacks:
-        sys.stdout.write(f"lacking: {item}\n")
+        sys.stdout.write(f"fallback: {item}\n")
     for object_id in compiled.blocked_objects.tolist():
         sys.stdout.write(f"stuck: {_category(compiled, object_id)} {object_id} overlaps another body, so it is fixed\n")
     return 0
@@ -145,10 +144,9 @@ def _dataset(args: argparse.Namespace) -> int:
 def _semantics(args: argparse.Namespace) -> int:
     """Print a line per surface and object, or one JSON object with the complete semantics."""
     from home_mjx.scene_compile.semantics.engine import house_semantics
-    from home_mjx.scene_compile.semantics.looks.options import HOME2017, SemanticOptions
     from home_mjx.scene_compile.semantics.records import house_record
 
-    meaning = house_semantics(*load_house(args), HOME2017 if args.home else SemanticOptions())
+    meaning = house_semantics(*load_house(args))
     if args.json:
         sys.stdout.write(json.dumps(house_record(meaning)) + "\n")
         return 0

@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path
 from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, place_head
+from home_mjx.core.variants import override_fields
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 
@@ -66,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.audio_jax.parameters.survey import SURVEY_CONFIG, survey_room
     from home_mjx.viewer.pictures.media import write_png, write_wav
 
-    config = replace(SURVEY_CONFIG, late=args.late)
+    config = override_fields(SURVEY_CONFIG, {"late": args.late})
     clip = clip_samples(args.clip, config)
     make_folder(args.out)
     view = place_head(args)
@@ -91,9 +91,8 @@ def run(args: argparse.Namespace) -> int:
             sys.stdout.write(f"{args.out / name}.png\n")
     distance = np.linalg.norm(source - view.position)
     sys.stdout.write(f"source {np.round(source, 2)} m, head {np.round(view.position, 2)} m: {distance:.2f} m apart\n")
-    how = (
-        "baked late reverberation" if args.late == "baked" else f"{config.num_rays} rays, {config.num_bounces} bounces"
-    )
+    rays = f"{SURVEY_CONFIG.traced.num_rays} rays, {SURVEY_CONFIG.traced.num_bounces} bounces"
+    how = "baked late reverberation" if args.late == "baked" else rays
     sys.stdout.write(f"\n{format_parameters(found)}\n{how}\n")
     return 0
 

@@ -4,15 +4,21 @@ import argparse
 import functools
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from home_mjx.cli.houses import load_compiled_house
+from home_mjx.cli.learning.named import add_import_option, import_modules
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path, positive_int_type
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, place_head, place_overhead_camera
 from home_mjx.errors import ConfigError
-from home_mjx.schema.choices import CAMERA_MODELS, PRESETS
+from home_mjx.schema.choices import CAMERA_MODELS
 from home_mjx.viewer.pictures import pictures
+
+if TYPE_CHECKING:
+    from home_mjx.raycast_render.scene.types import Scene
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
 DEPTH_MAX = 10.0  # [m] depth of the last colour
@@ -47,7 +53,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=number_type(low=1, high=179),
         help="vertical field of view [degrees] (default: 75)",
     )
-    parser.add_argument("--preset", choices=PRESETS, default="fast", help="shading of the colours (default: fast)")
+    parser.add_argument(
+        "--shader", default="fast", metavar="NAME", help="shader of the colours, such as fast or lit (default: fast)"
+    )
+    add_import_option(parser)
     parser.add_argument("--samples", type=positive_int_type, default=1, help="rays per pixel for colours (default: 1)")
     parser.add_argument("--lens", choices=CAMERA_MODELS, help="camera model (default: pinhole)")
     parser.add_argument(
@@ -62,18 +71,22 @@ def run(args: argparse.Namespace) -> int:
 
     from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
     from home_mjx.raycast_render.images.render import render
+    from home_mjx.raycast_render.shaders.base import resolve_shader
     from home_mjx.viewer.pictures.media import write_png
     from home_mjx.viewer.pictures.top_view import is_in_wall
 
+    import_modules(args.modules)
+    shader = resolve_shader(args.shader)
     make_folder(args.out)
     view, fovy, model = _place_camera(args)
+    scene = _add_bakes(args, view, shader.needs)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
     width, height = args.size
     lens = Lens(width, height, model, args.samples)
-    look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, shader=args.preset, depth_max=DEPTH_MAX))
-    images = {kind: np.asarray(image) for kind, image in look(view.scene, camera).items()}
+    look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, shader=shader, depth_max=DEPTH_MAX))
+    images = {kind: np.asarray(image) for kind, image in look(scene, camera).items()}
     if args.top is not None:  # The camera is inside the cut walls and sees the floor below; draw them dark.
-        cut = np.asarray(is_in_wall(view.scene, camera_rays(camera, lens)[0]))
+        cut = np.asarray(is_in_wall(scene, camera_rays(camera, lens)[0]))
         images["rgb"] = np.where(cut[..., None], CUT_WALL_GREY, images["rgb"])
     for kind in KINDS:
         path = args.out / f"{kind}.png"
@@ -92,6 +105,15 @@ def _place_camera(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
     view, (x, y) = place_overhead_camera(args, args.top)
     width, height = args.size
     return view, max(y, x * height / width) + 2 * STOREY_MARGIN, "orthographic"
+
+
+def _add_bakes(args: argparse.Namespace, view: Viewpoint, names: tuple[str, ...]) -> "Scene":
+    """Return the scene with the bakes that the shader needs, cached or computed now."""
+    from home_mjx.houses.bakes import add_bakes
+
+    if not names:
+        return view.scene
+    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], names, progress=True))
 
 
 def _parse_storey(text: str) -> int:

@@ -62,7 +62,7 @@ class Kernel:
         return _find_problem(self, platform)
 
     def is_usable(self, platform: str) -> bool:
-        """Return whether the kernel works on a platform; warn once if JAX has the platform and the kernel fails."""
+        """Return whether the kernel works on a platform; warn once if it should work there and fails."""
         return _is_usable(self, platform)
 
     def check_usable(self, platform: str, label: str, hint: str) -> None:
@@ -162,7 +162,7 @@ def _call(
 @functools.cache
 def _is_usable(kernel: Kernel, platform: str) -> bool:
     problem = kernel.find_problem(platform)
-    if problem and local_devices(platform):
+    if problem and getattr(kernel, platform) and local_devices(platform):
         warnings.warn(f"{kernel.fallback}: {problem}", RuntimeWarning, stacklevel=4)
     return problem is None
 

@@ -6,6 +6,7 @@ one compiles; the others wait for it and load its result.
 
 import functools
 import hashlib
+import inspect
 import json
 import logging
 import time
@@ -121,6 +122,7 @@ def _locked(fcntl: Any, file: IO[bytes]) -> bool:
 
 def _place(build: Callable[[], Any]) -> tuple[Path | None, str]:
     """Return the folder of Numba's cache for a function's file, None if there is no cache, and the file-name prefix."""
+    build = inspect.unwrap(build)  # a type checker may have wrapped it in a function of another file
     stem = Path(build.__code__.co_filename).stem
     try:
         return Path(FunctionCache(build).cache_path), stem

@@ -10,7 +10,6 @@ from pathlib import Path
 from home_mjx.core.files import is_file
 from home_mjx.core.paths import ROOT_VARIABLE
 from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset
-from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.seeds import GENERATED_MARKER, sort_house_ids
 from home_mjx.datasets.suncg.digests import SuncgDigests
@@ -19,11 +18,12 @@ from home_mjx.datasets.suncg.fallbacks.listing import describe_fallbacks
 from home_mjx.datasets.suncg.fallbacks.models import fallback_version
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.errors import MissingFileError, UnknownIdError, did_you_mean
-from home_mjx.schema.house import Fallback, House, Mesh, Metadata
+from home_mjx.schema.house import Fallback, House, Joints, Mesh
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +54,7 @@ class SuncgDataset(Dataset):
         return sort_house_ids(path.parent.name for path in (self.root / "house").glob("*/house.json"))
 
     @cached_property
-    def metadata(self) -> Metadata:
+    def metadata(self) -> SuncgMetadata:
         """Categories, sizes and lights of the models; read on first use.
 
         Raises:
@@ -91,7 +91,7 @@ class SuncgDataset(Dataset):
         self.check_known(house_id)
         options = self.resolved(options)
         if options.strict:
-            return read_house(house_id, self.assets, options, self._left_out(options), Metadata({}))
+            return read_house(house_id, self.assets, options, self._left_out(options), self._tables)
         house = read_house(house_id, self._tolerant, options, self._left_out(options), self._tables)
         self.warn_fallbacks(house_id, house.fallbacks)
         return house
@@ -102,7 +102,7 @@ class SuncgDataset(Dataset):
             return options
         return replace(options, strict=is_file(self.root / GENERATED_MARKER))
 
-    def metadata_for(self, options: ReadOptions) -> Metadata:
+    def metadata_for(self, options: ReadOptions) -> SuncgMetadata:
         """Return the metadata tables for houses read with these options.
 
         Args:
@@ -114,7 +114,7 @@ class SuncgDataset(Dataset):
         return self.metadata if self.resolved(options).strict else add_builtin_categories(self._tables)
 
     @cached_property
-    def _tables(self) -> Metadata:
+    def _tables(self) -> SuncgMetadata:
         """The tables that exist; missing ones are empty."""
         return read_metadata(self.root / "metadata", tolerant=True)
 
@@ -136,10 +136,10 @@ class SuncgDataset(Dataset):
         """Version of the models that replace missing ones; "" for generated datasets, which lack nothing."""
         return "" if is_file(self.root / GENERATED_MARKER) else fallback_version()
 
-    def warn_fallbacks(self, house_id: str, stand_ins: Sequence[Fallback]) -> None:
+    def warn_fallbacks(self, house_id: str, fallbacks: Sequence[Fallback]) -> None:
         """Log one warning that counts what a house lacks; nothing if it is complete, and nothing twice."""
-        if stand_ins:
-            _warn(self.root, house_id, describe_fallbacks(stand_ins))
+        if fallbacks:
+            _warn(self.root, house_id, describe_fallbacks(fallbacks))
 
     def __reduce__(self) -> tuple[Callable[[Path], "SuncgDataset"], tuple[Path]]:
         return open_suncg, (self.root,)
@@ -157,9 +157,9 @@ class SuncgDataset(Dataset):
 
 
 @lru_cache(maxsize=100_000)
-def _warn(root: Path, house_id: str, lacking: str) -> None:
+def _warn(root: Path, house_id: str, missing: str) -> None:
     listing = f"home-mjx inspect {house_id} --dataset {root}"
-    log.warning("house %s lacks %s: fallbacks are used, `%s` lists them", house_id, lacking, listing)
+    log.warning("house %s lacks %s: fallbacks are used, `%s` lists them", house_id, missing, listing)
 
 
 def open_suncg(root: str | Path) -> SuncgDataset:

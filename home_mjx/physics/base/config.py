@@ -1,7 +1,7 @@
 """Options of the physics."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from home_mjx.core.checks import check_flag, check_number, check_type
 from home_mjx.errors import ConfigError
@@ -24,11 +24,11 @@ WHOLE_NUMBERS = (
 class PhysicsConfig:
     """Options of the physics; hashable, and constant in a compiled step.
 
+    Body and time steps are not among them, because other engines share these; see `PhysicsSetup`.
+
     Attributes:
         num_agents: Agents per environment, at most 128.
-        body: Size, mass, strength and speeds of all agents.
-        bodies: One `AgentBody` per agent if agents differ; `body` is then ignored.
-        timing: Length of a physics step and of a control step.
+        bodies: One `AgentBody` per agent if agents differ. Empty: all agents have the common `body`.
         control: "velocity": actions are fractions of an agent's maximum speeds, which its motors reach within
             `response_time`. "force": forward and left are fractions of its `max_push_force`, against a drag that balances
             it at maximum speed.
@@ -58,14 +58,12 @@ class PhysicsConfig:
         ConfigError: A value is invalid.
 
     Example:
-        >>> PhysicsConfig(timing=Timing(sim_dt=0.05)).timing.substeps
-        2
+        >>> PhysicsConfig(num_agents=2, friction=0.5).impl
+        'fused'
     """
 
     num_agents: int = 1
-    body: AgentBody = field(default_factory=AgentBody)
     bodies: tuple[AgentBody, ...] = ()
-    timing: Timing = field(default_factory=Timing)
     control: str = "velocity"
     response_time: float = 0.1
     friction: float | None = None
@@ -89,19 +87,7 @@ class PhysicsConfig:
         if self.restitution is not None:
             check_number("restitution", self.restitution, 0, 0.9)
         check_flag("sleep", self.sleep)
-        check_type("body", self.body, AgentBody)
-        check_type("timing", self.timing, Timing)
         self._check_bodies()
-
-    @property
-    def agents(self) -> tuple[AgentBody, ...]:
-        """The body of each agent.
-
-        Example:
-            >>> len(PhysicsConfig(num_agents=2).agents)
-            2
-        """
-        return self.bodies or (self.body,) * self.num_agents
 
     def _check_bodies(self) -> None:
         if not isinstance(self.bodies, tuple):
@@ -136,3 +122,51 @@ class PhysicsConfig:
                     element=f"PhysicsConfig.{name}",
                     hint="Omit it to use the default",
                 ) from None
+
+
+@dataclass(frozen=True)
+class PhysicsSetup(PhysicsConfig):
+    """Options of the physics with the records that it shares with other engines, as a `Template` holds them.
+
+    In an environment body and timing are those of `EnvConfig`, which takes a `PhysicsConfig`.
+
+    Attributes:
+        body: Size, mass, strength and speeds of all agents; ignored with `bodies`.
+        timing: Length of a physics step and of a control step.
+
+    Raises:
+        ConfigError: A value is invalid.
+
+    Example:
+        >>> PhysicsSetup(timing=Timing(sim_dt=0.05)).timing.substeps
+        2
+    """
+
+    body: AgentBody = field(default_factory=AgentBody)
+    timing: Timing = field(default_factory=Timing)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_type("body", self.body, AgentBody)
+        check_type("timing", self.timing, Timing)
+
+    @classmethod
+    def compose(cls, config: PhysicsConfig, body: AgentBody, timing: Timing) -> "PhysicsSetup":
+        """Return the setup of these options.
+
+        Example:
+            >>> PhysicsSetup.compose(PhysicsConfig(friction=0.5), AgentBody(), Timing()).friction
+            0.5
+        """
+        options = {option.name: getattr(config, option.name) for option in fields(PhysicsConfig)}
+        return cls(**options, body=body, timing=timing)
+
+    @property
+    def agents(self) -> tuple[AgentBody, ...]:
+        """The body of each agent.
+
+        Example:
+            >>> len(PhysicsSetup(num_agents=2).agents)
+            2
+        """
+        return self.bodies or (self.body,) * self.num_agents

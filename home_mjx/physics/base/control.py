@@ -4,13 +4,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 
 # Columns of `agent_table`.
 RADIUS, HALF_LENGTH, MASS, YAW_INERTIA, FORWARD_SPEED, STRAFE_SPEED, TURN_RATE, PUSH_FORCE = range(8)
 
 
-def agent_table(config: PhysicsConfig, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
+def agent_table(config: PhysicsSetup, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
     """Pack the physical parameters of each agent, in the order of the columns above; SI units."""
     rows = [
         (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.max_push_force)
@@ -20,7 +20,7 @@ def agent_table(config: PhysicsConfig, yaw_inertia: Float[np.ndarray, " a"]) -> 
 
 
 def motor_forces(
-    config: PhysicsConfig,
+    config: PhysicsSetup,
     agent: Float[Array, "8"],
     action: Float[Array, "3"],
     yaw: Float[Array, ""],

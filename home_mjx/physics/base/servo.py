@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix, quat_multiply, yaw_quat
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.control import HALF_LENGTH, RADIUS
 
 GRAVITY = 9.81  # [m/s^2], MuJoCo's default
@@ -33,7 +33,7 @@ MAX_RAMP_GAP = 0.15  # [m], maximum height of an agent's foot above or below the
 NOT_DRIVEN = 1e9  # goal of a door that is not driven
 
 
-def hand_time_constant(config: PhysicsConfig) -> float:
+def hand_time_constant(config: PhysicsSetup) -> float:
     """Return the time constant of hands [s]: `HAND_TIME_CONSTANT`, or the shortest one that a physics step resolves."""
     return max(HAND_TIME_CONSTANT, 2 * config.timing.sim_dt)
 
@@ -52,7 +52,7 @@ class HeldBody(Pytree):
 
 
 def hand_accelerations(
-    config: PhysicsConfig, held: HeldBody, grip: Float[Array, "7"]
+    config: PhysicsSetup, held: HeldBody, grip: Float[Array, "7"]
 ) -> tuple[Float[Array, "3"], Float[Array, "3"], Float[Array, "2"]]:
     """Compute the accelerations of a held body and the reaction on its holder.
 

@@ -11,14 +11,14 @@ from jaxtyping import Array, Float
 
 from home_mjx.bank.records import Physics
 from home_mjx.mjcf.contact import contact_parameters
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 
 # Columns: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m]; see `contact_parameters`.
 FRICTION, STIFFNESS, DAMPING, IMPEDANCE_LOW, IMPEDANCE_WIDTH = range(5)
 
 
-def body_surfaces(config: PhysicsConfig, physics: Physics) -> Float[Array, "h k 5"]:
+def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5"]:
     """Return the contact parameters of every body, from its material or from the options that override it."""
     friction, ratio = physics.body_friction, physics.body_damping_ratio
     if config.friction is not None:
@@ -28,6 +28,6 @@ def body_surfaces(config: PhysicsConfig, physics: Physics) -> Float[Array, "h k 
     return jnp.stack([friction, *contact_parameters(ratio, config.timing.sim_dt, jnp)], axis=-1)
 
 
-def default_surface(config: PhysicsConfig) -> Float[np.ndarray, "5"]:
+def default_surface(config: PhysicsSetup) -> Float[np.ndarray, "5"]:
     """Return the contact parameters of unused bodies, which do not bounce."""
     return np.array([DEFAULT_CONTACT.friction, *contact_parameters(np.ones(()), config.timing.sim_dt)])

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.records import Physics
 from home_mjx.core.transforms import quat_matrix, quat_multiply, yaw_quat
 from home_mjx.errors import ConfigError
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.falling import drop_released_bodies, support_height
@@ -69,14 +69,14 @@ def step_kinematic(
     return moved, Overflow(no, no, no)
 
 
-def _num_substeps(config: PhysicsConfig) -> int:
+def _num_substeps(config: PhysicsSetup) -> int:
     """Return the number of substeps in which an agent moves by at most its radius, so that it cannot tunnel."""
     dt = config.timing.ctrl_dt
     steps = max(1, *(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents))
     if steps > MAX_SUBSTEPS:
         raise ConfigError(
             f"a kinematic agent may move by {MAX_SUBSTEPS} times its radius in a control step, not by {steps} times",
-            element="PhysicsConfig.body",
+            element="PhysicsSetup.body",
             hint="Lower `forward_speed` and `strafe_speed`, or `ctrl_dt`.",
         )
     return steps

@@ -11,7 +11,7 @@ from mujoco import mjx
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
 from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import BodyScale
@@ -120,7 +120,7 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
 
 
 def house_surfaces(
-    config: PhysicsConfig, physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None
+    config: PhysicsSetup, physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None
 ) -> Float[Array, "k 5"]:
     """Return the contact parameters of a house's bodies in an episode; see `base.surfaces`.
 

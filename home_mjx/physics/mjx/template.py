@@ -8,11 +8,13 @@ import numpy as np
 from mujoco import mjx
 
 from home_mjx.bank.records import BankSpec
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.control import agent_table
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mjx.overflow import GeomPairs, numeric_limit
 from home_mjx.physics.mjx.template_mjcf import template_mjcf
+from home_mjx.schema.agent import AgentBody
+from home_mjx.schema.timing import Timing
 from home_mjx.sharding import run_untraced
 
 
@@ -22,8 +24,11 @@ class Template:
     Build it once, outside of any trace.
 
     Args:
-        config: Options.
+        config: Options; a `PhysicsSetup` for other bodies or time steps than the defaults.
         spec: Capacities of the bank.
+
+    Attributes:
+        config: The options with body and time steps.
 
     Example:
         >>> from home_mjx.bank.records import BankSpec
@@ -33,7 +38,8 @@ class Template:
     """
 
     def __init__(self, config: PhysicsConfig, spec: BankSpec) -> None:
-        self.config = config
+        is_setup = isinstance(config, PhysicsSetup)
+        self.config = config = config if is_setup else PhysicsSetup.compose(config, AgentBody(), Timing())
         self.layout = Layout(
             config.num_agents,
             spec.num_bodies,
@@ -62,7 +68,7 @@ class Template:
         return run_untraced(lambda: mjx.make_data(self.model))
 
 
-def _jacobian(config: PhysicsConfig) -> str:
+def _jacobian(config: PhysicsSetup) -> str:
     if config.jacobian != "auto":
         return config.jacobian
     return "sparse" if jax.default_backend() == "cpu" else "dense"

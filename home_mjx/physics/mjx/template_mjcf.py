@@ -8,7 +8,7 @@ import numpy as np
 
 from home_mjx.mjcf.agent import SOLREF, add_agent, add_motors, solimp
 from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.surfaces import default_surface
 
@@ -21,7 +21,7 @@ PARKED_ARM, PARKED_YAW = (0.4, 0.1), 0.5  # [m], [rad], of leaves; nonzero to av
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 
 
-def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
+def template_mjcf(config: PhysicsSetup, layout: Layout, jacobian: str) -> str:
     """Return the MJCF of an empty house in which every body, door and slot is parked.
 
     Door leaves collide with agents and bodies only, since the house defines their ranges. The joint type of a leaf
@@ -62,7 +62,7 @@ def slot_names(layout: Layout) -> list[str]:
     return agents + [f"body{k}_slot{s}" for k in range(layout.num_bodies) for s in range(layout.body_slots)]
 
 
-def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
+def _add_agent(world: ET.Element, config: PhysicsSetup, a: int) -> None:
     """Add an agent. Only its foot touches the floor, so the contact sensor of its capsule counts everything else."""
     shape = config.agents[a]
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
@@ -70,14 +70,14 @@ def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
     ET.SubElement(body, "geom", foot, type="sphere", size=str(shape.radius), pos=pos, mass="0")
 
 
-def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
+def _add_pair(contact: ET.Element, config: PhysicsSetup, first: str, second: str, agent: bool) -> None:
     friction, stiffness, damping, _, _ = default_surface(config).tolist()  # of unused bodies
     body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
     kind = {"condim": "1", "solref": SOLREF} if agent else body
     ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, solimp=solimp())
 
 
-def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobian: str) -> None:
+def _add_options(root: ET.Element, config: PhysicsSetup, layout: Layout, jacobian: str) -> None:
     option = ET.SubElement(
         root,
         "option",
@@ -126,7 +126,7 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
     ET.SubElement(body, "geom", _no_mask(f"door{h}") | at, type="box", size=_parked_size())
 
 
-def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> None:
+def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> None:
     for a in range(layout.num_agents):
         others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
         others += [f"body{k}" for k in range(layout.num_bodies)] + [f"agent{b}" for b in range(a)]

@@ -13,7 +13,7 @@ from home_mjx.bank.records import Physics
 from home_mjx.errors import ConfigError
 from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, add_agent
 from home_mjx.mjcf.boxes import COLLIDES_WITH_LEAVES
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.house import MujocoHouse
@@ -53,13 +53,13 @@ class ExportedTemplate(Template):
             hint = f"The bank's, in this order: {', '.join(bank.house_ids[:5])}, ..."
             raise ConfigError("`compiled` are not the bank's houses", element="ExportedTemplate", hint=hint)
         super().__init__(config, bank.spec)
-        houses = [build_exported_model(config, self.layout, house, collision) for house in compiled]
-        self.houses = PrebuiltHouses(config, self.layout, houses)
+        houses = [build_exported_model(self.config, self.layout, house, collision) for house in compiled]
+        self.houses = PrebuiltHouses(self.config, self.layout, houses)
         self.bank = bank.replace(physics=_with_model_poses(bank.physics, self.layout, houses))
 
 
 def build_exported_model(
-    config: PhysicsConfig, layout: Layout, house: CompiledHouse, collision: str = "box"
+    config: PhysicsSetup, layout: Layout, house: CompiledHouse, collision: str = "box"
 ) -> MujocoHouse:
     """Build C MuJoCo's model of an exported house with agents."""
     xml, files = to_mjcf(

@@ -13,7 +13,7 @@ import numpy as np
 
 from home_mjx.core.native.host_call import register_host_call
 from home_mjx.core.workers import usable_cores
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mujoco.house import MujocoHouse
 from home_mjx.physics.mujoco.mjcf import HouseRows, house_mjcf
@@ -39,7 +39,7 @@ class MujocoHouses:
             fields of `ContactReport`, and whether contacts were dropped (e).
     """
 
-    def __init__(self, config: PhysicsConfig, layout: Layout) -> None:
+    def __init__(self, config: PhysicsSetup, layout: Layout) -> None:
         self._config, self.layout = config, layout
         self._lock = threading.Lock()
         self._numbers: OrderedDict[bytes, int] = OrderedDict()  # by digest of a house's rows; most recently used last
@@ -84,7 +84,7 @@ class MujocoHouses:
                 result[env] = value
 
 
-def build_house_model(config: PhysicsConfig, layout: Layout, rows: HouseRows) -> MujocoHouse:
+def build_house_model(config: PhysicsSetup, layout: Layout, rows: HouseRows) -> MujocoHouse:
     """Build C MuJoCo's model of a house."""
     model = mujoco.MjModel.from_xml_string(house_mjcf(config, rows))  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
@@ -103,7 +103,7 @@ class PrebuiltHouses(MujocoHouses):
         houses: One model for each house of the bank, in its order.
     """
 
-    def __init__(self, config: PhysicsConfig, layout: Layout, houses: Sequence[MujocoHouse]) -> None:
+    def __init__(self, config: PhysicsSetup, layout: Layout, houses: Sequence[MujocoHouse]) -> None:
         super().__init__(config, layout)
         self._houses = dict(enumerate(houses))
 
@@ -115,7 +115,7 @@ class PrebuiltHouses(MujocoHouses):
 
 
 @functools.cache
-def shared_house_models(config: PhysicsConfig, layout: Layout) -> MujocoHouses:
+def shared_house_models(config: PhysicsSetup, layout: Layout) -> MujocoHouses:
     """Return the models shared by all templates of these options and capacities."""
     return MujocoHouses(config, layout)
 

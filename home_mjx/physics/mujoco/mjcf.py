@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from home_mjx.geometry.boxes import box_inertia
 from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, SOLREF, add_agent, solimp
 from home_mjx.mjcf.boxes import COLLIDES_WITH_LEAVES, add_leaf, body_contact_attributes, numbers
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
 from home_mjx.schema.compiled import Doors
 from home_mjx.schema.contact_materials import damping_ratio
@@ -44,7 +44,7 @@ class HouseRows(NamedTuple):
     door_slide: Float[np.ndarray, "h 2"]
 
 
-def house_mjcf(config: PhysicsConfig, rows: HouseRows) -> str:
+def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
     """Return the MJCF of a house with its agents.
 
     Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank. Unused
@@ -69,7 +69,7 @@ def house_mjcf(config: PhysicsConfig, rows: HouseRows) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def _add_options(root: ET.Element, config: PhysicsConfig) -> None:
+def _add_options(root: ET.Element, config: PhysicsSetup) -> None:
     solver = {"iterations": str(ITERATIONS), "ls_iterations": str(LS_ITERATIONS), "tolerance": str(TOLERANCE)}
     # MuJoCo 4.0.0 uses a sparse Jacobian from 60 DoFs on, with which Newton's method stalls in some heaps of bodies.
     option = ET.SubElement(root, "option", solver, timestep=str(config.timing.sim_dt), jacobian="dense")
@@ -77,7 +77,7 @@ def _add_options(root: ET.Element, config: PhysicsConfig) -> None:
     ET.SubElement(option, "flag", eulerdamp="disable", autoreset="disable")
 
 
-def _add_body(config: PhysicsConfig, world: ET.Element, rows: HouseRows, k: int) -> None:
+def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) -> None:
     body = ET.SubElement(world, "body", name=f"body{k}")
     ET.SubElement(body, "freejoint")
     inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))

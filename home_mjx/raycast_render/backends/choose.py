@@ -34,8 +34,12 @@ def cast_auto(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
     """Cast with the fastest executor of the platform that the program is lowered for."""
-    native = {platform: functools.partial(cast, query=query) for platform, cast in NATIVE.items()}
-    return KERNEL.select(functools.partial(cast_xla, query=query), native, geometry, house, moving, rays)
+    native = {platform: _with_query(cast, query) for platform, cast in NATIVE.items()}
+    return KERNEL.select(_with_query(cast_xla, query), native, geometry, house, moving, rays)
+
+
+def _with_query(backend: RayBackend, query: RayQuery) -> Callable[..., RawHit]:
+    return lambda geometry, house, moving, rays: backend(geometry, house, moving, rays, query)
 
 
 def _cast_natively(

@@ -8,8 +8,8 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens, check_camera
 from home_mjx.raycast_render.images.view import View
 from home_mjx.raycast_render.scene import surface
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.raycast_render.shaders import shading
-from home_mjx.raycast_render.shaders.preset import ShaderSpec, resolve_shader
+from home_mjx.raycast_render.shaders.base import ShaderSpec, resolve_shader
+from home_mjx.raycast_render.shaders.texture import albedo
 from home_mjx.schema.semantic import Semantic
 
 SEMANTIC_KINDS = {
@@ -41,8 +41,8 @@ def render(
 
     Row 0 is at the top; H, W is `lens.shape`. Kinds:
 
-    * rgb: uint8 (H, W, 3), sRGB, shaded by the preset: "fast" is textured albedo under a light at the camera. "lit", or
-      a `LitShader` with options, uses the lights of the house.
+    * rgb: uint8 (H, W, 3), sRGB, by the shader: "fast" is textured albedo under a light at the camera; "lit", or a
+      `LitShader` with options, uses the lights of the house; see `register_shader` for others.
     * albedo: float32 (H, W, 3), linear light.
     * depth: float32 (H, W, 1), t of the camera's rays [m]: along the optical axis for pinholes, cubes and orthographic
       cameras, along the ray for others. distance: along the ray [m]. Both are inf on a miss, unless clipped.
@@ -59,12 +59,13 @@ def render(
         camera: Pose and field of view.
         lens: Projection model and resolution.
         kinds: Kinds of images to render.
-        shader: Shading of rgb.
+        shader: Shader of rgb: a name, or a shader with options.
         exclude: Object id hidden from the camera, such as its own agent; -1 none.
         depth_max: Maximum value of depth and distance images [m]; None disables clipping.
 
     Raises:
-        ConfigError: A kind, the preset or the scene's executor is unknown, or `depth_max` is negative. Outside of `jit`
+        ConfigError: A kind, the shader or the scene's executor is unknown, `depth_max` is negative, or the bank does
+            not have a bake that the shader needs. Outside of `jit`
             also if the camera is invalid, see `check_camera`.
 
     Example:
@@ -99,7 +100,7 @@ class _LazyImages:
         return self._view.rgb()
 
     def _albedo(self) -> Array:
-        return shading.albedo(self._scene, self._rays.hit).pack()
+        return albedo(self._scene, self._rays.hit).pack()
 
     def _normal(self) -> Array:
         return surface.face_normals(self._scene, self._rays.direction, self._rays.hit)

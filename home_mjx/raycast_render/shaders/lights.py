@@ -1,6 +1,7 @@
 """Direct light at surface points from the lights of a house."""
 
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +14,6 @@ from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
 from home_mjx.raycast_render.shaders.daytime import sun_redness
-from home_mjx.raycast_render.shaders.preset import LitShader
 from home_mjx.schema.compiled import ARCHITECTURE
 
 SHADOW_BIAS = 5e-4  # [m], offset of shadow rays above the surface at their origin
@@ -69,8 +69,13 @@ class IncidentLight(Pytree):
     specular: Vec  # specular radiance for a specular reflectance of 1 [W/m^2/sr]
 
 
-def place_lights(scene: Scene, options: LitShader) -> PlacedLights:
-    """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps."""
+def place_lights(scene: Scene, sky: float) -> PlacedLights:
+    """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps.
+
+    Args:
+        scene: Scene of one environment.
+        sky: Radiance of the sky, which windows emit [W/m^2/sr].
+    """
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]
     carrier = jnp.maximum(instance, 0)
@@ -83,7 +88,7 @@ def place_lights(scene: Scene, options: LitShader) -> PlacedLights:
 
     daylight = lights.daylight[house]
     intensity = Vec.unpack(lights.intensity[house])
-    intensity = select(daylight, intensity * Vec(*SKY_COLOR) * options.sky, intensity)
+    intensity = select(daylight, intensity * Vec(*SKY_COLOR) * sky, intensity)
     intensity = scale_lamps(scene.appearance, intensity, daylight, lights.room[house])
     placed = PlacedLights(
         pos=turned(lights.pos[house]) + columns[3],
@@ -172,20 +177,31 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
     return jnp.stack(best)
 
 
-def sun_light(scene: Scene, point: ShadingPoint, spread: LightSample, options: LitShader) -> IncidentLight:
-    """Compute the light of the sun where it is not occluded; its disc has a diameter of one degree."""
-    aim, level = _sun(scene.appearance, options)
+def sun_light(
+    scene: Scene, point: ShadingPoint, spread: LightSample, irradiance: float, azimuth: float, elevation: float
+) -> IncidentLight:
+    """Compute the light of the sun where it is not occluded; its disc has a diameter of one degree.
+
+    Args:
+        scene: Scene of one environment, whose overrides may replace the sun's direction.
+        point: Shading points.
+        spread: Positions on the disc that emit; None: its centre.
+        irradiance: Normal irradiance of the sun [W/m^2].
+        azimuth: Direction to the sun from +x towards +y [degrees].
+        elevation: Elevation of the sun above the horizon [degrees].
+    """
+    aim, level = _sun(scene.appearance, math.radians(azimuth), math.radians(elevation))
     way = aim.map(lambda x: jnp.full(point.instance.shape, x, jnp.float32))
     if spread is not None:
         way = way + (level * spread[..., 0] + aim.cross(level) * spread[..., 1]) * 0.0087
-    strength = jnp.where(point.instance < 0, 0.0, options.sun * _surface_cosine(point, aim))
+    strength = jnp.where(point.instance < 0, 0.0, irradiance * _surface_cosine(point, aim))
     reach = jnp.where(strength > 0, jnp.inf, -1.0)
     start = point.pos + point.normal * SHADOW_BIAS
     gloss = strength * blinn_phong(point, aim)
     # The barrier prevents recomputation after the cast.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
     blocked = occluded(scene, start.pack(), way.pack(), t_max=reach)
-    light = scale_daylight(scene.appearance, mix_colors(SUN_COLOR, SUNSET_COLOR, sun_redness(options.sun_elevation)))
+    light = scale_daylight(scene.appearance, mix_colors(SUN_COLOR, SUNSET_COLOR, sun_redness(elevation)))
     return IncidentLight(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
 
 
@@ -194,9 +210,8 @@ def mix_colors(one: Color, other: Color, share: float) -> Vec:
     return Vec(*(a + (b - a) * share for a, b in zip(one, other, strict=True)))
 
 
-def _sun(look: AppearanceOverrides | None, options: LitShader) -> tuple[Vec, Vec]:
-    """Return the unit direction to the sun, and a horizontal unit vector perpendicular to it."""
-    azimuth, elevation = math.radians(options.sun_azimuth), math.radians(options.sun_elevation)
+def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tuple[Vec, Vec]:
+    """Return the unit direction to the sun at angles [rad], and a horizontal unit vector perpendicular to it."""
     given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
     if given == (None, None):  # computed on the host, so that the program equals the one without overrides
         turn, rise = ((math.cos(angle), math.sin(angle)) for angle in (azimuth, elevation))

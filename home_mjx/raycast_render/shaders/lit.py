@@ -1,17 +1,28 @@
-"""The lit preset: direct light of the house's lights, shadows, glass, mirrors, specular highlights, filtered textures.
+"""The shader `lit`: direct light with shadows, glass, mirrors, specular highlights and filtered textures.
 
 Global illumination would replace `_ambient`; all other terms are direct light.
 """
 
 import math
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.cameras.camera import pixel_footprint
+from home_mjx.raycast_render.cameras.sampling import sample_points
 from home_mjx.raycast_render.casting.cast import occluded
-from home_mjx.raycast_render.scene.look import scale_daylight, scale_lamps, swap_textures, tint_materials
+from home_mjx.raycast_render.scene.look import (
+    scale_daylight,
+    scale_exposure,
+    scale_lamps,
+    swap_textures,
+    tint_materials,
+)
 from home_mjx.raycast_render.scene.surface import (
     area_to_world,
     area_vectors,
@@ -23,9 +34,9 @@ from home_mjx.raycast_render.scene.surface import (
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import lights, texture
-from home_mjx.raycast_render.shaders.daytime import sun_redness
-from home_mjx.raycast_render.shaders.optics import PathState, trace_specular
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.base import CameraRays, Shader, register_shader
+from home_mjx.raycast_render.shaders.daytime import sky_share, sun_position, sun_redness, sun_share
+from home_mjx.raycast_render.shaders.optics import PathState, start_path, trace_specular
 from home_mjx.schema.lighting import MEAN_REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 
@@ -47,40 +58,107 @@ class HitFrame(Pytree):
     shading: Vec  # unit smooth normal, on the same side
 
 
-def radiance(
-    scene: Scene,
-    path: PathState,
-    footprint_growth: Float[Array, ""],
-    light_sample: lights.LightSample,
-    options: LitShader,
-    exclude: Int[Array, ""] | int = -1,
-) -> Vec:
-    """Compute the radiance along rays [W/m^2/sr].
+@register_shader
+@dataclass(frozen=True)
+class LitShader(Shader):
+    """The lights of the house with shadows, glass, mirrors, specular highlights and filtered textures.
 
-    Args:
-        scene: Scene of one environment.
-        path: Camera rays and their first hits.
-        footprint_growth: Increase of the footprint's width per unit of t [m].
-        light_sample: Emitting positions on linear lights, rectangular lights and the sun.
-        options: Options of the preset.
-        exclude: Object id hidden from the camera, except in mirrors.
+    Rays per sample: at most 1 + max_specular_depth + num_lights + 1 (sun) + 1 (ambient occlusion).
+
+    Attributes:
+        num_lights: Lights per point, those with the highest unoccluded irradiance; lights of other rooms are weighted
+            by 0.1. A shadow ray tests each light, so none shines through walls.
+        max_specular_depth: Maximum number of specular events: glass, cut-out textures and mirrors.
+        sun: Normal irradiance of the sun [W/m^2]; 0 disables the sun and its rays.
+        sun_azimuth: Direction to the sun from +x towards +y [degrees].
+        sun_elevation: Elevation of the sun above the horizon [degrees]; below 18 sunlight and horizon are redder.
+        sky: Radiance of the sky [W/m^2/sr], outdoors and through windows; 0: night.
+        ambient: Factor of the interreflected light.
+        ao_radius: Ambient-occlusion radius [m]; 0 disables ambient occlusion. Noisy unless the lens takes several
+            samples per pixel.
+        exposure: Factor of all light before tone mapping. None: auto exposure, which maps the mean luminance of each
+            image to middle grey.
+
+    Raises:
+        ConfigError: A value is invalid.
     """
-    path = trace_specular(scene, path, footprint_growth, options.max_specular_depth, exclude)
-    row = jnp.maximum(material_rows(scene, path.hit), 0)
-    corner = _hit_frame(scene, path)
-    point = _shading_point(scene, path, corner, row)
-    color = _diffuse_reflectance(scene, path, corner, row, footprint_growth)
-    # The barrier prevents recomputation of the surface for every light.
-    point, color, row = jax.lax.optimization_barrier((point, color, row))
-    placed = lights.place_lights(scene, options)
-    got = lights.lamp_light(scene, placed, point, light_sample, options.num_lights)
-    if options.sun > 0:
-        sun = lights.sun_light(scene, point, light_sample, options)
-        got = jax.tree.map(jnp.add, got, sun)
-    ambient = _ambient(scene, point, light_sample, options)
-    light = color * (got.diffuse + ambient) * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * got.specular
-    above = scale_daylight(scene.appearance, sky_radiance(path.direction, options))
-    return path.throughput * select(path.hit.instance < 0, above, light)
+
+    name: ClassVar[str] = "lit"
+    overrides: ClassVar[frozenset[str]] = frozenset({"lamps", "daylight", "sun_azimuth", "sun_elevation"})
+
+    num_lights: int = 4
+    max_specular_depth: int = 2
+    sun: float = 9.0
+    sun_azimuth: float = 250.0
+    sun_elevation: float = 35.0
+    sky: float = 3.0
+    ambient: float = 1.0
+    ao_radius: float = 0.0
+    exposure: float | None = 2.3
+
+    def __post_init__(self) -> None:
+        for option in fields(self):
+            if option.name == "exposure" and self.exposure is None:
+                continue
+            least = -math.inf if option.name.startswith("sun_") else 0
+            check_number(option.name, getattr(self, option.name), least, integer=isinstance(option.default, int))
+
+    @classmethod
+    def from_hour(cls, hour: float, **options: Any) -> "LitShader":
+        """Return options with the sun and sky of a time of day; other options as given.
+
+        Args:
+            hour: Solar time, 0 to 24. The sun rises at about 5, is highest at 12, and sets at about 19.
+            options: Other fields.
+
+        Raises:
+            ConfigError: The hour or an option is invalid.
+
+        Example:
+            >>> LitShader.from_hour(23).sun, LitShader.from_hour(12).sun > LitShader.from_hour(18).sun
+            (0.0, True)
+        """
+        check_number("hour", hour, 0, 24)
+        azimuth, elevation = sun_position(hour)
+        given: dict[str, Any] = {
+            "sun": round(cls.sun * sun_share(elevation), 4),
+            "sky": round(cls.sky * sky_share(elevation), 6),
+            "sun_azimuth": round(azimuth, 3),
+            "sun_elevation": round(elevation, 3),
+        }
+        return cls(**(given | options))
+
+    def radiance(self, scene: Scene, rays: CameraRays) -> Vec:
+        """Compute the radiance along camera rays [W/m^2/sr]."""
+        path, growth = start_path(rays), pixel_footprint(rays.camera, rays.lens)[1]
+        sample = self._light_sample(rays)
+        path = trace_specular(scene, path, growth, self.max_specular_depth, rays.exclude)
+        row = jnp.maximum(material_rows(scene, path.hit), 0)
+        corner = _hit_frame(scene, path)
+        point = _shading_point(scene, path, corner, row)
+        color = _diffuse_reflectance(scene, path, corner, row, growth)
+        # The barrier prevents recomputation of the surface for every light.
+        point, color, row = jax.lax.optimization_barrier((point, color, row))
+        placed = lights.place_lights(scene, self.sky)
+        got = lights.lamp_light(scene, placed, point, sample, self.num_lights)
+        if self.sun > 0:
+            sun = lights.sun_light(scene, point, sample, self.sun, self.sun_azimuth, self.sun_elevation)
+            got = jax.tree.map(jnp.add, got, sun)
+        diffuse = got.diffuse + _ambient(scene, point, sample, self)
+        light = color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * got.specular
+        above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
+        return path.throughput * select(path.hit.instance < 0, above, light)
+
+    def display(self, scene: Scene, light: Vec) -> Vec:
+        """Map radiance to display light, by `tone_map`; auto exposure is metered before the episode's exposure."""
+        exposure = auto_exposure(light) if self.exposure is None else self.exposure
+        return tone_map(scale_exposure(scene.appearance, light), exposure)
+
+    def _light_sample(self, rays: CameraRays) -> lights.LightSample:
+        """Return emitting positions on lights; None (their centres) without several samples or ambient occlusion."""
+        if rays.lens.samples == 1 and not self.ao_radius:
+            return None
+        return 2 * sample_points(rays.sample, rays.hit.t.shape, seed=1) - 1
 
 
 def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:

@@ -6,11 +6,13 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Materials
 from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.cameras.camera import pixel_footprint
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.surface import material_rows, texture_coordinates, unit_normals
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import texture
+from home_mjx.raycast_render.shaders.base import CameraRays
 from home_mjx.schema.compiled import RayKind
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 
@@ -32,6 +34,13 @@ class PathState(Pytree):
     def end(self) -> Vec:
         """End of the last segment [m]; its origin on a miss."""
         return self.origin + self.direction * jnp.where(self.hit.instance < 0, 0.0, self.hit.t)
+
+
+def start_path(rays: CameraRays) -> PathState:
+    """Return the path state of camera rays before specular transport."""
+    width = jnp.full_like(rays.hit.t, pixel_footprint(rays.camera, rays.lens)[0])
+    white = Vec(*[jnp.ones_like(width)] * 3)
+    return PathState(Vec.unpack(rays.origin), Vec.unpack(rays.direction), rays.hit, width, white)
 
 
 def trace_specular(

@@ -1,13 +1,16 @@
-"""Texture look-up with mip maps, in linear light."""
+"""Colours of surfaces: texture look-ups with mip maps, diffuse reflectance, and sRGB."""
 
 import math
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, UInt32
+from jaxtyping import Array, Float, Int, UInt8, UInt32
 
 from home_mjx.core.color import decode_srgb
-from home_mjx.raycast_render.scene.vec import Vec, take
+from home_mjx.raycast_render.scene.look import swap_textures, tint_materials
+from home_mjx.raycast_render.scene.surface import material_rows, texture_coordinates
+from home_mjx.raycast_render.scene.types import Hit, Scene
+from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 
 
 def _decode_table() -> Float[np.ndarray, "256"]:
@@ -19,6 +22,27 @@ SRGB_TO_LINEAR = _decode_table()
 # Minimax polynomial of the curve above byte 10, highest power first, fitted to the 245 bytes.
 SRGB_TO_LINEAR_POLYNOMIAL = (-0.05466916, 0.22675983, -0.43463315, 0.71703972, 0.51144349, 0.03313933, 0.00091457)
 ALPHA_CHANNEL = 3  # index of the alpha channel
+EXPOSURE = 1.0  # maps a white surface under full light to white
+MISS_COLOR = (0.53, 0.68, 0.86)  # linear light on a miss
+
+
+def albedo(scene: Scene, hit: Hit) -> Vec:
+    """Return the diffuse reflectance in linear light: the material's colour times its texture; sky colour on a miss."""
+    materials = scene.bank.materials
+    row = jnp.maximum(material_rows(scene, hit), 0)
+    layer = swap_textures(scene.appearance, take(materials.texture, row), row, materials.texture)
+    texel = sample_nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
+    color = tint_materials(scene.appearance, take_vec(materials.albedo, row), row)
+    color = select(layer < 0, color, color * decode_linear(texel))
+    return select(hit.instance < 0, Vec(*MISS_COLOR), color)
+
+
+def encode_srgb(linear: Float[Array, "..."]) -> UInt8[Array, "..."]:
+    """Encode linear light as sRGB bytes (IEC 61966-2-1), at a fixed exposure."""
+    exposed = jnp.clip(linear * EXPOSURE, 0, 1)
+    curve = 1.055 * jnp.power(jnp.maximum(exposed, 0.0031308), 1 / 2.4) - 0.055
+    encoded = jnp.where(exposed <= 0.0031308, 12.92 * exposed, curve)
+    return jnp.round(encoded * 255).astype(jnp.uint8)
 
 
 def texture_edge(textures: UInt32[Array, "l p"]) -> int:

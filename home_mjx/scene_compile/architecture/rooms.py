@@ -1,4 +1,6 @@
-"""Rooms of a house: outlines and heights, derived from their meshes."""
+"""World frame of a house, and its rooms: outlines and heights, derived from their meshes."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -75,3 +77,28 @@ def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.n
     heights = low if floor is None else floor[..., 2].max(), high if ceiling is None else ceiling[..., 2].min()
     slab = floor if floor is not None else ceiling
     return (bounding_outline(parts[0]) if slab is None else outline(slab)), (float(heights[0]), float(heights[1]))
+
+
+@dataclass(frozen=True)
+class HouseFrame:
+    """A house with its rooms in the world frame (Z up, metres).
+
+    Attributes:
+        house: House as read from the dataset.
+        offset: Translation added to Z-up file coordinates [m].
+        rooms: Outlines, floor heights and ceiling heights in the world frame.
+    """
+
+    house: House
+    offset: Float[np.ndarray, "3"]
+    rooms: RoomTable
+
+
+def find_frame(house: House) -> HouseFrame:
+    """Return the world frame of a house, with the centre of its ground-floor rooms at x = y = 0.
+
+    Raises:
+        DatasetError: The house has no room with a mesh.
+    """
+    offset = ground_offset(house)
+    return HouseFrame(house, offset, extract_rooms(house, offset))

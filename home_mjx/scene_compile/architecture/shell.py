@@ -8,10 +8,8 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.meshes import bounds, make_model
 from home_mjx.geometry.polygons import is_inside_polygon
-from home_mjx.geometry.wall_groups import wall_faces
-from home_mjx.scene_compile.architecture.frame import HouseFrame
 from home_mjx.scene_compile.architecture.ownership import ClippedSurface, clip_surface, find_owner_outlines
-from home_mjx.scene_compile.architecture.rooms import house_rooms, world_triangles
+from home_mjx.scene_compile.architecture.rooms import HouseFrame, house_rooms, world_triangles
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, is_same_wall
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
 from home_mjx.schema.compiled import Model, RoomTable
@@ -88,7 +86,7 @@ def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
             if mesh is not None:
                 yield _part(kind, index, level, mesh, np.arange(len(mesh.faces)), offset)
         if room.walls is not None:
-            for faces in wall_faces(room.walls):
+            for faces in room.walls.faces_by_part():
                 yield _part("wall", index, level, room.walls, faces, offset)
     for level in house.levels:
         for ground in level.grounds:

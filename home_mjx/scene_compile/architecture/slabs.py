@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes
+from home_mjx.geometry.meshes import facing_axis
 from home_mjx.geometry.rectangles import (
     cell_centers,
     cover_with_rectangles,
@@ -15,7 +16,6 @@ from home_mjx.geometry.rectangles import (
     split_rectangles,
 )
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.geometry.wall_groups import facing_axis
 
 EDGE_MERGE_DISTANCE = (
     0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ by less

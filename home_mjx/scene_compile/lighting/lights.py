@@ -1,4 +1,4 @@
-"""Light sources of a house: lamps from the dataset's light table, and daylight through windows."""
+"""Light sources of a house: lamps of objects, and daylight through windows."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,7 +12,7 @@ from home_mjx.geometry.meshes import bounds, to_z_up, transform
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_area
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import ARCHITECTURE, RoomTable
-from home_mjx.schema.house import BoxNode, Light, Metadata, base_model
+from home_mjx.schema.house import BoxNode, Light
 from home_mjx.schema.lighting import MEAN_REFLECTANCE, LightTable
 
 DAYLIGHT_CATEGORIES = ("window", "door", "garage_door")  # coarse and fine categories whose glass transmits daylight
@@ -69,7 +69,6 @@ class LightSource:
 def build_lights(
     objects: Sequence[PlacedObject],
     rooms: RoomTable,
-    metadata: Metadata,
     options: LightOptions,
 ) -> LightTable:
     """Build the light table of a house.
@@ -77,10 +76,9 @@ def build_lights(
     Args:
         objects: Objects in the world frame.
         rooms: Rooms in the world frame.
-        metadata: Lights of the models.
         options: Options of added lights.
     """
-    found = [s for o in objects for s in (*find_lamp_sources(o, metadata), *_daylight(o, rooms))]
+    found = [s for o in objects for s in (*find_lamp_sources(o), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}
     found += [_room_source(rooms, r, options) for r in range(len(rooms.type)) if r not in lit and options.room_power]
     ambient = compute_ambient_irradiance(found, rooms)
@@ -98,13 +96,11 @@ def build_lights(
 _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cutoff", "area", "daylight")
 
 
-def find_lamp_sources(item: PlacedObject, metadata: Metadata) -> Iterator[LightSource]:
+def find_lamp_sources(item: PlacedObject) -> Iterator[LightSource]:
     """Yield the lights of a lamp in its model's frame; close ones are merged, so that a chandelier is one light."""
     if isinstance(item.node, BoxNode):
         return
-    known = metadata.lights
-    listed = known.get(item.node.model_key) or known.get(base_model(item.node.model_id, known.__contains__), ())
-    for group in _groups(listed):
+    for group in _groups(item.node.lights):
         yield _lamp_source(group, item.instance, item.room)
 
 
@@ -120,10 +116,10 @@ def _groups(lights: Iterable[Light]) -> list[list[Light]]:
 
 
 def _alike(a: Light, b: Light) -> bool:
-    if a.kind != b.kind or a.kind == "LineLight" or a.cutoff != b.cutoff:
+    if a.kind != b.kind or a.kind == "line" or a.cutoff != b.cutoff:
         return False
     near = np.linalg.norm(np.subtract(a.position, b.position)) < MAX_MERGE_DISTANCE
-    return bool(near and (a.kind == "PointLight" or _aim(a) @ _aim(b) > MIN_MERGE_COSINE))
+    return bool(near and (a.kind == "point" or _aim(a) @ _aim(b) > MIN_MERGE_COSINE))
 
 
 def _aim(light: Light) -> Float[np.ndarray, "3"]:
@@ -139,7 +135,7 @@ def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSourc
     start, end = (to_z_up(share @ np.array(points, float)) for points in zip(*ends, strict=True))
     flux = power @ decode_srgb(np.array([light.color for light in group], float))
     lead = group[0]
-    aimed = lead.kind == "SpotLight" or (lead.kind == "LineLight" and lead.direction is not None)
+    aimed = lead.kind == "spot" or (lead.kind == "line" and lead.direction is not None)
     shape = {"direction": _aim(lead), "exponent": lead.dropoff, "cutoff": _cutoff(lead)} if aimed else {}
     return LightSource((start + end) / 2, flux, instance, room, (end - start) / 2, **shape)
 

@@ -11,8 +11,7 @@ from home_mjx.geometry.extrapolation import extrapolate_fields, nearest_cell_num
 from home_mjx.geometry.geodesic import GridLink, distance_fields
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, compute_clearance
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
-from home_mjx.scene_compile.navigation.regions import label_regions
-from home_mjx.scene_compile.navigation.stairs import stair_links
+from home_mjx.scene_compile.navigation.regions import label_regions, stair_links
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.stairs import Staircase
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE, ExtrapolatedCells, HouseNavigation, RoomTable

@@ -9,10 +9,17 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from home_mjx.core.checks import check_flag, check_number
+from home_mjx.errors import DatasetError
 from home_mjx.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon
 from home_mjx.scene_compile.objects.stairs import Staircase
 from home_mjx.schema.compiled import RoomTable
+
+NO_SPACE_HINTS = {
+    "floor": "Ensure that every room has a floor whose faces point up.",
+    "walls": "Put every wall in a mesh group of its own: `home-mjx inspect --validate` finds walls that are too thick.",
+    "furniture": "Remove furniture, use a smaller agent, or leave this house out.",
+}
 
 
 @dataclass(frozen=True)
@@ -204,3 +211,21 @@ def compute_clearance(
             met = (high[i] > floor[window] + heights[0]) & (low[i] < floor[window] + heights[1])
             found[window] = np.minimum(found[window], np.where(met, near, np.inf))
     return found
+
+
+def no_free_space_error(between_walls: FreeSpace, options: NavigationOptions) -> DatasetError:
+    """Return an error with the area of the floor and the areas that walls and furniture take.
+
+    An area counts as taken if the axis of an agent would be too close to an obstacle.
+
+    Args:
+        between_walls: Free space with walls as the only obstacles.
+        options: Sizes of the agent and of a cell.
+    """
+    floor, furniture = (float(m.sum()) * options.cell**2 for m in (between_walls.room >= 0, between_walls.standable))
+    walls = floor - furniture
+    return DatasetError(
+        f"house has no place where an agent of radius {options.agent_radius} m can stand: of {floor:.1f} m² "
+        f"of floor, walls take {walls:.1f} m², furniture and doors {furniture:.1f} m²",
+        hint=NO_SPACE_HINTS["floor" if not floor else "walls" if walls > furniture else "furniture"],
+    )

@@ -2,19 +2,17 @@
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.box_fit import narrowest_box, triangle_components
 from home_mjx.geometry.boxes import BoxSet, rotate_boxes
-from home_mjx.geometry.meshes import compose, make_model, transform
+from home_mjx.geometry.meshes import compose, make_model, transform, tree_order, triangles_z_up
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.compiled import Model
+from home_mjx.schema.house import Joint, Mesh
 
-MIN_WIDE_ANGLE = np.pi / 2  # [rad], minimum opening angle of every door; SUNCG's open variants are only half open
 MAX_HINGE_TILT = 1e-3  # maximum tilt of a hinge, and maximum non-uniform stretch in the plan
 
 
@@ -30,33 +28,39 @@ class LeafPart:
 
 
 @dataclass(frozen=True)
-class DoorVariants:
-    """A door in the variant that is shown and in the other one; equal keys have equal parts."""
+class JointedDoor:
+    """A door with joints; equal keys and joints have equal parts."""
 
     key: str
-    other_path: Path
-    is_closed: bool
-    initial: Model = field(compare=False)
-    other: Float[np.ndarray, "s 3 3"] = field(compare=False)  # [m], triangles, Z up
+    joints: tuple[Joint, ...]
+    model: Model = field(compare=False)
+    mesh: Mesh = field(compare=False)  # mesh of the model, whose faces the joints name
 
 
 @lru_cache(maxsize=256)
-def split_door(door: DoorVariants) -> tuple[Model, tuple[LeafPart, ...]]:
-    """Return the frame and the leaves of a door; the whole door and no leaves if no hinge is found."""
-    hinges = find_hinges(door.initial.triangle.astype(np.float64), door.other)
-    frame = ~np.any([hinge.leaf for hinge in hinges], axis=0)
-    if not hinges or not frame.any():
-        return door.initial, ()
-    leaves = []
-    for hinge in hinges:
-        closed = 0.0 if door.is_closed else hinge.displacement
-        opens = np.sign(hinge.displacement) * (1 if door.is_closed else -1)
-        wide = closed + opens * (
-            abs(hinge.displacement) if hinge.slide.any() else max(abs(hinge.displacement), MIN_WIDE_ANGLE)
-        )
-        model = _cut_out(door.initial, hinge.leaf, "leaf")
-        leaves.append(LeafPart(model, hinge.pivot, closed, float(wide), hinge.slide))
-    return _cut_out(door.initial, frame, "frame"), tuple(leaves)
+def split_door(door: JointedDoor) -> tuple[Model, tuple[LeafPart, ...]]:
+    """Return the frame and the leaves of a door; the whole door and no leaves if no joint moves in the plan."""
+    order = tree_order(triangles_z_up(door.mesh))
+    leaves = [(joint, np.isin(order, joint.faces)) for joint in door.joints if _moves_in_plan(joint)]
+    frame = ~np.any([faces for _, faces in leaves], axis=0)
+    if not leaves or not frame.any():
+        return door.model, ()
+    parts = tuple(_leaf_part(joint, _cut_out(door.model, faces, "leaf")) for joint, faces in leaves)
+    return _cut_out(door.model, frame, "frame"), parts
+
+
+def _moves_in_plan(joint: Joint) -> bool:
+    """Return whether a joint is a vertical hinge or a horizontal slide."""
+    upright = abs(joint.axis[1])
+    return upright <= MAX_HINGE_TILT if joint.kind == "slide" else upright >= 1 - MAX_HINGE_TILT
+
+
+def _leaf_part(joint: Joint, model: Model) -> LeafPart:
+    pivot = np.array([joint.point[0], -joint.point[2]])  # the file's axes are x and -z in the plan
+    if joint.kind == "slide":
+        return LeafPart(model, pivot, joint.closed, joint.open, np.array([joint.axis[0], -joint.axis[2]]))
+    turn = float(np.sign(joint.axis[1]))
+    return LeafPart(model, pivot, turn * joint.closed, turn * joint.open, np.zeros(2))
 
 
 def _cut_out(model: Model, kept: Bool[np.ndarray, " t"], name: str) -> Model:

@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes
-from home_mjx.geometry.meshes import Z_UP, box_triangles, make_model, to_z_up, transform
+from home_mjx.geometry.meshes import Z_UP, box_triangles, make_model, to_z_up, transform, triangles_z_up
 from home_mjx.geometry.polygons import find_smallest_room, polygon_area, polygon_distance
-from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, apply_override, surface_material
 from home_mjx.scene_compile.objects.doors import (
-    DoorVariants,
+    JointedDoor,
     LeafPart,
     PlacedLeaf,
     is_hinge_preserving,
@@ -115,7 +115,7 @@ def place_objects(frame: HouseFrame, metadata: Metadata) -> list[PlacedObject]:
             info = ModelInfo("Box") if isinstance(node, BoxNode) else metadata.info(node.model_id)
             pose = _pose(node, offset)
             room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
-            main, hinged = _parts(node, info, model, pose, house.other_state_models)
+            main, hinged = _parts(node, info, model, pose, house.models)
             placed.append(
                 PlacedObject(
                     node=node,
@@ -141,17 +141,12 @@ def _parts(
     info: ModelInfo,
     model: Model,
     pose: Float[np.ndarray, "3 4"],
-    others: Mapping[str, Mesh],
+    meshes: Mapping[str, Mesh],
 ) -> tuple[Model, tuple[LeafPart, ...]]:
-    if (
-        isinstance(node, BoxNode)
-        or info.coarse != "door"
-        or node.other_state_key not in others
-        or not is_hinge_preserving(pose)
-    ):
+    """Return the rigid parts of an object; only doors have leaves, joints of furniture are not used."""
+    if isinstance(node, BoxNode) or info.coarse != "door" or not node.joints or not is_hinge_preserving(pose):
         return model, ()
-    other = others[node.other_state_key]
-    return split_door(DoorVariants(model.key, other.path, bool(node.state), model, triangles_z_up(other)))
+    return split_door(JointedDoor(model.key, node.joints, model, meshes[node.model_key]))
 
 
 def _num_nodes(level: Level) -> int:
@@ -164,11 +159,6 @@ def library_model(key: str, mesh: Mesh) -> Model:
     """Convert a mesh to a library model, Z up."""
     normal = None if mesh.normal is None else to_z_up(mesh.normal)
     return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal)
-
-
-def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
-    """Return the triangles of a mesh, Z up [m]."""
-    return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
 
 
 def unit_cube() -> Model:

@@ -1,26 +1,57 @@
-"""Last stage of the compiler: assembly of all results into one `CompiledHouse`."""
+"""Last stages of the compiler: surfaces, and the assembly of all results into one `CompiledHouse`."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.geometry.instance_tree import build_instance_tree, instance_box
-from home_mjx.scene_compile.architecture.frame import HouseFrame
-from home_mjx.scene_compile.architecture.rooms import ground_floor_height
+from home_mjx.geometry.meshes import build_instance_tree, instance_box
+from home_mjx.scene_compile.architecture.mirror_planes import build_reflection_planes
+from home_mjx.scene_compile.architecture.rooms import HouseFrame, ground_floor_height
 from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.collision.barriers import lot_bounds
-from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
+from home_mjx.scene_compile.lighting.gloss import gloss_table
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial, SurfaceRows, material_table
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.pipeline.levels import LevelGeometry
-from home_mjx.scene_compile.pipeline.surfaces import HouseSurfaces
-from home_mjx.schema.compiled import Bodies, CompiledHouse, HouseNavigation, Instances, Model
-from home_mjx.schema.lighting import LightTable
+from home_mjx.schema.compiled import Bodies, CompiledHouse, HouseNavigation, Instances, MaterialTable, Model, Planes
+from home_mjx.schema.lighting import Gloss, LightTable
 
 AGENT_SURFACES = (  # body and visor of the agent's model, in the order of its material slots
     SurfaceMaterial((0.15, 0.35, 0.75), kind="textile"),
     SurfaceMaterial((0.95, 0.75, 0.1), kind="plastic"),
 )
+
+
+@dataclass(frozen=True)
+class HouseSurfaces:
+    """Optical and acoustic properties of a house's surfaces.
+
+    Attributes:
+        materials: Material rows; those of the shell are first.
+        first_row: First row of each object.
+        gloss: Gloss of each row.
+        planes: Rectangles that reflect sound.
+    """
+
+    materials: MaterialTable
+    first_row: Sequence[int]
+    gloss: Gloss
+    planes: Planes
+
+
+def build_surfaces(frame: HouseFrame, shell: BuildingShell, objects: Sequence[PlacedObject]) -> HouseSurfaces:
+    """Build the material rows of the shell and of all objects; objects with equal materials share rows."""
+    rows = SurfaceRows()
+    rows.add(shell.surfaces)
+    first = [rows.add(o.surfaces) for o in objects]
+    return HouseSurfaces(
+        materials=material_table(rows.surfaces),
+        first_row=first,
+        gloss=gloss_table(rows.surfaces, objects, frame.house.models, first),
+        planes=build_reflection_planes(shell, frame.rooms),
+    )
 
 
 def assemble(
@@ -115,6 +146,6 @@ def _report(
         "hinged_leaves": sum(len(o.leaves) for o in objects),
         "shut_leaves": sum(len(o.shut_leaves) for o in objects),
         "problems": len(house.problems),
-        "stand_ins": len(house.fallbacks),
+        "fallbacks": len(house.fallbacks),
         **levels.report,
     }

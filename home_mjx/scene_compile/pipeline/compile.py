@@ -5,7 +5,7 @@ from typing import get_type_hints
 
 from home_mjx.core.checks import check_type
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.scene_compile.architecture.frame import find_frame
+from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
@@ -14,10 +14,9 @@ from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.objects.doorways import shut_outer_doors
 from home_mjx.scene_compile.objects.place import place_objects
-from home_mjx.scene_compile.pipeline.assemble import assemble
+from home_mjx.scene_compile.pipeline.assemble import assemble, build_surfaces
 from home_mjx.scene_compile.pipeline.levels import build_levels
 from home_mjx.scene_compile.pipeline.limits import add_house_file, check_counts
-from home_mjx.scene_compile.pipeline.surfaces import build_surfaces
 from home_mjx.scene_compile.semantics.engine import describe_house
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.scene_compile.semantics.table import build_semantic_rows
@@ -83,7 +82,7 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
         levels.open_leaves,
     )
     surfaces = build_surfaces(frame, shell, objects)
-    lights = build_lights(objects, frame.rooms, metadata, options.lights)
+    lights = build_lights(objects, frame.rooms, options.lights)
     meaning = describe_house(frame, shell, objects, metadata, options.semantics)
     semantics = build_semantic_rows(shell, objects, levels.bodies, meaning)
     return assemble(frame, shell, objects, levels, navigation, surfaces, lights, semantics)

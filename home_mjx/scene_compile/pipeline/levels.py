@@ -8,7 +8,7 @@ from jaxtyping import Int
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, unique_boxes
 from home_mjx.geometry.meshes import bounds
-from home_mjx.scene_compile.architecture.frame import HouseFrame
+from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.collision.barriers import build_fence, find_barriers, is_within_lot
 from home_mjx.scene_compile.collision.choose import select_movables
@@ -25,8 +25,12 @@ from home_mjx.scene_compile.collision.level import (
 )
 from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions, make_bodies
 from home_mjx.scene_compile.collision.ramps import append_ramps, build_guards, build_sills, make_ramps
-from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, find_free_space
-from home_mjx.scene_compile.navigation.nowhere import no_free_space_error
+from home_mjx.scene_compile.navigation.free_space import (
+    FreeSpace,
+    NavigationOptions,
+    find_free_space,
+    no_free_space_error,
+)
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways
 from home_mjx.scene_compile.objects.leaves import find_blocking_leaves, make_doors
 from home_mjx.scene_compile.objects.place import PlacedObject

@@ -10,8 +10,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.architecture.frame import HouseFrame
-from home_mjx.scene_compile.architecture.rooms import house_rooms
+from home_mjx.scene_compile.architecture.rooms import HouseFrame, house_rooms
 from home_mjx.scene_compile.architecture.shell import BuildingShell, WallPart
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import BoxNode, House, ObjectNode
@@ -21,7 +20,7 @@ MAX_OBJECTS = 5_000  # houses of SUNCG have at most about two thousand
 MAX_TRIANGLES = 10_000_000  # sum over all placed objects; the real sample house has 100,000
 MAX_WALL_LENGTH = 20_000.0  # [m], total length of the walls of all rooms; 155 rooms with a perimeter of 40 m have 6 km
 MAX_CELLS = 1 << 20  # total cells of the navigation grids: 100 m x 100 m with cells of 0.1 m
-LIMIT_HINT = "Leave this house out, or set `valid` to 0 for nodes that it does not need."
+LIMIT_HINT = "Leave this house out, or remove objects that it does not need."
 
 
 def check_counts(house: House) -> None:

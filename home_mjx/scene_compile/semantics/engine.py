@@ -8,14 +8,11 @@ from jaxtyping import Bool, Float
 
 from home_mjx.geometry.meshes import surface_areas
 from home_mjx.geometry.polygons import polygon_area
-from home_mjx.scene_compile.architecture.frame import HouseFrame, find_frame
-from home_mjx.scene_compile.architecture.rooms import house_rooms
+from home_mjx.scene_compile.architecture.rooms import HouseFrame, find_frame, house_rooms
 from home_mjx.scene_compile.architecture.shell import BuildingShell, build_shell, inner_normal
-from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.describe import short_text
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance, TexturedTriangles, compute_appearance
-from home_mjx.scene_compile.semantics.looks.home import compute_home_appearance
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.scene_compile.semantics.sizes import SizeTable, size_table
 from home_mjx.scene_compile.semantics.supports import Support, find_supports
@@ -80,7 +77,7 @@ def describe_house(
         ),
         parts=tuple(_part(shell, i, rooms, looks) for i in range(len(shell.parts))),
         objects=tuple(
-            _object(item, support, house, rooms, sizes, looks) for item, support in zip(objects, supports, strict=True)
+            _object(item, support, rooms, sizes, looks) for item, support in zip(objects, supports, strict=True)
         ),
     )
 
@@ -126,14 +123,12 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 
 
 def _object(
-    item: PlacedObject, support: Support, house: House, rooms: RoomTable, sizes: SizeTable, looks: _AppearanceCache
+    item: PlacedObject, support: Support, rooms: RoomTable, sizes: SizeTable, looks: _AppearanceCache
 ) -> ObjectSemantics:
-    skin = _skin(item, house, looks.options)
+    skin = TexturedTriangles(surface_areas(item.triangles), item.model.uv, item.model.slot, item.surfaces)
     stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # determines the areas, independent of rotation
     look = looks.get((item.model.key, skin.surfaces, stretch.tobytes()), skin)
-    size = (
-        sizes.home_size(item.info) if looks.options.size == "home" else sizes.log_volume_size(_volume(item), item.info)
-    )
+    size = sizes.log_volume_size(_volume(item), item.info)
     return ObjectSemantics(
         object_id=item.object_id,
         node=item.node.id,
@@ -152,19 +147,11 @@ def _object(
     )
 
 
-def _skin(item: PlacedObject, house: House, options: SemanticOptions) -> TexturedTriangles:
-    surfaces = item.surfaces
-    if options.color == "home" and isinstance(item.node, ObjectNode):
-        own = house.models[item.node.model_key].materials
-        surfaces = tuple(surface_material(slot, item.info.fine, item.info.coarse) for slot in own)
-    return TexturedTriangles(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
-
-
 def _look(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
     if skin.area.sum() <= 0:
         # A mesh of lines and points has zero area, so all triangles get equal weights.
         skin = replace(skin, area=np.ones_like(skin.area))
-    return compute_home_appearance(skin, options) if options.color == "home" else compute_appearance(skin, options)
+    return compute_appearance(skin, options)
 
 
 def _volume(item: PlacedObject) -> float:

@@ -15,7 +15,6 @@ SIZE_LIMITS = (-2.0, -1.0, 1.0, 2.0)  # [standard deviations], limits between si
 NORMAL = SIZES.index("normal")
 MIN_PEERS = 5  # minimum number of models of a category for a comparison
 MIN_SPREAD = 0.1  # minimum standard deviation of log volume; differences below 10 % are ignored
-HOME_FRONT = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,6 @@ class SizeTable:
 
     fine: dict[str, Float[np.ndarray, " _"]]
     coarse: dict[str, Float[np.ndarray, " _"]]
-    home: dict[str, Float[np.ndarray, " _"]]  # by coarse category, only models that face +z
 
     def log_volume_size(self, volume: float, info: ModelInfo) -> str:
         """Return one of `SIZES` by the logarithm of volume, since volumes differ by factors; "" with too few peers.
@@ -39,21 +37,6 @@ class SizeTable:
                 return _size((np.log(volume) - logs.mean()) / max(float(logs.std()), MIN_SPREAD))
         return ""
 
-    def home_size(self, info: ModelInfo) -> str:
-        """Return the size class by HoME's rule, which is never `tiny`; "" for models that it could not compare.
-
-        Args:
-            info: The model's row.
-        """
-        peers = self.home.get(info.coarse)
-        if peers is None or info.dims is None or info.front != HOME_FRONT:
-            return ""
-        above = math.prod(info.dims) - float(peers.mean())
-        spread = float(peers.std())
-        if above < SIZE_LIMITS[1] * spread:
-            return "small"
-        return SIZES[NORMAL + (above > SIZE_LIMITS[2] * spread) + (above > SIZE_LIMITS[3] * spread)]
-
 
 def size_table(metadata: Metadata) -> SizeTable:
     """Collect the volumes of all models.
@@ -66,7 +49,6 @@ def size_table(metadata: Metadata) -> SizeTable:
     return SizeTable(
         fine=_grouped([(info.fine, volume) for info, volume in solid]),
         coarse=_grouped([(info.coarse, volume) for info, volume in solid]),
-        home=_grouped([(info.coarse, volume) for info, volume in sized if info.front == HOME_FRONT]),
     )
 
 

@@ -11,10 +11,10 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
 from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type, names_hint
 from home_mjx.errors import ConfigError
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.raycast_render.backends.choose import find_backend
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
-from home_mjx.raycast_render.shaders.preset import ShaderSpec, resolve_shader
+from home_mjx.raycast_render.shaders.base import Shader, ShaderSpec, resolve_shader
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
 from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, MOVE_NAMES, DiscreteActions
@@ -46,9 +46,10 @@ class AgentCamera:
         yaw: Rotation to the left of straight ahead [degrees].
         pitch: Upward rotation [degrees].
         follow_pitch: If True, the camera pitches with the agent's head.
+        shader: Shader of the colour image: the name of a registered one, or one with options; see `EnvConfig.shader`.
 
     Example:
-        >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), looks=False).lens.shape
+        >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), follow_pitch=False).lens.shape
         (16, 360)
     """
 
@@ -60,11 +61,13 @@ class AgentCamera:
     yaw: float = 0.0
     pitch: float = 0.0
     follow_pitch: bool = True
+    shader: ShaderSpec = "fast"
 
     def __post_init__(self) -> None:
         check_names("kind of view", self.kinds, VIEW_KINDS)
         check_type("lens", self.lens, Lens)
         check_flag("follow_pitch", self.follow_pitch)
+        resolve_shader(self.shader)
         if not isinstance(self.offset, tuple | list) or len(self.offset) != 3:
             raise ConfigError(f"`offset` must be three numbers, got {self.offset}")
         if not isinstance(self.name, str) or not self.name:
@@ -89,8 +92,9 @@ class EnvConfig:
         width: Image width of the head camera [px].
         height: Image height of the head camera [px].
         fovy: Vertical field of view of the head camera [degrees].
-        samples: Rays per pixel of the colour image.
-        shader: Shading of colour images: "fast", "lit", or a `LitShader` with options.
+        samples: Rays per pixel of the head camera's colour image.
+        shader: Shader of the head camera's colour image: the name of a registered one, such as "fast" or "lit", or one
+            with options, such as `LitShader(num_lights=2)`. Other cameras have their own, see `AgentCamera`.
         cameras: Further cameras, in addition to the `head` camera of the sensors.
         max_depth: Maximum observed depth; larger values are clipped [m].
         max_pitch_rate: Maximum rate of change of pitch [rad/s].
@@ -117,11 +121,11 @@ class EnvConfig:
         backend: Ray-casting backend; None: the fastest on this platform.
         body: Size, mass and eye height of every agent, shared with physics, cameras and ears.
         timing: Time steps, shared with physics and sound.
-        physics: Agents, bodies and solver.
+        physics: Number of agents, their bodies if they differ, and solver.
         audio: Room acoustics and receiver.
 
     Raises:
-        ConfigError: A value is invalid, or `physics` or `audio` has a different body or timing.
+        ConfigError: A value is invalid, or `physics` or `audio` has a body or timing of its own.
     """
 
     sensors: tuple[str, ...] | None = None
@@ -167,8 +171,10 @@ class EnvConfig:
             check_type("contact_sounds", self.contact_sounds, ContactSoundConfig)
         self._check_numbers()
         self._check_cameras()
-        self._check_actions()
-        self._share_clock()
+        self._check_records()
+        if self.discrete is not None:
+            self._fit_moves(self.discrete)
+        self._share_timing()
 
     def _set_fields(self, **values: Any) -> None:
         for name, value in values.items():
@@ -198,19 +204,21 @@ class EnvConfig:
             text = ", ".join(names[1:])
             raise ConfigError(f"`cameras` must have distinct names other than `head`, got {text}")
 
-    def _check_actions(self) -> None:
+    def _check_records(self) -> None:
         if isinstance(self.actions, str):
             check_known("kind of actions", [self.actions], ACTION_KINDS)
         else:
             check_type("actions", self.actions, DiscreteActions)
-        if self.discrete is not None:
-            for name, kind in (("physics", PhysicsConfig), ("body", AgentBody), ("timing", Timing)):
-                check_type(name, getattr(self, name), kind)
-            self._fit_moves(self.discrete)
+        records = {"physics": PhysicsConfig, "audio": AudioConfig, "body": AgentBody, "timing": Timing}
+        for name, kind in records.items():
+            check_type(name, getattr(self, name), kind)
+        if isinstance(self.physics, PhysicsSetup):
+            hint = "Write physics=PhysicsConfig(...), and set `body` and `timing` of the environment."
+            raise ConfigError("`physics` is a PhysicsSetup, which has a body and timing of its own", hint=hint)
 
     def _fit_moves(self, moves: DiscreteActions) -> None:
         """Extend the default `ctrl_dt` if a move does not fit into it; raise if it still does not."""
-        least = max(moves.min_duration(body) for body in self.physics.bodies or (self.body,))
+        least = max(moves.min_duration(body) for body in self.agents)
         if least > self.timing.ctrl_dt == Timing().ctrl_dt:
             self._set_fields(timing=dataclasses.replace(self.timing, ctrl_dt=DISCRETE_CTRL_DT))
         if least > self.timing.ctrl_dt * (1 + 1e-9):
@@ -219,26 +227,29 @@ class EnvConfig:
                 hint="Make `ctrl_dt` longer, the moves of `actions` smaller, or the body's speeds higher.",
             )
 
-    def _share_clock(self) -> None:
-        """Copy body and timing into the engines' options; raise if those have conflicting ones."""
-        parts: dict[str, Any] = {"physics": (PhysicsConfig, ("body", "timing")), "audio": (AudioConfig, ("timing",))}
-        for part, (cls, records) in parts.items():
-            given = getattr(self, part)
-            check_type(part, given, cls)
-            for name in records:
-                ours, theirs = getattr(self, name), getattr(given, name)
-                check_type(name, ours, type(theirs))
-                if theirs not in (ours, type(theirs)()):
-                    raise ConfigError(
-                        f"`{part}.{name}` is {theirs}, but the environment's `{name}` is {ours}",
-                        hint=f"Set `{name}` of the environment only: physics and sound take it from there.",
-                    )
-            self._set_fields(**{part: dataclasses.replace(given, **{name: getattr(self, name) for name in records})})
+    def _share_timing(self) -> None:
+        """Copy `timing` into the options of sound; raise if these have another one."""
+        if self.audio.timing not in (self.timing, Timing()):
+            raise ConfigError(
+                f"`audio.timing` is {self.audio.timing}, but the environment's `timing` is {self.timing}",
+                hint="Set `timing` of the environment only: sound takes it from there.",
+            )
+        self._set_fields(audio=dataclasses.replace(self.audio, timing=self.timing))
 
     @property
     def num_agents(self) -> int:
         """Number of agents per environment, including those that the task controls."""
         return self.physics.num_agents
+
+    @property
+    def agents(self) -> tuple[AgentBody, ...]:
+        """The body of each agent."""
+        return self.physics.bodies or (self.body,) * self.num_agents
+
+    @property
+    def physics_setup(self) -> PhysicsSetup:
+        """Options of the physics with the body and the time steps of this environment."""
+        return PhysicsSetup.compose(self.physics, self.body, self.timing)
 
     @property
     def num_traced_sources(self) -> int:
@@ -271,20 +282,22 @@ class EnvConfig:
         return (*own, *(hands if self.hands else ()), *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":
-        """Return a copy with some fields changed; physics and sound follow a new body or timing."""
-        bare: dict[str, Any] = {
-            "physics": dataclasses.replace(self.physics, body=AgentBody(), timing=Timing()),
-            "audio": dataclasses.replace(self.audio, timing=Timing()),
-        }
-        return dataclasses.replace(self, **(bare | changes))
+        """Return a copy with some fields changed; sound follows a new timing."""
+        return dataclasses.replace(self, **({"audio": dataclasses.replace(self.audio, timing=Timing())} | changes))
 
     @property
     def all_cameras(self) -> tuple[AgentCamera, ...]:
         """All cameras of an agent: the head camera if any sensor needs it, then `cameras`."""
         names = DEFAULT_SENSORS if self.sensors is None else self.sensors
         kinds = tuple(name for name in names if name in VIEW_KINDS)
-        head = AgentCamera("head", kinds, Lens(self.width, self.height, samples=self.samples), self.fovy)
+        lens = Lens(self.width, self.height, samples=self.samples)
+        head = AgentCamera("head", kinds, lens, self.fovy, shader=self.shader)
         return (*((head,) if kinds else ()), *self.cameras)
+
+    @property
+    def shaders(self) -> tuple[Shader, ...]:
+        """Shaders of all cameras with a colour image."""
+        return tuple(resolve_shader(camera.shader) for camera in self.all_cameras if "rgb" in camera.kinds)
 
 
 def _as_tuple(name: str, values: Any) -> tuple:

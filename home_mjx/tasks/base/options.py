@@ -6,6 +6,7 @@ import numbers
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NoReturn
 
+from home_mjx.core.variants import nested_names, replace_variant, variants_of
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.tasks.base.config import DiscreteActions, EnvConfig
 
@@ -105,7 +106,7 @@ def make_config(**options: Any) -> EnvConfig:
 
 
 def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
-    """Yield dotted paths of a record and its fields at all depths; body and timing only of their owner."""
+    """Yield dotted paths of a record and its fields at all depths; timing only of its owner."""
     if prefix:
         yield prefix
     own = {field.name for field in dataclasses.fields(record)}
@@ -113,9 +114,12 @@ def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset())
         path = f"{prefix}.{field.name}" if prefix else field.name
         if field.name in shared or path in DERIVED_OPTIONS:
             continue
-        value = getattr(record, field.name)
-        if dataclasses.is_dataclass(value):
-            yield from _field_paths(value, path, shared | (own & {"body", "timing"}))
+        value, variants = getattr(record, field.name), variants_of(record, field.name)
+        if variants:
+            yield path
+            yield from (f"{path}.{name}" for name in nested_names(record, field.name))
+        elif dataclasses.is_dataclass(value):
+            yield from _field_paths(value, path, shared | (own & {"timing"}))
         else:
             yield path
 
@@ -157,7 +161,9 @@ def _replace_fields(record: Any, changes: Mapping[str, Any], full: str) -> Any:
 
 
 def _replace_field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any:
-    old = getattr(record, name)
+    old, variants = getattr(record, name), variants_of(record, name)
+    if variants:
+        return replace_variant(full, variants, old, changes)
     if dataclasses.is_dataclass(old):
         return _replace_fields(old, changes, full)
     value = changes[""]

@@ -1,6 +1,5 @@
 """Base class of tasks, and path metrics."""
 
-import inspect
 from typing import Any
 
 import jax
@@ -9,7 +8,6 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.endpoints import SoundSources
 from home_mjx.bank.bank import HouseBank
-from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import random_position
 from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -189,19 +187,6 @@ class Task:
     def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
         """Return whether one episode of a file can be solved in this bank; inside `jit`."""
         return jnp.ones((), bool)
-
-
-def check_task_class(task: type[Task]) -> None:
-    """Raise if a class of tasks has options that `make` could not set.
-
-    Raises:
-        ConfigError: Not a frozen dataclass, or a subclass of one that adds fields without the decorator.
-    """
-    params = getattr(task, "__dataclass_params__", None)
-    lost = inspect.get_annotations(task) if "__dataclass_params__" not in vars(task) else {}
-    if params is None or not params.frozen or lost:
-        hint = "Write @dataclasses.dataclass(frozen=True) above the class."
-        raise ConfigError(f"the task {task.__name__} is not a frozen dataclass", hint=hint)
 
 
 def path_scores(

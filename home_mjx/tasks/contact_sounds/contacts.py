@@ -84,7 +84,7 @@ def carried_masses(config: EnvConfig, snapshot: Snapshot) -> Float[Array, " m"]:
     bodies = snapshot.bank.physics.body_mass[snapshot.house]
     if snapshot.body_scale is not None and snapshot.body_scale.mass is not None:
         bodies = bodies * snapshot.body_scale.mass
-    agents = jnp.array([body.mass for body in config.physics.agents], jnp.float32)
+    agents = jnp.array([body.mass for body in config.agents], jnp.float32)
     return jnp.concatenate([agents, bodies, jnp.zeros(snapshot.door_angle.shape, jnp.float32)])
 
 

@@ -77,26 +77,32 @@ class AutoReset:
         num = _num_keys(key)
         if episode is None and is_sequential(params.tasks):
             episode = jnp.arange(num, dtype=jnp.int32)
-        begin = jax.vmap(self.core.begin, (None, 0, None if house is None else 0, None if episode is None else 0))
-        state = self._perceive(params, begin(params, key, house, episode))
+        reset = jax.vmap(self.core.reset, (None, 0, None if house is None else 0, None if episode is None else 0))
+        state = reset(params, key, house, episode)
         return self._store_final(state, self._select_final(state.obs))
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """Step all environments once."""
-        stepped = jax.vmap(self.core.advance, (None, 0, 0))(params, state, action)
+        stepped, last = jax.vmap(self._advance, (None, 0, 0))(params, state, action)
         done = stepped.done
         # One branch for the whole batch: steps in which no episode ends skip the reset.
         begun = jax.lax.cond(jnp.any(done), lambda s: self._reset_done(params, s, done), lambda s: s, stepped)
-        seen = self._perceive(params, begun)
+        seen = self._update_and_observe(params, begun)
         new = seen.replace(status=jnp.where(done, begun.status, seen.status))
-        return self._store_final(new, self._final_obs(params, stepped, new.obs, done))
+        return self._store_final(new, self._final_obs(params, stepped, last, new.obs, done))
 
     def observe(self, params: EnvParams, state: State) -> State:
         """Return the states with recomputed observations."""
         return jax.vmap(self.core.observe, (None, 0))(params, state)
 
-    def _perceive(self, params: EnvParams, state: State) -> State:
-        return jax.vmap(self.core.perceive, (None, 0))(params, state)
+    def _update_and_observe(self, params: EnvParams, state: State) -> State:
+        return jax.vmap(lambda one: self.core.observe(params, one, update=True))(state)
+
+    def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, dict[str, Array]]:
+        """Step one environment without sensors; return also the observations that cost no rays, for `final_obs`."""
+        # The snapshot stays inside of `vmap`: it holds the bank, which must not be copied per environment.
+        state, snapshot = self.core._advance(params, state, action)
+        return state, {} if self.final_obs == "none" else self.core._observations(state, snapshot, cast_rays=False)
 
     def _reset_done(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
         """Return the first state of the next episode where the last one is over."""
@@ -104,7 +110,7 @@ class AutoReset:
 
         def one(state: State, done: Bool[Array, ""]) -> State:
             episode = state.world.episode + num if is_sequential(params.tasks) else None
-            new = self.core.begin(params, fold_key(state.world.key, RENEW_TAG), None, episode)
+            new = self.core.reset(params, fold_key(state.world.key, RENEW_TAG), None, episode, observe=False)
             world = new.world.replace(num_faults=state.world.num_faults)
             status = state.status | new.status
             new = state.replace(physics=new.physics, world=world, task=new.task, status=status)
@@ -123,19 +129,17 @@ class AutoReset:
         return {name for sensor in self.core.sensors if sensor.casts_rays for name in sensor.spec(self.config)}
 
     def _final_obs(
-        self, params: EnvParams, stepped: State, obs: dict[str, Array], done: Bool[Array, " n"]
+        self,
+        params: EnvParams,
+        stepped: State,
+        last: dict[str, Array],
+        obs: dict[str, Array],
+        done: Bool[Array, " n"],
     ) -> dict[str, Array]:
-        """Return the observations before the reset."""
+        """Return the observations before the reset: `last` has those that cast no rays."""
         kept = self._select_final(obs)
-        if not kept:
-            return kept
-
-        def cheap(state: State) -> dict[str, Array]:
-            return self.core.sense(self.core.snapshot(params, state), state, casts_rays=False)
-
-        last = jax.vmap(cheap)(stepped)
         kept |= {name: select_envs(done, value, obs[name]) for name, value in last.items() if name in kept}
-        return kept if self.final_obs == "cheap" else self._render_final(params, stepped, kept, done)
+        return self._render_final(params, stepped, kept, done) if self.final_obs == "all" and kept else kept
 
     def _render_final(
         self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
@@ -149,12 +153,12 @@ class AutoReset:
 
         def some(stepped: State) -> dict[str, Array]:
             rows = jnp.argsort(~done, stable=True)[:few]  # ended environments come first
-            seen = self._perceive(params, jax.tree.map(lambda x: x[rows], stepped)).obs
+            seen = self._update_and_observe(params, jax.tree.map(lambda x: x[rows], stepped)).obs
             rows = jnp.where(done[rows], rows, done.shape[0])
             return {name: value.at[rows].set(seen[name], mode="drop") for name, value in kept.items()}
 
         def many(stepped: State) -> dict[str, Array]:
-            seen = self._perceive(params, stepped).obs
+            seen = self._update_and_observe(params, stepped).obs
             return {name: select_envs(done, seen[name], value) for name, value in kept.items()}
 
         case = (count > 0).astype(jnp.int32) + (count > few).astype(jnp.int32)

@@ -92,7 +92,7 @@ def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, wor
     template, drawn = physics_template(config, params.bank.spec), world.variation
     pos, yaw = physics.agent_pose(template, data)
     bodies, turned = physics.body_pose(template, data), jax.vmap(yaw_quat)(yaw)
-    sizes, angle = agent_sizes(config.physics.agents), physics.door_angle(template, data)
+    sizes, angle = agent_sizes(config.agents), physics.door_angle(template, data)
     look = None if drawn is None else drawn.appearance
     return Snapshot(
         step=world.step,
@@ -123,11 +123,11 @@ def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, wor
 
 def physics_template(config: EnvConfig, spec: BankSpec) -> physics.Template:
     """Return the physics template for banks of a capacity."""
-    return _cached_template(config.physics, spec)
+    return _cached_template(config.physics_setup, spec)
 
 
 @functools.lru_cache(maxsize=32)
-def _cached_template(config: physics.PhysicsConfig, spec: BankSpec) -> physics.Template:
+def _cached_template(config: physics.PhysicsSetup, spec: BankSpec) -> physics.Template:
     # Built once per capacity; inside a trace it must hold no tracers.
     with jax.ensure_compile_time_eval():
         return physics.Template(config, spec)

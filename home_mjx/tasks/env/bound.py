@@ -17,7 +17,7 @@ from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.env.moves import action_names
 from home_mjx.tasks.env.usable import check_bank, check_sounds, check_variation
-from home_mjx.tasks.validation.fit import check_tasks
+from home_mjx.tasks.validation.task_fit import check_tasks
 from home_mjx.tasks.variation.ranges import to_variation
 
 
@@ -52,7 +52,7 @@ class EnvCore(Protocol):
 
     @property
     def bakes(self) -> tuple[Bake, ...]:
-        """Bakes of houses that the sensors need."""
+        """Bakes of houses that sensors and shaders need."""
         ...
 
     def reset(self, params: EnvParams, key: Array, house: Any = None, episode: Any = None) -> State:

@@ -70,7 +70,7 @@ def aim_directions(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
 
 def is_in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
     """Return which points each agent's hand can reach, measured from the vertical axis of its body."""
-    half, reach = jnp.array([(body.height / 2, body.reach) for body in config.physics.agents], jnp.float32).T
+    half, reach = jnp.array([(body.height / 2, body.reach) for body in config.agents], jnp.float32).T
     offset = point - snapshot.pose.pos[:, None]
     beyond = jnp.maximum(jnp.abs(offset[..., 2]) - half[:, None], 0.0)
     return jnp.linalg.norm(offset.at[..., 2].set(beyond), axis=-1) <= reach[:, None]
@@ -80,7 +80,7 @@ def _is_liftable(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"])
     """Return which bodies are light enough for each agent's hand."""
     if not snapshot.bank.spec.num_bodies:
         return body >= 0
-    lift = jnp.array([body.max_lift_mass for body in config.physics.agents], jnp.float32)
+    lift = jnp.array([body.max_lift_mass for body in config.agents], jnp.float32)
     mass, bodies = snapshot.bank.physics.body_mass[snapshot.house, jnp.maximum(body, 0)], snapshot.body_scale
     mass = mass if bodies is None or bodies.mass is None else mass * bodies.mass
     return mass <= lift[:, None]

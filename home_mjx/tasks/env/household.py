@@ -5,12 +5,12 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
-from jaxtyping import Array, Int
+from jaxtyping import Array, Bool, Int
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
-from home_mjx.houses.bakes import Bake
+from home_mjx.houses.bakes import Bake, find_bake
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import apply_hand_commands, update_hands
 from home_mjx.tasks.base.config import EnvConfig
@@ -101,9 +101,15 @@ class HouseholdEnv:
 
     @property
     def bakes(self) -> tuple[Bake, ...]:
-        """Bakes of houses that the sensors need, each once; `make` adds them to the bank."""
-        needed = [bake for sensor in self.sensors for bake in (sensor.state_owner or sensor).bakes(self.acting_config)]
-        return tuple({bake.name: bake for bake in needed}.values())
+        """Bakes of houses that sensors and shaders need, each once; `make` adds them to the bank.
+
+        A sensor gives the bake with its options. A shader names it, which selects the sensor's or the default options.
+        """
+        config = self.acting_config
+        needed = [bake for sensor in self.sensors for bake in (sensor.state_owner or sensor).bakes(config)]
+        by_name = {bake.name: bake for bake in needed}
+        names = [name for shader in config.shaders for name in shader.needs if name not in by_name]
+        return (*by_name.values(), *(find_bake(name) for name in dict.fromkeys(names)))
 
     @property
     def action_names(self) -> tuple[str, ...]:
@@ -129,6 +135,8 @@ class HouseholdEnv:
         key: Array,
         house: Int[Array, ""] | int | None = None,
         episode: Int[Array, ""] | int | None = None,
+        *,
+        observe: bool = True,
     ) -> State:
         """Start a new episode.
 
@@ -138,13 +146,15 @@ class HouseholdEnv:
             house: Index of the house, clipped to the bank; None samples one.
             episode: Row of `params.tasks`, modulo their number: house, start and columns come from it, the rest from
                 the key. None samples a row if there are any, by weight if they have weights.
+            observe: If False, no sensor runs and observations are 0; `observe(params, state, update=True)` adds them.
 
         Returns:
             A state with its first observation, zero reward, neither terminated nor truncated.
         """
-        return self.perceive(params, self.begin(params, key, house, episode))
+        state, snapshot = self._init(params, key, house, episode)
+        return self._observe(state, snapshot, update=True) if observe else state
 
-    def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
+    def step(self, params: EnvParams, state: State, action: ArrayLike, *, observe: bool = True) -> State:
         """Run one control step of `dt` seconds, then compute reward and observation.
 
         Args:
@@ -153,65 +163,52 @@ class HouseholdEnv:
             action: (4,), or (A, 4) for several acting agents: forward, left, turn left, look up in [-1, 1]. Other
                 values are clipped and NaN counts as 0, so that one bad output of a policy does not corrupt an
                 environment for good. Discrete: an integer, or (A,); an invalid one does nothing. `status` flags both.
+            observe: If False, no sensor runs and observations stay those of `state`; `observe(params, state,
+                update=True)` renews them.
 
         Returns:
-            The state after. An episode that is over is not reset: see `AutoReset`.
+            The state after. An episode that is over is not reset: see `AutoReset`. A step that leads to a pose that is
+            not finite is undone and ends the episode. The state stays finite; `status` and `World.num_faults` record
+            the fault.
         """
-        return self.perceive(params, self.advance(params, state, action))
+        state, snapshot = self._advance(params, state, action)
+        return self._observe(state, snapshot, update=True) if observe else state
 
-    def observe(self, params: EnvParams, state: State) -> State:
-        """Return the state with observations recomputed from its other fields, which stay as they are."""
-        snapshot = self.snapshot(params, state)
-        obs = self.sense(snapshot, state, casts_rays=True)
-        return state.replace(obs=obs | self.sense(snapshot, state, casts_rays=False))
-
-    def perceive(self, params: EnvParams, state: State) -> State:
-        """Update the sensor states, then observe. Call it once after each `begin` or `advance`."""
-        snapshot = self.snapshot(params, state)
-        snapshot, config = snapshot.select_agents(self.num_agents), self.acting_config
-        kept, lost = dict(state.world.sensor_states), state.status
-        for sensor in state_owners(self.sensors):
-            kept[sensor.name] = sensor.update(config, snapshot, kept[sensor.name])
-            lost = lost | jnp.asarray(sensor.status(config, snapshot, kept[sensor.name]), jnp.int32)
-        return self.observe(params, state.replace(world=state.world.replace(sensor_states=kept), status=lost))
-
-    def sense(self, snapshot: Snapshot, state: State, casts_rays: bool) -> dict[str, Array]:
-        """Return observations of the sensors that cast rays, or of the others and the task.
+    def observe(self, params: EnvParams, state: State, *, update: bool = False) -> State:
+        """Return the state with observations recomputed from its other fields.
 
         Args:
-            snapshot: Of all agents, see `snapshot`.
+            params: Houses.
             state: The state.
-            casts_rays: True for the sensors that cast rays.
+            update: If True, sensor states are updated first. Do so exactly once after a `reset` or `step` with
+                `observe=False`. False: all other fields stay as they are.
         """
-        obs: dict[str, Array] = {}
-        own, config = snapshot.select_agents(self.num_agents), self.acting_config
-        for sensor in self.sensors:
-            if sensor.casts_rays == casts_rays:
-                seen = sensor.observe(config, own, state.world.sensor_states[(sensor.state_owner or sensor).name])
-                check_observations(sensor, sensor.spec(config), seen, self.num_agents)
-                obs |= seen
-        if not casts_rays:
-            seen = self.task.observe(snapshot, state.task)
-            check_observations(self.task, self.task.observation_spec, seen, self.config.num_agents)
-            obs |= {name: value for name, value in seen.items() if name in self.observation_spec}
-        return self._select_acting(obs)
+        return self._observe(state, self.snapshot(params, state), update=update)
 
-    def begin(
+    def snapshot(self, params: EnvParams, state: State) -> Snapshot:
+        """Build the snapshot of all agents, as input of tasks and for drawing."""
+        return build_snapshot(self.config, params, state.physics, state.world)
+
+    def template(self, bank: HouseBank) -> physics.Template:
+        """Return the physics template for banks of this capacity."""
+        return physics_template(self.config, bank.spec)
+
+    def _init(
         self,
         params: EnvParams,
         key: Array,
         house: Int[Array, ""] | int | None = None,
         episode: Int[Array, ""] | int | None = None,
-    ) -> State:
-        """Run `reset` without sensors: observations are 0 until `perceive`. For wrappers."""
+    ) -> tuple[State, Snapshot]:
+        """Return the first state of an episode with zero observations, and its snapshot."""
         memory = {sensor.name: sensor.init(self.acting_config) for sensor in state_owners(self.sensors)}
         data, world, row, goal_key = init_physics_and_world(self.config, memory, params, key, house, episode)
-        snapshot = self._snapshot(params, data, world)
+        snapshot = build_snapshot(self.config, params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
-        no = jnp.zeros((), bool)
-        return State(
+        sounds, no = self.task.sounds(snapshot, task), jnp.zeros((), bool)
+        state = State(
             physics=data,
-            world=world.replace(sounds=self.task.sounds(snapshot, task)),
+            world=world.replace(sounds=sounds),
             task=task,
             obs={name: jnp.zeros(spec.shape, spec.dtype) for name, spec in self.observation_spec.items()},
             reward=self._select_acting(jnp.zeros(self.num_agents, jnp.float32)),
@@ -221,31 +218,19 @@ class HouseholdEnv:
             status=weights_flag(params.tasks, episode),
             info={},
         )
+        return state, snapshot.replace(sounds=sounds)
 
-    def advance(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """Run `step` without sensors: physics, task, reward. For wrappers.
-
-        A step that leads to a pose that is not finite is undone and ends the episode. The state stays finite; `status`
-        and `World.num_faults` record the fault.
-        """
+    def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, Snapshot]:
+        """Return the next state with observations of the last one, and its snapshot."""
         bank, template = params.bank, self.template(params.bank)
-        moves = decode_actions(self.config, action, self._idle_agents(state), self.num_agents)
-        moves = apply_move_noise(self.config, self._apply_task_control(params, state, moves), state.world)
-        before = self._apply_hand_commands(params, self._set_agent_speed(params, state, moves), moves)
-        data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
+        moves, start = self._apply_action(params, state, action)
+        data, lost = physics.step_checked(template, bank, state.world.house, start, moves.drive)
         if self.config.hands:
             data = update_hands(template, bank, state.world.house, data)
         broken = physics.is_unstable(data)
         data = physics.undo_where(broken, data, state.physics)
-        world = state.world.replace(
-            pitch=update_pitch(self.config, state.world.pitch, moves.look),
-            stopped=moves.stopped,
-            spoken_token=moves.spoken_token,
-            step=state.world.step + 1,
-            action=moves.action,
-            num_faults=state.world.num_faults + broken.astype(jnp.int32),
-        )
-        snapshot = self._snapshot(params, data, world)
+        world = self._next_world(state.world, moves, broken)
+        snapshot = build_snapshot(self.config, params, data, world)
         snapshot = snapshot.replace(sounds=self.task.sounds(snapshot, state.task))
         noises, unheard = self._contact_sounds(template, state.physics, data, snapshot)
         task = self.task.update(snapshot, state.task)
@@ -253,7 +238,7 @@ class HouseholdEnv:
         metrics = check_metrics(self.task, self.task.metrics(snapshot, task))
         check_task(self.task, state.task, task, reward, terminated, self.config.num_agents)
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
-        return state.replace(
+        state = state.replace(
             physics=data,
             world=world.replace(reward=reward, sounds=snapshot.sounds, contact_sounds=noises),
             task=task,
@@ -271,10 +256,45 @@ class HouseholdEnv:
                 OUTSIDE=physics.is_out_of_bounds(template, bank, state.world.house, data),
             ),
         )
+        return state, snapshot.replace(reward=reward, contact_sounds=noises)
 
-    def snapshot(self, params: EnvParams, state: State) -> Snapshot:
-        """Build the snapshot of all agents, as input of tasks and for drawing."""
-        return self._snapshot(params, state.physics, state.world)
+    def _observe(self, state: State, snapshot: Snapshot, *, update: bool) -> State:
+        """Return the state with its observations.
+
+        Args:
+            state: The state.
+            snapshot: Its snapshot, of all agents. It holds no sensor state, so an update does not change it.
+            update: If True, sensor states are updated first.
+        """
+        state = self._update_sensors(state, snapshot) if update else state
+        return state.replace(obs=self._observations(state, snapshot))
+
+    def _update_sensors(self, state: State, snapshot: Snapshot) -> State:
+        """Update the sensor states and their status flags."""
+        own, config = snapshot.select_agents(self.num_agents), self.acting_config
+        kept, lost = dict(state.world.sensor_states), state.status
+        for sensor in state_owners(self.sensors):
+            kept[sensor.name] = sensor.update(config, own, kept[sensor.name])
+            lost = lost | jnp.asarray(sensor.status(config, own, kept[sensor.name]), jnp.int32)
+        return state.replace(world=state.world.replace(sensor_states=kept), status=lost)
+
+    def _observations(self, state: State, snapshot: Snapshot, *, cast_rays: bool = True) -> dict[str, Array]:
+        """Return the observations of sensors and task; without `cast_rays` only of sensors that cast no rays."""
+        obs: dict[str, Array] = {}
+        own, config = snapshot.select_agents(self.num_agents), self.acting_config
+        for sensor in self.sensors:
+            if cast_rays or not sensor.casts_rays:
+                seen = sensor.observe(config, own, state.world.sensor_states[(sensor.state_owner or sensor).name])
+                check_observations(sensor, sensor.spec(config), seen, self.num_agents)
+                obs |= seen
+        seen = self.task.observe(snapshot, state.task)
+        check_observations(self.task, self.task.observation_spec, seen, self.config.num_agents)
+        obs |= {name: value for name, value in seen.items() if name in self.observation_spec}
+        return self._select_acting(obs | self._extra_observations(state, snapshot))
+
+    def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
+        """Return observations that a subclass adds, each with a leading axis of all agents."""
+        return {}
 
     def _observation_spec(self) -> Specs:
         own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.acting_config).items()}
@@ -282,26 +302,38 @@ class HouseholdEnv:
         own |= {name: offered[name] for name in self.config.sensors or () if name in offered}
         return {name: spec.for_agents(self.num_agents) for name, spec in own.items()}
 
-    def _snapshot(self, params: EnvParams, data: Any, world: World) -> Snapshot:
-        return build_snapshot(self.config, params, data, world)
+    def _apply_action(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[DecodedActions, PhysicsState]:
+        """Return the decoded actions, and the physics state after their immediate effects: hands and agent speeds."""
+        moves = decode_actions(self.config, action, self._idle_agents(state), self.num_agents)
+        controls_agents = type(self.task).control_agents is not Task.control_agents
+        before = self.snapshot(params, state) if controls_agents or self.config.hands else None
+        if before is not None and controls_agents:
+            led = self.task.control_agents(before, state.task)
+            moves = moves if led is None else override_moves(self.config, moves, self._idle_agents(state), *led)
+        moves = apply_move_noise(self.config, moves, state.world)
+        start, template = state.physics, self.template(params.bank)
+        if self.config.discrete is not None:  # each move then covers exactly its distance
+            start = physics.with_agent_speed(template, start, moves.drive)
+        if before is not None and self.config.hands:
+            commands = decode_hand_commands(self.config, before, moves.hands)
+            start = apply_hand_commands(template, params.bank, state.world.house, start, commands)
+        return moves, start
 
-    def _apply_task_control(self, params: EnvParams, state: State, moves: DecodedActions) -> DecodedActions:
-        """Replace the moves of agents that the task controls."""
-        if type(self.task).control_agents is Task.control_agents:
-            return moves
-        led = self.task.control_agents(self.snapshot(params, state), state.task)
-        return moves if led is None else override_moves(self.config, moves, self._idle_agents(state), *led)
+    def _next_world(self, world: World, moves: DecodedActions, broken: Bool[Array, ""]) -> World:
+        """Return the world after a step, with sounds and reward of the last one."""
+        return world.replace(
+            pitch=update_pitch(self.config, world.pitch, moves.look),
+            stopped=moves.stopped,
+            spoken_token=moves.spoken_token,
+            step=world.step + 1,
+            action=moves.action,
+            num_faults=world.num_faults + broken.astype(jnp.int32),
+        )
 
     def _idle_agents(self, state: State) -> Any:
         """Return the agents that stay idle."""
         stopped = state.world.stopped
         return stopped if self.task.stop_is_final else jnp.zeros_like(stopped)
-
-    def _set_agent_speed(self, params: EnvParams, state: State, moves: DecodedActions) -> State:
-        """Set agents to the speed of their discrete move, so that it covers exactly its distance."""
-        if self.config.discrete is None:
-            return state
-        return state.replace(physics=physics.with_agent_speed(self.template(params.bank), state.physics, moves.drive))
 
     def _contact_sounds(
         self, template: physics.Template, before: Any, after: Any, snapshot: Snapshot
@@ -310,18 +342,6 @@ class HouseholdEnv:
         if self.config.contact_sounds is None:
             return None, jnp.zeros((), bool)
         return update_contact_sounds(self.config, template, before, after, snapshot)
-
-    def _apply_hand_commands(self, params: EnvParams, state: State, moves: DecodedActions) -> PhysicsState:
-        """Return the physics state with the hands' commands applied."""
-        if not self.config.hands:
-            return state.physics
-        snapshot, template = self.snapshot(params, state), self.template(params.bank)
-        commands = decode_hand_commands(self.config, snapshot, moves.hands)
-        return apply_hand_commands(template, params.bank, state.world.house, state.physics, commands)
-
-    def template(self, bank: HouseBank) -> physics.Template:
-        """Return the physics template for banks of this capacity."""
-        return physics_template(self.config, bank.spec)
 
     def _select_acting(self, tree: Any) -> Any:
         """Drop agents that the task controls, and the agent axis if a single agent acts."""

@@ -133,7 +133,7 @@ def apply_move_noise(config: EnvConfig, moves: DecodedActions, world: World) -> 
     drawn = world.variation
     if drawn is None or drawn.move_noise is None:
         return moves
-    rates = [(body.forward_speed, body.strafe_speed, body.turn_rate) for body in config.physics.agents]
+    rates = [(body.forward_speed, body.strafe_speed, body.turn_rate) for body in config.agents]
     full = jnp.array(rates, jnp.float32) * config.timing.ctrl_dt
     key = drawn.noise_key(world.step, MOVE_NOISE)
     return moves.replace(drive=add_move_noise(drawn.move_noise, key, moves.drive, full))
@@ -162,7 +162,7 @@ def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, 
     """Return every agent's discrete actions as continuous ones, with looks in radians. The last row is idle."""
     names, columns = action_names(config), (*ACTION_NAMES, *(HAND_NAMES if config.hands else ()))
     table = np.zeros((config.num_agents, len(names) + 1, len(columns)), np.float32)
-    for agent, body in enumerate(config.physics.agents):
+    for agent, body in enumerate(config.agents):
         sizes = {
             "forward": moves.forward_step_size / (body.forward_speed * config.timing.ctrl_dt),
             "turn_left": math.radians(moves.turn_angle) / (body.turn_rate * config.timing.ctrl_dt),

@@ -13,16 +13,23 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.houses.bakes import Bake
-from home_mjx.raycast_render.shaders.preset import resolve_shader
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.sounds.row import VOICE_CLIP, clip_name, extract_sounds
+from home_mjx.tasks.sounds.row import VOICE_CLIP, SoundEvents, clip_name
 from home_mjx.tasks.variation.ranges import Variation
 
 MAX_FOVY = 179.0  # [degrees], maximum field of view
-LIGHT_RANGES = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
+# Ranges of lights, and the field of `AppearanceOverrides` that each sets.
+LIGHT_RANGES = {
+    "lamps": "lamps",
+    "lamp_gain": "lamps",
+    "daylight": "daylight",
+    "sun_azimuth": "sun_azimuth",
+    "sun_elevation": "sun_elevation",
+}
 
 log = logging.getLogger(__name__)
 
@@ -101,20 +108,22 @@ def check_task_options(config: EnvConfig, task: Task) -> None:
 
 
 def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -> None:
-    """Raise if houses were compiled for another body, or lack the requested arrangements or baked sound.
+    """Raise if houses were compiled for another body, or lack the requested arrangements or bakes.
 
     Raises:
         ConfigError: The body differs, so that agents would start inside walls or look too small; or there are no
-            arrangements, or no baked sound.
+            arrangements, or a bake is missing that a sensor or a shader needs.
     """
     if config.arrangement == "random":
         check_arrangements(bank)
     for bake in bakes:
         if bake.name not in bank.bakes:
             hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank."
-            raise ConfigError(f"a sensor needs the bake `{bake.name}`, which the bank does not have", hint=hint)
+            raise ConfigError(
+                f"a sensor or shader needs the bake `{bake.name}`, which the bank does not have", hint=hint
+            )
         if config.arrangement == "random":
-            log.warning("baked late reverberation assumes furniture as in the files, not arrangements; doors count")
+            log.warning("the bake `%s` has furniture as in the files, not as arranged", bake.name)
     compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
     wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
     if wrong:
@@ -135,7 +144,7 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
     """
     if not isinstance(tasks, TaskBank) or isinstance(tasks.field, jax.core.Tracer):  # pyright: ignore
         return
-    emission = extract_sounds(tasks.rows.columns)
+    emission = extract(SoundEvents, tasks.rows.columns)
     used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
     count = used.sum(axis=1)
     most = int(count.max(initial=0))
@@ -161,9 +170,9 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
     """
     if variation is None or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(variation)):  # pyright: ignore
         return
-    lit, impl = resolve_shader(config.shader) is not None, config.physics.impl
+    impl, shown = config.physics.impl, {field for shader in config.shaders for field in shader.overrides}
     useless = {
-        **dict.fromkeys(LIGHT_RANGES, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
+        **{name: None if field in shown else _shaders_hint(config) for name, field in LIGHT_RANGES.items()},
         "move_noise": None if config.discrete else 'It applies to discrete moves: give actions="discrete".',
         **dict.fromkeys(("contact_sound_volume", "footstep_distance"), _contact_sounds_hint(config)),
         "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
@@ -174,6 +183,12 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
             raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
     _check_fovy(config, variation)
     _check_clips(config, variation)
+
+
+def _shaders_hint(config: EnvConfig) -> str:
+    names = ", ".join(dict.fromkeys(f"`{shader.name}`" for shader in config.shaders))
+    without = f"The shader {names} does not use it" if names else "No camera has the kind `rgb`"
+    return f'{without}: give shader="lit", or the same to a camera with "rgb".'
 
 
 def _contact_sounds_hint(config: EnvConfig) -> str | None:

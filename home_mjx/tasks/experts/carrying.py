@@ -78,7 +78,7 @@ def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Ar
         Centres and radii; the agents' own discs where they carry nothing.
     """
     radius = jax.vmap(lambda agent: carried_radius(snapshot, agent))(jnp.arange(snapshot.config.num_agents))
-    own = jnp.array([body.radius for body in snapshot.config.physics.agents], jnp.float32)
+    own = jnp.array([body.radius for body in snapshot.config.agents], jnp.float32)
     holds = snapshot.held >= 0
     ahead = jnp.where(holds, own + jnp.float32(CARRY_CLEARANCE) + radius, 0.0)
     way = jnp.stack([jnp.cos(yaw), jnp.sin(yaw)], axis=-1)
@@ -110,7 +110,7 @@ def choose_clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Ar
         snapshot: The environment; agents have hands.
         turn: Turn of each agent to the left [rad]; less than half a revolution.
     """
-    radius = jnp.array([body.radius for body in snapshot.config.physics.agents], jnp.float32)
+    radius = jnp.array([body.radius for body in snapshot.config.agents], jnp.float32)
     part = jnp.linspace(0.0, 1.0, NUM_TURN_SAMPLES + 1, dtype=jnp.float32)[1:]
 
     def meets_any(agent: Int[Array, ""], turn: Float[Array, ""]) -> Bool[Array, ""]:

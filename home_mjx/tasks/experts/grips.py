@@ -12,7 +12,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.env.handling import cast_past_hand, held_object_ids, is_in_reach
 from home_mjx.tasks.env.moves import PITCH_TOLERANCE, action_names
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.words import FAILURE, Feature
 from home_mjx.tasks.sensors.cameras import eye_position

@@ -4,11 +4,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.communication.talk import NO_WORD, is_instructed
 from home_mjx.tasks.env.moves import spoken_tokens
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.row_task import RowState
-from home_mjx.tasks.rules.words import FAILURE, Feature
+from home_mjx.tasks.rules.speech import is_instructed
+from home_mjx.tasks.rules.words import FAILURE, NO_WORD, Feature
 
 REPEAT_PERIOD = 4  # [steps] between words of an informed agent, which walks out of the others' way in between
 
@@ -41,7 +41,7 @@ def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "featur
     tells = told & ~jnp.all(told) & (snapshot.step % REPEAT_PERIOD == 0)
     says = (tells | has_answer(state, values)) & (talk.answer >= 0)
     question = jnp.take(talk.oracle[:, 0], jnp.minimum(state.num_questions, talk.oracle.shape[0] - 1))
-    asks = (state.num_questions < talk.ask) & (jnp.arange(agents) == 0)
+    asks = (state.num_questions < talk.num_identifying_questions) & (jnp.arange(agents) == 0)
     return jnp.where(says, talk.answer, jnp.where(asks, question, NO_WORD))
 
 
@@ -52,5 +52,5 @@ def has_answer(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[A
     after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
     quiet = take_transition(program, state.stage, evaluate_conditions(program, values))[2]
     at = jnp.maximum(state.stage, 0)
-    more = jnp.any((program.needs[at] >= 0) & (program.next[at] >= 0))
+    more = jnp.any((program.require[at] >= 0) & (program.next[at] >= 0))
     return jnp.broadcast_to(taken & ~quiet & (after != FAILURE) & ~more, values.shape[1:2])

@@ -46,12 +46,8 @@ class ExpertObservationEnv(HouseholdEnv):
             core.config, dataclasses.replace(task, store_features=True) if isinstance(task, RowTask) else task
         )
 
-    def sense(self, snapshot: Snapshot, state: State, casts_rays: bool) -> dict[str, Array]:
-        """Return observations; the expert's action is among those of the sensors that cast no rays."""
-        obs = super().sense(snapshot, state, casts_rays)
-        return (
-            obs if casts_rays else obs | {EXPERT: self._select_acting(_expert_action(self.task, snapshot, state.task))}
-        )
+    def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
+        return {EXPERT: _expert_action(self.task, snapshot, state.task)}
 
     def _observation_spec(self) -> Specs:
         spec = dataclasses.replace(self.action_spec, text=f"action of the expert: {self.action_spec.text}")

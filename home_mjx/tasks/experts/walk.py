@@ -25,7 +25,7 @@ from home_mjx.tasks.experts.grips import add_door_commands, add_hand_commands, i
 from home_mjx.tasks.experts.leaves import is_facing_shut_leaf, plan_opening
 from home_mjx.tasks.experts.speaking import insert_words
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, is_in_target_room
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.words import FAILURE, Attribute, Feature, TargetKind
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
@@ -273,7 +273,7 @@ def to_actions(
 
 def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Float[Array, "a n"]:
     dt = config.timing.ctrl_dt
-    rates = jnp.array([body.turn_rate for body in config.physics.agents], jnp.float32)
+    rates = jnp.array([body.turn_rate for body in config.agents], jnp.float32)
     forward = jnp.where(jnp.abs(error) < MAX_WALK_HEADING_ERROR, jnp.cos(error), 0.0)
     forward = jnp.where(near | stop, 0.0, forward)
     turn, look = jnp.clip(error / (rates * dt), -1, 1), jnp.clip(tilt / (config.max_pitch_rate * dt), -1, 1)

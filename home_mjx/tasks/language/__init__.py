@@ -1,1 +1,11 @@
 """Vocabulary, phrases and tokens of task instructions."""
+
+from home_mjx.tasks.language.splits import mask_new_combinations, mask_words
+from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+
+__all__ = [
+    "detokenize",
+    "mask_new_combinations",
+    "mask_words",
+    "tokenize",
+]

@@ -1,15 +1,16 @@
-"""Referring expressions: phrases for objects and rooms, and the smallest set of words that identifies an object."""
+"""Referring expressions: phrases for objects, rooms and goals, and minimal words that identify an object."""
 
 from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
+from jaxtyping import Int
 
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.language.vocabulary import to_word
+from home_mjx.tasks.language.vocabulary import detokenize, to_word
 from home_mjx.tasks.rules.house_view import HouseObject
-from home_mjx.tasks.rules.words import Attribute
+from home_mjx.tasks.rules.words import ANY, Attribute, TargetKind
 
 # Words that distinguish objects of a category, in the order of people's preference: Dale and Reiter, "Computational
 # Interpretations of the Gricean Maxims in the Generation of Referring Expressions", Cognitive Science 19, 1995.
@@ -29,7 +30,7 @@ def attribute_text(word: Attribute, value: int) -> str:
     """Return the token text of a word's value.
 
     Example:
-        >>> name(Word.SIZE, 3)
+        >>> attribute_text(Attribute.SIZE, 3)
         'large'
     """
     return to_word(vocabularies()[SEMANTIC_COLUMN[word]][value])
@@ -39,7 +40,7 @@ def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
     """Return a noun phrase for the objects that have all of these words.
 
     Example:
-        >>> phrase({Word.COARSE: 11, Word.SIZE: 3, Word.ROOM_TYPE: 1})
+        >>> noun_phrase({Attribute.COARSE: 11, Attribute.SIZE: 3, Attribute.ROOM_TYPE: 1})
         'the large chair in the kitchen'
     """
     noun = next((word for word in (Attribute.FINE, Attribute.COARSE) if word in meant), None)
@@ -77,7 +78,7 @@ def draw_identifying_words(
 def minimal_identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, telling: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
 ) -> list[dict[Attribute, int]]:
-    """Return all smallest sets of words that identify an object: its category and words from `draw_identifying_words`."""
+    """Return all smallest sets of words that identify an object: its category and attributes from `telling`."""
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
     for count in range(len(known) + 1):
@@ -89,3 +90,36 @@ def minimal_identifying_words(
         if alone:
             return alone
     return []
+
+
+def describe_goal(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:
+    """Return the instruction of a row; without one, a phrase for its descriptors.
+
+    Args:
+        task: Name of the task.
+        tokens: Tokens of the instruction.
+        descriptors: Descriptors of the row's program.
+
+    Example:
+        >>> row = np.full((1, len(Attribute)), ANY)
+        >>> row[0, [Attribute.KIND, Attribute.ROOM_TYPE]] = TargetKind.ROOM, 1
+        >>> describe_goal("RoomNav", np.zeros(32, int), row)
+        'RoomNav: the kitchen'
+    """
+    parts = [_describe_target(row) for row in descriptors if row[Attribute.KIND] != TargetKind.NOTHING]
+    return detokenize(tokens) or (f"{task}: {', '.join(parts)}" if parts else task)
+
+
+def _describe_target(row: np.ndarray) -> str:
+    if row[Attribute.KIND] == TargetKind.PLACE:
+        return "a place"
+    if row[Attribute.KIND] == TargetKind.AGENT:
+        return f"agent {row[Attribute.AGENT]}"
+    words = {word: int(row[word]) for word in SEMANTIC_COLUMN if row[word] != ANY}
+    if row[Attribute.KIND] == TargetKind.ROOM:
+        return (
+            f"the {attribute_text(Attribute.ROOM_TYPE, words[Attribute.ROOM_TYPE])}"
+            if Attribute.ROOM_TYPE in words
+            else "a room"
+        )
+    return noun_phrase(words, "any" if row[Attribute.OBJECT_ID] == ANY else "the")

@@ -34,7 +34,7 @@ def mask_words(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
         ConfigError: The vocabulary lacks a word.
 
     Example:
-        >>> held_out = mentions(tasks, ("bed", "sofa"))  # doctest: +SKIP
+        >>> held_out = mask_words(tasks, ("bed", "sofa"))  # doctest: +SKIP
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
     """
     if isinstance(words, str) or not isinstance(words, Iterable):
@@ -54,7 +54,7 @@ def mask_new_combinations(tasks: TaskBank, fraction: float = 0.2, seed: int = 0)
         seed: Seed of the choice of combinations.
 
     Example:
-        >>> held_out = new_combinations(tasks)  # doctest: +SKIP
+        >>> held_out = mask_new_combinations(tasks)  # doctest: +SKIP
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
     """
     return mask_new_descriptors(np.asarray(tasks.rows.columns["descriptor"]), fraction, seed)
@@ -64,7 +64,7 @@ def mask_new_descriptors(
     descriptors: Int[np.ndarray, "t d words"], fraction: float = 0.2, seed: int = 0
 ) -> Bool[np.ndarray, " t"]:
     """Return the mask of `mask_new_combinations` for descriptors with the columns of `Attribute`."""
-    check_number("part", fraction, 0, 1)
+    check_number("fraction", fraction, 0, 1)
     check_number("seed", seed, *SEED_RANGE, integer=True)
     said = descriptors[..., list(COMBINED_ATTRIBUTES)]
     combined = (said != ANY).sum(axis=-1) >= 2

@@ -29,7 +29,7 @@ def to_word(name: str) -> str:
     """Return the word for a name of a semantic vocabulary.
 
     Example:
-        >>> spoken("Living_Room"), spoken("decoration stone")
+        >>> to_word("Living_Room"), to_word("decoration stone")
         ('living_room', 'decoration_stone')
     """
     return name.lower().replace(" ", "_")
@@ -40,7 +40,7 @@ def all_words() -> tuple[str, ...]:
     """Return all words in the order of their tokens; the first one is padding.
 
     Example:
-        >>> words()[:3]
+        >>> all_words()[:3]
         ('', 'the', 'a')
     """
     named = (to_word(name) for column in NAME_COLUMNS for name in vocabularies()[column])

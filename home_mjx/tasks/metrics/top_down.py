@@ -130,7 +130,7 @@ def _on_level(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*
 def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
     """Return the cells on the straight line from each agent's previous position to the present one."""
     bank, house, config = snapshot.bank, snapshot.house, snapshot.config
-    way = max(body.forward_speed for body in config.physics.agents) * config.timing.ctrl_dt
+    way = max(body.forward_speed for body in config.agents) * config.timing.ctrl_dt
     parts = jnp.linspace(0, 1, 2 + math.ceil(2 * way / bank.spec.cell))
     none = jnp.zeros(bank.navigation.room.shape[1:], bool)
 

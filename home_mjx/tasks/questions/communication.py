@@ -53,7 +53,7 @@ class Communication(NavigationTask):
         return ("heard_words",) if self.channel == "discrete" else ()
 
     @property
-    def needs_ears(self) -> bool:
+    def requires_hearing(self) -> bool:
         """True if words are sounds, as they are then not observed otherwise."""
         return self.channel == "audible"
 
@@ -63,7 +63,7 @@ class Communication(NavigationTask):
         return 2 if self.channel == "audible" else 1
 
     @property
-    def least_agents(self) -> int:
+    def min_agents(self) -> int:
         """Minimum number of agents: a listener and a speaker."""
         return 2
 
@@ -76,7 +76,7 @@ class Communication(NavigationTask):
 
     def _row(self, kind: int) -> TaskRow:
         room = to_word(ROOM_TYPES[kind])
-        inside = (Condition(Feature.INSIDE, 0, least=1, agent=LISTENER),)
+        inside = (Condition(Feature.INSIDE, 0, minimum=1, agent=LISTENER),)
         stage = arrival_stage(inside, self.stop, self.success_reward)
         (code,) = tokenize(room)
         said = tokenize(f"go to the {room}")

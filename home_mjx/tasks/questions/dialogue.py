@@ -80,7 +80,7 @@ class Dialogue(NavigationTask):
         words: dict[Attribute, int],
         random: np.random.Generator,
     ) -> TaskRow:
-        there = Condition(Feature.DISTANCE, 1, most=self.success_distance), Condition(Feature.SEEN, 1, least=1)
+        there = Condition(Feature.DISTANCE, 1, maximum=self.success_distance), Condition(Feature.SEEN, 1, minimum=1)
         first = [word for word in QUESTION_WORDS if word in words]
         asked = [*first, *(word for word in QUESTION_WORDS if word not in words)]
         oracle = [(QUESTION_WORDS[word], reply_word(thing, word)) for word in asked]

@@ -23,7 +23,7 @@ from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature, TargetKind
 
 KINDS = tuple(QUESTION_GENERATORS)
 MAX_CANDIDATES = 256  # maximum number of questions of each kind per house before balancing
-ANY_ANSWER = Condition(Feature.SAID, least=0)
+ANY_ANSWER = Condition(Feature.SAID, minimum=0)
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class HouseQA(QuestionTask):
         check_number("look_distance", self.look_distance, 0.5)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield up to `MAX_CANDIDATES` questions of each kind; the choice by hash prefers the same texts in all houses."""
+        """Yield up to `MAX_CANDIDATES` questions of each kind; a hash prefers the same texts in all houses."""
         for kind in dict.fromkeys(self.kinds):
             known = {question.texts[0]: question for question in QUESTION_GENERATORS[kind](view)}
             for text in sorted(known, key=lambda text: crc32(text.encode()))[:MAX_CANDIDATES]:
@@ -118,11 +118,11 @@ class HouseQA(QuestionTask):
 
     def _there(self, at: int, look: Selector) -> tuple[Condition, ...]:
         if look.attributes["kind"] == TargetKind.ROOM:
-            return (Condition(Feature.INSIDE, at, least=1),)
-        return Condition(Feature.DISTANCE, at, most=self.look_distance), Condition(Feature.SEEN, at, least=1)
+            return (Condition(Feature.INSIDE, at, minimum=1),)
+        return Condition(Feature.DISTANCE, at, maximum=self.look_distance), Condition(Feature.SEEN, at, minimum=1)
 
 
 def answer_transitions(answer: int, reward: float) -> tuple[Transition, Transition]:
     """Return the transitions for the correct answer, and for any other."""
-    right = Condition(Feature.SAID, least=answer, most=answer)
+    right = Condition(Feature.SAID, minimum=answer, maximum=answer)
     return Transition(SUCCESS, (right,), reward=reward), Transition(FAILURE, (ANY_ANSWER,))

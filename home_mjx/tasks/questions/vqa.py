@@ -21,7 +21,7 @@ from home_mjx.tasks.rules.words import FAILURE, Feature
 
 KINDS = ("existence", "count", "colour", "material", "size")
 ATTRIBUTE_KINDS = ("colour", "material", "size")
-AFTER_FIRST_STEP = Condition(Feature.TIME, least=1)
+AFTER_FIRST_STEP = Condition(Feature.TIME, minimum=1)
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,23 @@
-"""Tasks as rows of arrays: descriptors, conditions and transitions; one compiled program steps any mix of them."""
+"""Parts of tasks whose episodes are rows of a task bank: selectors, conditions, stages, sounds and houses."""
+
+from home_mjx.tasks.rules.build import TaskGenerator, TaskRow, build_task_bank
+from home_mjx.tasks.rules.house_view import HouseObject, HouseView
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
+from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.sounds.row import SoundEvent
+
+__all__ = [
+    "FAILURE",
+    "SUCCESS",
+    "Condition",
+    "Feature",
+    "HouseObject",
+    "HouseView",
+    "Selector",
+    "SoundEvent",
+    "TaskGenerator",
+    "TaskRow",
+    "TaskStage",
+    "Transition",
+    "build_task_bank",
+]

@@ -14,14 +14,15 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 from home_mjx.tasks.base.state import Episodes
-from home_mjx.tasks.communication.talk import NO_WORD, pack_speech
+from home_mjx.tasks.rules.declaration import columns_of, pack
 from home_mjx.tasks.rules.fields import EndCells
 from home_mjx.tasks.rules.house_view import HouseView, house_views
 from home_mjx.tasks.rules.meaning import resolve_targets_on_host
-from home_mjx.tasks.rules.program import Selector, TaskStage, check_success, pack_program
-from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, NUM_TOKENS, Attribute, Feature, Purpose, TargetKind
-from home_mjx.tasks.sounds.row import SoundEvent, pack_sounds
+from home_mjx.tasks.rules.packing import pack_program, pack_sounds, pack_speech
+from home_mjx.tasks.rules.program import Selector, TaskProgram, TaskStage, check_success
+from home_mjx.tasks.rules.task_bank import RowStart, TaskBank
+from home_mjx.tasks.rules.words import NO_WORD, Attribute, Feature, Purpose, TargetKind
+from home_mjx.tasks.sounds.row import SoundEvent
 
 GOAL_TOLERANCE = 0.15  # [m] distance tolerance: agents move in steps and may miss the centre of a cell by this much
 
@@ -206,13 +207,12 @@ def _drop_unused_fields(
 
 def _columns(one: FeasibleRow) -> dict:
     row = one.row
-    own = one.columns | {"house": one.house, "task": one.task, "tokens": pad_tokens(row.tokens)}
-    sounds = pack_sounds(row.sounds, len(row.selectors))
     return (
         pack_program(row.selectors, row.stages)
-        | sounds
-        | own
+        | pack_sounds(row.sounds, len(row.selectors))
         | pack_speech(row.answer, row.instructed_agents, row.oracle, row.num_identifying_questions)
+        | pack(RowStart, {"house": one.house, "task": one.task, "tokens": row.tokens})
+        | one.columns
     )
 
 
@@ -260,20 +260,7 @@ def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     kind = column["descriptor"][:, Attribute.KIND]
     led_to = guide[guide >= 0]
     leads = np.all((field_[led_to] >= 0) | (kind[led_to] == TargetKind.AGENT)) and np.all(field_[first] >= 0)
-    return bool(leads and np.all(nearest[field_[first]] + GOAL_TOLERANCE <= column["most"][asked]))
-
-
-def pad_tokens(tokens: Sequence[int]) -> Int[np.ndarray, " n"]:
-    """Pad the tokens of an instruction with 0 to `NUM_TOKENS`.
-
-    Raises:
-        ConfigError: There are more than `NUM_TOKENS` tokens.
-    """
-    if len(tokens) > NUM_TOKENS:
-        raise ConfigError(f"an instruction has at most {NUM_TOKENS} words, got {len(tokens)}")
-    whole = np.zeros(NUM_TOKENS, np.int16)
-    whole[: len(tokens)] = tokens
-    return whole
+    return bool(leads and np.all(nearest[field_[first]] + GOAL_TOLERANCE <= column["maximum"][asked]))
 
 
 def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[np.ndarray, "c g"]:
@@ -289,7 +276,7 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
     known: dict[bytes, int] = {}
     ends: list[EndCells] = []
     for at, column in enumerate(columns):
-        column["field"] = np.full(NUM_DESCRIPTORS, -1, np.int16)
+        column["field"] = columns_of(TaskProgram)["field"].empty()
         for d, kind in enumerate(column["descriptor"][:, Attribute.KIND].tolist()):
             if kind in (TargetKind.NOTHING, TargetKind.AGENT):
                 continue
@@ -313,7 +300,7 @@ def _keep_close_ends(column: dict, d: int, ends: EndCells) -> EndCells:
     """
     cells, away = ends
     asked = (column["feature"] == Feature.DISTANCE) & (column["first"] == d)
-    near = away + GOAL_TOLERANCE <= np.min(column["most"], where=asked, initial=np.inf)
+    near = away + GOAL_TOLERANCE <= np.min(column["maximum"], where=asked, initial=np.inf)
     return (cells[near], away[near]) if near.any() else ends
 
 
@@ -379,5 +366,5 @@ def pack_task_bank(
         first = int(bank.navigation.first_cell[house])
         whole[first : first + len(field_), : field_.shape[1]] = field_
     own = {name: arrays.pop(name) for name in ("house", "start", "yaw")}
-    episodes = Episodes(house=own["house"].astype(jnp.int32), start=own["start"], yaw=own["yaw"], columns=arrays)
+    episodes = Episodes(house=own["house"], start=own["start"], yaw=own["yaw"], columns=arrays)
     return TaskBank(rows=episodes, field=jnp.asarray(whole), names=names)

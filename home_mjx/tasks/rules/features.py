@@ -97,7 +97,7 @@ def nearest_targets(
     to_point = jnp.where(same_storey, jnp.linalg.norm(offset[..., :2], axis=-1), UNREACHABLE_DISTANCE)
     is_point = (kind == TargetKind.AGENT) | (kind == TargetKind.PLACE)
     least = jnp.where(is_point[None], jnp.minimum(to_point, UNREACHABLE_DISTANCE), jnp.min(away, axis=-1))
-    body = jnp.array([(b.radius, b.radius, b.height / 2) for b in snapshot.config.physics.agents], jnp.float32)
+    body = jnp.array([(b.radius, b.radius, b.height / 2) for b in snapshot.config.agents], jnp.float32)
     half = jnp.where((kind == TargetKind.AGENT)[:, None], body[program.descriptor[:, Attribute.AGENT]], 0.0)
     whole = jnp.stack([point - half, point + half], axis=1)
     return least, jnp.where(is_point[None, :, None, None], whole[None], boxes[index])
@@ -194,8 +194,8 @@ def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[A
 def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
     """Return whether a target of the first descriptor rests on a target of the second, for each pair.
 
-    The middle of the first is above the second's footprint. Its underside is at most `MAX_SUPPORT_GAP` above the second's top, and
-    not below the second's middle.
+    The middle of the first is above the second's footprint. Its underside is at most `MAX_SUPPORT_GAP` above the
+    second's top, and not below the second's middle.
     """
     middle, low, high = boxes.mean(axis=1), boxes[:, 0], boxes[:, 1]
     over = (middle[:, None, :2] >= low[None, :, :2]) & (middle[:, None, :2] <= high[None, :, :2])

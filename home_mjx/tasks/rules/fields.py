@@ -34,8 +34,8 @@ class CellGraph:
     Args:
         bank: The houses.
         house: Index of the house.
-        brush_cost_factor: Cost factor of edges on which an agent would brush the leaf of an open door. The square of it applies
-            where the agent would walk into the leaf.
+        brush_cost_factor: Cost factor of edges on which an agent would brush the leaf of an open door. The square of it
+            applies where the agent would walk into the leaf.
 
     Attributes:
         place: Centre of each home cell, on the floor [m].

@@ -237,10 +237,10 @@ class HouseView:
         return eyes
 
     def view_cells(self, instance: int) -> EndCells:
-        """Return the cells near an instance with a robust view of it: the nearest ones, and up to `MAX_EXTRA_DISTANCE` farther.
+        """Return the cells with a robust view of an instance: the nearest, and up to `MAX_EXTRA_DISTANCE` farther.
 
-        Robust: visible from the cell's centre and from all positions of `sight.EYE_OFFSETS` around it. Empty if no cell of
-        the `NUM_CELLS` nearest qualifies, as for an object behind a wall or in a chest.
+        Robust: visible from the cell's centre and from all positions of `sight.EYE_OFFSETS` around it. Empty if none of
+        the `NUM_CELLS` nearest cells qualifies, as for an object behind a wall or in a chest.
         """
         if instance not in self._beside:
             box = self._boxes[instance]

@@ -1,28 +1,25 @@
-"""Task programs: user-facing dataclasses, and their packed form as arrays."""
+"""Task programs: user-facing dataclasses, their packed form as arrays, and the state machine that runs them.
+
+The machine goes from feature values to the next stage by integer compares, the same for every task.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.core.pytree import Pytree
+from home_mjx.core.pytree import Pytree, array
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.words import (
-    ANY,
-    FAILURE,
-    NUM_CONDITIONS,
-    NUM_DESCRIPTORS,
-    NUM_STAGES,
-    NUM_TRANSITIONS,
-    SUCCESS,
-    Attribute,
-    Feature,
-    TargetKind,
-)
+from home_mjx.tasks.rules.words import ANY, NUM_CONDITIONS, SUCCESS, Attribute, Feature, TargetKind
 
 NO_PLACE = (np.inf, np.inf, np.inf)
-FAR = np.inf
+SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON)
+FIRST_DESCRIPTOR_FEATURES = (
+    *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),
+    *SECOND_DESCRIPTOR_FEATURES,
+)
 
 
 class TaskProgram(Pytree):
@@ -32,20 +29,40 @@ class TaskProgram(Pytree):
     holds.
     """
 
-    descriptor: Int[Array, "*t d words"]  # columns are those of `Attribute`
-    place: Float[Array, "*t d 3"]  # [m], of descriptors of kind PLACE; inf elsewhere
-    field: Int[Array, "*t d"]  # column of `TaskBank.field`; -1: distances are straight lines
-    feature: Int[Array, "*t c"]  # of `Feature`
-    first: Int[Array, "*t c"]  # descriptor i
-    second: Int[Array, "*t c"]  # descriptor j
-    agent: Int[Array, "*t c"]  # agent whose feature is tested; -1: any agent's
-    least: Float[Array, "*t c"]  # minimum of the feature, inclusive
-    most: Float[Array, "*t c"]  # maximum of the feature, inclusive
-    needs: Int[Array, "*t s g"]  # bit mask of conditions that must hold; -1: no transition
-    bars: Int[Array, "*t s g"]  # bit mask of conditions that must not hold
-    next: Int[Array, "*t s g"]  # stage, SUCCESS or FAILURE
-    reward: Float[Array, "*t s g"]  # of the transition
-    guide: Int[Array, "*t s"]  # descriptor towards which progress is rewarded; -1 if none
+    descriptor: Int[Array, "*t d words"] = array(
+        "descriptors; columns are those of `Attribute`", dtype=np.int16, values="attributes", fill=ANY
+    )
+    place: Float[Array, "*t d 3"] = array(
+        "position of descriptors of kind PLACE [m]; inf elsewhere", dtype=np.float32, values="place", fill=np.inf
+    )
+    field: Int[Array, "*t d"] = array(
+        "column of `TaskBank.field`; -1: distances are straight lines", dtype=np.int16, values="field", fill=-1
+    )
+    feature: Int[Array, "*t c"] = array(
+        "feature that is tested, of `Feature`", dtype=np.int8, values="feature", fill=Feature.TRUE
+    )
+    first: Int[Array, "*t c"] = array("descriptor i", dtype=np.int8, values="descriptor", fill=0)
+    second: Int[Array, "*t c"] = array("descriptor j; -1 if none", dtype=np.int8, values="descriptor", fill=ANY)
+    agent: Int[Array, "*t c"] = array(
+        "agent whose feature is tested; -1: any agent's", dtype=np.int8, values="agent", fill=0
+    )
+    minimum: Float[Array, "*t c"] = array(
+        "minimum of the feature, inclusive", dtype=np.float32, values="limit", fill=-np.inf
+    )
+    maximum: Float[Array, "*t c"] = array(
+        "maximum of the feature, inclusive", dtype=np.float32, values="limit", fill=np.inf
+    )
+    require: Int[Array, "*t s g"] = array(
+        "bit mask of conditions that must hold; -1: no transition", dtype=np.int16, values="conditions", fill=-1
+    )
+    forbid: Int[Array, "*t s g"] = array(
+        "bit mask of conditions that must not hold; -1: no transition", dtype=np.int16, values="conditions", fill=-1
+    )
+    next: Int[Array, "*t s g"] = array("stage, SUCCESS or FAILURE", dtype=np.int8, values="next", fill=SUCCESS)
+    reward: Float[Array, "*t s g"] = array("reward of the transition", dtype=np.float32, values="reward", fill=0.0)
+    guide: Int[Array, "*t s"] = array(
+        "descriptor towards which progress is rewarded; -1 if none", dtype=np.int8, values="descriptor", fill=ANY
+    )
 
 
 @dataclass(frozen=True)
@@ -72,7 +89,7 @@ class Selector:
         """Select the objects that have all of these words.
 
         Example:
-            >>> Meant.thing(coarse=3, color=1).words["coarse"]
+            >>> Selector.objects(coarse=3, color=1).attributes["coarse"]
             3
         """
         return cls({"kind": TargetKind.OBJECT, **words})
@@ -104,15 +121,15 @@ class Condition:
     """Condition: a feature between two limits, both inclusive.
 
     Example:
-        >>> near = When(Feature.DISTANCE, 0, most=0.2)
+        >>> near = Condition(Feature.DISTANCE, 0, maximum=0.2)
     """
 
     feature: Feature
     first: int = 0
     second: int = ANY
     agent: int = 0
-    least: float = -np.inf
-    most: float = np.inf
+    minimum: float = -np.inf
+    maximum: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -133,52 +150,6 @@ class TaskStage:
     guide: int = ANY
 
 
-def pack_program(descriptors: Sequence[Selector], stages: Sequence[TaskStage]) -> dict[str, np.ndarray]:
-    """Pack descriptors and stages into the arrays of a `TaskProgram`, except `field`, which the task bank adds.
-
-    Raises:
-        ConfigError: A row has no space for all of them, there is no stage, or a number refers to a missing descriptor
-            or stage.
-
-    Example:
-        >>> there = When(Feature.DISTANCE, 0, most=0.2), When(Feature.STOPPED, least=1)
-        >>> stages = [Stage((Go(SUCCESS, there, reward=2.5),), guide=0)]
-        >>> written([Meant.at((1, 2, 0))], stages)["next"][0].tolist()
-        [-1, -1, -1, -1]
-    """
-    known: dict[Condition, int] = {}
-    for stage in stages:
-        for way in stage.transitions:
-            for when in (*way.require, *way.forbid):
-                known.setdefault(when, len(known))
-    counts = {"descriptors": len(descriptors), "conditions": len(known), "stages": len(stages)}
-    counts["transitions of a stage"] = max((len(stage.transitions) for stage in stages), default=0)
-    room = (NUM_DESCRIPTORS, NUM_CONDITIONS, NUM_STAGES, NUM_TRANSITIONS)
-    for (name, count), most in zip(counts.items(), room, strict=True):
-        if count > most or (count == 0 and name == "stages"):
-            hint = "Leave some out, or split the task in two." if count else "Give at least one."
-            raise ConfigError(f"a task must have 1 to {most} {name}, got {count}", hint=hint)
-    _check_references(descriptors, known, stages)
-    return _pack_descriptors(descriptors) | _pack_conditions(known) | _pack_stages(stages, known)
-
-
-def _check_references(
-    descriptors: Sequence[Selector], known: dict[Condition, int], stages: Sequence[TaskStage]
-) -> None:
-    used = [when.first for when in known if when.feature in FIRST_DESCRIPTOR_FEATURES] + [
-        stage.guide for stage in stages
-    ]
-    used += [when.second for when in known if when.feature in SECOND_DESCRIPTOR_FEATURES]
-    for number in used:
-        if not ANY <= number < len(descriptors):
-            hint = "Descriptors are numbered from 0, in the order of `meant`."
-            raise ConfigError(f"a task refers to descriptor {number}, but has {len(descriptors)}", hint=hint)
-    for way in (way for stage in stages for way in stage.transitions):
-        if not FAILURE <= way.next < len(stages):
-            hint = "Stages are numbered from 0; SUCCESS and FAILURE end a task."
-            raise ConfigError(f"a transition leads to stage {way.next}, but there are {len(stages)}", hint=hint)
-
-
 def check_success(stages: Sequence[TaskStage]) -> None:
     """Check that `SUCCESS` can be reached from the first stage; the stages must be valid for `pack_program`.
 
@@ -186,49 +157,51 @@ def check_success(stages: Sequence[TaskStage]) -> None:
         ConfigError: No sequence of transitions from the first stage leads to `SUCCESS`.
 
     Example:
-        >>> check_success([Stage((Go(1),)), Stage((Go(SUCCESS),))])
+        >>> check_success([TaskStage((Transition(1),)), TaskStage((Transition(SUCCESS),))])
     """
     seen, front = {0}, [0]
     while front:
         front = [n for n in {way.next for i in front if i >= 0 for way in stages[i].transitions} if n not in seen]
         seen |= set(front)
     if SUCCESS not in seen:
-        raise ConfigError("no transition of a task leads to SUCCESS", hint="Give a stage a Go(SUCCESS, ...).")
+        raise ConfigError("no transition of a task leads to SUCCESS", hint="Give a stage a Transition(SUCCESS, ...).")
 
 
-SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON)
-FIRST_DESCRIPTOR_FEATURES = (
-    *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),
-    *SECOND_DESCRIPTOR_FEATURES,
-)
+def evaluate_conditions(program: TaskProgram, table: Float[Array, "feature a d d"]) -> Bool[Array, " c"]:
+    """Evaluate the conditions of a program.
+
+    Args:
+        program: Program of the episode.
+        table: Feature values, see `features.FeatureValues`.
+
+    Returns:
+        Whether each condition holds.
+    """
+    first, second = jnp.maximum(program.first, 0), jnp.maximum(program.second, 0)
+    value = table[program.feature, :, first, second]  # (c, a)
+    holds = (value >= program.minimum[:, None]) & (value <= program.maximum[:, None])
+    own = jnp.take_along_axis(holds, jnp.clip(program.agent, 0, table.shape[1] - 1)[:, None], axis=1)[:, 0]
+    return jnp.where(program.agent < 0, jnp.any(holds, axis=1), own)
 
 
-def _pack_descriptors(descriptors: Sequence[Selector]) -> dict[str, np.ndarray]:
-    words = np.full((NUM_DESCRIPTORS, len(Attribute)), ANY, np.int16)
-    place = np.full((NUM_DESCRIPTORS, 3), np.inf, np.float32)
-    for row, meant in enumerate(descriptors):
-        place[row] = meant.place
-        for name, value in meant.attributes.items():
-            words[row, Attribute[name.upper()]] = value
-    return {"descriptor": words, "place": place}
+def take_transition(
+    program: TaskProgram, stage: Int[Array, ""], holds: Bool[Array, " c"]
+) -> tuple[Int[Array, ""], Float[Array, ""], Bool[Array, ""]]:
+    """Take the first transition of a stage whose conditions hold.
 
+    Args:
+        program: Program of the episode.
+        stage: Present stage; an episode that has ended stays in its final stage.
+        holds: Whether each condition holds.
 
-def _pack_conditions(known: dict[Condition, int]) -> dict[str, np.ndarray]:
-    rows = [*known, *[Condition(Feature.TRUE)] * (NUM_CONDITIONS - len(known))]
-    whole = {name: np.array([getattr(row, name) for row in rows], np.int8) for name in ("feature", "first", "second")}
-    whole["agent"] = np.array([row.agent for row in rows], np.int8)
-    return whole | {name: np.array([getattr(row, name) for row in rows], np.float32) for name in ("least", "most")}
-
-
-def _pack_stages(stages: Sequence[TaskStage], known: dict[Condition, int]) -> dict[str, np.ndarray]:
-    shape = NUM_STAGES, NUM_TRANSITIONS
-    arrays = {name: np.full(shape, -1, np.int16) for name in ("needs", "bars")}
-    arrays |= {"next": np.full(shape, SUCCESS, np.int8), "reward": np.zeros(shape, np.float32)}
-    guide = np.full(NUM_STAGES, ANY, np.int8)
-    for s, stage in enumerate(stages):
-        guide[s] = stage.guide
-        for g, way in enumerate(stage.transitions):
-            bits = (sum(1 << known[when] for when in set(whens)) for whens in (way.require, way.forbid))
-            arrays["needs"][s, g], arrays["bars"][s, g] = bits
-            arrays["next"][s, g], arrays["reward"][s, g] = way.next, way.reward
-    return arrays | {"guide": guide}
+    Returns:
+        The next stage, the transition's reward, and whether a transition was taken.
+    """
+    bits = jnp.sum(jnp.where(holds, jnp.left_shift(1, jnp.arange(NUM_CONDITIONS)), 0)).astype(jnp.int32)
+    at = jnp.maximum(stage, 0)
+    require, forbid = program.require[at], program.forbid[at]
+    open_ = (require >= 0) & ((bits & require) == require) & ((bits & forbid) == 0) & (stage >= 0)
+    way = jnp.argmax(open_)
+    taken = jnp.any(open_)
+    reward = jnp.where(taken, program.reward[at, way], 0.0)
+    return jnp.where(taken, program.next[at, way], stage), reward, taken

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
@@ -13,24 +14,16 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task, path_scores
-from home_mjx.tasks.communication.talk import (
-    NO_WORD,
-    SpeechColumns,
-    extract_speech,
-    is_instructed,
-    observe_words,
-    oracle_replies,
-    words_of_others,
-)
 from home_mjx.tasks.rules.build import TaskGenerator, build_task_bank
+from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, sound_positions
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
 from home_mjx.tasks.rules.meaning import ResolvedTargets, resolve_targets
-from home_mjx.tasks.rules.program import TaskProgram
-from home_mjx.tasks.rules.task_bank import TaskBank, extract_program
-from home_mjx.tasks.rules.words import ANY, FAILURE, NUM_TOKENS, SUCCESS, Attribute, Feature
+from home_mjx.tasks.rules.program import TaskProgram, evaluate_conditions, take_transition
+from home_mjx.tasks.rules.speech import SpeechColumns, is_instructed, observe_words, oracle_replies, words_of_others
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.rules.words import ANY, FAILURE, NO_WORD, NUM_TOKENS, SUCCESS, Attribute, Feature
 from home_mjx.tasks.sounds.emit import row_sources
-from home_mjx.tasks.sounds.row import SoundEvents, extract_sounds, has_voices
+from home_mjx.tasks.sounds.row import SoundEvents, has_voices
 
 MAX_DISTANCE = 1000.0  # [m] upper bound of distances; no house is larger
 MAX_STEP_PROGRESS = 2.0  # [m] maximum progress per step: distances jump when a target changes storey or appears
@@ -78,11 +71,11 @@ class RowTask(Task):
         step_cost: Cost of every step.
         contact_cost: Cost of a step in which the agent touches anything but the floor.
         question_cost: Cost of each question that an oracle answers.
-        failure_cost: Cost of a mistake, such as a wrong `stopped` or answer; running out of time is not a mistake. At 0,
-            agents that still navigate poorly learn to stop at once.
+        failure_cost: Cost of a mistake, such as a wrong `stopped` or answer; running out of time is not a mistake. At
+            0, agents that still navigate poorly learn to stop at once.
         terminate_on_failure: A mistake ends the episode. False, for training: it costs, and the episode continues.
-        store_features: States keep the feature values of conditions, so that experts need not compute them again; required
-            by `add_expert`.
+        store_features: States keep the feature values of conditions, so that experts need not compute them again;
+            required by `add_expert`.
     """
 
     num_tasks: int = 64
@@ -106,7 +99,7 @@ class RowTask(Task):
             check_number(name, getattr(self, name), 0)
 
     @property
-    def stops_for_good(self) -> bool:
+    def stop_is_final(self) -> bool:
         """True if mistakes end episodes."""
         return self.terminate_on_failure
 
@@ -162,14 +155,14 @@ class RowTask(Task):
         if columns is None or not isinstance(snapshot.tasks, TaskBank):
             hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
             raise ConfigError(f"{type(self).__name__} needs a task bank", hint=hint)
-        program = extract_program(columns)
+        program = extract(TaskProgram, columns)
         agents, zero = snapshot.pose.yaw.shape[0], jnp.zeros((), jnp.int32)
         meant = resolve_targets(snapshot.bank, snapshot.house, program.descriptor)
         looked = compute_features(snapshot, program, meant, snapshot.tasks.field, zero)
         return RowState(
             program=program,
             targets=meant,
-            sound_events=extract_sounds(columns),
+            sound_events=extract(SoundEvents, columns),
             task=columns["task"].astype(jnp.int32),
             tokens=columns["tokens"].astype(jnp.int32),
             length=columns["length"],
@@ -180,7 +173,7 @@ class RowTask(Task):
             position=snapshot.pose.pos,
             path_length=jnp.zeros(agents, jnp.float32),
             collisions=jnp.zeros(agents, jnp.int32),
-            speech=extract_speech(columns),
+            speech=jax.tree.map(lambda column: column.astype(jnp.int32), extract(SpeechColumns, columns)),
             reply=jnp.full(agents, NO_WORD, jnp.int32),
             num_questions=zero,
             num_words=zero,

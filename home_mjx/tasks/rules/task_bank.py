@@ -1,6 +1,5 @@
 """Task bank: many tasks as rows of arrays, with the distance fields of their descriptors."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import jax
@@ -8,13 +7,33 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt16
 
-from home_mjx.core.pytree import Pytree, static
+from home_mjx.core.pytree import Pytree, array, static
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.rules.program import TaskProgram
+from home_mjx.tasks.rules.speech import SpeechColumns
+from home_mjx.tasks.sounds.row import SoundEvents
 
 WEIGHT_UNITS = 2**30  # integer units in the sum of all weights
 MIN_WEIGHT, MAX_WEIGHT = 1e-30, 1e30  # smaller weights count as 0, larger ones are clipped, so that sums stay finite
+
+
+class RowStart(Pytree):
+    """Start, length and instruction of a row, or of t rows."""
+
+    house: Int[Array, "*t"] = array("index into the bank", dtype=np.int32, values="house", fill=0)
+    start: Float[Array, "*t 3"] = array("start on the floor [m]", dtype=np.float32, values="point", fill=0.0)
+    yaw: Float[Array, "*t"] = array("yaw at the start [rad]", dtype=np.float32, values="yaw", fill=0.0)
+    task: Int[Array, "*t"] = array("index into `TaskBank.names`", dtype=np.int32, values="task", fill=0)
+    length: Float[Array, "*t"] = array(
+        "length of the shortest path from start to goal [m]", dtype=np.float32, values="length", fill=0.0
+    )
+    tokens: Int[Array, "*t n"] = array(
+        "tokens of the instruction; 0 after its end", dtype=np.int16, values="padded token", fill=0
+    )
+
+
+RECORDS = (RowStart, TaskProgram, SoundEvents, SpeechColumns)  # that declare all columns of a row
 
 
 class TaskBank(Pytree):
@@ -52,7 +71,7 @@ class TaskBank(Pytree):
             ConfigError: They are not one finite number of at least 0 per row, or all are 0.
 
         Example:
-            >>> easy = tasks.weighted(tasks.rows.columns["length"] < 5.0)  # doctest: +SKIP
+            >>> easy = tasks.with_weights(tasks.rows.columns["length"] < 5.0)  # doctest: +SKIP
             >>> reset(params.replace(tasks=easy), keys)  # doctest: +SKIP
         """
         new = self.replace(weights=_as_weights(weights))
@@ -145,8 +164,3 @@ def _as_weights(weights: Any) -> Float[Array, "..."]:
     if array.dtype.kind not in "biuf":
         raise ConfigError(f"expected weights, one number per task, got {str(weights)[:60]}", hint="Write [1.0, 0.5].")
     return jnp.asarray(array, jnp.float32)
-
-
-def extract_program(columns: Mapping[str, Array]) -> TaskProgram:
-    """Extract the program from the columns of one or many rows."""
-    return TaskProgram(**{name: columns[name] for name in TaskProgram.__dataclass_fields__})

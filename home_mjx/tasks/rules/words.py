@@ -7,8 +7,12 @@ NUM_CONDITIONS = 8
 NUM_STAGES = 6
 NUM_TRANSITIONS = 4  # per stage
 NUM_TOKENS = 32  # of the instruction
+NUM_REPLIES = 6  # of the oracle
+MAX_AGENTS = 15  # maximum number of agents: bits of the column `instructed_agents`
 
 ANY = -1  # in a descriptor: any value; elsewhere: none
+ALL_AGENTS = -1  # in the column `instructed_agents`
+NO_WORD = -1  # token of no word
 SUCCESS, FAILURE = -1, -2  # stages that end an episode
 
 

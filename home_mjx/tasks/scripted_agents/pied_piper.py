@@ -82,7 +82,7 @@ class PiedPiper(NavigationTask):
         check_known("split of sounds", [self.clip_split], SPLITS)
 
     @property
-    def needs_stop(self) -> bool:
+    def requires_stop(self) -> bool:
         """Always False."""
         return False
 
@@ -97,14 +97,14 @@ class PiedPiper(NavigationTask):
         return FOLLOWER + 1
 
     @property
-    def least_agents(self) -> int:
+    def min_agents(self) -> int:
         """Number of agents: follower, piper and others."""
         return 2 + self.num_others
 
     @property
-    def most_agents(self) -> int:
+    def max_agents(self) -> int:
         """Maximum number of agents, equal to the minimum: further agents would have no role."""
-        return self.least_agents
+        return self.min_agents
 
     @property
     def num_sources(self) -> int:
@@ -128,10 +128,10 @@ class PiedPiper(NavigationTask):
             yield TaskRow(meant, self._stages(), ROUTE_START, tokenize("follow the sound"), sounds)
 
     def _stages(self) -> list[TaskStage]:
-        near = Condition(Feature.STRAIGHT, 0, agent=FOLLOWER, most=self.follow_distance)
+        near = Condition(Feature.STRAIGHT, 0, agent=FOLLOWER, maximum=self.follow_distance)
         clear, long = (
-            Condition(Feature.CLEAR, 0, agent=FOLLOWER, least=1),
-            Condition(Feature.TIME, least=self.follow_steps),
+            Condition(Feature.CLEAR, 0, agent=FOLLOWER, minimum=1),
+            Condition(Feature.TIME, minimum=self.follow_steps),
         )
         win = Transition(SUCCESS, (near, long), reward=self.success_reward)
         return [
@@ -147,7 +147,7 @@ class PiedPiper(NavigationTask):
         stray = _far_goals(snapshot, base.program.place[ROUTE_START : ROUTE_START + 2])
         return PiedPiperState(**own, others_route=stray, route_end=zero, contact_steps=zero, near_steps=zero[0])
 
-    def lead(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
+    def control_agents(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
         """Return actions of the scripted agents: descend the distance field, with a pause every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
@@ -217,10 +217,10 @@ def _destination_columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[A
 def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
     """Return the point that the follower walks straight to on its way to the piper [m].
 
-    That is the piper, if it is within `MAX_DIRECT_DISTANCE` and the path is free. Otherwise it is the next point on the path to one
-    end of the piper's route. The follower takes the end that the piper heads for if it is farther from there than the
-    piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No distance field
-    to a moving piper is needed.
+    That is the piper, if it is within `MAX_DIRECT_DISTANCE` and the path is free. Otherwise it is the next point on the
+    path to one end of the piper's route. The follower takes the end that the piper heads for if it is farther from
+    there than the piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No
+    distance field to a moving piper is needed.
     """
     pos, field = snapshot.pose.pos, snapshot.tasks.field
     ends = _route_columns(state)

@@ -64,7 +64,7 @@ def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
 
 def eye_position(config: EnvConfig, pose: AgentPose) -> Float[Array, "a 3"]:
     """Return the position of every agent's camera and ears [m]; the pose is the capsule's centre."""
-    rise = jnp.array([body.eye_height - body.height / 2 for body in config.physics.agents], jnp.float32)
+    rise = jnp.array([body.eye_height - body.height / 2 for body in config.agents], jnp.float32)
     return pose.pos.at[:, 2].add(rise)
 
 
@@ -136,7 +136,7 @@ def _render_camera(config: EnvConfig, view: AgentCamera, scene: Scene, camera: C
         camera,
         view.lens,
         kinds=tuple(kind for kind in view.kinds if kind not in ("intrinsics", "pose")),
-        shader=config.shader,
+        shader=view.shader,
         exclude=own,
         depth_max=config.max_depth,
     )

@@ -8,7 +8,8 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.audio_jax.auralization.envelope import clip_power, energy_envelope, mean_band_power
 from home_mjx.audio_jax.auralization.spectra import MAX_MEL_LEVEL, MIN_MEL_LEVEL
 from home_mjx.audio_jax.auralization.stream import schedule_gain
-from home_mjx.audio_jax.base.config import TWO_CHANNEL_RECEIVERS, AudioConfig
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.options import Binaural, Omni
 from home_mjx.audio_jax.contact_sounds.slots import emitted_power
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
@@ -64,9 +65,9 @@ class EarLevels(Sensor):
         Raises:
             ConfigError: The receiver does not have two ears.
         """
-        if config.audio.receiver not in TWO_CHANNEL_RECEIVERS:
+        if not isinstance(config.audio.receiver, Binaural | Omni):
             hint = 'Use receiver="binaural" or "omni", or the sensor `log_mel`.'
-            raise ConfigError(f"ear_levels needs two ears, not receiver={config.audio.receiver!r}", hint=hint)
+            raise ConfigError(f"ear_levels needs two ears, not receiver={config.audio.receiver}", hint=hint)
         bands, span = len(BANDS), MAX_MEL_LEVEL - MIN_MEL_LEVEL
         return {
             "ear_levels": ArraySpec(

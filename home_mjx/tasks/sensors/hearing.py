@@ -21,6 +21,7 @@ from home_mjx.audio_jax.auralization.spectra import (
 from home_mjx.audio_jax.auralization.stream import convolve_frame, emitted_signal
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, SoundSources
+from home_mjx.audio_jax.base.options import Ambisonics, Baked, MicrophoneArray
 from home_mjx.audio_jax.contact_sounds.slots import ContactSounds, emitted_signals, has_sound, sound_positions
 from home_mjx.audio_jax.late_reverb.bake.store import LateReverbBake
 from home_mjx.audio_jax.moving_sources.frame import render_frames
@@ -80,13 +81,15 @@ class Hearing(Sensor):
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
         """Return the late reverberation, if the options look it up."""
-        return (LateReverbBake(),) if config.audio.late == "baked" else ()
+        return (LateReverbBake(),) if isinstance(config.audio.late, Baked) else ()
 
     def init(self, config: EnvConfig) -> HearingState:
         """Return a silent state."""
         agents, audio = config.num_agents, config.audio
         nothing = (
-            silent_state(audio) if audio.motion else jnp.zeros((audio.num_channels, audio.response_length), jnp.float32)
+            silent_state(audio)
+            if audio.motion is not None
+            else jnp.zeros((audio.num_channels, audio.response_length), jnp.float32)
         )
         return HearingState(
             phase=jnp.zeros((), jnp.int32),
@@ -112,7 +115,7 @@ class Hearing(Sensor):
             left = jnp.concatenate([left, emitted_signals(scale_contact_sounds(snapshot), time, config.audio)])
 
         def of_all(old: Any, new: Any) -> Float[Array, "c m"]:
-            if config.audio.motion:
+            if config.audio.motion is not None:
                 return render_frames(left, old, new, config.audio, snapshot.head)
             return jnp.sum(jax.vmap(lambda s, a, b: convolve_frame(s, a, b, config.audio))(left, old, new), axis=0)
 
@@ -194,8 +197,8 @@ class LogMel(Sensor):
 
 def describe_channels(config: EnvConfig) -> str:
     """Return a description of a receiver's channels."""
-    names = {"array": "microphones", "ambisonics": "W, Y, Z and X"}
-    return names.get(config.audio.receiver, "left and right ear")
+    names = {MicrophoneArray: "microphones", Ambisonics: "W, Y, Z and X"}
+    return names.get(type(config.audio.receiver), "left and right ear")
 
 
 def scale_sounds(snapshot: Snapshot) -> SoundSources:
@@ -256,7 +259,7 @@ def trace_responses(config: EnvConfig, snapshot: Snapshot, response: Callable[..
 
     By default the result is the response that `HearingState` stores; another `response` uses the same rays.
     """
-    response = response or (render_receiver_state if config.audio.motion else impulse_response)
+    response = response or (render_receiver_state if config.audio.motion is not None else impulse_response)
     pose, num_agents = snapshot.pose, config.num_agents
     sources = all_sources(snapshot)
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.

@@ -1,8 +1,8 @@
 """Sounds of a row: user-facing dataclass, and packed form as arrays."""
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,12 +10,12 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.core.pytree import Pytree
+from home_mjx.core.pytree import Pytree, array
 from home_mjx.errors import ConfigError
 
 NUM_SOUNDS = 4  # maximum number of sounds of a row
 NO_DESCRIPTOR = -1
-SOUND_COLUMN = "sound_{}"
+SOUND_PREFIX = "sound_"  # of the keys of columns
 VOICE_CLIP = "voice"  # clip name of the words that an agent says
 VOICE_CLIP_NUMBER = -2  # number of that clip; see `voice`
 
@@ -27,108 +27,74 @@ class SoundEvent:
     Attributes:
         emitter: Index of the descriptor: an object, which emits from its middle, a place or an agent.
         clip: Name of a clip of `home_mjx.audio_jax.CLIPS`; or "voice" for the words of an agent.
-        every: Repetition period [s]; inf: played once.
-        lasts: Duration of each repetition [s]; inf: unlimited.
+        period: Repetition period [s]; inf: played once.
+        duration: Duration of each repetition [s]; inf: unlimited.
         gain: Factor on the sound pressure.
-        towards: Index of the descriptor that a place moves to along the shortest path; -1: it does not move.
+        destination: Index of the descriptor that a place moves to along the shortest path; -1: it does not move.
         speed: Speed of that motion [m/s].
 
     Raises:
         ConfigError: A value is invalid.
 
     Example:
-        >>> Sound(0, "bell", every=3.0, lasts=1.0).gain
+        >>> SoundEvent(0, "bell", period=3.0, duration=1.0).gain
         1.0
     """
 
+    PREFIX: ClassVar[str] = SOUND_PREFIX
     emitter: int
     clip: str
-    every: float = math.inf
-    lasts: float = math.inf
+    period: float = math.inf
+    duration: float = math.inf
     gain: float = 1.0
-    towards: int = NO_DESCRIPTOR
+    destination: int = NO_DESCRIPTOR
     speed: float = 0.0
 
     def __post_init__(self) -> None:
         check_known("clip", [self.clip], (*CLIPS, VOICE_CLIP))
         check_number("emitter", self.emitter, 0, integer=True)
-        check_number("towards", self.towards, NO_DESCRIPTOR, integer=True)
-        for name in ("every", "lasts"):
+        check_number("destination", self.destination, NO_DESCRIPTOR, integer=True)
+        for name in ("period", "duration"):
             if not getattr(self, name) > 0:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
         for name in ("gain", "speed"):
             check_number(name, getattr(self, name), 0)
-        if self.clip == VOICE_CLIP and (math.isfinite(min(self.every, self.lasts)) or self.towards != NO_DESCRIPTOR):
+        if self.clip == VOICE_CLIP and (
+            math.isfinite(min(self.period, self.duration)) or self.destination != NO_DESCRIPTOR
+        ):
             raise ConfigError(
                 "a voice sounds when and where its agent speaks",
-                hint="Leave out `every`, `lasts` and `towards`.",
+                hint="Leave out `period`, `duration` and `destination`.",
             )
 
 
 class SoundEvents(Pytree):
-    """Sounds of one episode: s entries, see `SoundEvent`."""
+    """Sounds of one episode: e entries, see `SoundEvent`."""
 
-    emitter: Int[Array, "*t s"]  # descriptor; -1 if none
-    clip: Int[Array, "*t s"]  # index into CLIPS; VOICED: words of the agent
-    every: Float[Array, "*t s"]  # [s]
-    lasts: Float[Array, "*t s"]  # [s]
-    gain: Float[Array, "*t s"]
-    towards: Int[Array, "*t s"]  # descriptor; -1 if it does not move
-    speed: Float[Array, "*t s"]  # [m/s]
-
-
-def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str, np.ndarray]:
-    """Pack sounds into the columns of an `SoundEvents`.
-
-    Raises:
-        ConfigError: There are more than `NUM_SOUNDS`, or one refers to a missing descriptor.
-
-    Example:
-        >>> written_sounds([Sound(0, "bell")], 1)["sound_emitter"].tolist()
-        [0, -1, -1, -1]
-    """
-    if len(sounds) > NUM_SOUNDS:
-        raise ConfigError(f"a task has at most {NUM_SOUNDS} sounds, got {len(sounds)}")
-    for number in (number for sound in sounds for number in (sound.emitter, sound.towards)):
-        if number >= num_descriptors:
-            raise ConfigError(f"a sound refers to descriptor {number}, but the task has {num_descriptors}")
-    rows = [(s.emitter, _clip_number(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
-    rows += [(NO_DESCRIPTOR, 0, math.inf, math.inf, 0.0, NO_DESCRIPTOR, 0.0)] * (NUM_SOUNDS - len(sounds))
-    kinds = {"emitter": np.int8, "clip": np.int16, "towards": np.int8}
-    names = SoundEvents.__dataclass_fields__
-    return {
-        SOUND_COLUMN.format(name): np.array(values, kinds.get(name, np.float32))
-        for name, values in zip(names, zip(*rows, strict=True), strict=True)
-    }
-
-
-def extract_sounds(columns: Mapping[str, Array]) -> SoundEvents:
-    """Extract the sounds from the columns of one or many rows."""
-    return SoundEvents(**{name: columns[SOUND_COLUMN.format(name)] for name in SoundEvents.__dataclass_fields__})
-
-
-def unpack_sounds(columns: Mapping[str, np.ndarray]) -> list[SoundEvent]:
-    """Unpack the sounds of a row; the inverse of `pack_sounds`."""
-    values = {
-        name: np.asarray(columns[SOUND_COLUMN.format(name)]).tolist() for name in SoundEvents.__dataclass_fields__
-    }
-    values["clip"] = [clip_name(number) for number in values["clip"]]
-    rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    return [SoundEvent(**row) for row in rows if row["emitter"] != NO_DESCRIPTOR]
+    PREFIX = SOUND_PREFIX
+    emitter: Int[Array, "*t e"] = array(
+        "descriptor; -1 if none", dtype=np.int8, values="descriptor", fill=NO_DESCRIPTOR
+    )
+    clip: Int[Array, "*t e"] = array(
+        "index into CLIPS; `VOICE_CLIP_NUMBER`: words of the agent", dtype=np.int16, values="clip", fill=0
+    )
+    period: Float[Array, "*t e"] = array("repetition period [s]", dtype=np.float32, values="seconds", fill=math.inf)
+    duration: Float[Array, "*t e"] = array("duration [s]", dtype=np.float32, values="seconds", fill=math.inf)
+    gain: Float[Array, "*t e"] = array("factor on the sound pressure", dtype=np.float32, values="gain", fill=0.0)
+    destination: Int[Array, "*t e"] = array(
+        "descriptor; -1 if it does not move", dtype=np.int8, values="descriptor", fill=NO_DESCRIPTOR
+    )
+    speed: Float[Array, "*t e"] = array("speed of motion [m/s]", dtype=np.float32, values="speed", fill=0.0)
 
 
 def clip_name(number: int) -> str:
     """Return the name of the clip with this number in an `SoundEvents`.
 
     Example:
-        >>> clip_name(0), clip_name(VOICED)
+        >>> clip_name(0), clip_name(VOICE_CLIP_NUMBER)
         ('radio', 'voice')
     """
     return VOICE_CLIP if number == VOICE_CLIP_NUMBER else CLIPS[number]
-
-
-def _clip_number(clip: str) -> int:
-    return VOICE_CLIP_NUMBER if clip == VOICE_CLIP else CLIPS.index(clip)
 
 
 def has_voices(emission: SoundEvents) -> Bool[Array, "*t"]:

@@ -32,7 +32,7 @@ def word_tones(token: Int[Array, "*n"]) -> Int[Array, "*n groups"]:
     They are the base-4 digits of its token, the last one first, and a check digit that makes their sum a multiple of 4.
 
     Example:
-        >>> chord(jnp.array([0, 1, 27])).tolist()
+        >>> word_tones(jnp.array([0, 1, 27])).tolist()
         [[0, 4, 8, 12, 16, 20], [1, 4, 8, 12, 16, 23], [3, 6, 9, 12, 16, 22]]
     """
     digits = (token[..., None] // NUM_CHOICES ** jnp.arange(NUM_GROUPS - 1)) % NUM_CHOICES
@@ -51,7 +51,7 @@ def synthesize_word(token: Int[Array, ""], config: AudioConfig) -> Float[Array, 
         ConfigError: The sample rate is too low for the highest tone.
 
     Example:
-        >>> word_sound(jnp.int32(7), AudioConfig()).shape
+        >>> synthesize_word(jnp.int32(7), AudioConfig()).shape
         (3200,)
     """
     sound = jnp.sum(jnp.asarray(_tones(config.sample_rate))[word_tones(token)], axis=0)
@@ -62,7 +62,7 @@ def num_audible_frames(config: AudioConfig) -> int:
     """Return the number of frames, including this one, whose words may still be audible.
 
     Example:
-        >>> num_remembered(AudioConfig())
+        >>> num_audible_frames(AudioConfig())
         7
     """
     window = config.memory_length - 1 + _word_samples(config.sample_rate)
@@ -80,8 +80,8 @@ def synthesize_voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Arr
 
     Example:
         >>> config = AudioConfig()
-        >>> said = jnp.full((num_remembered(config), 1), -1).at[0, 0].set(7)
-        >>> spoken = voices(said, config)
+        >>> said = jnp.full((num_audible_frames(config), 1), -1).at[0, 0].set(7)
+        >>> spoken = synthesize_voices(said, config)
         >>> spoken.shape, bool(jnp.any(spoken[:, : config.memory_length - 1]))
         ((1, 9599), False)
     """

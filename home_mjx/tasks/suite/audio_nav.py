@@ -43,13 +43,15 @@ class AudioNav(NavigationTask):
     Attributes:
         success_distance: Maximum distance to the source on success [m].
         emitter: "place": a point of free floor, `EnvConfig.source_height` above it; "object": any object.
-        schedule: "always", "intermittent" (for `duration` of every `period` seconds) or "once" (for `duration` at the start).
+        schedule: "always", "intermittent" (for `duration` of every `period` seconds) or "once" (for `duration` at the
+            start).
         period: Period [s].
         duration: Duration [s].
         clip_split: Sounds that are targets: "heard", "unheard" or "all" of `SPLITS`, or the name of one of them.
-        num_distractors: Number of other places that play one of `DISTRACTOR_CLIPS`, at most 2, or 1 with `moving_source`.
-        moving_source: The source moves along the shortest path to another place and stays there. Success then requires a view
-            of it, however near it is. The expert's guide is the destination of the source.
+        num_distractors: Number of other places that play one of `DISTRACTOR_CLIPS`, at most 2, or 1 with
+            `moving_source`.
+        moving_source: The source moves along the shortest path to another place and stays there. Success then requires
+            a view of it, however near it is. The expert's guide is the destination of the source.
         source_speed: Speed of a moving source [m/s].
     """
 
@@ -120,11 +122,11 @@ class AudioNav(NavigationTask):
         near = self.success_distance
         if self.moving_source:
             there = (
-                Condition(Feature.STRAIGHT, TARGET_INDEX, most=near),
-                Condition(Feature.CLEAR, TARGET_INDEX, least=1),
+                Condition(Feature.STRAIGHT, TARGET_INDEX, maximum=near),
+                Condition(Feature.CLEAR, TARGET_INDEX, minimum=1),
             )
         else:
-            there = (Condition(Feature.DISTANCE, TARGET_INDEX, most=near),)
+            there = (Condition(Feature.DISTANCE, TARGET_INDEX, maximum=near),)
         goal = GOAL_INDEX if self.moving_source else TARGET_INDEX
         others = range(len(meant) - self.num_distractors + 1, len(meant) + 1)
         sounds = [
@@ -140,5 +142,5 @@ class AudioNav(NavigationTask):
             "intermittent": {"period": self.period, "duration": self.duration},
             "once": {"duration": self.duration},
         }
-        walk = {"towards": GOAL_INDEX, "source_speed": self.source_speed} if self.moving_source else {}
+        walk = {"destination": GOAL_INDEX, "speed": self.source_speed} if self.moving_source else {}
         return SoundEvent(TARGET_INDEX, str(random.choice(self.target_clips)), **when[self.schedule], **walk)

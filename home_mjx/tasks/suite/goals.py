@@ -39,7 +39,8 @@ def sample_goal(
     Starts are uniform by area, but not where door leaves are, nor where leaves cut off an area from the rest.
 
     Returns:
-        Start, yaw, and the columns `goal` and `length`; the length is inf if none of `NUM_START_SAMPLES` starts had such a goal.
+        Start, yaw, and the columns `goal` and `length`; the length is inf if none of `NUM_START_SAMPLES` starts had
+        such a goal.
     """
     place, turn, choose = jax.random.split(key, 3)
     starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, NUM_START_SAMPLES))

@@ -47,7 +47,7 @@ class ManipulationTask(NavigationTask):
             check_number(limit, getattr(self, limit), 0)
 
     @property
-    def needs_hands(self) -> bool:
+    def requires_hands(self) -> bool:
         """Always True."""
         return True
 
@@ -101,7 +101,7 @@ class Fetch(ManipulationTask):
 
     def _to_thing(self, thing: PortableObject, words: Words, goal: tuple[HouseObject, Words]) -> Iterator[TaskRow]:
         if box_gap(thing.object, goal[0]) > 2 * self.success_distance:  # also excludes the object itself
-            near = Condition(Feature.DISTANCE, 1, most=self.success_distance)
+            near = Condition(Feature.DISTANCE, 1, maximum=self.success_distance)
             yield self._row(words, Selector.objects_with(goal[1]), near, f"to {noun_phrase(goal[1])}")
 
     def _to_room(
@@ -111,7 +111,7 @@ class Fetch(ManipulationTask):
         others = [kind for kind in np.unique(view.room_types).tolist() if kind >= 0 and kind != own]
         if others and own >= 0:
             kind = others[int(random.integers(len(others)))]
-            inside = Condition(Feature.INSIDE, 1, least=1)
+            inside = Condition(Feature.INSIDE, 1, minimum=1)
             yield self._row(
                 words, Selector.rooms(room_type=kind), inside, f"to the {attribute_text(Attribute.ROOM_TYPE, kind)}"
             )
@@ -119,11 +119,11 @@ class Fetch(ManipulationTask):
     def _to_start(self, view: HouseView, words: Words, random: np.random.Generator) -> TaskRow:
         free = view.graph.place[~view.graph.at_leaf]
         start = free[int(random.integers(len(free)))].tolist()
-        near = Condition(Feature.DISTANCE, 1, most=self.success_distance)
+        near = Condition(Feature.DISTANCE, 1, maximum=self.success_distance)
         return self._row(words, Selector.point(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
 
     def _row(self, words: Words, goal: Selector, there: Condition, where: str, pose: Pose | None = None) -> TaskRow:
-        held, half = Condition(Feature.HELD, 0, least=1), self.success_reward / 2
+        held, half = Condition(Feature.HELD, 0, minimum=1), self.success_reward / 2
         said, wrong = ((STOP_CONDITION,), (Transition(FAILURE, (STOP_CONDITION,)),)) if self.stop else ((), ())
         back = Transition(0, forbid=(held,), reward=-half)  # dropping the object costs the first reward
         first = TaskStage((Transition(1, (held,), reward=half), *wrong), guide=0)
@@ -217,8 +217,8 @@ class Rearrange(ManipulationTask):
 
         This includes objects that were put down before; the agent returns to these with an empty hand.
         """
-        held = [Condition(Feature.HELD, 2 * k, least=1) for k in range(count)]
-        on = [Condition(Feature.ON, 2 * k, 2 * k + 1, least=1) for k in range(count)]
+        held = [Condition(Feature.HELD, 2 * k, minimum=1) for k in range(count)]
+        on = [Condition(Feature.ON, 2 * k, 2 * k + 1, minimum=1) for k in range(count)]
         part, stages = self.success_reward / (2 * count), []
         wrong = (Transition(FAILURE, (STOP_CONDITION,)),) if self.stop else ()
         for k in range(count):

@@ -69,7 +69,10 @@ class InstructionFollowing(NavigationTask):
     def _row(self, parts: list[dict[Attribute, int]], random: np.random.Generator) -> TaskRow:
         stages = []
         for at in range(len(parts)):
-            there = Condition(Feature.DISTANCE, at, most=self.success_distance), Condition(Feature.SEEN, at, least=1)
+            there = (
+                Condition(Feature.DISTANCE, at, maximum=self.success_distance),
+                Condition(Feature.SEEN, at, minimum=1),
+            )
             if at < len(parts) - 1:
                 stages.append(TaskStage((Transition(at + 1, there, reward=self.success_reward / 2),), guide=at))
             else:

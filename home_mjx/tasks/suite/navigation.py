@@ -20,7 +20,7 @@ from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transit
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature
 
-STOP_CONDITION = Condition(Feature.STOPPED, least=1)
+STOP_CONDITION = Condition(Feature.STOPPED, minimum=1)
 # Coarse categories that are never goals: part of the house, above the view, or unknown.
 EXCLUDED_CATEGORIES = frozenset(
     ("unknown", "wall", "floor", "ceiling", "door", "window", "arch", "person", "curtain", "ceiling_fan")
@@ -28,7 +28,7 @@ EXCLUDED_CATEGORIES = frozenset(
 
 
 def arrival_stage(conditions: tuple[Condition, ...], stop: bool, reward: float, guide: int = 0) -> TaskStage:
-    """Return a stage that succeeds where all of `conditions` holds; with `stop`, only by `stop`, which fails elsewhere."""
+    """Return a stage that succeeds where all `conditions` hold; with `stop`, only by `stop`, which fails elsewhere."""
     if not stop:
         return TaskStage((Transition(SUCCESS, conditions, reward=reward),), guide)
     return TaskStage(
@@ -83,7 +83,7 @@ class RoomNav(NavigationTask):
         types = np.unique(view.room_types[view.room_types >= 0])
         while len(types):
             for kind in random.permutation(types).tolist():
-                stage = arrival_stage((Condition(Feature.INSIDE, 0, least=1),), self.stop, self.success_reward)
+                stage = arrival_stage((Condition(Feature.INSIDE, 0, minimum=1),), self.stop, self.success_reward)
                 yield TaskRow([Selector.rooms(room_type=kind)], [stage])
 
 
@@ -105,7 +105,7 @@ class ObjectNav(NavigationTask):
         """Yield coarse categories that the house has, in a new random order each round."""
         kinds = {thing.semantic(Semantic.COARSE) for thing in view.objects}
         kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in EXCLUDED_CATEGORIES), int)
-        there = Condition(Feature.DISTANCE, 0, most=self.success_distance), Condition(Feature.SEEN, 0, least=1)
+        there = Condition(Feature.DISTANCE, 0, maximum=self.success_distance), Condition(Feature.SEEN, 0, minimum=1)
         while len(kinds):
             for kind in random.permutation(kinds).tolist():
                 yield TaskRow([Selector.objects(coarse=kind)], [arrival_stage(there, self.stop, self.success_reward)])
@@ -133,7 +133,7 @@ class PointGoals(NavigationTask):
         free = view.graph.place[~view.graph.at_leaf]
         points = free[random.permutation(len(free))[: self.num_points]]
         stage = arrival_stage(
-            (Condition(Feature.DISTANCE, 0, most=self.success_distance),), self.stop, self.success_reward
+            (Condition(Feature.DISTANCE, 0, maximum=self.success_distance),), self.stop, self.success_reward
         )
         while len(points):
             for point in random.permutation(points):

@@ -66,7 +66,7 @@ class PointNav(Task):
                 check_number(option.name, getattr(self, option.name), 0)
 
     @property
-    def needs_stop(self) -> bool:
+    def requires_stop(self) -> bool:
         """True with `stopped`."""
         return self.stop
 

@@ -1,6 +1,8 @@
 """Tasks as JSON lines, with names and positions instead of indices: any bank of the houses can load them."""
 
-from dataclasses import asdict
+import typing
+from dataclasses import fields, is_dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
@@ -8,29 +10,35 @@ import jax
 import numpy as np
 from jaxtyping import UInt16
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_type
 from home_mjx.core.files import as_path, read_json_lines, write_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.scene_compile.semantics.vocabulary import encode_name, vocabularies
 from home_mjx.tasks.base.state import check_rows
-from home_mjx.tasks.communication.talk import ALL_AGENTS, NO_WORD, pack_speech
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
-from home_mjx.tasks.rules.build import add_fields, pack_task_bank, pad_tokens
+from home_mjx.tasks.rules.build import add_fields, pack_task_bank
+from home_mjx.tasks.rules.declaration import pack
 from home_mjx.tasks.rules.house_view import HouseView, house_views
-from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition, pack_program
-from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.rules.words import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Attribute, Feature, TargetKind
-from home_mjx.tasks.sounds.row import SoundEvent, pack_sounds, unpack_sounds
-from home_mjx.tasks.validation.faults import find_violation
-from home_mjx.tasks.validation.lines import check_line, locate_errors
-from home_mjx.tasks.validation.places import find_infeasible
-from home_mjx.tasks.validation.table import column_ranges, feature_ranges
+from home_mjx.tasks.rules.packing import (
+    Columns,
+    pack_program,
+    pack_sounds,
+    pack_speech,
+    unpack_program,
+    unpack_sounds,
+    unpack_speech,
+)
+from home_mjx.tasks.rules.program import NO_PLACE, Selector, Transition
+from home_mjx.tasks.rules.task_bank import RowStart, TaskBank
+from home_mjx.tasks.rules.words import NO_WORD, Attribute, TargetKind
+from home_mjx.tasks.validation.column_ranges import column_ranges, feature_ranges
+from home_mjx.tasks.validation.line_schema import OUTCOMES, TaskLine, check_line, field_types, locate_errors
+from home_mjx.tasks.validation.row_violations import find_violation
+from home_mjx.tasks.validation.task_fit import find_infeasible
 
 MAX_BYTES = 1 << 30  # [bytes], maximum size of a file; about a million tasks
-OUTCOMES = {SUCCESS: "success", FAILURE: "failure"}
 
 
 def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
@@ -53,19 +61,9 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
     ids, host = bank.house_ids, jax.tree.map(np.asarray, tasks.rows)
     check_rows(host.house, len(ids), "houses")
     check_rows(host.columns["task"], len(tasks.names), "names of tasks")
-    lines = []
-    for at in range(len(host)):
-        row = {name: values[at] for name, values in host.columns.items()}
-        line = {"house": ids[int(host.house[at])], "task": tasks.names[int(row["task"])]}
-        line |= {"start": host.start[at].tolist(), "yaw": float(host.yaw[at]), "length": float(row["length"])}
-        line |= {
-            "instruction": detokenize(row["tokens"]),
-            "meant": _format_selectors(row),
-            "stages": _format_stages(row),
-        }
-        line |= {"sounds": sounds} if (sounds := _format_sounds(row)) else {}
-        line |= _format_speech(row)
-        lines.append(line)
+    columns = {"house": host.house, "start": host.start, "yaw": host.yaw, **host.columns}
+    rows = ({name: values[at] for name, values in columns.items()} for at in range(len(host)))
+    lines = [encode(_task_line(row, ids, tasks.names)) for row in rows]
     write_json_lines(as_path(path, "tasks"), lines, "tasks")
 
 
@@ -115,41 +113,52 @@ def _distance_fields(
     return field_
 
 
-def _parse_row(line: dict[str, Any], index: dict[str, int], names: dict[str, int]) -> dict[str, Any]:
+def _task_line(row: Columns, ids: tuple[str, ...], names: tuple[str, ...]) -> TaskLine:
+    """Return a row of a task bank as a line."""
+    selectors, stages = unpack_program(row)
+    x, y, z = row["start"].tolist()
+    speech = unpack_speech(row)
+    speech["answer"] = None if speech["answer"] == NO_WORD else detokenize([speech["answer"]])
+    speech["oracle"] = tuple((detokenize([question]), detokenize([reply])) for question, reply in speech["oracle"])
+    return TaskLine(
+        house=ids[int(row["house"])],
+        task=names[int(row["task"])],
+        start=(x, y, z),
+        yaw=float(row["yaw"]),
+        length=float(row["length"]),
+        instruction=detokenize(row["tokens"]),
+        selectors=tuple(selectors),
+        stages=tuple(stages),
+        sounds=tuple(unpack_sounds(row)),
+        **speech,
+    )
+
+
+def _parse_row(line: Any, index: dict[str, int], names: dict[str, int]) -> dict[str, np.ndarray]:
+    """Return the columns of a row, without distances, from the decoded JSON of a line."""
     check_line(line)
-    if line["house"] not in index:
+    task = decode(TaskLine, line)
+    if task.house not in index:
         hint = "Give the houses that the tasks are of."
-        raise UnknownIdError(f"the bank has no house {line['house'][:100]}", element="house", hint=hint)
-    meant = [_parse_selector(item) for item in line["meant"]]
+        raise UnknownIdError(f"the bank has no house {task.house[:100]}", element="house", hint=hint)
     with locate_errors("stages"):
-        arrays = pack_program(meant, [_parse_stage(item) for item in line["stages"]])
+        columns = pack_program(task.selectors, task.stages)
     with locate_errors("sounds"):
-        arrays |= pack_sounds([SoundEvent(**item) for item in line.get("sounds", ())], len(meant))
+        columns |= pack_sounds(task.sounds, len(task.selectors))
+    number = names.setdefault(task.task, len(names))
     with locate_errors("instruction"):
-        arrays |= {"tokens": pad_tokens(tokenize(line["instruction"]))}
-    own = {"house": index[line["house"]], "task": names.setdefault(line["task"], len(names))}
-    own |= {"start": np.array(line["start"], np.float32)}
-    return arrays | own | {name: np.float32(line[name]) for name in ("yaw", "length")} | _parse_speech(line)
+        own = {"house": index[task.house], "task": number, "tokens": tokenize(task.instruction)}
+        columns |= pack(RowStart, own | {name: getattr(task, name) for name in ("start", "yaw", "length")})
+    return columns | _pack_speech(task)
 
 
-def _format_speech(row: dict[str, np.ndarray]) -> dict[str, Any]:
-    """Return the fields of a row about speech, without those that have their defaults."""
-    item: dict[str, Any] = {}
-    if row["answer"] != NO_WORD:
-        item["answer"] = detokenize([int(row["answer"])])
-    if row["told"] != ALL_AGENTS:
-        item["told"] = [agent for agent in range(16) if int(row["told"]) >> agent & 1]
-    oracle = [[detokenize([word]) for word in pair] for pair in row["oracle"].tolist() if pair[0] != NO_WORD]
-    return item | ({"oracle": oracle, "ask": int(row["ask"])} if oracle else {})
-
-
-def _parse_speech(line: dict[str, Any]) -> dict[str, np.ndarray]:
+def _pack_speech(task: TaskLine) -> dict[str, np.ndarray]:
     with locate_errors("answer"):
-        answer = _parse_word(line["answer"]) if "answer" in line else NO_WORD
+        answer = NO_WORD if task.answer is None else _parse_word(task.answer)
     with locate_errors("oracle"):
-        oracle = [(_parse_word(question), _parse_word(reply)) for question, reply in line.get("oracle", ())]
-    with locate_errors("ask"):
-        return pack_speech(answer, line.get("told"), oracle, line.get("ask", 0))
+        oracle = [(_parse_word(question), _parse_word(reply)) for question, reply in task.oracle]
+    with locate_errors("num_identifying_questions"):
+        return pack_speech(answer, task.instructed_agents, oracle, task.num_identifying_questions)
 
 
 def _parse_word(word: str) -> int:
@@ -159,80 +168,63 @@ def _parse_word(word: str) -> int:
     return tokens[0]
 
 
-def _format_selectors(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
-    found = []
-    for words, place in zip(row["descriptor"].tolist(), row["place"], strict=True):
-        item: dict[str, Any] = {"kind": TargetKind(words[Attribute.KIND]).name.lower()}
-        for word in list(Attribute)[1:]:
-            if words[word] != ANY:
-                item[word.name.lower()] = (
-                    vocabularies()[SEMANTIC_COLUMN[word]][words[word]] if word in SEMANTIC_COLUMN else words[word]
-                )
-        found.append(item | ({"place": place.tolist()} if np.isfinite(place).all() else {}))
-    while found and found[-1] == {"kind": "nothing"}:
-        found.pop()
-    return found
+def encode(value: Any) -> Any:
+    """Return a dataclass of a task line as JSON values; fields that equal their default are left out.
+
+    Example:
+        >>> encode(Transition(-1, reward=2.5))
+        {'next': 'success', 'reward': 2.5}
+    """
+    if isinstance(value, Selector):
+        return _encode_selector(value)
+    if is_dataclass(value):
+        own = {field.name: getattr(value, field.name) for field in fields(value)}
+        changed = [field.name for field in fields(value) if own[field.name] != field.default]
+        named = {"next": OUTCOMES.get(value.next, value.next)} if isinstance(value, Transition) else {}
+        return {name: encode(own[name]) for name in changed} | named
+    if isinstance(value, IntEnum):
+        return value.name.lower()
+    return [encode(item) for item in value] if isinstance(value, tuple) else value
 
 
-def _format_sounds(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
-    plain = SoundEvent(0, CLIPS[0])
-    return [
-        {"emitter": sound.emitter, "clip": sound.clip}
-        | {name: value for name, value in asdict(sound).items() if value != getattr(plain, name)}
-        for sound in unpack_sounds(row)
-    ]
+def decode(kind: Any, value: Any) -> Any:
+    """Return the value of a type whose JSON form `encode` returns; the JSON must have passed `check_line`.
+
+    Args:
+        kind: `TaskLine`, or the annotation of one of its parts.
+        value: Decoded JSON.
+
+    Raises:
+        DatasetError: A value contradicts another one; names the field.
+    """
+    if kind is Selector:
+        return _decode_selector(value)
+    if is_dataclass(kind):
+        own, types = {}, field_types(kind)
+        for name, item in value.items():
+            with locate_errors(name):
+                own[name] = decode(types[name], item)
+        return kind(**own)
+    if isinstance(value, list):
+        return tuple(decode(typing.get_args(kind)[0], item) for item in value)
+    if kind is int and isinstance(value, str):
+        return next(number for number, name in OUTCOMES.items() if name == value)
+    return kind[value.upper()] if issubclass(kind, IntEnum) else value
 
 
-def _parse_selector(item: dict[str, Any]) -> Selector:
+def _encode_selector(selector: Selector) -> dict[str, Any]:
+    item: dict[str, Any] = {"kind": TargetKind(selector.attributes.get("kind", TargetKind.NOTHING)).name.lower()}
+    for name, value in selector.attributes.items():
+        word = Attribute[name.upper()]
+        if word != Attribute.KIND:
+            item[name] = vocabularies()[SEMANTIC_COLUMN[word]][value] if word in SEMANTIC_COLUMN else value
+    return item if selector.place == NO_PLACE else item | {"place": list(selector.place)}
+
+
+def _decode_selector(item: dict[str, Any]) -> Selector:
     words = {"kind": int(TargetKind[item["kind"].upper()])}
     for name, value in item.items():
         if name not in ("kind", "place"):
             word = Attribute[name.upper()]
             words[name] = encode_name(SEMANTIC_COLUMN[word], value) if word in SEMANTIC_COLUMN else int(value)
     return Selector(words, tuple(item["place"])) if "place" in item else Selector(words)
-
-
-def _format_stages(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
-    whens = [_format_condition(row, c) for c in range(NUM_CONDITIONS)]
-    found = []
-    for needs, bars, after, reward, guide in zip(
-        *(row[name].tolist() for name in ("needs", "bars", "next", "reward", "guide")), strict=True
-    ):
-        ways = [
-            {"next": OUTCOMES.get(after[g], after[g]), "needs": _select_bits(needs[g], whens), "reward": reward[g]}
-            | ({"bars": _select_bits(bars[g], whens)} if bars[g] else {})
-            for g in range(len(needs))
-            if needs[g] >= 0
-        ]
-        if ways:
-            found.append({"ways": ways, "guide": guide})
-    return found
-
-
-def _select_bits(bits: int, whens: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    return [when for c, when in enumerate(whens) if bits >> c & 1]
-
-
-def _format_condition(row: dict[str, np.ndarray], c: int) -> dict[str, Any]:
-    item = {"feature": Feature(int(row["feature"][c])).name.lower()}
-    plain = Condition(Feature.TRUE)
-    for name in ("first", "second", "agent", "least", "most"):
-        value = row[name][c].item()
-        item |= {} if value == getattr(plain, name) else {name: value}
-    return item
-
-
-def _parse_stage(item: dict[str, Any]) -> TaskStage:
-    return TaskStage(tuple(_parse_transition(way) for way in item["ways"]), int(item.get("guide", ANY)))
-
-
-def _parse_transition(way: dict[str, Any]) -> Transition:
-    ends = {name: number for number, name in OUTCOMES.items()}
-    needs, bars = (tuple(_parse_condition(when) for when in way.get(name, ())) for name in ("needs", "bars"))
-    after = way["next"]
-    return Transition(ends[after] if isinstance(after, str) else int(after), needs, bars, float(way.get("reward", 0.0)))
-
-
-def _parse_condition(item: dict[str, Any]) -> Condition:
-    options = {name: value for name, value in item.items() if name != "feature"}
-    return Condition(Feature[item["feature"].upper()], **options)

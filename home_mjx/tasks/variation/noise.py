@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, UInt8
 
-from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
+from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
 
 # LoCoBot with the ILQR controller: mean and variance of the errors forward, to the right [m] and in yaw [rad]; first
 # row of moves, second row of turns. A. Murali et al., "PyRobot", 2019 (arXiv:1906.08236), as measured for Habitat.

@@ -50,7 +50,7 @@ class Variation(Pytree):
         daylight: Factor of the light of sun and sky; 0 is night.
         sun_azimuth: Direction to the sun from +x towards +y [degrees], instead of that of `LitShader`.
         sun_elevation: Elevation of the sun above the horizon [degrees], instead of that of `LitShader`.
-        exposure: Exposure factor of the cameras; of these fields the only one with an effect on the preset "fast".
+        exposure: Exposure factor of the cameras; of these fields the only one with an effect on the shader "fast".
         colors: Maximum relative change of colour: red, green and blue of each material are multiplied by 1 ± this.
         textures: Probability that a textured material has another texture of the bank.
         camera_height: Offset of the height of all cameras [m].

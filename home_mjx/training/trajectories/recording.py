@@ -16,7 +16,7 @@ from home_mjx.tasks.env.begin import is_sequential
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT, ExpertObservationEnv
-from home_mjx.tasks.language.asked import describe_goal
+from home_mjx.tasks.language.phrases import describe_goal
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.training.evaluation import expert_policy
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows

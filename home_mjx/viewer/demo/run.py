@@ -125,7 +125,8 @@ def _compiled_begin(env: Env[HouseholdEnv], options: DemoOptions) -> tuple[Any, 
     """
     keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
     houses = jnp.zeros(options.num_envs, jnp.int32)
-    return profiling.compiled(jax.vmap(env.core.begin, (None, 0, 0)), env.params, keys, houses)
+    reset = functools.partial(env.core.reset, observe=False)
+    return profiling.compiled(jax.vmap(reset, (None, 0, 0)), env.params, keys, houses)
 
 
 def _compiled_step(env: Env[HouseholdEnv], states: State) -> tuple[Any, float]:
@@ -179,7 +180,8 @@ def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], di
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)
-    advance, seconds_physics = profiling.compiled(jax.vmap(env.core.advance, (None, 0, 0)), env.params, states, none)
+    blind = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))
+    advance, seconds_physics = profiling.compiled(blind, env.params, states, none)
     seconds = {"step with all sensors": seconds_step, "physics": seconds_physics}
     rates = {
         name: num_envs * profiling.steps_per_second(functools.partial(program, env.params), states, actions, 2.0)
@@ -187,7 +189,7 @@ def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], di
     }
     for name, kinds in SENSORS_ALONE.items():
         alone = HouseholdEnv(env.config.replace(sensors=kinds), env.task)
-        perceive = jax.vmap(lambda p, s, alone=alone: alone.perceive(p, s).obs, (None, 0))
-        program, seconds[name] = profiling.compiled(perceive, env.params, states)
+        observe = jax.vmap(lambda p, s, alone=alone: alone.observe(p, s, update=True).obs, (None, 0))
+        program, seconds[name] = profiling.compiled(observe, env.params, states)
         rates[name] = num_envs * profiling.calls_per_second(program, env.params, states)
     return rates, seconds

@@ -44,7 +44,7 @@ class FilmCamera:
 
     def __init__(self, env: Env[HouseholdEnv], width: int = 480, height: int = 360, samples: int = 1) -> None:
         self.env = env
-        self._camera = AgentCamera("film", ("rgb",), Lens(width, height, samples=samples), fovy=FOVY)
+        self._camera = AgentCamera("film", ("rgb",), Lens(width, height, samples=samples), fovy=FOVY, shader="lit")
         self._see = jax.jit(self._seen)
 
     def capture(self, state: State) -> CameraShot:
@@ -58,9 +58,8 @@ class FilmCamera:
             lambda x: x[0], place_cameras(core.config, self._camera, snapshot.pose, snapshot.camera_offsets)
         )
         own = agent_ids(snapshot.bank, core.num_agents)[0]
-        images: dict[str, Any] = render(
-            snapshot.scene, camera, self._camera.lens, kinds=("rgb",), shader="lit", exclude=own
-        )
+        lens, shader = self._camera.lens, self._camera.shader
+        images: dict[str, Any] = render(snapshot.scene, camera, lens, kinds=("rgb",), shader=shader, exclude=own)
         return images["rgb"], snapshot.pose.pos, snapshot.pose.yaw, current_boxes(snapshot)
 
 

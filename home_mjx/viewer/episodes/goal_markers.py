@@ -9,7 +9,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.language.asked import describe_goal
+from home_mjx.tasks.language.phrases import describe_goal
 from home_mjx.tasks.language.vocabulary import detokenize
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.suite.point_nav import PointNavState

@@ -13,10 +13,11 @@ from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import convolve_clip_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, is_indoors
+from home_mjx.audio_jax.base.options import Omni
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 
-BINAURAL, OMNI = AudioConfig(), AudioConfig(receiver="omni")
+BINAURAL, OMNI = AudioConfig(), AudioConfig(receiver=Omni())
 RATE, SPEED = BINAURAL.sample_rate, BINAURAL.speed_of_sound
 KEY = jax.random.key(0)
 
@@ -95,7 +96,7 @@ def test_nothing_arrives_before_the_direct_sound():
 def test_reverberation_of_the_rendered_response(scattering, expected):
     """T30 at 1 kHz within 15 %, default options, from the samples themselves."""
     scene = scene_of(shoebox(scattering=scattering))
-    config = AudioConfig(receiver="omni", response_seconds=1.0)
+    config = AudioConfig(response_seconds=1.0, receiver=Omni())
     response = hear(scene, [-1, -1, 1.2], [1, 1, 1.6], config=config)[0]
     spectrum = np.fft.rfft(response, 2 * response.size)
     frequency = np.fft.rfftfreq(2 * response.size, 1 / RATE)

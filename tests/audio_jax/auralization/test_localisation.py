@@ -5,7 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.signal import fftconvolve
 
-from home_mjx.audio_jax import AudioConfig, Paths, early_response, gcc_leads, gcc_phat
+from home_mjx.audio_jax import AudioConfig, Paths, gcc_leads, gcc_phat
+from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
 
 CONFIG = AudioConfig(response_seconds=0.1)
@@ -18,7 +19,7 @@ def exact_leads(azimuth: np.ndarray) -> np.ndarray:
     frequency = np.linspace(50, 7000, 700)
     axes = np.arccos(np.stack([-np.sin(np.radians(azimuth)), np.sin(np.radians(azimuth))]))
     left, right = (
-        near_sphere_spectrum(frequency, a, DISTANCE, CONFIG.head_radius, CONFIG.speed_of_sound) for a in axes
+        near_sphere_spectrum(frequency, a, DISTANCE, CONFIG.receiver_radius, CONFIG.speed_of_sound) for a in axes
     )
     cross = np.conj(left) * right
     lag = np.arange(-1e-3, 1e-3, 2e-6)

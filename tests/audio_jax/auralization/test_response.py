@@ -9,12 +9,13 @@ from numpy_measures import octave_energies
 from home_mjx.audio_jax.auralization.response import early_response, late_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.base.options import Omni
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence, near_sphere_spectrum
 from home_mjx.core.transforms import camera_quat
 from home_mjx.schema.compiled import BANDS
 
-OMNI, BINAURAL = AudioConfig(receiver="omni"), AudioConfig()
+OMNI, BINAURAL = AudioConfig(receiver=Omni()), AudioConfig()
 RATE, SPEED = OMNI.sample_rate, OMNI.speed_of_sound
 AHEAD = jnp.float32([1, 0, 0, 0])  # the head frame is the world's: +x right, +y up, looking along -z
 
@@ -95,7 +96,7 @@ def test_nothing_is_heard_long_before_it_comes(config, loss, bar):
             for ear, side in enumerate((-1, 1)):
                 turn = np.arccos(side * np.sin(angle))
                 late = -np.cos(turn) if turn < np.pi / 2 else turn - np.pi / 2  # Woodworth's
-                way = distance + (config.head_radius * late if config is BINAURAL else 0)
+                way = distance + (config.receiver_radius * late if config is BINAURAL else 0)
                 early = response[ear, : int(way / SPEED * RATE - RATE / 1000) + 1]
                 assert 10 * np.log10(np.sum(early**2) / np.sum(response[ear] ** 2) + 1e-30) < bar
 

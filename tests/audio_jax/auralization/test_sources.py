@@ -5,6 +5,7 @@ import pytest
 
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.options import Traced
 from home_mjx.errors import ConfigError
 from home_mjx.schema import Timing
 
@@ -28,7 +29,7 @@ def test_the_seam_is_no_rougher_than_the_rest(name):
 
 
 def test_clips_depend_on_name_and_rate_only():
-    a, b = (clip_samples("speech", config) for config in (AudioConfig(), AudioConfig(num_rays=3)))
+    a, b = (clip_samples("speech", config) for config in (AudioConfig(), AudioConfig(late=Traced(num_rays=3))))
     np.testing.assert_array_equal(a, b)
     assert clip_samples("speech", AudioConfig(timing=Timing(sample_rate=8000))).shape == (64000,)
 

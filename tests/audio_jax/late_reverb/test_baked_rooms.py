@@ -20,21 +20,22 @@ from home_mjx.audio_jax import (
     early_paths,
     first_order_directivity,
     impulse_response,
-    lookup_late_sound,
-    survey_room,
 )
 from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.base.options import Baked, Omni
 from home_mjx.audio_jax.late_reverb.bake.bake import bake_house, make_open_scene
 from home_mjx.audio_jax.late_reverb.bake.fit import Accumulator
 from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stack_fields
+from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
+from home_mjx.audio_jax.parameters import survey_room
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import CompiledHouse
 
-CONFIG = AudioConfig(receiver="omni", response_seconds=2.0, late="baked")
+CONFIG = AudioConfig(response_seconds=2.0, receiver=Omni(), late=Baked())
 DT = CONFIG.bin_seconds
 METRES = DT * CONFIG.speed_of_sound
 MID = 3  # 1 kHz
@@ -167,7 +168,7 @@ def test_a_field_is_small(uneven):
 
 def test_a_waveform_has_the_energy_of_the_field(uneven):
     """From 60 ms on, when first reflections are over; of white sound, so each octave counts by its width."""
-    scene, config = uneven[1], AudioConfig(late="baked", receiver="omni", response_seconds=2.0)
+    scene, config = uneven[1], AudioConfig(response_seconds=2.0, late=Baked(), receiver=Omni())
     source, listener = SoundSource(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
     response = jax.jit(impulse_response, static_argnums=4)(scene, source, listener, jax.random.key(0), config)
     energy = np.asarray(jax.jit(lookup_late_sound, static_argnums=3)(scene, source.pos, listener.pos, config).energy)[
@@ -181,7 +182,7 @@ def test_a_waveform_has_the_energy_of_the_field(uneven):
 @pytest.mark.slow
 def test_a_survey_reads_the_baked_field(uneven):
     """T30 of a waveform as that of the field's energies; a figure of eight hears a third of what is everywhere."""
-    scene, config = uneven[1], AudioConfig(late="baked", response_seconds=2.0)
+    scene, config = uneven[1], AudioConfig(response_seconds=2.0, late=Baked())
     source, listener = SoundSource(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
     found = jax.jit(survey_room, static_argnums=4)(scene, source, listener, jax.random.key(0), config)
     energy = np.asarray(whole_energy(scene, source.pos, listener.pos)).T

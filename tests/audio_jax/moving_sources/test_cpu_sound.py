@@ -4,10 +4,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from moving_sound import some_late, some_reads
+from moving_sound import moving, some_late, some_reads
 from numba import njit
 
 from home_mjx.audio_jax import AudioConfig
+from home_mjx.audio_jax.base.options import Ambisonics, Motion
 from home_mjx.audio_jax.kernels.cpu.fft import fast_size, transform
 from home_mjx.audio_jax.kernels.cpu.operands import float_pointer
 from home_mjx.audio_jax.kernels.passes import RADICES
@@ -19,7 +20,6 @@ from home_mjx.audio_jax.moving_sources.synthesis import (
     render_late_frame,
 )
 from home_mjx.core.native.memory import address_of
-from home_mjx.schema.timing import Timing
 
 
 @njit
@@ -61,9 +61,7 @@ def test_a_size_is_made_of_radices_and_is_no_smaller():
 )  # fmt: skip
 def test_paths_are_heard_as_by_xla(rng, rate, receiver, sources):
     """More environments than one chunk has, near and far paths, some silent, and channels that make no pair."""
-    microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
-    others = {"timing": Timing(sample_rate=rate), "tail_seconds": 0.0, "response_seconds": 0.2}
-    config = AudioConfig(motion=True, receiver=receiver, microphones=microphones, **others)
+    config = moving(receiver, 0.0, rate)
     reads = jax.tree.map(lambda *x: jnp.stack(x), *(some_reads(rng, sources, config) for _ in range(3)))
     reads = jax.tree.map(lambda x: jnp.concatenate([x, x[::-1], x, x[:1]]), reads)
     wanted = jax.jit(jax.vmap(lambda x: render_early_xla(x, config)))(reads)
@@ -84,11 +82,9 @@ def test_paths_are_heard_as_by_xla(rng, rate, receiver, sources):
 )  # fmt: skip
 def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
     """No echoes of the second part, odd and even numbers of them, more environments than a chunk, late onsets."""
-    microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
-    others = {"timing": Timing(sample_rate=rate), "tail_seconds": seconds, "response_seconds": 0.2}
-    config = AudioConfig(motion=True, receiver=receiver, microphones=microphones, **others)
+    config = moving(receiver, seconds, rate)
     given = some_late(rng, 11, sources, config)
-    assert calls.supports_late(given[1], config)
+    assert supports_late(given[1], config)
     wanted = jax.jit(jax.vmap(lambda *x: render_late_by_xla(*x, config)))(*given)
     got = jax.jit(jax.vmap(lambda *x: render_late_frame(*x, config)))(*given)
     assert not np.array_equal(got, wanted)
@@ -96,9 +92,9 @@ def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
 
 
 def test_noises_with_something_in_common_are_made_by_xla(rng):
-    config = AudioConfig(motion=True, receiver="ambisonics", tail_seconds=0.0, response_seconds=0.2)
+    config = AudioConfig(response_seconds=0.2, motion=Motion(tail_seconds=0.0), receiver=Ambisonics())
     signals, sound = jax.tree.map(lambda x: x[0], some_late(rng, 1, 1, config))
-    assert not calls.supports_late(sound, config)
+    assert not supports_late(sound, config)
     wanted = jax.jit(lambda *x: render_late_by_xla(*x, config))(signals, sound)
     np.testing.assert_array_equal(jax.jit(lambda *x: render_late_frame(*x, config))(signals, sound), wanted)
 
@@ -115,7 +111,7 @@ def spoilt(rng, x):
 @pytest.mark.parametrize("make", [render_early_frame, render_late_frame])
 def test_numbers_from_nowhere_stay_in_their_environment(rng, make):
     """Infinite delays, places far outside: none is read there, and no other environment hears of it."""
-    config = AudioConfig(motion=True, tail_seconds=0.15, response_seconds=0.2)
+    config = AudioConfig(response_seconds=0.2, motion=Motion(tail_seconds=0.15))
     if make is render_early_frame:
         good = (some_reads(rng, 1, config),)
     else:
@@ -132,7 +128,7 @@ def test_numbers_from_nowhere_stay_in_their_environment(rng, make):
 
 def test_there_are_gradients(rng):
     """Those of XLA's operations."""
-    config = AudioConfig(motion=True, tail_seconds=0.0, response_seconds=0.1)
+    config = AudioConfig(response_seconds=0.1, motion=Motion(tail_seconds=0.0))
     reads = some_reads(rng, 1, config)
     slopes = [
         jax.grad(lambda source, make=make: jnp.sum(make(reads.replace(source=source), config) ** 2))(reads.source)

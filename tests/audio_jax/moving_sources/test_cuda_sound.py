@@ -1,5 +1,6 @@
 """The kernels of moving sound without a GPU: compiled as C++ for the CPU they do what XLA's operations do."""
 
+import dataclasses
 import functools
 import re
 
@@ -8,11 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from compiled_kernels import block_program, blocks_instead, shared_library
-from moving_sound import some_late, some_reads
+from moving_sound import moving, some_late, some_reads
 from sanitized import Program
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.base import delays
+from home_mjx.audio_jax.base.options import Motion
 from home_mjx.audio_jax.base.shapes import filter_basis, octave_levels, octave_spectra
 from home_mjx.audio_jax.kernels import first, tail
 from home_mjx.audio_jax.kernels.cuda import early as sums
@@ -83,7 +85,7 @@ def here(library, monkeypatch):
 @pytest.mark.parametrize("sources", [1, 3])
 def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
     """Of near and far ones, beyond the end of a response too, of several sources and two environments."""
-    config = AudioConfig(motion=True, receiver=receiver, tail_seconds=0.0, response_seconds=0.2)
+    config = moving(receiver, 0.0)
     envs = [some_reads(rng, sources, config) for _ in range(2)]
     wanted = jnp.stack([jax.jit(lambda x: mix_paths(x, config))(reads) for reads in envs])
     given = [jnp.stack(x) for x in zip(*(sums.read_operands(reads) for reads in envs), strict=True)]
@@ -97,7 +99,7 @@ def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
 
 def test_the_first_path_is_filtered_as_by_convolution(here, rng):
     """Before a source begins, within it and after its end; one end or both without a sound. So it is by XLA."""
-    config = AudioConfig(motion=True, tail_seconds=0.0, response_seconds=0.2)
+    config = AudioConfig(response_seconds=0.2, motion=Motion(tail_seconds=0.0))
     source = jnp.float32(rng.normal(size=(5, 6000)))
     gain = jnp.float32(10 ** rng.uniform(-1.5, 0, (5, 2, 7))).at[1, 0].set(0.0).at[2].set(0.0)
     begin = jnp.int32([-first.delay_margin(config), 300, 1000, 5000, 6000])
@@ -116,9 +118,8 @@ def test_the_first_path_is_filtered_as_by_convolution(here, rng):
     assert not np.any(got[2])
 
 
-def check_late_sound(rng, sources, **options):
+def check_late_sound(rng, sources, config):
     """Against XLA's."""
-    config = AudioConfig(motion=True, response_seconds=0.2, **options)
     signals, sound = some_late(rng, 2, sources, config)
     wanted = jax.vmap(lambda *one: tail.render_late_by_xla(*one, config))(signals, sound)
     share = sound.shares
@@ -131,14 +132,13 @@ def check_late_sound(rng, sources, **options):
 @pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array"), (1, "ambisonics"), (1, "omni")])
 def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
     """With no echoes of the second part, two and four, an odd number of channels, late and early onsets."""
-    microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
-    check_late_sound(rng, sources, tail_seconds=seconds, receiver=receiver, microphones=microphones)
+    check_late_sound(rng, sources, moving(receiver, seconds))
 
 
 @pytest.mark.parametrize("bin_seconds", [0.0005, 0.00625, 0.02])
 def test_bins_may_be_short_and_long(here, rng, bin_seconds):
     """Shorter than a warp, and longer than a block has threads; numbers of bins that no block divides."""
-    check_late_sound(rng, 1, tail_seconds=0.0, bin_seconds=bin_seconds)
+    check_late_sound(rng, 1, dataclasses.replace(moving("binaural", 0.0), bin_seconds=bin_seconds))
 
 
 @pytest.mark.parametrize(("count", "channels"), [(2143, 2), (250, 3), (700, 1), (1000, 4), (4500, 2)])
@@ -166,7 +166,7 @@ def spoilt(rng, x):
 @pytest.mark.parametrize("name", ["filter_direct", "mix_paths", "shape_noise", "late_frames"])
 def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeypatch, rng, name):
     """AddressSanitizer sees each block, with numbers from nowhere in all arrays but their sizes."""
-    config, program = AudioConfig(motion=True, tail_seconds=0.15, response_seconds=0.2), []
+    config, program = AudioConfig(response_seconds=0.2, motion=Motion(tail_seconds=0.15)), []
 
     def ffi_call(target, results):
         def call(*operands, **sizes):
@@ -217,13 +217,13 @@ def test_sizes_of_transforms_have_all_radices():
 
 def test_filters_of_the_engine_ring_out_before_the_frame():
     """What a transform brings from its end is never in the frame."""
-    config = AudioConfig(motion=True)
+    config = AudioConfig(motion=Motion())
     assert filter_basis(config.sample_rate).kernel.shape[1] <= frame_begin(config) + 1
 
 
 def test_weights_in_cuda_are_those_of_python():
     """Sixty rounded numbers that nobody compares by eye."""
-    text = kernels.SUMS_SOURCES[0].read_text()
+    text = kernels.MIX_SOURCES[0].read_text()
     rows = re.findall(r"^ +\{(-?\d.*)\},$", text, re.MULTILINE)
     table = np.array([[np.float32(x.strip("f ")) for x in row.split(",")] for row in rows], np.float32)
     np.testing.assert_array_equal(table, delays.interpolation_polynomials())

@@ -11,11 +11,14 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import EarlyPaths, Motion, NoLate, Omni
 from home_mjx.audio_jax.moving_sources.frame import render_frame
 from home_mjx.audio_jax.moving_sources.reception import pad_paths, render_receiver_state
 from home_mjx.audio_jax.propagation.paths import Paths
 
-ALL = AudioConfig(receiver="omni", motion=True, late="none", num_edges=8, num_reflections=12, tail_seconds=0.0)
+ALL = AudioConfig(
+    receiver=Omni(), motion=Motion(tail_seconds=0.0), late=NoLate(), early=EarlyPaths(num_edges=8, num_reflections=12)
+)
 
 
 def test_the_direct_path_and_the_strongest_are_kept_in_their_order():
@@ -45,7 +48,7 @@ def test_paths_that_sound_are_enough():
         assert old.paths.distance.size == config.num_paths
         return np.asarray(jax.jit(lambda *ends: render_frame(past, *ends, config))(old, new))
 
-    every, some, few = (heard(replace(ALL, max_audible_paths=number)) for number in (None, 8, 4))
+    every, some, few = (heard(replace(ALL, motion=Motion(number, 0.0))) for number in (None, 8, 4))
     np.testing.assert_allclose(some, every, atol=2e-6 * np.abs(every).max())
     missing = np.sum((few - every) ** 2) / np.sum(every**2)
     assert missing == pytest.approx(0.1, abs=0.09)

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from home_mjx.audio_jax import AudioConfig, Paths, early_response
+from home_mjx.audio_jax import AudioConfig, Paths
+from home_mjx.audio_jax.auralization.response import early_response
+from home_mjx.audio_jax.base.options import Motion, Omni
 from home_mjx.audio_jax.moving_sources.frame import render_frame, render_frames
 from home_mjx.audio_jax.moving_sources.reception import pad_paths, silent_state
 from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
 
-OMNI = AudioConfig(receiver="omni", response_seconds=0.1, motion=True, tail_seconds=0.0)
-EARS = AudioConfig(response_seconds=0.1, motion=True, tail_seconds=0.0)
+OMNI = AudioConfig(response_seconds=0.1, receiver=Omni(), motion=Motion(tail_seconds=0.0))
+EARS = AudioConfig(response_seconds=0.1, motion=Motion(tail_seconds=0.0))
 RATE, SPEED, FRAME = OMNI.sample_rate, OMNI.speed_of_sound, OMNI.frame
 AHEAD = jnp.float32([1, 0, 0, 0])
 NEAR = np.linspace(1.19, 1.3, 6)  # [m]
@@ -102,7 +104,7 @@ def test_ears_of_a_head_that_walks_and_turns(frequency):
     for ear, side in enumerate((-1, 1)):
         axis = side * np.stack([np.cos(yaw), 0 * yaw, -np.sin(yaw)], 1)
         angle = np.arccos(np.sum(place * axis, axis=1) / distance)
-        near = [near_sphere_spectrum(np.array([frequency]), angle, d, EARS.head_radius, SPEED) for d in NEAR]
+        near = [near_sphere_spectrum(np.array([frequency]), angle, d, EARS.receiver_radius, SPEED) for d in NEAR]
         grid = np.stack(near)[:, :, 0]
         sphere = np.array([np.interp(d, NEAR, row) for d, row in zip(distance, grid.T, strict=True)])
         exact = np.imag(sphere * np.exp(2j * np.pi * frequency * (time - distance / SPEED))) / distance

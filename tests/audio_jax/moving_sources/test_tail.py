@@ -7,11 +7,12 @@ import pytest
 from numpy_measures import t30
 from scipy.signal import fftconvolve
 
-from home_mjx.audio_jax import AudioConfig, Paths, pack_receiver_state, render_frame
-from home_mjx.audio_jax.moving_sources.reception import is_truncated
+from home_mjx.audio_jax import AudioConfig, Paths, render_frame
+from home_mjx.audio_jax.base.options import Motion, Omni
+from home_mjx.audio_jax.moving_sources.reception import is_truncated, pack_receiver_state
 from home_mjx.schema.compiled import BANDS
 
-OMNI = AudioConfig(receiver="omni", motion=True, tail_seconds=2.5)
+OMNI = AudioConfig(receiver=Omni(), motion=Motion(tail_seconds=2.5))
 RATE, FRAME = OMNI.sample_rate, OMNI.frame
 AHEAD = jnp.float32([1, 0, 0, 0])
 
@@ -79,5 +80,5 @@ def test_a_still_room_is_one_convolution(heard, rng):
 )
 def test_receptions_that_end_too_early_are_told(tail, seconds, cut):
     """60 dB in one second fall by 30 dB in half a second, in four by 30 dB in two."""
-    config = AudioConfig(receiver="omni", motion=True, tail_seconds=tail)
+    config = AudioConfig(receiver=Omni(), motion=Motion(tail_seconds=tail))
     assert bool(is_truncated(decaying(seconds, config), config)) == cut

@@ -8,7 +8,7 @@ import numpy as np
 import numpy_measures as oracle
 import pytest
 
-from home_mjx.audio_jax import (
+from home_mjx.audio_jax.parameters import (
     c50,
     c80,
     centre_time,

@@ -7,9 +7,11 @@ import pytest
 from handmade import shoebox
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, impulse_response, survey_floor, survey_room
+from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, impulse_response
+from home_mjx.audio_jax.base.options import Traced
+from home_mjx.audio_jax.parameters import survey_floor, survey_room
 
-CONFIG = AudioConfig(response_seconds=1.2, num_rays=500, num_bounces=60)
+CONFIG = AudioConfig(response_seconds=1.2, late=Traced(num_rays=500, num_bounces=60))
 SOURCE, LISTENER = SoundSource(jnp.float32([-1.0, -1.0, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
 
 
@@ -39,7 +41,7 @@ def test_ears_agree_at_low_and_differ_at_high_frequencies(survey):
 
 def test_the_response_is_that_of_the_engine():
     scene = scene_of(shoebox((6.0, 5.0, 3.0), 0.2, 0.3))
-    small = AudioConfig(num_rays=16, num_bounces=6)
+    small = AudioConfig(late=Traced(num_rays=16, num_bounces=6))
     found = jax.jit(lambda s: survey_room(s, SOURCE, LISTENER, jax.random.key(0), small).response)(scene)
     plain = jax.jit(lambda s: impulse_response(s, SOURCE, LISTENER, jax.random.key(0), small))(scene)
     np.testing.assert_allclose(found, plain, atol=1e-5)

@@ -13,19 +13,8 @@ from handmade import Furniture, Slab, _architecture_rows, _room_planes, _rooms, 
 from scenes import HEAD, open_air, scene_of
 from scipy.integrate import quad
 
-from home_mjx.audio_jax import (
-    AudioConfig,
-    Listener,
-    Paths,
-    SoundSource,
-    diffracted_paths,
-    direct_path,
-    early_paths,
-    energy_envelope,
-    first_order_reflections,
-    image_source_reflections,
-    impulse_response,
-)
+from home_mjx.audio_jax import AudioConfig, Listener, Paths, SoundSource, early_paths, impulse_response
+from home_mjx.audio_jax.auralization.envelope import energy_envelope
 from home_mjx.audio_jax.base.directivity import (
     TALKER_FRONT_TO_BACK,
     directivity_gains,
@@ -34,10 +23,14 @@ from home_mjx.audio_jax.base.directivity import (
     tabulated_directivity,
     talker_directivity,
 )
+from home_mjx.audio_jax.base.options import EarlyPaths, Omni, Traced
+from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
+from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.paths import direct_path, first_order_reflections
 from home_mjx.core.transforms import camera_quat
 from home_mjx.errors import ConfigError
 
-OMNI = AudioConfig(receiver="omni")
+OMNI = AudioConfig(receiver=Omni())
 CARDIOID = first_order_directivity(0.5)
 hear = jax.jit(impulse_response, static_argnums=4)
 found_paths = jax.jit(early_paths, static_argnums=3)
@@ -170,7 +163,7 @@ def screened():
     ],
 )
 def test_directions_in_which_paths_leave_are_those_in_which_they_come_the_other_way(find, options):
-    scene, config = screened(), AudioConfig(receiver="omni", **options)
+    scene, config = screened(), AudioConfig(early=EarlyPaths(**options), receiver=Omni())
     here, there = jnp.float32([-1.5, -0.8, 1.2]), jnp.float32([1.3, -0.6 if find is diffracted_paths else 1.6, 1.5])
     run = jax.jit(find, static_argnums=3)
     go, back = (run(scene, SoundSource(a), Listener(b, HEAD), config) for a, b in ((here, there), (there, here)))
@@ -193,7 +186,7 @@ def octave_levels(scene, source, listener, config):
 def test_late_level_is_that_of_the_power():
     """In a diffuse room every pattern's late energy, 0.1 s after its start, is its mean over the sphere: 0.2 dB."""
     scene = scene_of(shoebox(absorption=0.1, scattering=1.0))
-    config = AudioConfig(receiver="omni", num_rays=1500, num_bounces=40)
+    config = AudioConfig(receiver=Omni(), late=Traced(num_rays=1500, num_bounces=40))
     place, ears = jnp.float32([-1, -1, 1.2]), jnp.float32([1, 1, 1.6])
     even = octave_levels(scene, SoundSource(place), ears, config)[25:].sum(axis=0)
     for pattern in (CARDIOID, talker_directivity()):
@@ -218,7 +211,7 @@ def test_levels_against_the_oracle(yaw):
         quat=camera_quat(jnp.float32(yaw), jnp.float32(0)),
         directivity=first_order_directivity(0.5, 2.0),
     )
-    config, scene = AudioConfig(receiver="omni", num_rays=1500, num_bounces=40), scene_of(room.house)
+    config, scene = AudioConfig(receiver=Omni(), late=Traced(num_rays=1500, num_bounces=40)), scene_of(room.house)
     ours = [np.asarray(octave_levels(scene, source, jnp.float32(p), config))[:, 3] for p in room.listeners]
     both = np.mean(ours, axis=0), truth.energy[:, 0].mean(axis=0)
     for part, within in ((slice(None), 0.3), (slice(0, 13), 0.5), (slice(13, None), 0.3)):

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.options import Omni
 from home_mjx.audio_jax.geometry.barriers import BarrierBoxes, find_edge_paths, select_nearest_barriers
 from home_mjx.audio_jax.propagation.diffraction import assemble_paths
 from home_mjx.audio_jax.propagation.paths import StraightLine, air_attenuation
 from home_mjx.geometry.box_edges import find_exposed_edges
 from home_mjx.schema.compiled import BANDS
 
-CONFIG = AudioConfig(receiver="omni")
+CONFIG = AudioConfig(receiver=Omni())
 AIR = air_attenuation(CONFIG)
 SPACE = np.array([[-50.0, 50.0]])  # [m], from floor to ceiling
 

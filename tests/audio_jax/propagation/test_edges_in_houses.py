@@ -9,6 +9,7 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import EarlyPaths, Omni
 from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
@@ -17,8 +18,8 @@ from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 
-BENDING = AudioConfig(receiver="omni", num_edges=8)
-MIRRORING = AudioConfig(receiver="omni", reflection_order=3, num_reflections=80)
+BENDING = AudioConfig(receiver=Omni(), early=EarlyPaths(num_edges=8))
+MIRRORING = AudioConfig(receiver=Omni(), early=EarlyPaths(reflection_order=3, num_reflections=80))
 AIR = air_attenuation(BENDING)
 
 
@@ -125,11 +126,11 @@ def test_a_reflection_in_a_wardrobes_front(scenes):
 
 def test_options_choose_producers(scenes):
     """Both together: one direct path, the edges, the reflections; by default what always was."""
-    both = AudioConfig(receiver="omni", num_edges=8, reflection_order=2, num_reflections=24)
+    both = AudioConfig(receiver=Omni(), early=EarlyPaths(num_edges=8, reflection_order=2, num_reflections=24))
     ends = SoundSource(jnp.float32([-1.5, 0.1, 1.2])), Listener(jnp.float32([1.5, 0, 1.3]), HEAD)
     run = jax.jit(lambda find, config: find(scenes["wardrobe"], *ends, config), static_argnums=(0, 1))
     assert jax.eval_shape(run, early_paths, both).distance.shape == (1 + 8 + 24,)
-    default = AudioConfig(receiver="omni")
+    default = AudioConfig(receiver=Omni())
     np.testing.assert_array_equal(run(early_paths, default).gain[:1], run(direct_path, default).gain)
 
 

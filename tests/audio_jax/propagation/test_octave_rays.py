@@ -9,10 +9,11 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import Omni, Traced
 from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.audio_jax.propagation.tracing import trace
 
-CONFIG = AudioConfig(receiver="omni", num_rays=7 * 1500, num_bounces=110, octave_rays=True)
+CONFIG = AudioConfig(receiver=Omni(), late=Traced(num_rays=7 * 1500, num_bounces=110, octave_rays=True))
 
 
 def test_octaves_decay_by_their_own_scattering():
@@ -32,10 +33,10 @@ def test_octaves_decay_by_their_own_scattering():
 
 def left_at(rays, distance):
     """Energy (7,) of all rays when they have flown so far [m]."""
-    hits = np.concatenate([np.zeros((1, CONFIG.num_rays)), rays.travelled])
+    hits = np.concatenate([np.zeros((1, CONFIG.traced.num_rays)), rays.travelled])
     energy = np.concatenate([rays.initial_energy[None], rays.remaining])
     last = np.maximum((hits <= distance).sum(axis=0) - 1, 0)
-    each = np.arange(CONFIG.num_rays)
+    each = np.arange(CONFIG.traced.num_rays)
     air = np.exp(-np.maximum(distance - hits[last, each], 0)[:, None] * np.asarray(air_attenuation(CONFIG)))
     return (energy[last, each] * air).sum(axis=0)
 
@@ -44,7 +45,7 @@ def test_each_ray_carries_its_octave_alone():
     """A seventh of the rays each; energies that leave sum to one per octave."""
     room = rising()
     source, ears = SoundSource(jnp.asarray(room.source, jnp.float32)), Listener(jnp.float32(room.listeners[0]), HEAD)
-    config = AudioConfig(receiver="omni", num_rays=70, num_bounces=3, octave_rays=True)
+    config = AudioConfig(receiver=Omni(), late=Traced(num_rays=70, num_bounces=3, octave_rays=True))
     rays = jax.jit(lambda scene: trace(scene, source, ears, jax.random.key(0), config))(scene_of(room.house))
     carried = np.asarray(rays.remaining > 0)
     np.testing.assert_array_equal(carried, np.broadcast_to(np.repeat(np.eye(7, dtype=bool), 10, axis=0), carried.shape))

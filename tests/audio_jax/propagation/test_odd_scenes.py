@@ -9,9 +9,11 @@ import pytest
 from handmade import shoebox
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, early_paths, impulse_response, is_indoors
+from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, early_paths, impulse_response
+from home_mjx.audio_jax.base.endpoints import is_indoors
+from home_mjx.audio_jax.base.options import Omni, Traced
 
-CONFIG = AudioConfig(receiver="omni", num_rays=16, num_bounces=6)
+CONFIG = AudioConfig(receiver=Omni(), late=Traced(num_rays=16, num_bounces=6))
 EARS = jnp.float32([1.4, 1.1, 1.6])
 hear = jax.jit(impulse_response, static_argnums=4)
 

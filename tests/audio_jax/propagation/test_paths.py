@@ -11,12 +11,13 @@ from scenes import HEAD, scene_of
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import Air, EarlyPaths, Omni
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 from home_mjx.schema.compiled import BANDS
 
-CONFIG = AudioConfig(receiver="omni")
+CONFIG = AudioConfig(receiver=Omni())
 SIZE = np.array([6.0, 5.0, 3.0])
 SOURCE, LISTENER = jnp.float32([-1.3, -0.7, 1.2]), jnp.float32([1.4, 1.1, 1.6])
 
@@ -72,7 +73,7 @@ def test_shoebox_equals_pyroomacoustics_image_sources(rng):
 
 def test_shoebox_response_equals_pyroomacoustics():
     """Complex spectrum 300 Hz to 6 kHz within 1 % of its peak; pyroomacoustics is 40 samples late by design."""
-    dry = AudioConfig(receiver="omni", humidity=0.0, temperature=20.0)
+    dry = AudioConfig(receiver=Omni(), air=Air(humidity=0.0, temperature=20.0))
     absorption = np.full((6, 7), 0.3)
     scene = scene_of(shoebox(tuple(SIZE), absorption, scattering=0.0))
     paths = run(scene, SOURCE, LISTENER)
@@ -166,7 +167,7 @@ def test_paths_are_reciprocal():
 
 def test_more_surfaces_than_casts_are_silence():
     """Not a wrong level: what could not be followed to its end is taken as blocked."""
-    config = AudioConfig(receiver="omni", max_crossings=2)
+    config = AudioConfig(receiver=Omni(), early=EarlyPaths(max_crossings=2))
     scene = scene_of(two_rooms(transmission=0.5, absorption=0.6))
     paths = early_paths(scene, SoundSource(jnp.float32([-2, 0, 1])), Listener(jnp.float32([2, 0, 1]), HEAD), config)
     assert not np.any(paths.gain[0])

@@ -6,20 +6,17 @@ import numpy as np
 from handmade import shoebox, two_rooms
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax import (
-    AudioConfig,
-    Listener,
-    SoundSource,
-    early_paths,
-    energy_histogram,
-    image_source_reflections,
-    sound_materials,
-    trace,
-)
+from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, early_paths, sound_materials
+from home_mjx.audio_jax.base.options import Air, EarlyPaths, Omni, Traced
+from home_mjx.audio_jax.propagation.histogram import energy_histogram
+from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.tracing import trace
 
 SIZE = (6.0, 5.0, 3.0)
 SOURCE, EARS = SoundSource(jnp.float32([-1.3, -0.7, 1.2])), Listener(jnp.float32([1.4, 1.1, 1.6]), HEAD)
-RAYS = AudioConfig(receiver="omni", num_rays=300, num_bounces=40, response_seconds=1.0, humidity=60.0)
+RAYS = AudioConfig(
+    response_seconds=1.0, receiver=Omni(), late=Traced(num_rays=300, num_bounces=40), air=Air(humidity=60.0)
+)
 PLACES = 16
 
 
@@ -59,7 +56,7 @@ def test_the_late_level_follows_absorption():
 
 def test_reflections_and_walls_follow_their_tables():
     """Amplitudes of reflections are sqrt(1 - α), those behind a wall the root of what it lets through."""
-    quiet = AudioConfig(receiver="omni", num_rays=1)
+    quiet = AudioConfig(receiver=Omni(), late=Traced(num_rays=1))
     room, pair = scene_of(shoebox(SIZE, 0.9, scattering=0.0)), scene_of(two_rooms(transmission=0.5, absorption=0.6))
 
     @jax.jit
@@ -85,14 +82,14 @@ def test_reflections_and_walls_follow_their_tables():
 def test_zero_absorption_everywhere_is_finite():
     """Nothing is lost but by air: a room that rings for ever stays a number, and each mirror gives all it gets."""
     scene = with_absorption(scene_of(shoebox(SIZE, 0.3, scattering=0.3)), 0.0)
-    config = AudioConfig(receiver="omni", num_rays=64, num_bounces=40, humidity=50.0)
+    config = AudioConfig(receiver=Omni(), late=Traced(num_rays=64, num_bounces=40), air=Air(humidity=50.0))
 
     @jax.jit
     def run(scene):
         traced = trace(scene, SOURCE, EARS, jax.random.key(0), config)
         energy = energy_histogram(traced, jnp.ones((*traced.direction.shape[:1], 2, 7)), config)
         return energy, image_source_reflections(
-            scene, SOURCE, EARS, AudioConfig(reflection_order=2, num_reflections=24)
+            scene, SOURCE, EARS, AudioConfig(early=EarlyPaths(reflection_order=2, num_reflections=24))
         )
 
     energy, paths = run(scene)

@@ -8,6 +8,7 @@ from scenes import HEAD
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import EarlyPaths, Omni
 from home_mjx.audio_jax.propagation.paths import MIN_PATH_LENGTH, RAY_OFFSET, StraightLine, trace_straight_line
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.houses import load_bank
@@ -41,9 +42,9 @@ def cast_by_cast(scene, source, listener, config):
         skipped = jnp.where(blocked & (object_id >= 0), object_id, skipped)
         return (start, skipped, seen, energy, met_any | kinds, blocked), None
 
-    seen = jnp.full(config.max_crossings, -1, jnp.int32)
+    seen = jnp.full(config.early.max_crossings, -1, jnp.int32)
     start = jnp.float32(0), exclude, seen, jnp.ones((2, len(BANDS))), jnp.zeros(2, bool), jnp.bool_(True)
-    (_, _, _, energy, kinds, silent), _ = jax.lax.scan(step, start, jnp.arange(config.max_crossings))
+    (_, _, _, energy, kinds, silent), _ = jax.lax.scan(step, start, jnp.arange(config.early.max_crossings))
     return StraightLine(
         distance,
         direction[0],
@@ -78,7 +79,10 @@ def some_ends(rng, bank, house):
 
 @pytest.mark.parametrize("max_crossings", [1, 2, 4, 16])
 def test_it_meets_what_single_casts_meet(bank, max_crossings):
-    config, rng = AudioConfig(receiver="omni", max_crossings=max_crossings), np.random.default_rng(max_crossings)
+    config, rng = (
+        AudioConfig(receiver=Omni(), early=EarlyPaths(max_crossings=max_crossings)),
+        np.random.default_rng(max_crossings),
+    )
 
     @jax.jit
     def both(house, angle, *ends):

@@ -17,6 +17,7 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.base.options import EarlyPaths, Omni, Traced
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import air_attenuation
@@ -29,8 +30,8 @@ SIZE, ABSORPTION = np.array([6.0, 5.0, 3.0]), 0.2
 DECAY_TIMES = {0.0: 0.648, 0.1: 0.565, 0.3: 0.534, 0.6: 0.535, 1.0: 0.539}  # scattering: T30 [s]
 SOURCE = jnp.float32([-1.0, -1.0, 1.2])
 LISTENERS = jnp.float32([[1, 1, 1.6], [-2, 1.5, 1], [2, -1.5, 2], [0, 0, 1.5], [2.3, 1.7, 0.8], [-2.3, -1.6, 2.2]])
-LONG = AudioConfig(receiver="omni", response_seconds=1.2)
-MANY = AudioConfig(receiver="omni", response_seconds=1.2, num_rays=500, num_bounces=40)
+LONG = AudioConfig(response_seconds=1.2, receiver=Omni())
+MANY = AudioConfig(response_seconds=1.2, receiver=Omni(), late=Traced(num_rays=500, num_bounces=40))
 MID = 3  # 1 kHz
 
 
@@ -113,7 +114,9 @@ def test_decay_times_follow_the_scattering(bank):
 
 def test_the_sphere_detector_is_right_in_a_specular_room(bank):
     config = AudioConfig(
-        receiver="omni", response_seconds=1.2, num_rays=2000, num_bounces=40, detector="sphere", detector_radius=0.5
+        response_seconds=1.2,
+        receiver=Omni(),
+        late=Traced(num_rays=2000, num_bounces=40, detector="sphere", detector_radius=0.5),
     )
     histograms = everywhere(whole_energy, bank, config, [0, 2])
     np.testing.assert_allclose(decay_times(histograms, config), [0.648, 0.534], rtol=0.05)
@@ -141,7 +144,7 @@ def test_level_equals_incoherent_image_sources(bank):
 
 def test_reflections_of_two_orders_are_counted_once(bank):
     """The same level as all image sources, where early paths hold those of orders 1 and 2."""
-    config = replace(MANY, reflection_order=2, num_reflections=24)
+    config = replace(MANY, early=EarlyPaths(num_reflections=24, reflection_order=2))
     totals = everywhere(whole_energy, bank, config, [0, 2])[..., MID].sum(axis=2).mean(axis=1)
     expected = np.mean([image_source_energy(np.asarray(p), air_attenuation(config)[MID]) for p in LISTENERS])
     np.testing.assert_allclose(totals, expected, rtol=0.05)
@@ -150,14 +153,14 @@ def test_reflections_of_two_orders_are_counted_once(bank):
 def test_hard_walls_keep_all_energy_but_what_air_takes(bank):
     rays = everywhere(traced, bank, MANY, [5])
     left = rays.remaining * np.exp(rays.travelled[..., None] * air_attenuation(MANY))
-    np.testing.assert_allclose(left, 1 / MANY.num_rays, rtol=2e-4)
+    np.testing.assert_allclose(left, 1 / MANY.traced.num_rays, rtol=2e-4)
 
 
 def test_mean_free_path(bank):
     """4 V / S, for diffuse reflection."""
     rays = everywhere(traced, bank, MANY, [4])
     volume, surface = SIZE.prod(), 2 * (SIZE * np.roll(SIZE, 1)).sum()
-    assert rays.travelled[0, :, -1].mean() / MANY.num_bounces == pytest.approx(4 * volume / surface, rel=0.01)
+    assert rays.travelled[0, :, -1].mean() / MANY.traced.num_bounces == pytest.approx(4 * volume / surface, rel=0.01)
 
 
 def test_air_alone_makes_the_decay_of_hard_walls(bank):
@@ -184,7 +187,7 @@ def test_noise_falls_with_the_root_of_the_number_of_rays(bank):
     """Spread of the level over keys: sixteen times the rays, a quarter of the spread."""
     spread = []
     for rays in (32, 512):
-        config = AudioConfig(receiver="omni", num_rays=rays)
+        config = AudioConfig(receiver=Omni(), late=Traced(num_rays=rays))
         keys = jax.random.split(jax.random.key(1), 48)
         house, source, listener = jnp.full(48, 2, jnp.int32), jnp.tile(SOURCE, (48, 1)), jnp.tile(LISTENERS[0], (48, 1))
         total = np.asarray(compiled(late_energy, config)(bank, house, source, listener, keys)).sum(axis=(1, 2))

@@ -15,7 +15,7 @@ from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence, sphere_spectrum
 from home_mjx.core.transforms import camera_quat
 
 CONFIG = AudioConfig()
-HEAD = CONFIG.head_radius, CONFIG.speed_of_sound
+HEAD = CONFIG.receiver_radius, CONFIG.speed_of_sound
 _late = jax.jit(lambda key, quat: late_response(jnp.ones((CONFIG.num_bins, 2, 7)), key, CONFIG, quat))
 
 

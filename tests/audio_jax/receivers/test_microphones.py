@@ -13,29 +13,22 @@ from scenes import HEAD, scene_of
 from scipy.signal import butter as butterworth
 from scipy.signal import csd, fftconvolve, sosfilt
 
-from home_mjx.audio_jax import (
-    AudioConfig,
-    Listener,
-    Paths,
-    SoundSource,
-    early_response,
-    energy_envelope,
-    impulse_response,
-    late_response,
-    render_receiver_state,
-    survey_room,
-)
+from home_mjx.audio_jax import AudioConfig, Listener, Paths, SoundSource, impulse_response, render_receiver_state
+from home_mjx.audio_jax.auralization.envelope import energy_envelope
+from home_mjx.audio_jax.auralization.response import early_response, late_response
+from home_mjx.audio_jax.base.options import Ambisonics, MicrophoneArray, Motion, NoLate, Omni
 from home_mjx.audio_jax.moving_sources.frame import render_frame
 from home_mjx.audio_jax.moving_sources.reception import is_truncated, late_state, silent_state
+from home_mjx.audio_jax.parameters import survey_room
 from home_mjx.audio_jax.receivers.channels import late_channel_gains
 from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.errors import ConfigError
 
 FOUR = ((0.05, 0.05, 0.05), (0.05, -0.05, -0.05), (-0.05, 0.05, -0.05), (-0.05, -0.05, 0.06))
-ARRAY = AudioConfig(receiver="array", microphones=FOUR, response_seconds=0.1)
-WIDE = AudioConfig(receiver="array", microphones=((0.9, 0, 0), (-0.9, 0, 0), (0, 0, 0.8)), response_seconds=0.1)
-FOA = AudioConfig(receiver="ambisonics", response_seconds=0.1)
-OMNI = AudioConfig(receiver="omni", response_seconds=0.1)
+ARRAY = AudioConfig(response_seconds=0.1, receiver=MicrophoneArray(FOUR))
+WIDE = AudioConfig(response_seconds=0.1, receiver=MicrophoneArray(((0.9, 0, 0), (-0.9, 0, 0), (0, 0, 0.8))))
+FOA = AudioConfig(response_seconds=0.1, receiver=Ambisonics())
+OMNI = AudioConfig(response_seconds=0.1, receiver=Omni())
 RATE, SPEED = ARRAY.sample_rate, ARRAY.speed_of_sound
 AHEAD = jnp.float32([1, 0, 0, 0])
 BAND = np.linspace(500, 5000, 181)
@@ -79,7 +72,7 @@ def test_plane_waves_reach_microphones_when_they_should(vector):
 def test_spherical_waves_of_near_sources(config, vector):
     """Delay and level of the exact way to each microphone."""
     delay, level = arrival(render(config, vector))
-    exact = np.linalg.norm(np.array(vector) - np.array(config.microphones), axis=1)
+    exact = np.linalg.norm(np.array(vector) - np.array(config.receiver.positions), axis=1)
     np.testing.assert_allclose(delay * RATE, exact / SPEED * RATE, atol=0.05)
     np.testing.assert_allclose(level * exact, 1, rtol=0.02)
 
@@ -135,7 +128,7 @@ def test_without_a_late_part_there_are_as_many_channels():
         scene_of(shoebox()),
         (SoundSource(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)),
     )
-    config = AudioConfig(receiver="ambisonics", late="none")
+    config = AudioConfig(receiver=Ambisonics(), late=NoLate())
     run = lambda hear: jax.eval_shape(lambda: hear(scene, *ends, jax.random.key(0), config))  # noqa: E731
     assert run(energy_envelope).energy.shape[1] == 4
     assert run(impulse_response).shape == (4, config.response_length)
@@ -149,7 +142,7 @@ def test_w_is_the_omnidirectional_receiver():
     )
     vectors = [[2, 3, -1.0], [-4, 1, 2]]
     np.testing.assert_allclose(render(FOA, vectors)[0], render(OMNI, vectors)[0], atol=1e-6)
-    foa, omni = (AudioConfig(receiver=name) for name in ("ambisonics", "omni"))
+    foa, omni = (AudioConfig(receiver=kind()) for kind in (Ambisonics, Omni))
     hear = jax.jit(impulse_response, static_argnums=4)
     ours, even = (np.asarray(hear(scene, *ends, jax.random.key(0), c), float) for c in (foa, omni))
     assert ours.shape == (4, foa.response_length)
@@ -179,8 +172,8 @@ def coherence(a, b):
 @pytest.mark.parametrize("yaw", [0.0, 1.1])
 def test_late_sound_at_microphones_is_as_coherent_as_a_diffuse_field(yaw):
     """sin(kd) / (kd) in each octave from 250 Hz to 4 kHz, all pairs: 0.1."""
-    config = AudioConfig(receiver="array", microphones=((0, 0, 0), (0.05, 0, 0), (0, 0.2, 0), (0, 0, -0.12)))
-    sound, place = late(config, yaw), np.array(config.microphones)
+    config = AudioConfig(receiver=MicrophoneArray(((0, 0, 0), (0.05, 0, 0), (0, 0.2, 0), (0, 0, -0.12))))
+    sound, place = late(config, yaw), np.array(config.receiver.positions)
     for i, j in itertools.combinations(range(4), 2):
         frequency, found = coherence(sound[i], sound[j])
         exact = np.sinc(2 * frequency * np.linalg.norm(place[i] - place[j]) / SPEED)
@@ -190,7 +183,7 @@ def test_late_sound_at_microphones_is_as_coherent_as_a_diffuse_field(yaw):
 
 
 def test_a_turned_array_hears_other_noise_but_for_low_ones():
-    config = AudioConfig(receiver="array", microphones=((0.1, 0, 0), (-0.1, 0, 0), (0, 0, 0.1)))
+    config = AudioConfig(receiver=MicrophoneArray(((0.1, 0, 0), (-0.1, 0, 0), (0, 0, 0.1))))
     before, after = (late(config, yaw, keys=4) for yaw in (0.2, 0.2 + np.pi / 2))
     high = butterworth(4, 1500, "high", fs=RATE, output="sos")
     low = butterworth(4, 90, "low", fs=RATE, output="sos")
@@ -201,13 +194,13 @@ def test_a_turned_array_hears_other_noise_but_for_low_ones():
 
 
 def test_one_microphone_in_the_middle_is_the_omnidirectional_receiver():
-    one = AudioConfig(receiver="array", microphones=((0, 0, 0),))
-    np.testing.assert_allclose(late(one)[0], late(AudioConfig(receiver="omni"))[0], atol=1e-4)
+    one = AudioConfig(receiver=MicrophoneArray(((0, 0, 0),)))
+    np.testing.assert_allclose(late(one)[0], late(AudioConfig(receiver=Omni()))[0], atol=1e-4)
 
 
 def test_late_ambisonics_of_a_diffuse_field():
     """Y, Z and X have a third of the energy of W, and nothing in common; turned, they turn."""
-    config = AudioConfig(receiver="ambisonics")
+    config = AudioConfig(receiver=Ambisonics())
     levels = [1, 1 / 3, 1 / 3, 1 / 3]
     sound = late(config, levels=levels)
     power = np.mean(sound**2, axis=1)
@@ -224,7 +217,7 @@ def test_late_ambisonics_of_a_diffuse_field():
 
 @pytest.mark.parametrize("config", [ARRAY, WIDE, FOA])
 def test_frames_of_a_still_source_are_one_convolution(config, rng):
-    config = dataclasses.replace(config, motion=True, tail_seconds=0.0)
+    config = dataclasses.replace(config, motion=Motion(tail_seconds=0.0))
     vectors = np.array([[1.1, 0.4, -1.5], [-3, 2, 2.5], [0.2, 11, 4]])
     distance = np.linalg.norm(vectors, axis=1)
     gain = rng.uniform(0.1, 1, (3, 7))
@@ -246,7 +239,7 @@ def test_frames_of_a_still_source_are_one_convolution(config, rng):
 
 def test_tones_of_a_source_passed_by_at_microphones_that_turn():
     """Against x(t - r / c) / r at each microphone, 1.4 m/s and 90 degrees a second: error below -35 dB."""
-    config = AudioConfig(receiver="array", microphones=FOUR, response_seconds=0.1, motion=True, tail_seconds=0.0)
+    config = AudioConfig(response_seconds=0.1, receiver=MicrophoneArray(FOUR), motion=Motion(tail_seconds=0.0))
     count, frame, frequency = 8, config.frame, 1500.0
     moments = np.arange(count + 1) * frame / RATE
     middle, span = moments.mean(), np.arange(1 - config.memory_length, frame + config.num_lookahead)
@@ -278,7 +271,7 @@ def test_tones_of_a_source_passed_by_at_microphones_that_turn():
 @pytest.mark.parametrize(("part", "place"), [(0.6, (2, -3, 1)), (0.3, (-1, 0.5, -4)), (1.0, (0, 0, 1.0))])
 def test_late_intensity_points_to_where_sound_comes_from(part, place):
     """Part of the sound from one direction, the rest from all over: energies, and the flow of each octave and turn."""
-    config, rng = AudioConfig(receiver="ambisonics"), np.random.default_rng(0)
+    config, rng = AudioConfig(receiver=Ambisonics()), np.random.default_rng(0)
     unit = np.array(place) / np.linalg.norm(place)
     around = rng.normal(size=(4000, 3))
     around = np.concatenate([around, -around]) / np.tile(np.linalg.norm(around, axis=1, keepdims=True), (2, 1))
@@ -299,12 +292,12 @@ def test_late_intensity_points_to_where_sound_comes_from(part, place):
 
 @pytest.mark.parametrize("config", [ARRAY, FOA])
 def test_receptions_have_as_many_channels(config):
-    config = dataclasses.replace(config, motion=True, tail_seconds=0.2)
+    config = dataclasses.replace(config, motion=Motion(tail_seconds=0.2))
     scene = scene_of(shoebox(absorption=0.03))
     ends = SoundSource(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
     heard = jax.jit(render_receiver_state, static_argnums=4)(scene, *ends, jax.random.key(0), config)
     assert heard.energy.shape == (config.num_bins, config.num_late_channels, 7)
-    assert config.num_late_channels == (7 if config.receiver == "ambisonics" else 4)
+    assert config.num_late_channels == (7 if isinstance(config.receiver, Ambisonics) else 4)
     assert jax.tree.map(jnp.shape, heard) == jax.tree.map(jnp.shape, silent_state(config))
     assert late_state(heard, config).shares.bin_weights().shape[:2] == (config.num_bins, 4)
     assert bool(is_truncated(heard, config))  # after 0.3 s of a room that rings for 2
@@ -313,23 +306,23 @@ def test_receptions_have_as_many_channels(config):
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"receiver": "array"},
-        {"microphones": FOUR},
-        {"receiver": "array", "microphones": ((0, 0),)},
-        {"receiver": "array", "microphones": ("abc",)},
-        {"receiver": "array", "microphones": ((0, 0, float("nan")),)},
-        {"receiver": "array", "microphones": ((0, 0, 1.5),)},
-        {"receiver": "array", "microphones": ((0, 0, 0),) * 33},
+        (),
+        "left",
+        ((0, 0),),
+        ("abc",),
+        ((0, 0, float("nan")),),
+        ((0, 0, 1.5),),
+        ((0, 0, 0),) * 33,
     ],
 )
 def test_bad_microphones_are_refused(wrong):
-    with pytest.raises(ConfigError, match="microphones"):
-        AudioConfig(**wrong)
+    with pytest.raises(ConfigError, match="positions"):
+        MicrophoneArray(wrong)
 
 
 def test_lists_of_microphones_are_hashable_and_surveys_want_ears():
-    config = AudioConfig(receiver="array", microphones=[[0, 0, 0.1]])
-    assert hash(config) == hash(AudioConfig(receiver="array", microphones=((0.0, 0.0, 0.1),)))
+    config = AudioConfig(receiver=MicrophoneArray([[0, 0, 0.1]]))
+    assert hash(config) == hash(AudioConfig(receiver=MicrophoneArray(((0.0, 0.0, 0.1),))))
     scene, ends = scene_of(shoebox()), (SoundSource(jnp.zeros(3)), Listener(jnp.ones(3), HEAD))
     with pytest.raises(ConfigError, match="two ears"):
         survey_room(scene, *ends, jax.random.key(0), config)

@@ -11,7 +11,7 @@ from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum, sphere_spectrum
 
 CONFIG = AudioConfig()
-RADIUS, SPEED, RATE = CONFIG.head_radius, CONFIG.speed_of_sound, CONFIG.sample_rate
+RADIUS, SPEED, RATE = CONFIG.receiver_radius, CONFIG.speed_of_sound, CONFIG.sample_rate
 AHEAD = jnp.float32([1, 0, 0, 0])
 _early = jax.jit(lambda paths: early_response(paths, AHEAD, CONFIG))
 

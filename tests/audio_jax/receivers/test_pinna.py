@@ -5,15 +5,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax import AudioConfig, Paths, channel_gains, early_response
+from home_mjx.audio_jax import AudioConfig, Paths
+from home_mjx.audio_jax.auralization.response import early_response
+from home_mjx.audio_jax.base.options import Binaural
+from home_mjx.audio_jax.receivers.channels import channel_gains
 from home_mjx.audio_jax.receivers.pinna import PINNA_MODEL_RATE, pinna_delays, pinna_energy
 from home_mjx.core.transforms import camera_quat
-from home_mjx.errors import ConfigError
 from home_mjx.schema.timing import Timing
 
 FINE = {"timing": Timing(sample_rate=48000), "response_seconds": 0.1}
-BARE, EARED = AudioConfig(**FINE), AudioConfig(**FINE, pinna=True)
-COARSE = AudioConfig(response_seconds=0.1, pinna=True)
+BARE, EARED = AudioConfig(**FINE), AudioConfig(**FINE, receiver=Binaural(pinna=True))
+COARSE = AudioConfig(response_seconds=0.1, receiver=Binaural(pinna=True))
 AHEAD = jnp.float32([1, 0, 0, 0])
 LEVEL = camera_quat(jnp.float32(0.0), jnp.float32(0.0))
 _early = {c: jax.jit(lambda p, q, c=c: early_response(p, q, c)) for c in (BARE, EARED, COARSE)}
@@ -114,9 +116,3 @@ def test_late_energy_has_the_echoes():
         jnp.asarray(vectors, jnp.float32), AHEAD, BARE
     )
     np.testing.assert_allclose(np.asarray(ratio)[:, 0], found, rtol=1e-4)
-
-
-def test_only_ears_have_them():
-    for receiver in ("omni", "ambisonics"):
-        with pytest.raises(ConfigError, match="pinna"):
-            AudioConfig(receiver=receiver, pinna=True)

@@ -12,23 +12,17 @@ from scipy.signal import fftconvolve
 from scipy.spatial.transform import Rotation
 
 from home_mjx import HouseBank, HouseholdEnv
-from home_mjx.audio_jax import (
-    AudioConfig,
-    Listener,
-    Paths,
-    SoundSource,
-    channel_gains,
-    early_response,
-    energy_envelope,
-    impulse_response,
-    make_measured_head,
-    read_head,
-)
+from home_mjx.audio_jax import AudioConfig, Listener, Paths, SoundSource, impulse_response, read_head
+from home_mjx.audio_jax.auralization.envelope import energy_envelope
+from home_mjx.audio_jax.auralization.response import early_response
+from home_mjx.audio_jax.base.options import Binaural, Motion, Omni, Traced
 from home_mjx.audio_jax.moving_sources.frame import render_frame
 from home_mjx.audio_jax.moving_sources.reception import silent_state
+from home_mjx.audio_jax.receivers.channels import channel_gains
 from home_mjx.audio_jax.receivers.grid import grid_directions
 from home_mjx.audio_jax.receivers.heads import interpolate_directions
 from home_mjx.audio_jax.receivers.hrtf import ear_table, sphere_spectrum
+from home_mjx.audio_jax.receivers.measured import make_measured_head
 from home_mjx.audio_jax.receivers.sofa import read_measurements
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.schema.timing import Timing
@@ -40,7 +34,7 @@ netCDF4 = pytest.importorskip("netCDF4", reason="sofar brings it")
 FINE = AudioConfig(timing=Timing(sample_rate=48000), response_seconds=0.1)
 COARSE = AudioConfig(response_seconds=0.1)
 RATE, TAPS, ONSET = 44100, 384, 2e-3  # of the file; when sound reaches the middle of the head [s]
-RADIUS, SPEED = FINE.head_radius, FINE.speed_of_sound
+RADIUS, SPEED = FINE.receiver_radius, FINE.speed_of_sound
 AHEAD = jnp.float32([1, 0, 0, 0])
 OCTAVES = (500, 1000, 2000, 4000, 8000)
 
@@ -156,7 +150,7 @@ def test_a_turned_head_takes_its_ears_along(coarse):
 
 
 def test_frames_of_a_still_source_are_one_convolution(coarse, rng):
-    config = dataclasses.replace(COARSE, motion=True, tail_seconds=0.0)
+    config = dataclasses.replace(COARSE, motion=Motion(tail_seconds=0.0))
     vectors = np.array([[1.1, 0.4, -1.5], [-3, 2, 2.5], [0.2, 11, 4]])
     distance = np.linalg.norm(vectors, axis=1)
     parts = distance, rng.uniform(0.1, 1, (3, 7)), vectors / distance[:, None]
@@ -173,7 +167,7 @@ def test_frames_of_a_still_source_are_one_convolution(coarse, rng):
 
 def test_a_listener_has_its_head_in_a_room(coarse):
     """Responses and energies; their levels are those of the built-in sphere, since this head is one: 0.5 dB."""
-    config = AudioConfig(num_rays=16, num_bounces=4, response_seconds=0.2)
+    config = AudioConfig(response_seconds=0.2, late=Traced(num_rays=16, num_bounces=4))
     scene, source = scene_of(shoebox()), SoundSource(jnp.float32([-1, -1, 1.2]))
 
     @jax.jit
@@ -190,7 +184,7 @@ def test_a_listener_has_its_head_in_a_room(coarse):
 
 def test_agents_hear_with_the_head_of_their_parameters(coarse):
     """It is an argument of what is jitted: another one runs the same program."""
-    audio = AudioConfig(num_rays=4, num_bounces=1, response_seconds=0.1)
+    audio = AudioConfig(response_seconds=0.1, late=Traced(num_rays=4, num_bounces=1))
     config = make_config(audio=audio, sensors=("audio",), impl="kinematic", actions="discrete")
     core = HouseholdEnv(config)
     env, traced = core.bind(HouseBank.from_compiled([shoebox()])), []
@@ -368,8 +362,8 @@ def test_other_conventions_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"receiver": "omni"}, "receiver='omni'"),
-        ({"pinna": True}, "outer ears"),
+        ({"receiver": Omni()}, r"receiver=Omni\(\)"),
+        ({"receiver": Binaural(pinna=True)}, "outer ears"),
         ({"timing": Timing(sample_rate=48000)}, "Hz"),
     ],
 )

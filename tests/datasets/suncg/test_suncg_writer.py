@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
-from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
@@ -17,7 +16,7 @@ from home_mjx.datasets.suncg.write import house as writer_module
 from home_mjx.datasets.suncg.write.house import house_document, write_house, write_library
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import House, Light, Mesh, ModelInfo
+from home_mjx.schema.house import House, Joint, Light, Mesh, ModelInfo
 
 IGNORED = {"path", "problems"}  # where something was read from
 
@@ -140,7 +139,7 @@ def test_json_has_the_keys_of_suncg_in_its_order(suncg_root, tmp_path):
 def test_tables_come_back(tmp_path):
     source = open_dataset(write_tiny_dataset(tmp_path / "source"))
     mesh = source.load_model("9001")
-    light = Light("SpotLight", 40.0, (1.0, 1.0, 1.0), (0.0, 1.0, 0.5), (0.0, -1.0, 0.0), 1.57)
+    light = Light("spot", 40.0, (1.0, 1.0, 1.0), (0.0, 1.0, 0.5), (0.0, -1.0, 0.0), 1.57)
     info = ModelInfo("gen_lamp_1", "floor_lamp", "indoor_lamp", "lamp", front=(1.0, 0.0, 0.0))
     model = LibraryModel(info, mesh, ("n03367059", "floor_lamp.n.01"), {"gen_lamp_1_0": mesh}, (light,))
     write_library(tmp_path / "own", [model], {"wood_1": np.zeros((4, 4, 3), np.uint8)})

@@ -5,7 +5,7 @@ import pytest
 from c_oracle import Boxes, Oracle
 from heaps import AGENTS, BODIES, heap
 
-from home_mjx.physics import PhysicsConfig
+from home_mjx.physics import PhysicsSetup
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -52,7 +52,7 @@ def test_bodies_that_just_touch_the_floor_take_few_steps():
     rows = np.arange(1, 5)[:, None]
     bodies = Boxes(np.c_[rows, rows, np.full(4, 0.25)], np.tile([1.0, 0, 0, 0], (4, 1)), half)
     far = Boxes(np.full((1, 3), -50.0), np.array([[1.0, 0, 0, 0]]), np.full((1, 3), 0.1))
-    oracle = Oracle(PhysicsConfig(), far, bodies, np.full(4, 10.0))
+    oracle = Oracle(PhysicsSetup(), far, bodies, np.full(4, 10.0))
     qpos = np.r_[0, 0, 0.8, 0, np.c_[bodies.pos, bodies.quat].ravel()]
     oracle.fused(qpos, np.zeros(28), np.zeros((1, 3)), substeps=1)
     for height in (0.0, -1e-12, -1e-9, -1e-6, -1e-3):

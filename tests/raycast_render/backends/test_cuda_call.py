@@ -143,7 +143,7 @@ def test_a_cache_that_cannot_be_written_costs_only_time(monkeypatch, tmp_path, c
 
 def test_without_nvrtc_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(nvrtc, "_installed", lambda: iter(()))
-    monkeypatch.setattr(nvrtc, "RANGE_NAMES", ("libnvrtc-that-is-not-there.so",))
+    monkeypatch.setattr(nvrtc, "NAMES", ("libnvrtc-that-is-not-there.so",))
     nvrtc.find_library.cache_clear()
     with pytest.raises(BackendError, match="no NVRTC"):
         nvrtc.find_library()

@@ -146,7 +146,7 @@ def assert_same(library, scene, origin, direction, **options):
 
     def expected(function, executor):
         def look(s, o, d, options, executor):
-            return function(s, o, d, **options, executor=executor)
+            return function(s, o, d, **options, backend=executor)
 
         return in_jit(look, *args, given, backend=executor)
 

@@ -55,7 +55,7 @@ def assert_same(library, scene, rays, query):
     results = [np.full(shape, 77, kind) for kind in TYPES]
     pointers = [x.ctypes.data for x in inputs + results]
     warps = (1 + count // 32) if rays.width == 0 else cuda.launch_grid(environments, count, rays.width)[0] * 2
-    library.run((ctypes.c_void_p * len(pointers))(*pointers), warps, environments, query.steps > 0)
+    library.run((ctypes.c_void_p * len(pointers))(*pointers), warps, environments, query.num_hits > 0)
     with jax.default_device(jax.devices("cpu")[0]):
         expected = jax.jit(lambda *x: find_backend("cpu")(*x, query))(scene.geometry, house, moving, rays)
     for name, x, y in zip(expected._fields, results, expected, strict=True):

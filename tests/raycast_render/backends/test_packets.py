@@ -36,7 +36,7 @@ def assert_equal_bits(a, b):
 def test_images_of_any_size_show_what_each_ray_alone_hits(case, shape):
     """Sides that tiles do not divide, and images narrower than a tile; alone: one ray to an environment."""
     scene, origin, direction = case
-    options = {"mask": 7, "executor": "cpu"}
+    options = {"mask": 7, "backend": "cpu"}
     rays = [f32(x.reshape(*shape, 3)) for x in (origin, direction)]
     one_by_one = jax.vmap(lambda o, d: cast(scene, o, d, **options))
     alone = jax.jit(one_by_one)(f32(origin), f32(direction))

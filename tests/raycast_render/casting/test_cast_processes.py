@@ -45,10 +45,10 @@ rng = np.random.default_rng(0)
 origin = jnp.asarray(rng.uniform(-1, 1, (2, 50000, 3)) + [0, 0, 1.5], jnp.float32)
 direction = jnp.asarray(rng.normal(size=(2, 50000, 3)), jnp.float32)
 assert origin[0].nbytes + direction[0].nbytes > 1_000_000
-step = jax.pmap(lambda s, o, d: cast(s, o, d, executor="cpu").t, in_axes=(None, 0, 0))
+step = jax.pmap(lambda s, o, d: cast(s, o, d, backend="cpu").t, in_axes=(None, 0, 0))
 for _ in range(5):
     t = step(scene, origin, direction)
-one = jax.jit(lambda s, o, d: cast(s, o, d, executor="cpu").t)
+one = jax.jit(lambda s, o, d: cast(s, o, d, backend="cpu").t)
 print(all(np.array_equal(t[i], one(scene, origin[i], direction[i])) for i in range(2)), np.isfinite(t).all())
 """)
     assert out == ["True", "True"]
@@ -58,7 +58,7 @@ def test_forked_child_is_refused_with_an_error():
     out = run("""
 import os, warnings
 warnings.simplefilter("ignore")
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import BackendError
 scene = place()
 origin, direction = np.zeros((5, 3), np.float32) + 1, np.ones((5, 3), np.float32)
 cast(scene, jnp.asarray(origin), jnp.asarray(direction)).t.block_until_ready()
@@ -66,7 +66,7 @@ child = os.fork()
 if child == 0:
     try:
         cast(scene, jnp.asarray(origin), jnp.asarray(direction))
-    except ExecutorError as error:
+    except BackendError as error:
         print("refused" if "spawn" in str(error) else error, flush=True)
         os._exit(7)
     os._exit(1)
@@ -81,7 +81,7 @@ def test_an_environment_that_was_made_before_a_fork_is_refused_after_it():
 import os, warnings
 warnings.simplefilter("ignore")
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import BackendError
 bank = HouseBank.from_compiled([shoebox()])
 options = {"houses": bank, "impl": "kinematic", "sensors": ("state",)}
 for env in (GymEnv(**options), GymVectorEnv(2, **options)):
@@ -92,7 +92,7 @@ for env in (GymEnv(**options), GymVectorEnv(2, **options)):
         for call in (lambda: env.step(env.action_space.sample()), lambda: env.reset(seed=1)):
             try:
                 call()
-            except ExecutorError as error:
+            except BackendError as error:
                 print("refused" if "spawn" in str(error) else error, flush=True)
         os._exit(7)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
@@ -109,7 +109,7 @@ def test_spawned_child_casts(tmp_path):
 import multiprocessing
 
 def work(_):
-    return float(cast(place(), jnp.array([0.0, 0, 1]), jnp.array([1.0, 0, 0]), executor="cpu").t)
+    return float(cast(place(), jnp.array([0.0, 0, 1]), jnp.array([1.0, 0, 0]), backend="cpu").t)
 
 if __name__ == "__main__":
     print(work(0))
@@ -126,7 +126,7 @@ if __name__ == "__main__":
 def test_a_handler_that_does_not_work_is_replaced_with_one_warning():
     out = run("""
 import warnings
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import BackendError
 from home_mjx.raycast_render.backends.numba import chunks
 def broken():
     raise OSError("no compiler today")
@@ -137,8 +137,8 @@ with warnings.catch_warnings(record=True) as caught:
     print(*(float(cast(scene, origin, direction).t) for _ in range(3)))
 print(sum("no compiler today" in str(w.message) for w in caught))
 try:
-    cast(scene, origin, direction, executor="cpu")
-except ExecutorError as error:
+    cast(scene, origin, direction, backend="cpu")
+except BackendError as error:
     print("no compiler today" in str(error))
 """)
     assert out == ["3.0", "3.0", "3.0", "1", "True"]

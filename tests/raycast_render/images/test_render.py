@@ -14,7 +14,7 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_valid_camera
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import KINDS, SEMANTIC_KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shaders import shading, texture
+from home_mjx.raycast_render.shaders import texture
 from home_mjx.schema.semantic import Semantic
 
 SIZE = 32
@@ -116,7 +116,7 @@ def test_depth_is_clipped_or_infinite_outside(look):
     for kind in ("instance", "material", *SEMANTIC_KINDS):
         assert (clipped[kind] == -1).all(), kind
     assert (clipped["normal"] == 0).all()
-    sky = shading.encode_srgb(jnp.array(shading.MISS_COLOR))
+    sky = texture.encode_srgb(jnp.array(texture.MISS_COLOR))
     np.testing.assert_array_equal(clipped["rgb"], np.broadcast_to(sky, (SIZE, SIZE, 3)))
 
 
@@ -203,7 +203,7 @@ def test_every_pixel_shows_its_texel(bank, look):
 def test_srgb_bytes_survive_decoding_and_encoding():
     every = np.repeat(np.arange(256)[:, None], 3, axis=1)
     linear = jnp.asarray(texture.SRGB_TO_LINEAR)[jnp.asarray(every)]
-    np.testing.assert_array_equal(shading.encode_srgb(linear), every)
+    np.testing.assert_array_equal(texture.encode_srgb(linear), every)
 
 
 def test_light_falls_with_the_angle_and_colours_stay(bank, look):

@@ -16,7 +16,7 @@ from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.look import LAYER, RED, SWAP, AppearanceOverrides, hash_uniform, swap_textures
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lights
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 
 SEED = jnp.uint32(12345)
 LIT = LitShader(max_specular_depth=0)
@@ -45,7 +45,7 @@ def draw(bank):
 
 def lamp_light(bank, look, options=LIT):
     scene = scene_of(bank).replace(appearance=look)
-    placed = lights.place_lights(scene, options)
+    placed = lights.place_lights(scene, options.sky)
     return np.asarray(lights.lamp_light(scene, placed, floor_points(POINTS), None, 3).diffuse.pack())
 
 
@@ -93,7 +93,9 @@ def sun(bank, look, options):
     """On the roof, where it shines."""
     point = floor_points(POINTS)
     high = point.replace(pos=Vec(point.pos.x, point.pos.y, point.pos.z + 50.0))
-    light = lights.sun_light(scene_of(bank).replace(appearance=look), high, None, options).diffuse.pack()
+    light = lights.sun_light(
+        scene_of(bank).replace(appearance=look), high, None, options.sun, options.sun_azimuth, options.sun_elevation
+    ).diffuse.pack()
     assert light.min() > 0
     return light
 

@@ -7,13 +7,14 @@ import pytest
 from handmade import Furniture, shoebox, two_rooms
 
 from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, impulse_response
+from home_mjx.audio_jax.base.options import Traced
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render import Camera, Lens, Scene, cast, make_scene, occluded, render
 from home_mjx.raycast_render.backends.cpu import TARGET
 
 E = 3
 LEVEL = jnp.array([0.5**0.5, 0.5**0.5, 0, 0], jnp.float32)
-CONFIG = AudioConfig(num_rays=4, num_bounces=2, response_seconds=0.1)
+CONFIG = AudioConfig(response_seconds=0.1, late=Traced(num_rays=4, num_bounces=2))
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ from lit_scenes import NIGHT, floor_points, lit_bank, scene_of, table
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lights
-from home_mjx.raycast_render.shaders.preset import LitShader
 
 XY = np.stack(np.meshgrid(np.linspace(-2.5, 2.5, 11), np.linspace(-2, 2, 9)), axis=-1).reshape(-1, 2)
 STRATA = (np.stack(np.meshgrid(np.arange(16), np.arange(16)), axis=-1).reshape(-1, 2) + 0.5) / 8 - 1
@@ -20,7 +19,7 @@ def received(bank, xy=XY, spreads=((0.0, 0.0),), count=4, body_pos=None, **point
     """Irradiance at floor points, the mean over places of the lights that light comes from."""
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         scene = scene_of(bank, body_pos)
-        placed = lights.place_lights(scene, LitShader(sky=1.0))
+        placed = lights.place_lights(scene, 1.0)
         at = floor_points(xy, **point)
 
         def one(spread):
@@ -153,7 +152,7 @@ def test_the_most_important_lights_are_chosen(rng, count):
         for i in range(20)
     ]
     bank = lit_bank(*rows)
-    placed = lights.place_lights(scene_of(bank), NIGHT)
+    placed = lights.place_lights(scene_of(bank), NIGHT.sky)
     keys = np.asarray(jax.jit(lambda p: lights.select_lights(placed, p, count))(floor_points(XY))).T
     pos, power = np.array([r["pos"] for r in rows]), np.array([r["intensity"][0] for r in rows])
     offset = np.concatenate([XY, np.zeros((len(XY), 1))], axis=1)[:, None] - pos[None]
@@ -169,17 +168,17 @@ def test_the_most_important_lights_are_chosen(rng, count):
 
 def test_the_sun_lights_what_sees_it_alone():
     bank = lit_bank({})
-    options = LitShader(sun=10.0, sun_elevation=30.0, sun_azimuth=0.0)
+    sun = 10.0, 0.0, 30.0  # irradiance, azimuth, elevation
     outside = floor_points(XY + np.array([20.0, 0.0]))
     outside = outside.replace(pos=outside.pos.replace(z=jnp.full(len(XY), 5.0)))
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         spread = jnp.zeros((len(XY), 2), jnp.float32)
-        got = jax.jit(lambda p: lights.sun_light(scene_of(bank), p, spread, options).diffuse.pack())
+        got = jax.jit(lambda p: lights.sun_light(scene_of(bank), p, spread, *sun).diffuse.pack())
         np.testing.assert_allclose(got(outside), np.outer(np.full(len(XY), 5.0), lights.SUN_COLOR), rtol=1e-5)
         assert (np.asarray(got(floor_points(XY))) == 0).all(), "the room is closed"
         # West of the house at half the roof's height, its shadow is 5.2 m long.
         near = floor_points(np.array([[-3.2, 0.0], [-20.0, 0.0]]))
-        got = jax.jit(lambda p: lights.sun_light(scene_of(bank), p, spread[:2], options).diffuse.pack())
+        got = jax.jit(lambda p: lights.sun_light(scene_of(bank), p, spread[:2], *sun).diffuse.pack())
         np.testing.assert_array_equal(np.asarray(got(near))[:, 0] > 0, [False, True])
 
 

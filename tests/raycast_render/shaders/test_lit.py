@@ -13,16 +13,16 @@ from lit_scenes import NIGHT, lit_bank, scene_of
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.texture_layers import mip_levels
 from home_mjx.errors import ConfigError
-from home_mjx.geometry.instance_tree import build_instance_tree
-from home_mjx.geometry.meshes import make_model
+from home_mjx.geometry.meshes import build_instance_tree, make_model
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_footprint
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.images.view import View
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import lit, optics, shading
-from home_mjx.raycast_render.shaders.preset import LitShader, resolve_shader
+from home_mjx.raycast_render.shaders import lit, optics, texture
+from home_mjx.raycast_render.shaders.base import resolve_shader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.schema.lighting import Gloss
 
 AHEAD = jnp.array([0.5**0.5, 0.5**0.5, 0, 0])  # looks along +y
@@ -42,8 +42,8 @@ def seen(bank, camera, options=NIGHT, lens=LENS):
     def look(scene, camera):
         view = View(scene, camera, lens, options, -1)
         growth = pixel_footprint(camera, lens)[1]
-        end = optics.trace_specular(scene, view.path_state(view.center_rays), growth, options.max_specular_depth, -1)
-        return end.replace(**{name: getattr(end, name).pack() for name in ("origin", "direction", "tint")})
+        end = optics.trace_specular(scene, optics.start_path(view.center_rays), growth, options.max_specular_depth, -1)
+        return end.replace(**{name: getattr(end, name).pack() for name in ("origin", "direction", "throughput")})
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         return jax.tree.map(np.asarray, jax.jit(look)(scene_of(bank), camera))
@@ -76,11 +76,13 @@ def test_glass_shows_what_is_behind_it_tinted():
     ends, plain = (s.origin + s.hit.t[..., None] * s.direction for s in (there, bare))
     np.testing.assert_allclose(ends, plain, atol=1e-4)
     linear = ((np.array([0.2, 0.8, 0.5]) + 0.055) / 1.055) ** 2.4
-    np.testing.assert_allclose(there.tint[pane], np.broadcast_to(1 - 0.5 * (1 - linear), (pane.sum(), 3)), rtol=1e-5)
-    assert (there.tint[~pane] == 1).all()
+    np.testing.assert_allclose(
+        there.throughput[pane], np.broadcast_to(1 - 0.5 * (1 - linear), (pane.sum(), 3)), rtol=1e-5
+    )
+    assert (there.throughput[~pane] == 1).all()
     # The footprint has grown as if there were no pane.
     _, growth = pixel_footprint(camera, Lens(SIZE, SIZE))
-    width = there.width + growth * there.hit.t
+    width = there.footprint + growth * there.hit.t
     np.testing.assert_allclose(width, growth * bare.hit.t, rtol=1e-4)
 
 
@@ -106,7 +108,7 @@ def test_a_mirror_shows_the_mirrored_room():
     assert expected.sum() > 20
     np.testing.assert_array_equal((there.hit.instance == 2) & meets, expected)
     linear = ((np.array([0.2, 0.8, 0.5]) + 0.055) / 1.055) ** 2.4
-    np.testing.assert_allclose(there.tint[meets], np.broadcast_to(linear, (meets.sum(), 3)), rtol=1e-4)
+    np.testing.assert_allclose(there.throughput[meets], np.broadcast_to(linear, (meets.sum(), 3)), rtol=1e-4)
 
 
 def test_a_mirror_shows_the_agent_that_looks_into_it():
@@ -181,7 +183,7 @@ def test_far_textures_are_filtered():
         camera = camera_at(0.3, 0.2, height, quat=[1, 0, 0, 0], fovy=1.0)
         lens = Lens(16, 16)
         view = View(scene_of(bank), camera, lens, NIGHT, -1)
-        sight = view.path_state(view.center_rays)
+        sight = optics.start_path(view.center_rays)
         corner_ = lit._hit_frame(view.scene, sight)
         color = lit._diffuse_reflectance(
             view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_footprint(camera, lens)[1]
@@ -205,7 +207,7 @@ def test_an_image_is_what_the_formulas_say():
     irradiance = 2 * 2.5 / np.linalg.norm(offset, axis=-1) ** 3
     floor = np.asarray(bank.materials.albedo)[2 + 4, :3]  # after the agent's two rows and the four walls
     light = floor * irradiance[..., None] / np.pi
-    expected = np.asarray(shading.encode_srgb(lit.tone_map(Vec.unpack(jnp.asarray(light, jnp.float32)), 3.0).pack()))
+    expected = np.asarray(texture.encode_srgb(lit.tone_map(Vec.unpack(jnp.asarray(light, jnp.float32)), 3.0).pack()))
     assert abs(image.astype(int) - expected.astype(int)).max() <= 1
 
 

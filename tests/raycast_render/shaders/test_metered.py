@@ -6,8 +6,7 @@ import pytest
 
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders.lit import auto_exposure, tone_map
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader, auto_exposure, tone_map
 
 
 def shown(light: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from door_states import with_doors
 from flood import farthest_from_rooms, outside_rooms, reached, rows
 
 from home_mjx.datasets.registry import open_dataset
@@ -166,7 +167,7 @@ def test_nobody_leaves_the_real_house(suncg_root):
 
 def entrance(house: House):
     """The closed door: all others of a generated house stand open."""
-    (door,) = [o for o in house.levels[0].objects if o.state]
+    (door,) = [o for o in house.levels[0].objects if o.model_key != o.model_id]
     return door
 
 
@@ -176,7 +177,7 @@ def with_objects(house: House, objects) -> House:
 
 def test_an_open_entrance_is_shut(house, dataset):
     door = entrance(house)
-    opened = with_objects(house, [replace(o, state=None) if o is door else o for o in house.levels[0].objects])
+    opened = with_doors(dataset, house, closed=False, chosen=lambda o: o is door)
     compiled = compile_house(opened, dataset.metadata)
     check_enclosed(compiled)
     assert (compiled.report["shut_leaves"], compiled.report["barriers"]) == (1, 0)
@@ -185,8 +186,9 @@ def test_an_open_entrance_is_shut(house, dataset):
 
 def test_an_open_entrance_of_unknown_hinge_is_closed_by_a_barrier(house, dataset):
     door = entrance(house)
-    opened = with_objects(house, [replace(o, state=None) if o is door else o for o in house.levels[0].objects])
-    compiled = compile_house(replace(opened, other_state_models={}), dataset.metadata)
+    opened = with_doors(dataset, house, closed=False, chosen=lambda o: o is door)
+    rigid = with_objects(opened, [replace(o, joints=()) for o in opened.levels[0].objects])
+    compiled = compile_house(rigid, dataset.metadata)
     check_enclosed(compiled)
     assert len(compiled.doors.instance) == compiled.report["shut_leaves"] == 0
     assert compiled.report["barriers"] >= 1

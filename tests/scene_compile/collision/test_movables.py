@@ -15,7 +15,7 @@ from home_mjx.scene_compile.collision.choose import select_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, object_colliders
 from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.stability import measure_rest_drift
+from home_mjx.scene_compile.mjcf.overlaps import measure_rest_drift
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import ObjectNode
@@ -35,7 +35,7 @@ def chosen(blocks: list, options: MovableOptions = ALL, walls=None) -> tuple[lis
 
 def as_object(item):
     node = item.node
-    return replace(item, node=ObjectNode(node.id, node.index, node.path, None, "x", None, node.transform))
+    return replace(item, node=ObjectNode(node.id, node.index, node.path, None, "x", "x", node.transform))
 
 
 def heights(candidates: list[MovableCandidate]) -> dict[int, tuple[float, float]]:

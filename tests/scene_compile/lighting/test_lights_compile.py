@@ -15,22 +15,21 @@ from home_mjx.scene_compile.lighting.lights import (
     find_lamp_sources,
 )
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.house import Light, Material, Metadata, ModelInfo, ObjectNode
+from home_mjx.schema.house import Light, Material, ModelInfo, ObjectNode
 
 PLAIN = (Material("a"),)
 
 
 def placed(lights=(), fine="chandelier", pose=None, slots=PLAIN, room=0, half=(0.1, 0.1, 0.1)):
-    """An object of one box; and the table of its lights."""
+    """An object of one box, with lights."""
     model = make_model("m", box_triangles(np.zeros(3), np.array(half, float)))
     pose = np.eye(3, 4) if pose is None else pose
-    node = ObjectNode("0_1", 1, "levels[0].nodes[1]", None, "m", None, np.eye(4))
+    node = ObjectNode("0_1", 1, "levels[0].nodes[1]", None, "m", "m", np.eye(4), lights=tuple(lights))
     info = ModelInfo("m", fine, fine)
-    item = PlacedObject(node, info, model, model, (), slots, pose, 1, 0, room, instance=4)
-    return item, Metadata({}, {"m": tuple(lights)})
+    return PlacedObject(node, info, model, model, (), slots, pose, 1, 0, room, instance=4)
 
 
-def point(x=0.0, y=0.0, z=0.0, power=10.0, kind="PointLight", **more):
+def point(x=0.0, y=0.0, z=0.0, power=10.0, kind="point", **more):
     return Light(kind, power, (1.0, 1.0, 1.0), (x, y, z), **more)
 
 
@@ -45,23 +44,23 @@ def flux_of(source, steps=400):
     "light",
     [
         point(),
-        point(kind="SpotLight", direction=(0, -1, 0), cutoff=1.57, dropoff=2.0),
-        point(kind="SpotLight", direction=(1, -1, 0), cutoff=0.5, dropoff=0.0),
-        point(kind="SpotLight", direction=(1, -1, 0), cutoff=2.0, dropoff=0.0),
-        point(kind="SpotLight", direction=(0, 0, 1), cutoff=3.14, dropoff=3.0),
-        point(kind="LineLight", direction=(0, -1, 0), cutoff=1.57, dropoff=1.0, end=(1.0, 0.0, 0.0)),
+        point(kind="spot", direction=(0, -1, 0), cutoff=1.57, dropoff=2.0),
+        point(kind="spot", direction=(1, -1, 0), cutoff=0.5, dropoff=0.0),
+        point(kind="spot", direction=(1, -1, 0), cutoff=2.0, dropoff=0.0),
+        point(kind="spot", direction=(0, 0, 1), cutoff=3.14, dropoff=3.0),
+        point(kind="line", direction=(0, -1, 0), cutoff=1.57, dropoff=1.0, end=(1.0, 0.0, 0.0)),
     ],
 )
 def test_all_power_is_given_off(light):
-    item, table = placed([light])
-    (source,) = find_lamp_sources(item, table)
+    item = placed([light])
+    (source,) = find_lamp_sources(item)
     np.testing.assert_allclose(flux_of(source), 10.0, rtol=0.02)
 
 
 def test_lights_stand_in_the_model_s_frame_z_up():
-    light = point(0.1, 0.2, 0.3, kind="LineLight", end=(0.5, 0.2, 0.3), direction=(0.0, 0.0, 1.0), cutoff=1.0)
-    item, table = placed([light])
-    (source,) = find_lamp_sources(item, table)
+    light = point(0.1, 0.2, 0.3, kind="line", end=(0.5, 0.2, 0.3), direction=(0.0, 0.0, 1.0), cutoff=1.0)
+    item = placed([light])
+    (source,) = find_lamp_sources(item)
     np.testing.assert_allclose(source.pos, [0.3, -0.3, 0.2])
     np.testing.assert_allclose(source.axis_u, [0.2, 0, 0])
     np.testing.assert_allclose(source.direction, [0, -1, 0])
@@ -71,8 +70,8 @@ def test_lights_stand_in_the_model_s_frame_z_up():
 
 def test_the_bulbs_of_a_chandelier_count_once():
     ring = [point(0.2 * np.cos(a), 0.0, 0.2 * np.sin(a)) for a in np.arange(6)]
-    item, table = placed([*ring, point(3.0), point(0.0, kind="SpotLight", direction=(0, -1, 0))])
-    sources = list(find_lamp_sources(item, table))
+    item = placed([*ring, point(3.0), point(0.0, kind="spot", direction=(0, -1, 0))])
+    sources = list(find_lamp_sources(item))
     assert sorted(float(s.flux[0]) for s in sources) == [10.0, 10.0, 60.0]
     middle = np.mean([light.position for light in ring], axis=0)
     np.testing.assert_allclose(next(s for s in sources if s.flux[0] == 60).pos, [middle[0], -middle[2], 0], atol=1e-12)
@@ -86,8 +85,8 @@ def test_windows_shine_into_their_room(y, side):
     """A pane of 1.2 x 1 m and 1 cm in a wall of the shoebox, seen from either side."""
     rooms = shoebox().rooms
     pose = np.concatenate([np.eye(3), [[0.5], [y], [1.5]]], axis=1)
-    item, table = placed(fine="window", pose=pose, slots=GLASS, half=(0.6, 0.005, 0.5), room=-1)
-    lights = build_lights([item], rooms, table, LightOptions(room_power=0.0))
+    item = placed(fine="window", pose=pose, slots=GLASS, half=(0.6, 0.005, 0.5), room=-1)
+    lights = build_lights([item], rooms, LightOptions(room_power=0.0))
     assert lights.daylight.tolist() == [True]
     np.testing.assert_allclose(lights.direction, [[0, side, 0]])
     np.testing.assert_allclose(lights.area, 1.2)
@@ -102,21 +101,21 @@ def test_what_is_no_window_to_the_open_gives_no_daylight(change):
     pose = np.concatenate([np.eye(3), [[0.5], [y], [1.5]]], axis=1)
     slots = (Material("pane", (0.2, 0.6, 0.7), None, 1.0),) if change == "opaque" else GLASS
     fine = "vase" if change == "no window" else "window"
-    item, table = placed(fine=fine, pose=pose, slots=slots, half=(0.6, 0.005, 0.5))
-    lights = build_lights([item], shoebox().rooms, table, LightOptions(room_power=0.0))
+    item = placed(fine=fine, pose=pose, slots=slots, half=(0.6, 0.005, 0.5))
+    lights = build_lights([item], shoebox().rooms, LightOptions(room_power=0.0))
     assert len(lights.room) == 0
     assert (lights.ambient[1:] == 0).all()
 
 
 def test_rooms_without_a_lamp_get_a_light_under_their_ceiling():
     rooms = shoebox((4.0, 5.0, 2.6)).rooms
-    lights = build_lights([], rooms, Metadata({}), LightOptions(room_power=3.0))
+    lights = build_lights([], rooms, LightOptions(room_power=3.0))
     assert lights.room.tolist() == [0]
     np.testing.assert_allclose(lights.pos[0], [0, 0, 2.55], atol=0.2)
     assert lights.direction[0].tolist() == [0, 0, -1]
     np.testing.assert_allclose(np.pi * lights.intensity[0], 3.0 * 20, rtol=1e-6)
-    lamp, table = placed([point()])
-    assert len(build_lights([lamp], rooms, table, LightOptions()).room) == 1
+    lamp = placed([point()])
+    assert len(build_lights([lamp], rooms, LightOptions()).room) == 1
 
 
 def test_reflected_light_is_the_sum_of_the_reflections():

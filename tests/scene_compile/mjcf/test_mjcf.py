@@ -192,7 +192,7 @@ def test_agent_pushes_as_in_the_batched_physics(house):
     speed = model.jnt_dofadr[model.joint("agent0_x").id]
 
     bank = HouseBank.from_compiled([house])
-    config = physics.PhysicsConfig()
+    config = physics.PhysicsSetup()
     template = physics.Template(config, bank.spec)
     action, index = jnp.array([[1.0, 0.0, 0.0]]), jnp.int32(0)
     batched = physics.reset(template, bank, index, jnp.zeros((1, 3)), jnp.zeros(1))

@@ -11,8 +11,12 @@ from home_mjx.geometry.boxes import empty_boxes, make_boxes
 from home_mjx.geometry.geodesic import distance_fields
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_area
 from home_mjx.scene_compile.navigation.build import build_navigation
-from home_mjx.scene_compile.navigation.free_space import NavigationOptions, find_free_space
-from home_mjx.scene_compile.navigation.nowhere import NO_SPACE_HINTS, no_free_space_error
+from home_mjx.scene_compile.navigation.free_space import (
+    NO_SPACE_HINTS,
+    NavigationOptions,
+    find_free_space,
+    no_free_space_error,
+)
 from home_mjx.schema.compiled import FIELD_UNIT, RoomTable
 
 

@@ -46,7 +46,7 @@ def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:
         boxes.append(box_triangles(np.array([RUN * (i + 0.5), 0.0, half[2]]), half))
     model = make_model("stairs", np.concatenate(boxes))
     pose = np.c_[np.eye(3), [x, y, level * UP]]
-    node = ObjectNode("0_9", 9, "levels[0].nodes[9]", None, "stairs", None, np.eye(4))
+    node = ObjectNode("0_9", 9, "levels[0].nodes[9]", None, "stairs", "stairs", np.eye(4))
     return PlacedObject(
         node, ModelInfo("stairs", "stairs", "stairs", "floor"), model, model, (), (), pose, 9, level, 0, 1
     )

@@ -6,14 +6,14 @@ import mujoco
 import numpy as np
 import pytest
 from cuboids import cuboid, turned
+from door_states import other_state
 from scipy.spatial import cKDTree
 
 from home_mjx.datasets.registry import open_dataset
+from home_mjx.datasets.suncg.read.hinges import find_hinges
 from home_mjx.geometry.box_fit import sample_surface
-from home_mjx.geometry.meshes import transform
+from home_mjx.geometry.meshes import transform, triangles_z_up
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.objects.hinges import find_hinges
-from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import AgentBody
 from home_procgen.v1.dataset import generate_dataset
@@ -138,7 +138,7 @@ def _check_house(dataset, house_id):
     for instance in doors.instance:
         object_id = compiled.instances.object_id[instance]
         node = nodes[object_id]
-        closed = house.models[node.model_key] if node.state else house.others[node.other_state_key]
+        closed = house.models[node.model_key] if node.model_key != node.model_id else other_state(dataset, node)
         surface = sample_surface(transform(compiled.instances.pose[instance], triangles_z_up(closed)), 0.02)
         away = cKDTree(surface).query(_points_of(model, data, model.body(f"object{object_id}_leaf{instance}").id))[0]
         assert np.quantile(away, 0.95) < 0.02

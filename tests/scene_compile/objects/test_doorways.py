@@ -1,17 +1,16 @@
 """Doorways of generated houses against the plans that they were made from."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from door_states import other_state, with_doors
 from scipy.spatial import cKDTree
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.box_fit import sample_surface
-from home_mjx.geometry.meshes import transform
-from home_mjx.scene_compile.architecture.frame import find_frame
+from home_mjx.geometry.meshes import transform, triangles_z_up
+from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.objects.doorways import find_doorways, shut_outer_doors
-from home_mjx.scene_compile.objects.place import place_objects, triangles_z_up
+from home_mjx.scene_compile.objects.place import place_objects
 from home_procgen.v1.dataset import generate_dataset
 
 
@@ -26,8 +25,7 @@ def dataset(tmp_path_factory):
 def house(dataset, request):
     """All doors stand open, the entrance too."""
     house = dataset.load_house(dataset.house_ids[request.param])
-    objects = tuple(replace(o, state=None) for o in house.levels[0].objects)
-    return replace(house, levels=(replace(house.levels[0], objects=objects),))
+    return with_doors(dataset, house, closed=False)
 
 
 def test_only_the_entrance_leads_outdoors(dataset, house):
@@ -53,7 +51,7 @@ def test_outer_doors_are_shut_as_their_closed_variant(dataset, house):
     assert sum(len(o.leaves) for o in after) == sum(len(o.leaves) for o in before) - 1
     assert [o.instance for o in after] == [o.instance for o in before]
     np.testing.assert_array_equal(door.poses[0], door.pose)
-    surface = sample_surface(transform(door.pose, triangles_z_up(house.others[door.node.other_state_key])), 0.02)
+    surface = sample_surface(transform(door.pose, triangles_z_up(other_state(dataset, door.node))), 0.02)
     leaf = transform(door.poses[1], door.parts[1].triangle.astype(float)).reshape(-1, 3)
     assert cKDTree(surface).query(leaf)[0].max() < 0.02
     as_placed = transform(door.pose, door.parts[1].triangle.astype(float)).reshape(-1, 3)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from door_states import with_doors
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes, penetration_depth
@@ -235,8 +236,7 @@ def test_every_door_between_rooms_names_its_leaf(houses):
 
 def test_shut_doors_between_rooms_can_be_pushed_open(dataset):
     house = dataset.load_house(dataset.house_ids[0])
-    objects = tuple(replace(o, state=1) if house.others.get(o.other_state_key) else o for o in house.levels[0].objects)
-    shut = compile_house(replace(house, levels=(replace(house.levels[0], objects=objects),)), dataset.metadata)
+    shut = compile_house(with_doors(dataset, house, closed=True), dataset.metadata)
     np.testing.assert_array_equal(shut.doors.closed, 0)
     assert (shut.navigation.room_hops >= 0).all()
     check_ranges(shut)
@@ -257,8 +257,9 @@ def test_a_jammed_door_is_no_way(dataset):
     pose[:3, 3] = x, z, -y
     post = BoxNode("0_999", 999, "levels[0].nodes[999]", None, np.array([0.1, 2.0, 0.1]), pose)
     level = replace(house.levels[0], boxes=(*house.levels[0].boxes, post))
-    shut = tuple(replace(o, state=1) if o.index == _owner(free, row) else o for o in level.objects)
-    jammed = compile_house(replace(house, levels=(replace(level, objects=shut),)), dataset.metadata)
+    posted = replace(house, levels=(level,))
+    shut = with_doors(dataset, posted, closed=True, chosen=lambda o: o.index == _owner(free, row))
+    jammed = compile_house(shut, dataset.metadata)
     assert 0 < jammed.doors.high[row] - jammed.doors.low[row] < np.deg2rad(30)
     (portal,) = np.flatnonzero(jammed.navigation.portals.leaf[:, 0] == row)
     assert jammed.navigation.portals.width[portal] == 0

@@ -1,24 +1,25 @@
 """A generated house whose doors slide into their walls, every second one: from its meshes to agents that open them."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
+from door_states import other_state
 from numpy.testing import assert_allclose, assert_array_equal
 
 from home_mjx import HouseBank, physics
 from home_mjx.datasets.registry import open_dataset
+from home_mjx.datasets.suncg.read.door_joints import find_joints
+from home_mjx.datasets.suncg.read.hinges import find_hinges
+from home_mjx.geometry.meshes import triangles_z_up
 from home_mjx.navigation import door_angles, passable_portals
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.hands import HandCommands, apply_hand_commands, update_hands
 from home_mjx.raycast_render import cast, make_scene
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.objects.hinges import find_hinges
-from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import AgentBody
 from home_procgen.v1.dataset import generate_dataset
@@ -41,18 +42,19 @@ def house(tmp_path_factory):
     (name,) = generate_dataset(root, [1])
     dataset = open_dataset(root)
     found = dataset.load_house(name)
-    models, others, objects = dict(found.models), dict(found.other_state_models), []
-    doors = [o for o in found.levels[0].objects if o.other_state_key in others]
+    models, objects = dict(found.models), []
+    doors = [o for o in found.levels[0].objects if o.joints]
     for door in doors[::2]:
-        sliding = replace(door, model_id="sliding")
-        models[sliding.model_key] = slid(others[door.other_state_key], models[door.model_key])
-        others[sliding.other_state_key] = replace(others[door.other_state_key], path=Path("sliding_0"))
-        objects.append(sliding)
+        closed, is_closed = other_state(dataset, door), door.model_key != door.model_id
+        key = f"sliding_{is_closed}"
+        models[key] = slid(closed, models[door.model_key])
+        joints = find_joints(key, models[key], closed, is_closed)
+        objects.append(replace(door, model_id="sliding", model_key=key, joints=joints))
     changed = {o.index: o for o in objects}
     level = replace(found.levels[0], objects=tuple(changed.get(o.index, o) for o in found.levels[0].objects))
     known = dataset.metadata.models | {"sliding": dataset.metadata.info(doors[0].model_id)}
     metadata = replace(dataset.metadata, models=known)
-    return compile_house(replace(found, models=models, other_state_models=others, levels=(level,)), metadata)
+    return compile_house(replace(found, models=models, levels=(level,)), metadata)
 
 
 @pytest.fixture(scope="module")
@@ -62,18 +64,18 @@ def bank(house):
 
 def test_leaves_slide_as_far_as_they_were_shifted(house):
     doors = house.doors
-    assert 0 < doors.slides.sum() < len(doors.mass)
-    assert_allclose(abs(doors.wide - doors.closed)[doors.slides], WAY, atol=0.011)
-    assert_array_equal(doors.wide[doors.slides], 0)  # as shown
-    assert_allclose(np.linalg.norm(doors.slide[doors.slides], axis=1), 1)
+    assert 0 < doors.is_sliding.sum() < len(doors.mass)
+    assert_allclose(abs(doors.fully_open - doors.closed)[doors.is_sliding], WAY, atol=0.011)
+    assert_array_equal(doors.fully_open[doors.is_sliding], 0)  # as shown
+    assert_allclose(np.linalg.norm(doors.slide[doors.is_sliding], axis=1), 1)
     thin = doors.size[:, :2].argmin(axis=1)
     yaw = 2 * np.arctan2(doors.quat[:, 3], doors.quat[:, 0]) + np.pi / 2 * thin
     across = np.c_[np.cos(yaw), np.sin(yaw)]
-    assert_allclose((doors.slide * across).sum(axis=1)[doors.slides], 0, atol=1e-3)
+    assert_allclose((doors.slide * across).sum(axis=1)[doors.is_sliding], 0, atol=1e-3)
 
 
 def test_a_bank_has_sliding_leaves_last_and_portals_name_their_rows(house, bank):
-    doors, slides = house.doors, int(house.doors.slides.sum())
+    doors, slides = house.doors, int(house.doors.is_sliding.sum())
     assert bank.spec.num_slides >= slides
     valid = np.asarray(bank.physics.door_valid[0])
     first = bank.spec.num_doors - bank.spec.num_slides
@@ -96,7 +98,7 @@ def test_rays_and_ways_go_through_where_a_leaf_was(house, bank, state):
     angle = door_angles(bank, HOUSE, state, jax.random.key(0))
     scene = make_scene(bank, HOUSE, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody(), door_angle=angle)
     doors = house.doors
-    for row in np.flatnonzero(doors.slides):
+    for row in np.flatnonzero(doors.is_sliding):
         middle = doors.pos[row] + doors.closed[row] * np.array([*doors.slide[row], 0])
         across = np.array([-doors.slide[row, 1], doors.slide[row, 0], 0])
         origin = jnp.array(middle - 0.3 * across, jnp.float32)[None]
@@ -117,7 +119,7 @@ def nobody():
 def test_exported_leaves_slide_to_where_they_are_closed(house):
     model = mujoco.MjModel.from_xml_string(*to_mjcf(house, agent=AgentBody()))
     data, doors = mujoco.MjData(model), house.doors
-    for row in np.flatnonzero(doors.slides):
+    for row in np.flatnonzero(doors.is_sliding):
         name = f"object{house.instances.object_id[doors.instance[row]]}_leaf{doors.instance[row]}"
         joint = model.joint(name)
         assert joint.type[0] == mujoco.mjtJoint.mjJNT_SLIDE

@@ -16,8 +16,7 @@ from home_mjx.scene_compile.semantics.looks.appearance import (
     dominant_colors,
     surface_colors,
 )
-from home_mjx.scene_compile.semantics.looks.home import compute_home_appearance
-from home_mjx.scene_compile.semantics.looks.options import HOME2017, SemanticOptions
+from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.schema.material_kinds import CATEGORY_KINDS, HOME_TEXTURE_KINDS, MATERIAL_KINDS, TEXTURE_KINDS
 
 QUAD = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)  # texture coordinates of a whole image
@@ -135,33 +134,16 @@ def test_what_no_texture_tells_is_usual_for_the_category():
     )
     assert (look.materials, look.is_textured) == (("glass",), False)
     assert compute_appearance(skin([1.0], [SurfaceMaterial()]), SemanticOptions()).materials == ()
-    assert compute_appearance(skin([1.0], [SurfaceMaterial(kind="metal")]), HOME2017).materials == ()
+    assert (
+        compute_appearance(skin([1.0], [SurfaceMaterial(kind="metal")]), SemanticOptions(material="share")).materials
+        == ()
+    )
 
 
 def test_a_users_picture_tells_no_material(picture):
     user, wood = picture("123", [[RED]]), picture("wood_1", [[RED]])
     item = skin([9.0, 1.0], [SurfaceMaterial(texture=user), SurfaceMaterial(texture=wood)])
     assert compute_appearance(item, SemanticOptions()).materials == ("wood",)
-
-
-def test_home_takes_the_mean_of_the_whole_image_and_no_diffuse_colour(picture):
-    halves = picture("wood_1", [[RED] * 4] * 2 + [[(0, 0, 255)] * 4] * 2)
-    upper = QUAD * [1, 0.5] + [0, 0.5]
-    look = compute_home_appearance(skin([1.0], [SurfaceMaterial((0, 1, 0), texture=halves)], upper), HOME2017)
-    assert look.colors["basic"] == ("purple",)
-    assert look.materials == ("wood",)
-
-
-def test_home_adds_up_slots_of_one_colour_and_drops_small_ones():
-    reds = [SurfaceMaterial((1, 0, 0))] * 2
-    look = compute_home_appearance(skin([0.15, 0.15, 0.7], [*reds, SurfaceMaterial((0, 0, 1))]), HOME2017)
-    assert look.colors["css"] == ("blue", "red")
-    assert (
-        compute_home_appearance(
-            skin([0.1] * 10, [SurfaceMaterial((x, 0, 0)) for x in np.linspace(0, 1, 10)]), HOME2017
-        ).colors["basic"]
-        == ()
-    )
 
 
 def test_the_twenty_families_of_the_paper_are_a_subset_of_the_one_table():
@@ -178,9 +160,7 @@ def test_a_broken_texture_is_named(tmp_path):
         compute_appearance(skin([1.0], [SurfaceMaterial(texture=str(path))]), SemanticOptions())
 
 
-@pytest.mark.parametrize(
-    "options", [{"color": "loook"}, {"material": "most"}, {"size": "big"}, {"share": 0.0}, {"share": 1.5}]
-)
+@pytest.mark.parametrize("options", [{"material": "most"}, {"share": 0.0}, {"share": 1.5}])
 def test_unknown_rules_are_refused(options):
     with pytest.raises(ConfigError):
         SemanticOptions(**options)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.home2017.semantics import nearest_names_srgb
 from home_mjx.core.color import ciede2000, srgb_to_lab
-from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names, nearest_names_srgb, palettes
+from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names, palettes
 
 # Sharma, Wu, Dalal (2005), table 1: two CIELAB colours and their difference.
 SHARMA = np.array(

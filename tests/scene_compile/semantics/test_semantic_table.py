@@ -11,10 +11,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
+from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
-from home_mjx.scene_compile.semantics.looks.options import HOME2017
 from home_mjx.scene_compile.semantics.records import house_record
 from home_mjx.scene_compile.semantics.relations import ObserverPose
 from home_mjx.scene_compile.semantics.vocabulary import decode_row, encode_name, vocabularies
@@ -110,16 +109,6 @@ def test_a_batch_of_houses_is_looked_up_at_once(bank, compiled):
     found = jax.vmap(lambda h, i: bank.semantics_of(h, i, Semantic.FINE))(jnp.arange(len(compiled)), ids)
     wanted = [house.semantics[house.instances.semantic[1], Semantic.FINE] for house in compiled]
     assert found.tolist() == [int(number) for number in wanted]
-
-
-def test_home_s_rules_are_an_option_of_the_compiler(houses, dataset):
-    house = houses[0]
-    meaning = house_semantics(house, dataset.metadata, HOME2017)
-    rows = compile_house(house, dataset.metadata, CompileOptions(semantics=HOME2017)).semantics[len(meaning.parts) :]
-    colors = [row[Semantic.CSS] for row in rows]
-    assert colors == [encode_name(Semantic.CSS, next(iter(i.appearance.colors["css"]), "")) for i in meaning.objects]
-    default = compile_house(house, dataset.metadata).semantics[len(meaning.parts) :, Semantic.CSS]
-    assert (np.array(colors) != default).any()
 
 
 def test_colours_that_the_generator_gave_are_found(meanings):

@@ -44,7 +44,6 @@ def test_without_peers_nothing_is_said():
     assert table.log_volume_size(1.0, ModelInfo("x")) == ""
     unknown = size_table(metadata([1.0] * 9, "unknown", "unknown"))
     assert unknown.log_volume_size(1.0, ModelInfo("x")) == ""
-    assert unknown.home_size(ModelInfo("x", dims=None)) == ""
 
 
 def test_like_models_are_not_told_apart_by_a_few_percent():
@@ -68,5 +67,3 @@ def test_every_model_of_the_full_tables_has_a_size(suncg_root):
     frequent = np.array([known.count(size) for size in SIZES]) / len(known)
     np.testing.assert_array_less(frequent, 2 * np.array([0.0228, 0.1359, 0.6827, 0.1359, 0.0228]))
     np.testing.assert_array_less(0.5 * np.array([0.0228, 0.1359, 0.6827, 0.1359, 0.0228]), frequent)
-    tags = {table.home_size(info) for info in sized}
-    assert tags == {"small", "normal", "large", "huge", ""}  # HoME's `tiny` was never given

@@ -12,7 +12,7 @@ import home_mjx
 from home_mjx.core.checks import check_names
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render.cameras.camera import Lens
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions
@@ -59,7 +59,8 @@ REFUSED = {
         ("max_bodies", -1), ("reach", NAN), ("reach", -0.1), ("shrink", -0.1), ("seat", INF), ("largest", -1.0),
     ],
     LitShader: [
-        ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1),
+        ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1),
+        ("max_specular_depth", -1),
     ],
 }  # fmt: skip
 
@@ -97,9 +98,9 @@ WRONG_TYPES = """
 import tempfile
 from pathlib import Path
 from home_mjx import AutoReset, BoundEnv, HouseBank, HouseFilter, HouseholdEnv, HouseStream, make
+from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render import Lens
-from home_mjx.raycast_render import Lit
+from home_mjx.raycast_render import Lens, LitShader
 from home_mjx.scene_compile import CompileOptions
 from home_mjx.scene_compile import MovableOptions
 from home_mjx.scene_compile import NavigationOptions
@@ -110,15 +111,17 @@ from home_mjx.tasks import load_episodes, load_tasks, save_episodes, save_tasks
 options = [
     ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("max_pitch_rate", "x"),
     ("fovy", "a"), ("num_agents", 1.5), ("body.mass", "heavy"), ("num_rays", 2.5), ("sensors", 5),
-    ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("shader", 5), ("clip", None), ("physics", {}),
-    ("audio", "x"), ("actions", 3), ("actions", None),
+    ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("shader", 5), ("shader", LitShader), ("clip", None),
+    ("physics", {}), ("audio", "x"), ("actions", 3), ("actions", None),
 ]
 calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}
 calls |= {
     "camera without name": lambda: AgentCamera(""),
     "heights in words": lambda: make("PointNav-v0", **{"compile.colliders.height": "low"}),
     "light in words": lambda: make("PointNav-v0", **{"compile.lights.room_power": "bright"}),
-    "places in words": lambda: make_config(receiver="array", microphones="left"),
+    "late in words": lambda: AudioConfig(late="baked"),
+    "air in words": lambda: AudioConfig(air="cold"),
+    "places in words": lambda: make_config(receiver="array", positions="left"),
     "kinds with commas": lambda: make("HouseQA-v0", kinds="colour,size"),
     "no kinds": lambda: make("HouseQA-v0", kinds=[]),
     "one kind": lambda: AgentCamera("scanner", "depth"),
@@ -126,8 +129,8 @@ calls |= {
     "pixels": lambda: Lens(10**20, 2.5),
     "no elevation": lambda: Lens(elevation=()),
     "one elevation": lambda: Lens(elevation=(5.0,)),
-    "half a light": lambda: Lit(num_lights=2.5),
-    "half a bounce": lambda: Lit(bounces=1.5),
+    "half a light": lambda: LitShader(num_lights=2.5),
+    "half a bounce": lambda: LitShader(max_specular_depth=1.5),
     "options": lambda: CompileOptions(read=3),
     "rooms of letters": lambda: HouseFilter(rooms=("a", "b")),
     "half open rooms": lambda: HouseFilter(rooms=(None, 3)),
@@ -135,6 +138,7 @@ calls |= {
     "no room": lambda: HouseStream("nowhere", headroom=0.0),
     "seed": lambda: HouseStream("nowhere", seed=-1),
     "lens": lambda: AgentCamera("scanner", lens="lidar"),
+    "no shader": lambda: AgentCamera("scanner", shader=None),
     "two numbers": lambda: AgentCamera("scanner", offset=(1.0, 2.0)),
     "looks": lambda: AgentCamera("scanner", looks="no"),
     "climb": lambda: NavigationOptions(climb="no"),

@@ -5,12 +5,14 @@ import dataclasses
 import pytest
 
 import home_mjx
+from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
-from home_mjx.physics import PhysicsConfig
+from home_mjx.physics import PhysicsConfig, PhysicsSetup
 from home_mjx.scene_compile import CompileOptions
 from home_mjx.schema import AgentBody, Timing
-from home_mjx.tasks import AgentCamera, DiscreteActions, EnvConfig, PointNav, Task, make_config
+from home_mjx.tasks import AgentCamera, DiscreteActions, EnvConfig, Task, make_config
 from home_mjx.tasks.base.options import override_options
+from home_mjx.tasks.suite import PointNav
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,17 +60,31 @@ def test_fields_that_only_fit_together_are_changed_together():
     config = make_config(ctrl_dt=0.03, sim_dt=0.03, sample_rate=8000)
     assert (config.timing.substeps, config.timing.frame) == (1, 240)
     tall = override_options({"": config}, {"radius": 0.9, "body.height": 2.5, "ctrl_dt": 0.06})[""]
-    assert (tall.physics.body.radius, tall.physics.timing.ctrl_dt, tall.audio.timing.frame) == (0.9, 0.06, 480)
+    setup = tall.physics_setup
+    assert (setup.body.radius, setup.timing.ctrl_dt, tall.audio.timing.frame) == (0.9, 0.06, 480)
 
 
 def test_body_and_clock_have_one_source():
     config = EnvConfig(body=AgentBody(radius=0.2), timing=Timing(ctrl_dt=0.2))
-    assert config.physics.body is config.body
-    assert config.physics.timing is config.audio.timing is config.timing
-    with pytest.raises(ConfigError, match=r"`physics\.timing`.*`timing`"):
-        EnvConfig(physics=PhysicsConfig(timing=Timing(ctrl_dt=0.2)))
-    with pytest.raises(ConfigError, match=r"`physics\.body`"):
-        EnvConfig(body=AgentBody(radius=0.2), physics=PhysicsConfig(body=AgentBody(radius=0.3)))
+    assert not {"body", "timing"} & {field.name for field in dataclasses.fields(config.physics)}
+    setup = config.physics_setup
+    assert setup == PhysicsSetup(body=AgentBody(radius=0.2), timing=Timing(ctrl_dt=0.2))
+    assert setup.body is config.body
+    assert setup.timing is config.audio.timing is config.timing
+    assert config.replace(timing=Timing()).physics_setup.timing == Timing()
+    for wrong in (PhysicsSetup(), setup):
+        with pytest.raises(ConfigError, match=r"PhysicsSetup.*PhysicsConfig\(\.\.\.\).*`timing` of the environment"):
+            EnvConfig(physics=wrong)
+    with pytest.raises(ConfigError, match=r"`audio\.timing`.*`timing`"):
+        EnvConfig(audio=AudioConfig(timing=Timing(ctrl_dt=0.2)))
+
+
+def test_agents_have_the_common_body_or_their_own():
+    bodies = (AgentBody(radius=0.2), AgentBody(radius=0.3))
+    assert EnvConfig(body=bodies[0], physics=PhysicsConfig(num_agents=2)).agents == (bodies[0],) * 2
+    config = EnvConfig(physics=PhysicsConfig(num_agents=2, bodies=bodies))
+    assert config.agents == config.physics_setup.agents == bodies
+    assert config.select_agents(1).agents == bodies[:1]
 
 
 @pytest.mark.parametrize(
@@ -119,7 +135,7 @@ def test_wrong_records_are_refused():
 
 
 def test_make_refuses_before_it_compiles(monkeypatch):
-    monkeypatch.setattr("home_mjx.registry.as_bank", None)  # would fail if it were called
+    monkeypatch.setattr("home_mjx.env_factory._load", None)  # would fail if it were called
     with pytest.raises(ConfigError, match="success_radius"):
         home_mjx.make("PointNav-v0", sucess_radius=1.0)
     with pytest.raises(ConfigError, match="Did you mean `num_houses`"):

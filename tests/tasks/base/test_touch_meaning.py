@@ -15,7 +15,7 @@ from home_mjx.schema.categories import coarse_index
 from home_mjx.schema.contact_materials import CONTACT_BY_KIND, DEFAULT_CONTACT, MAX_BOUNCING_MASS, RUBBER_CONTACT
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import BodyContacts, contact_semantics
+from home_mjx.tasks.sensors import BodyContacts, contact_semantics
 from home_procgen.v1.dataset import generate_dataset
 
 

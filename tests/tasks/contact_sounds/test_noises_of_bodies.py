@@ -1,5 +1,7 @@
 """Noises of bodies against what they do: paths walked, free fall, doors that move."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -23,8 +25,8 @@ class Room:
         box = Furniture(position=(3.0, 2.0), mass=5.0)
         self.core = HouseholdEnv(make_config(contact_sounds=noises, **{**QUIET, **options}))
         self.env = self.core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0), furniture=[box])]))
-        self.advance = jax.jit(self.core.advance)
-        self.begun = jax.jit(self.core.begin)(self.env.params, jax.random.key(0))
+        self.advance = jax.jit(functools.partial(self.core.step, observe=False))
+        self.begun = jax.jit(functools.partial(self.core.reset, observe=False))(self.env.params, jax.random.key(0))
 
     def placed(self, *agents, lift=0.0):
         """Agents at (x, y, yaw), the box lifted."""
@@ -142,9 +144,10 @@ def test_doors_creak_and_thud(generated_bank):
     env, doors = core.bind(generated_bank), generated_bank.physics
     hinged = np.asarray(doors.door_valid[0]) & ~np.any(np.asarray(doors.door_slide[0]), axis=1)
     row = int(np.flatnonzero(hinged)[0])
-    state = jax.jit(core.begin)(env.params, jax.random.key(0), 0)
+    state = jax.jit(functools.partial(core.reset, observe=False))(env.params, jax.random.key(0), 0)
     goal = state.physics.goal.at[row].set(doors.door_closed[0, row])
-    state, advance = state.replace(physics=state.physics.replace(door_goal=goal)), jax.jit(core.advance)
+    state = state.replace(physics=state.physics.replace(door_goal=goal))
+    advance = jax.jit(functools.partial(core.step, observe=False))
     angle = jax.jit(lambda state: core.snapshot(env.params, state).door_angle[row])
     angles, gains, states = [float(angle(state))], [], []
     for _ in range(40):
@@ -166,7 +169,8 @@ def test_agents_are_heard_where_nothing_else_moves():
     """A bank without movable bodies and doors has footsteps, and nothing that could scrape or creak."""
     core = HouseholdEnv(make_config(contact_sounds=ContactSoundConfig(), impl="kinematic", **QUIET))
     env = core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0))]))
-    state, advance = jax.jit(core.begin)(env.params, jax.random.key(0)), jax.jit(core.advance)
+    state = jax.jit(functools.partial(core.reset, observe=False))(env.params, jax.random.key(0))
+    advance = jax.jit(functools.partial(core.step, observe=False))
     state = state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:2].set(0.0)))
     for _ in range(8):
         state = advance(env.params, state, AHEAD)
@@ -188,7 +192,8 @@ def test_noises_are_heard_and_off_they_cost_nothing():
     place = Room(sensors=("audio", "ear_levels"))
     silent = place.placed((-4.0, -2.0, 0.0))
     silent = silent.replace(world=silent.world.replace(sounds=silent.world.sounds.replace(gain=jnp.zeros(1))))
-    step, state = jax.jit(place.core.step), jax.jit(place.core.perceive)(place.env.params, silent)
+    state = jax.jit(functools.partial(place.core.observe, update=True))(place.env.params, silent)
+    step = jax.jit(place.core.step)
     heard, levels = [], []
     for _ in range(10):
         state = step(place.env.params, state, AHEAD)
@@ -220,10 +225,12 @@ def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
         return jax.lax.scan(one, state, length=15)[1]
 
     def begun(params, key):
-        state = place.core.begin(params, key)
+        state = place.core.reset(params, key, observe=False)
         physics = state.physics.replace(qpos=place.placed((-4.0, -2.0, 0.0)).physics.qpos)
         off = state.world.sounds.replace(gain=jnp.zeros(1))
-        return place.core.perceive(params, state.replace(physics=physics, world=state.world.replace(sounds=off)))
+        return place.core.observe(
+            params, state.replace(physics=physics, world=state.world.replace(sounds=off)), update=True
+        )
 
     states = jax.jit(jax.vmap(begun, (None, 0)))(varied, keys)
     drawn, run = states.world.drawn, jax.jit(jax.vmap(walk, (0, None)))

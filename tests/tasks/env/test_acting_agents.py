@@ -11,7 +11,8 @@ import pytest
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.agent import AgentBody
-from home_mjx.tasks import AutoReset, EnvParams, ExpertObservationEnv, HouseholdEnv, PointNav, make_config
+from home_mjx.tasks import AutoReset, EnvParams, ExpertObservationEnv, HouseholdEnv, make_config
+from home_mjx.tasks.suite import PointNav
 from home_mjx.viewer.episodes.keyboard import KeyboardPlayer
 
 AGENTS, STEPS, LED = 3, 4, (0.7, 0.0, 0.5, 0.1)
@@ -32,7 +33,7 @@ class Kept(PointNav):
     def num_acting(self):
         return self.acting
 
-    def lead(self, snapshot, state):
+    def control_agents(self, snapshot, state):
         agents = snapshot.stopped.shape[0]
         walks = jnp.tile(jnp.array(LED), (agents, 1)) if snapshot.config.discrete is None else jnp.full(agents, FORWARD)
         return jnp.arange(agents) >= self.acting, walks

@@ -1,5 +1,7 @@
 """Automatic resets: who ends begins anew, everybody is observed once."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -55,7 +57,7 @@ def auto(lowered):
 
 @pytest.fixture(scope="module")
 def perceive(core):
-    return jax.jit(jax.vmap(core.perceive, (None, 0)))
+    return jax.jit(jax.vmap(functools.partial(core.observe, update=True), (None, 0)))
 
 
 def keys():

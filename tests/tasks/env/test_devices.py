@@ -1,5 +1,6 @@
 """Environments split over two devices, as docs/devices.md says."""
 
+import functools
 import re
 
 import jax
@@ -26,7 +27,7 @@ def test_each_of_two_devices_steps_its_part_as_if_alone():
     specs = (P(), P("envs"), P("envs"))
     both = jax.jit(jax.shard_map(batch, mesh=mesh, in_specs=specs, out_specs=P("envs"), check_vma=False))
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), NUM))
-    begun = jax.jit(jax.vmap(env.core.begin, (None, 0)))(env.params, keys)
+    begun = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0)))(env.params, keys)
     actions = jax.random.uniform(jax.random.key(1), (NUM, 4), minval=-1.0)
     args = [
         jax.device_put(x, NamedSharding(mesh, spec))

@@ -240,7 +240,7 @@ def test_a_thing_is_carried_as_far_as_a_move(impl):
 def test_a_step_is_as_long_as_moves_need():
     assert make_config(actions="discrete").timing.ctrl_dt == 0.3
     assert make_config(actions="discrete", sample_rate=8000).audio.frame == 2400
-    assert make_config(actions="discrete", ctrl_dt=0.5).physics.timing.ctrl_dt == 0.5
+    assert make_config(actions="discrete", ctrl_dt=0.5).physics_setup.timing.ctrl_dt == 0.5
     assert make_config(actions="discrete", forward_speed=2.5, turn_rate=2.0).timing.ctrl_dt == 0.1
     assert make_config(actions=DiscreteActions(0.05, 5)).timing.ctrl_dt == 0.1
     assert make_config().timing.ctrl_dt == 0.1

@@ -1,4 +1,5 @@
 import dataclasses
+import functools
 import json
 
 import jax
@@ -130,7 +131,9 @@ def test_an_environment_replays_an_episode(bank, env):
     episodes = sample_episodes(bank, 8, min_length=2.0)
     keys = jax.random.split(jax.random.key(0), 8)
     params = env.with_tasks(episodes).params
-    states = jax.jit(jax.vmap(env.core.begin, (None, 0, None, 0)))(params, keys, None, jnp.arange(8))
+    states = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0, None, 0)))(
+        params, keys, None, jnp.arange(8)
+    )
     np.testing.assert_array_equal(states.world.house, episodes.house)
     np.testing.assert_array_equal(states.task.goal, episodes.columns["goal"])
     np.testing.assert_allclose(states.task.distance[:, 0], episodes.columns["length"], rtol=1e-6)
@@ -169,8 +172,8 @@ def test_starts_are_settled(generated_bank):
     """Who does nothing for a second stays, and so does the furniture."""
     env = HouseholdEnv(make_config(sensors=("state",))).bind(generated_bank)
     keys = jax.random.split(jax.random.key(0), 4)
-    states = jax.jit(jax.vmap(env.core.begin, (None, 0)))(env.params, keys)
-    step = checked(jax.jit(jax.vmap(env.core.advance, (None, 0, 0))))
+    states = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0)))(env.params, keys)
+    step = checked(jax.jit(jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))))
     before = states.physics
     for _ in range(10):
         states = step(env.params, states, jnp.zeros((4, 4)))

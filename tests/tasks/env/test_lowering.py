@@ -8,16 +8,18 @@ import sys
 from home_mjx.core.compile_cache import use_compile_cache
 
 LOWER = """
-import sys
+import functools, sys
 import jax, jax.numpy as jnp
 from handmade import shoebox
 from home_mjx import HouseBank, EnvParams, HouseholdEnv
-from home_mjx.tasks import SENSORS, make_config
+from home_mjx.tasks import make_config
+from home_mjx.tasks.sensors import SENSORS
 
 config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, shader=sys.argv[1])
 core, params = HouseholdEnv(config), EnvParams(HouseBank.from_compiled([shoebox()]))
 keys = jnp.zeros((2, 2), jnp.uint32)
-begin = jax.jit(jax.vmap(core.begin, (None, 0))).lower(params, keys)  # a reset is this and what a step ends with
+start = functools.partial(core.reset, observe=False)  # a whole reset is this and what a step ends with
+begin = jax.jit(jax.vmap(start, (None, 0))).lower(params, keys)
 step = jax.jit(jax.vmap(core.step, (None, 0, 0))).lower(params, begin.out_info, jnp.zeros((2, 2, 4)))
 for program in (begin, step):
     sys.stdout.write(program.as_text() + "\\n")

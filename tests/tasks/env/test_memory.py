@@ -46,7 +46,7 @@ def test_a_spec_tells_before_the_device_holds_anything(tmp_path):
 
     generate_dataset(tmp_path, [0])
     spec = EnvSpec(
-        "PointNav-v0", "home_mjx.tasks:PointNav", {"sensors": ("state",)}, houses=str(tmp_path), num_houses=1
+        "PointNav-v0", "home_mjx.tasks.suite:PointNav", {"sensors": ("state",)}, houses=str(tmp_path), num_houses=1
     )
     found = spec.memory_estimate(1000)
     assert found.states == 1000 * found.state

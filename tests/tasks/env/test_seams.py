@@ -1,6 +1,7 @@
 """Tasks and sensors of a user's own, and specs: what is registered reaches every way to make an environment."""
 
 import dataclasses
+import functools
 import sys
 import textwrap
 
@@ -14,11 +15,12 @@ from handmade import shoebox
 
 import home_mjx
 from home_mjx import EnvSpec, HouseBank, HouseFilter
+from home_mjx.core.checks import check_frozen_dataclass
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, LitShader
-from home_mjx.tasks import AgentCamera, ArraySpec, PointNav, Task, make_config
+from home_mjx.tasks import AgentCamera, ArraySpec, Task, make_config
 from home_mjx.tasks.base import sensor as sensor_seam
-from home_mjx.tasks.base.task import check_task_class
+from home_mjx.tasks.suite import PointNav
 
 OWN = '''
 """A user's own file: a task that counts rooms, and a sensor that remembers the last action's turn."""
@@ -163,9 +165,12 @@ def test_every_environment_keeps_one_tree(generated_bank, all_see_and_hear):
             env = core.bind(env.params)
         key, spec = jax.ShapeDtypeStruct((2,), jnp.uint32), env.action_spec
         action = jax.ShapeDtypeStruct(spec.shape, spec.dtype)
-        begun = jax.eval_shape(env.core.begin, env.params, key)
+        begun = jax.eval_shape(functools.partial(env.core.reset, observe=False), env.params, key)
         trees = [begun, jax.eval_shape(env.reset, key), jax.eval_shape(env.step, begun, action)]
-        trees += [jax.eval_shape(env.core.advance, env.params, begun, action), jax.eval_shape(env.observe, begun)]
+        trees += [
+            jax.eval_shape(functools.partial(env.core.step, observe=False), env.params, begun, action),
+            jax.eval_shape(env.observe, begun),
+        ]
         for tree in trees[1:]:
             assert jax.tree.structure(tree) == jax.tree.structure(begun)
             for a, b in zip(jax.tree.leaves(begun), jax.tree.leaves(tree), strict=True):
@@ -378,4 +383,4 @@ def test_tasks_that_are_no_frozen_dataclasses_are_refused_when_they_are_register
 
 
 def test_a_task_that_only_changes_methods_need_not_be_a_dataclass_again():
-    check_task_class(Same)
+    check_frozen_dataclass("task", Same)

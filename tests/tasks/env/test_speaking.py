@@ -1,5 +1,6 @@
 """Actions that are words: what they are called, what they say, who is refused."""
 
+import functools
 from dataclasses import dataclass
 
 import gymnasium
@@ -11,9 +12,10 @@ import pytest
 from home_mjx.adapters.base.spaces import DiscreteSpace, action_space
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config, tokenize
+from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config
 from home_mjx.tasks.base.specs import MOVE_NAMES
 from home_mjx.tasks.env.moves import action_names, decode_actions
+from home_mjx.tasks.language import tokenize
 
 WORDS = ("say:yes", "answer:red", "say:kitchen")
 TOKENS = [-1] * 6 + list(tokenize("yes red kitchen"))
@@ -34,7 +36,7 @@ class Pair(Task):
     """For two."""
 
     @property
-    def least_agents(self):
+    def min_agents(self):
         return 2
 
 
@@ -78,9 +80,9 @@ def test_what_is_said_is_in_the_next_state_and_every_space_has_it(generated_bank
     space = GymnaxEnv(env).action_space()
     assert isinstance(space, DiscreteSpace)
     assert space.n == 9
-    state = env.core.begin(env.params, jax.random.key(0))
+    state = env.core.reset(env.params, jax.random.key(0), observe=False)
     assert state.world.spoken_token.tolist() == [-1]
-    step = jax.jit(env.core.advance)
+    step = jax.jit(functools.partial(env.core.step, observe=False))
     spoken = step(env.params, state, jnp.int32(7))
     assert env.core.snapshot(env.params, spoken).spoken_token.tolist() == [TOKENS[7]]
     np.testing.assert_array_equal(spoken.world.stopped, [False])

@@ -11,7 +11,8 @@ import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import AutoReset, ExpertObservationEnv, Task, add_expert, expert_action
 from home_mjx.tasks.experts.walk import should_wait
-from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition, pack_program
+from home_mjx.tasks.rules.packing import pack_program
+from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.training.evaluation import evaluate, expert_policy, random_policy
 
@@ -48,14 +49,14 @@ def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
 
 
 def test_nobody_else_pays_for_what_an_expert_looks_at(env):
-    looked = [jax.eval_shape(each.reset, jax.random.key(0)).task.looked for each in (env, add_expert(env))]
+    looked = [jax.eval_shape(each.reset, jax.random.key(0)).task.features for each in (env, add_expert(env))]
     assert looked[0] is None
     assert jax.tree.leaves(looked[1])
 
 
 def test_who_is_asked_for_time_in_a_place_waits_there_until_it_is_over(env):
-    begun = jax.jit(lambda key: env.core.begin(env.params, key, 0, 0))(jax.random.key(0)).task
-    inside, long = Condition(Feature.INSIDE, 0, least=1), Condition(Feature.TIME, least=80)
+    begun = jax.jit(lambda key: env.core.reset(env.params, key, 0, 0, observe=False))(jax.random.key(0)).task
+    inside, long = Condition(Feature.INSIDE, 0, minimum=1), Condition(Feature.TIME, minimum=80)
     columns = pack_program([Selector.rooms(room_type=0)], [TaskStage((Transition(SUCCESS, (inside, long)),), guide=0)])
     state = begun.replace(program=begun.program.replace(**{name: jnp.asarray(x) for name, x in columns.items()}))
     away = jnp.zeros((len(Feature), 1, NUM_DESCRIPTORS, NUM_DESCRIPTORS))

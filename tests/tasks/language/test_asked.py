@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from home_mjx.tasks import tokenize
-from home_mjx.tasks.language.asked import describe_goal
+from home_mjx.tasks.language import tokenize
+from home_mjx.tasks.language.phrases import describe_goal
 from home_mjx.tasks.rules.words import Attribute, TargetKind
 
 NO_TOKENS = np.zeros(32, int)

@@ -5,16 +5,21 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import TaskBank, mask_new_combinations, mask_words, tokenize
+from home_mjx.tasks import TaskBank
 from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.language import mask_new_combinations, mask_words, tokenize
 from home_mjx.tasks.language.splits import COMBINED_ATTRIBUTES
-from home_mjx.tasks.rules.build import pad_tokens
+from home_mjx.tasks.rules.declaration import columns_of
+from home_mjx.tasks.rules.task_bank import RowStart
 from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Attribute
 
 
 def tasks_of(descriptors, texts):
     rows = len(descriptors)
-    columns = {"descriptor": jnp.asarray(descriptors), "tokens": jnp.asarray([pad_tokens(tokenize(t)) for t in texts])}
+    columns = {
+        "descriptor": jnp.asarray(descriptors),
+        "tokens": jnp.asarray([columns_of(RowStart)["tokens"].pack(tokenize(t)) for t in texts]),
+    }
     zero = jnp.zeros(rows, jnp.int32)
     episodes = Episodes(house=zero, start=jnp.zeros((rows, 3)), yaw=jnp.zeros(rows), columns=columns)
     return TaskBank(rows=episodes, field=jnp.zeros((1, 1), jnp.uint16), names=("Any",))
@@ -66,7 +71,7 @@ def test_rows_that_mention_a_word(tasks):
         mask_words(tasks, ("chiar",))
 
 
-@pytest.mark.parametrize("options", [{"part": 1.5}, {"part": float("nan")}])
+@pytest.mark.parametrize("options", [{"fraction": 1.5}, {"fraction": float("nan")}])
 def test_refuses_options(tasks, options):
-    with pytest.raises(ConfigError, match="part"):
+    with pytest.raises(ConfigError, match="fraction"):
         mask_new_combinations(tasks, **options)

@@ -1,5 +1,6 @@
 """The top-down map: its cells, goals, ways and fog of war by hand."""
 
+import functools
 import itertools
 
 import jax
@@ -12,16 +13,9 @@ from handmade import Furniture, two_rooms
 from home_mjx import HouseBank, physics
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
-from home_mjx.tasks import (
-    CellOccupancy,
-    HouseholdEnv,
-    HouseTasks,
-    ObjectNav,
-    RoomNav,
-    make_config,
-    top_down_map,
-    update_map_memory,
-)
+from home_mjx.tasks import HouseholdEnv, make_config
+from home_mjx.tasks.metrics import CellOccupancy, top_down_map, update_map_memory
+from home_mjx.tasks.suite import HouseTasks, ObjectNav, RoomNav
 from home_mjx.viewer.pictures import draw_map
 from home_mjx.viewer.pictures.floor_map import GOAL_COLOUR, PATH_COLOUR, UNSEEN_BRIGHTNESS
 
@@ -41,7 +35,7 @@ def env():
 
 @pytest.fixture(scope="module")
 def begun(env):
-    return jax.jit(env.core.begin)(env.params, jax.random.key(0))
+    return jax.jit(functools.partial(env.core.reset, observe=False))(env.params, jax.random.key(0))
 
 
 @pytest.fixture(scope="module")
@@ -189,9 +183,9 @@ def test_goals_of_rows_are_their_rooms_and_things():
     rows = len(env.params.tasks)
 
     def maps(key, row):
-        state = env.core.begin(env.params, key, None, row)
+        state = env.core.reset(env.params, key, None, row, observe=False)
         snapshot = env.core.snapshot(env.params, state)
-        return top_down_map(snapshot, state.task, update_map_memory(snapshot)), state.task.means
+        return top_down_map(snapshot, state.task, update_map_memory(snapshot)), state.task.targets
 
     keys = jax.random.split(jax.random.key(0), rows)
     found, means = jax.tree.map(np.asarray, jax.jit(jax.vmap(maps))(keys, jnp.arange(rows)))

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import TaskBank, chance_accuracy, prior_accuracy
+from home_mjx.tasks import TaskBank
 from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.metrics import chance_accuracy, prior_accuracy
 from home_mjx.tasks.questions.balance import balance_rows
-from home_mjx.tasks.rules.build import FeasibleRow, TaskRow, pad_tokens
+from home_mjx.tasks.rules.build import FeasibleRow, TaskRow
+from home_mjx.tasks.rules.declaration import columns_of
+from home_mjx.tasks.rules.task_bank import RowStart
 
 HOUSES = 12
 
@@ -27,7 +30,7 @@ def offered(random, questions=20, kinds=3):
 
 
 def bank_of(rows):
-    tokens = jnp.asarray([pad_tokens(row.row.tokens) for row in rows])
+    tokens = jnp.asarray([columns_of(RowStart)["tokens"].pack(row.row.tokens) for row in rows])
     columns = {"tokens": tokens, "answer": jnp.asarray([row.row.answer for row in rows])}
     zero = jnp.zeros(len(rows), jnp.int32)
     episodes = Episodes(house=zero, start=jnp.zeros((len(rows), 3)), yaw=jnp.zeros(len(rows)), columns=columns)

@@ -13,26 +13,15 @@ from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import (
-    VQA,
-    Communication,
-    Dialogue,
-    EnvConfig,
-    HouseholdEnv,
-    HouseQA,
-    HouseTasks,
-    ObjectNav,
-    detokenize,
-    expert_action,
-    load_tasks,
-    save_tasks,
-    tokenize,
-)
-from home_mjx.tasks.communication.talk import NUM_REPLIES, pack_speech, words_of_others
+from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action, load_tasks, save_tasks
+from home_mjx.tasks.language import detokenize, tokenize
 from home_mjx.tasks.questions.dialogue import QUESTION_WORDS, UNKNOWN
 from home_mjx.tasks.rules.house_view import house_views
 from home_mjx.tasks.rules.meaning import resolve_targets_on_host
-from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
+from home_mjx.tasks.rules.packing import pack_speech
+from home_mjx.tasks.rules.speech import words_of_others
+from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, NUM_REPLIES, Attribute, TargetKind
+from home_mjx.tasks.suite import VQA, Communication, Dialogue, HouseQA, HouseTasks, ObjectNav
 
 STOPS = {"stop": True}
 MIX = HouseTasks(
@@ -146,7 +135,7 @@ def test_the_oracle_replies_to_who_has_asked_and_each_question_costs(env, states
 
 def test_the_oracle_tells_the_truth_and_enough(env, bank):
     """By masks: what it says of the thing holds, and what is to be asked means it alone."""
-    columns = {name: column(env, name) for name in ("oracle", "ask", "descriptor")}
+    columns = {name: column(env, name) for name in ("oracle", "num_identifying_questions", "descriptor")}
     houses = np.asarray(env.params.tasks.rows.house)
     things = {(view.house, t.object_id): t for view in house_views(bank) for t in view.objects}
     word_of = {tokenize(question)[0]: word for word, question in QUESTION_WORDS.items()}
@@ -159,12 +148,12 @@ def test_the_oracle_tells_the_truth_and_enough(env, bank):
             if question in word_of:
                 said, word = detokenize([reply]), word_of[question]
                 if said == UNKNOWN:
-                    assert place >= columns["ask"][at]
+                    assert place >= columns["num_identifying_questions"][at]
                     continue
                 alone = category.astype(np.int32).copy()
                 alone[word] = number(word, said)
                 assert number_of in meant(bank, houses[at], alone)
-                if place < columns["ask"][at]:
+                if place < columns["num_identifying_questions"][at]:
                     told[word] = number(word, said)
             elif question == tokenize("on")[0] and thing.semantic(Semantic.SUPPORTER) >= 0:
                 below = things[int(houses[at]), thing.semantic(Semantic.SUPPORTER)]
@@ -209,10 +198,19 @@ def test_a_file_keeps_what_is_said(env, bank, tmp_path):
     path, tasks = tmp_path / "tasks.jsonl", env.params.tasks
     save_tasks(path, bank, tasks)
     again = load_tasks(path, bank)
-    for name in ("answer", "told", "oracle", "ask", "tokens", "needs", "least", "most"):
+    for name in (
+        "answer",
+        "instructed_agents",
+        "oracle",
+        "num_identifying_questions",
+        "tokens",
+        "require",
+        "minimum",
+        "maximum",
+    ):
         np.testing.assert_array_equal(again.rows.columns[name], tasks.rows.columns[name])
     text = path.read_text()
-    assert '"told": [1]' in text
+    assert '"instructed_agents": [1]' in text
     dialogue = next(json.loads(line) for line in text.splitlines() if '"oracle"' in line)
     path.write_text(json.dumps(dialogue | {"oracle": [["colour", "blorb"]]}) + "\n")
     with pytest.raises(DatasetError, match="blorb"):
@@ -221,7 +219,7 @@ def test_a_file_keeps_what_is_said(env, bank, tmp_path):
 
 def test_an_oracle_has_room_for_some_questions():
     assert pack_speech(oracle=[(1, 2)] * NUM_REPLIES)["oracle"].shape == (NUM_REPLIES, 2)
-    for wrong in ({"oracle": [(1, 2)] * (NUM_REPLIES + 1)}, {"oracle": [(1, 2)], "ask": 2}):
+    for wrong in ({"oracle": [(1, 2)] * (NUM_REPLIES + 1)}, {"oracle": [(1, 2)], "num_identifying_questions": 2}):
         with pytest.raises(ConfigError, match="replies"):
             pack_speech(**wrong)
 

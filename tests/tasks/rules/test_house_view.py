@@ -41,7 +41,7 @@ def seen_one_by_one(view, eyes, boxes):
 
 def in_one_piece(view):
     """Things that are one instance: not doors."""
-    return [(thing, view.instance_of(thing)) for thing in view.things if view.instance_of(thing) >= 0]
+    return [(thing, view.instance_of(thing)) for thing in view.objects if view.instance_of(thing) >= 0]
 
 
 def test_things_that_nobody_gets_to_are_not_among_those_of_the_house(views):
@@ -54,15 +54,15 @@ def test_things_that_nobody_gets_to_are_not_among_those_of_the_house(views):
     more = {
         name: HouseObject(9000 + i, row, np.array([at, at + size]), -1) for i, (name, at) in enumerate(corners.items())
     }
-    view.__dict__["everything"] = (*views[0].everything, *more.values())
-    assert view.objects == (*views[0].everything, more["beside"])
+    view.__dict__["all_objects"] = (*views[0].all_objects, *more.values())
+    assert view.objects == (*views[0].all_objects, more["beside"])
 
 
 def test_what_ways_lead_to_is_seen_by_whoever_stops_beside_the_middle_of_a_cell(views, rng):
     eyes, boxes = [], []
     view = views[0]
     for thing, instance in in_one_piece(view):
-        cells, _ = view.beside(instance)
+        cells, _ = view.view_cells(instance)
         angle, away = rng.uniform(-np.pi, np.pi, len(cells)), WITHIN * np.sqrt(rng.uniform(size=len(cells)))
         aside = np.stack([away * np.cos(angle), away * np.sin(angle), np.full(len(cells), EYES)], axis=1)
         eyes.append(view.graph.place[cells] + aside)
@@ -81,7 +81,9 @@ def test_of_several_things_the_one_that_is_nearest_is_seen(views):
         meant = [(thing, instance) for thing, instance in in_one_piece(view) if thing.coarse == kind]
         mask = np.zeros(view.bank.spec.num_instances, bool)
         mask[[instance for _, instance in meant]] = True
-        for cell in view.ends(TargetKind.OBJECT, mask, np.zeros(view.room_types.shape, bool), np.zeros(3))[0].tolist():
+        for cell in view.end_cells(TargetKind.OBJECT, mask, np.zeros(view.room_types.shape, bool), np.zeros(3))[
+            0
+        ].tolist():
             middle = view.graph.place[cell] + [0, 0, view.bank.spec.agent_height / 2]
             gaps = [np.linalg.norm(np.clip(middle, *thing.box) - middle) for thing, _ in meant]
             eyes.append(view.graph.place[cell] + [0, 0, EYES])
@@ -96,4 +98,4 @@ def test_views_made_again_compile_nothing(views, caplog):
     with jax.log_compiles():
         again = house_views(load_bank(None, num_houses=4))
     assert not [record for record in caplog.records if "Compiling" in record.getMessage()]
-    assert again[0].objects[0].box == pytest.approx(views[0].things[0].box)
+    assert again[0].objects[0].box == pytest.approx(views[0].objects[0].box)

@@ -4,14 +4,23 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from drawn_programs import AGENTS, drawn_stages
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.machine import evaluate_conditions, take_transition
-from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition, check_success, pack_program
-from home_mjx.tasks.rules.task_bank import extract_program
+from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.packing import pack_program
+from home_mjx.tasks.rules.program import (
+    Condition,
+    Selector,
+    TaskProgram,
+    TaskStage,
+    Transition,
+    check_success,
+    evaluate_conditions,
+    take_transition,
+)
 from home_mjx.tasks.rules.words import (
     FAILURE,
-    NUM_CONDITIONS,
     NUM_DESCRIPTORS,
     NUM_STAGES,
     NUM_TRANSITIONS,
@@ -19,42 +28,10 @@ from home_mjx.tasks.rules.words import (
     Feature,
 )
 
-AGENTS = 3
-
-
-def drawn_when(random: np.random.Generator) -> Condition:
-    low, high = np.sort(random.uniform(-1, 1, 2))
-    return Condition(
-        Feature(int(random.integers(len(Feature)))),
-        int(random.integers(NUM_DESCRIPTORS)),
-        int(random.integers(NUM_DESCRIPTORS)),
-        int(random.integers(-1, AGENTS)),
-        float(np.float32(low)),
-        float(np.float32(high)),
-    )
-
-
-def drawn_stages(random: np.random.Generator) -> list[TaskStage]:
-    pool = [drawn_when(random) for _ in range(NUM_CONDITIONS)]
-
-    def some() -> tuple[Condition, ...]:
-        return tuple(pool[i] for i in random.permutation(NUM_CONDITIONS)[: random.integers(0, 3)])
-
-    count = int(random.integers(1, NUM_STAGES + 1))
-    return [
-        TaskStage(
-            tuple(
-                Transition(int(random.integers(FAILURE, count)), some(), some(), float(np.float32(random.normal())))
-                for _ in range(random.integers(0, NUM_TRANSITIONS + 1))
-            )
-        )
-        for _ in range(count)
-    ]
-
 
 def holds(when: Condition, table: np.ndarray) -> bool:
     agents = range(AGENTS) if when.agent < 0 else [when.agent]
-    return any(when.least <= table[when.feature, a, when.first, when.second] <= when.most for a in agents)
+    return any(when.minimum <= table[when.feature, a, when.first, when.second] <= when.maximum for a in agents)
 
 
 def by_hand(stages: list[TaskStage], stage: int, table: np.ndarray) -> tuple[int, float, bool]:
@@ -70,7 +47,7 @@ def test_any_program_takes_the_transitions_of_a_loop():
 
     @jax.jit
     def one(columns, stage, table):
-        program = extract_program(columns)
+        program = extract(TaskProgram, columns)
         return take_transition(program, stage, evaluate_conditions(program, table))
 
     kinds = set()

@@ -7,7 +7,8 @@ from home_mjx.houses import load_bank
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.house_view import house_views
 from home_mjx.tasks.rules.meaning import SEMANTIC_COLUMNS, resolve_targets_on_host
-from home_mjx.tasks.rules.program import Selector, TaskStage, pack_program
+from home_mjx.tasks.rules.packing import pack_program
+from home_mjx.tasks.rules.program import Selector, TaskStage
 from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, Attribute
 
 
@@ -23,14 +24,14 @@ def views(bank):
 
 def some_words(thing, random) -> dict[str, int]:
     """Some words that a thing has."""
-    known = [word for word, columns in SEMANTIC_COLUMNS.items() if thing.word(columns[0]) >= 0]
+    known = [word for word, columns in SEMANTIC_COLUMNS.items() if thing.semantic(columns[0]) >= 0]
     chosen = random.permutation(len(known))[: random.integers(0, 4)]
-    return {known[i].name.lower(): thing.word(SEMANTIC_COLUMNS[known[i]][0]) for i in chosen}
+    return {known[i].name.lower(): thing.semantic(SEMANTIC_COLUMNS[known[i]][0]) for i in chosen}
 
 
 def has(thing, words: dict[str, int]) -> bool:
     return all(
-        any(thing.word(column) == value for column in SEMANTIC_COLUMNS[Attribute[name.upper()]])
+        any(thing.semantic(column) == value for column in SEMANTIC_COLUMNS[Attribute[name.upper()]])
         for name, value in words.items()
     )
 
@@ -38,12 +39,12 @@ def has(thing, words: dict[str, int]) -> bool:
 def test_words_mean_what_has_them_all(bank, views):
     random = np.random.default_rng(0)
     for view in views:
-        words = [some_words(thing, random) for thing in view.things]
+        words = [some_words(thing, random) for thing in view.objects]
         rows = np.stack([pack_program([Selector.objects(**w)], [TaskStage(())])["descriptor"] for w in words])
         found = resolve_targets_on_host(bank, view.house, rows)
         ids = np.asarray(bank.geometry.instance_object[view.house])
         for row, wanted in enumerate(words):
-            expected = {thing.object_id for thing in view.things if has(thing, wanted)}
+            expected = {thing.object_id for thing in view.objects if has(thing, wanted)}
             assert set(ids[found.instance[row, 0]].tolist()) == expected
             assert not found.instance[row, 1:].any()
 
@@ -51,8 +52,8 @@ def test_words_mean_what_has_them_all(bank, views):
 def test_on_means_what_stands_on_it(bank, views):
     checked = 0
     for view in views:
-        for thing in view.things:
-            below = thing.word(Semantic.SUPPORTER)
+        for thing in view.objects:
+            below = thing.semantic(Semantic.SUPPORTER)
             if below < 0:
                 continue
             row = pack_program([Selector.objects(on=1), Selector.objects(object_id=below)], [TaskStage(())])[
@@ -60,7 +61,7 @@ def test_on_means_what_stands_on_it(bank, views):
             ]
             found = resolve_targets_on_host(bank, view.house, row[None])
             ids = np.asarray(bank.geometry.instance_object[view.house])
-            expected = {other.object_id for other in view.things if other.word(Semantic.SUPPORTER) == below}
+            expected = {other.object_id for other in view.objects if other.semantic(Semantic.SUPPORTER) == below}
             assert set(ids[found.instance[0, 0]].tolist()) == expected
             checked += 1
     assert checked > 4

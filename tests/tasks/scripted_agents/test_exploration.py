@@ -1,5 +1,6 @@
 """Exploration: tiles against loops over cells, coverage and its reward, and who covers how much."""
 
+import functools
 import itertools
 
 import jax
@@ -11,8 +12,9 @@ import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import EnvConfig, Exploration, HouseholdEnv, expert_action
+from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action
 from home_mjx.tasks.scripted_agents.exploration import divide_in_tiles
+from home_mjx.tasks.suite import Exploration
 
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 NUM, HORIZON = 8, 500
@@ -32,7 +34,8 @@ def env(bank):
 @pytest.fixture(scope="module")
 def walk(env):
     """States of a batch at the reset, and after each of 12 steps ahead and to the left."""
-    begin, advance = jax.jit(jax.vmap(env.core.begin, (None, 0, 0))), jax.jit(jax.vmap(env.core.advance, (None, 0, 0)))
+    begin = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0, 0)))
+    advance = jax.jit(jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0)))
     states = [begin(env.params, jax.random.split(jax.random.key(0), NUM), jnp.arange(NUM) % 2)]
     for step in range(12):
         states.append(advance(env.params, states[-1], jnp.full(NUM, FORWARD if step % 4 else LEFT)))
@@ -132,14 +135,15 @@ def test_the_expert_stops_once_nothing_is_left(env, walk):
 @pytest.mark.slow
 def test_the_expert_covers_the_house_and_chance_does_not(env):
     """Within 500 steps, half of what the id gives: these houses are small."""
-    states = jax.jit(jax.vmap(env.core.begin, (None, 0, 0)))(
+    states = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0, 0)))(
         env.params, jax.random.split(jax.random.key(0), NUM), jnp.arange(NUM) % 2
     )
 
     def run(act):
         def step(states, key):
             actions = jax.vmap(act)(states, jax.random.split(key, NUM))
-            return jax.vmap(env.core.advance, (None, 0, 0))(env.params, states, actions), None
+            advance = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))
+            return advance(env.params, states, actions), None
 
         keys = jax.random.split(jax.random.key(1), HORIZON)
         return jax.jit(lambda s: jax.lax.scan(step, s, keys)[0])(states)

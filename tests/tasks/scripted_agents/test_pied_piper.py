@@ -1,5 +1,7 @@
 """PiedPiper: who plays is led by the task, and following it is success."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +12,8 @@ from home_mjx.audio_jax import CLIPS
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import EnvConfig, HouseholdEnv, PiedPiper, expert_action
+from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action
+from home_mjx.tasks.suite import PiedPiper
 from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 
 PHYSICS = PhysicsConfig(impl="kinematic", num_agents=3)
@@ -27,13 +30,13 @@ def env():
 def begun(env):
     rows = len(env.params.tasks)
     keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
-    return jax.jit(jax.vmap(lambda key, row: env.core.begin(env.params, key, None, row)))(keys, index)
+    return jax.jit(jax.vmap(lambda key, row: env.core.reset(env.params, key, None, row, observe=False)))(keys, index)
 
 
 @pytest.fixture(scope="module")
 def stands(env, begun):
     """States of 40 steps in which the follower is told to turn on the spot."""
-    step = jax.jit(jax.vmap(lambda s: env.core.advance(env.params, s, LEFT)))
+    step = jax.jit(jax.vmap(lambda s: env.core.step(env.params, s, LEFT, observe=False)))
     states = [begun]
     for _ in range(40):
         states.append(step(states[-1]))
@@ -105,7 +108,7 @@ def test_the_expert_follows_and_chance_does_not(env, begun):
     def run(act):
         def step(states, key):
             actions = jax.vmap(act)(states, jax.random.split(key, states.done.shape[0]))
-            after = jax.vmap(env.core.advance, (None, 0, 0))(env.params, states, actions)
+            after = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))(env.params, states, actions)
             return jax.vmap(lambda o, a: jax.tree.map(lambda x, y: jnp.where(o.done, x, y), o, a))(states, after), None
 
         keys = jax.random.split(jax.random.key(1), HORIZON)

@@ -10,7 +10,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose

@@ -9,17 +9,12 @@ import pytest
 from handmade import Slab, _architecture_rows, _room_planes, _rooms, _shell, build_house, shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
-from home_mjx.audio_jax import (
-    AudioConfig,
-    BakeOptions,
-    LateReverbBake,
-    Listener,
-    SoundSource,
-    energy_envelope,
-    lookup_late_sound,
-)
+from home_mjx.audio_jax import AudioConfig, BakeOptions, LateReverbBake, Listener, SoundSource
+from home_mjx.audio_jax.auralization.envelope import energy_envelope
+from home_mjx.audio_jax.base.options import Baked, Traced
 from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
 from home_mjx.audio_jax.late_reverb.lookup.balance import effective_openings
+from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
 from home_mjx.errors import ConfigError
 from home_mjx.houses import add_bakes
 from home_mjx.houses.bakes import bake_entry
@@ -30,7 +25,7 @@ from home_mjx.tasks.env.usable import check_bank
 from home_procgen.v1.dataset import generate_dataset
 
 FEW = BakeOptions(cell_size=2.0, rays=40, max_bounces=40)
-BAKED = AudioConfig(late="baked")
+BAKED = AudioConfig(late=Baked())
 OPTIONS = {"impl": "kinematic", "sensors": ("audio", "ear_levels"), "actions": "discrete"}
 
 
@@ -62,7 +57,7 @@ def test_a_step_hears_baked_sound(bank):
     levels, audio = heard({})
     assert np.isfinite(audio).all()
     assert np.abs(audio).max() > 1e-3
-    traced, _ = heard({"late": "traced", "num_rays": 500, "num_bounces": 80}, ("ear_levels",))
+    traced, _ = heard({"late": Traced(num_rays=500, num_bounces=80)}, ("ear_levels",))
     loud = traced > traced.max() - 40
     np.testing.assert_allclose(levels[loud], traced[loud], atol=1.5)
 

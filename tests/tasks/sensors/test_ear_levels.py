@@ -1,5 +1,7 @@
 """Levels and delays at both ears beside the waveform that the same rays give."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,8 +9,10 @@ import pytest
 from handmade import shoebox
 
 from home_mjx import HouseBank, HouseholdEnv, physics
-from home_mjx.audio_jax import CLIPS, AudioConfig, clip_power, clip_samples, mean_band_power
-from home_mjx.tasks import make_config, tokenize
+from home_mjx.audio_jax import CLIPS, AudioConfig, clip_samples
+from home_mjx.audio_jax.auralization.envelope import clip_power, mean_band_power
+from home_mjx.tasks import make_config
+from home_mjx.tasks.language import tokenize
 
 OCTAVES = 125 * 2.0 ** np.arange(7)
 TONE, NOISE, SILENT = CLIPS.index("tone"), CLIPS.index("noise"), -1
@@ -20,8 +24,8 @@ def heard():
     """A function from the clip, schedule and yaw to what is heard in the third frame of 0.3 s."""
     core = HouseholdEnv(make_config(num_agents=2, speech=("say:yes",), **OPTIONS))
     env = core.bind(HouseBank.from_compiled([shoebox((9.0, 7.0, 3.0), absorption=0.5)]))
-    begun, template = core.begin(env.params, jax.random.key(0)), core.template(env.bank)
-    perceive = jax.jit(core.perceive)
+    begun, template = core.reset(env.params, jax.random.key(0), observe=False), core.template(env.bank)
+    perceive = jax.jit(functools.partial(core.observe, update=True))
     angle = physics.door_angle(template, begun.physics)
 
     def hear(clip, yaw=0.0, duration=jnp.inf, gain=1.0, spoken_token=SILENT):

@@ -5,8 +5,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from home_mjx.audio_jax.base.options import Motion
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import EnvParams, HouseholdEnv, PointNav, make_config
+from home_mjx.tasks import EnvParams, HouseholdEnv, make_config
+from home_mjx.tasks.suite import PointNav
 
 MOST = 64_000  # bytes per agent
 
@@ -31,7 +33,7 @@ def test_who_stands_still_hears_the_same_either_way(generated_bank):
     """Frames of impulse responses, and of paths that do not move; who walks hears something else."""
     heard = {}
     for motion in (False, True):
-        core = core_of(motion=motion, tail_seconds=0.0, num_rays=16, num_bounces=4)
+        core = core_of(motion=Motion(tail_seconds=0.0) if motion else None, num_rays=16, num_bounces=4)
         params, step = EnvParams(generated_bank), jax.jit(core.step)
         state = jax.jit(core.reset)(params, jax.random.key(3))
         frames = [state.obs["audio"]]

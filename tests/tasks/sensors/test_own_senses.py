@@ -1,5 +1,7 @@
 """What agents hear as spectra, hold, did last and got for it."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -95,7 +97,7 @@ def test_asking_for_spectra_beside_the_sound_traces_no_more_rays(bank):
         core = HouseholdEnv(make_config(sensors=sensors, **OPTIONS))
         env = core.bind(bank)
         state = jax.eval_shape(core.reset, env.params, jax.random.key(0))
-        text = str(jax.make_jaxpr(core.perceive)(env.params, state))
+        text = str(jax.make_jaxpr(functools.partial(core.observe, update=True))(env.params, state))
         return text.count("while[") + text.count("scan[")
 
     assert length("audio", "log_mel", "stft") == length("audio") > length("state")

@@ -1,5 +1,7 @@
 """What ears hear of several sources, and of none."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -19,9 +21,9 @@ def heard():
     """A function from the clips, gains and times [s] of two sources to what is heard in the first frame."""
     core = HouseholdEnv(make_config(num_sources=2, clips=("tone", "bell"), **OPTIONS))
     env = core.bind(HouseBank.from_compiled([shoebox()]))
-    begun = core.begin(env.params, jax.random.key(0))
+    begun = core.reset(env.params, jax.random.key(0), observe=False)
     apart = begun.world.sounds.pos.at[1].add(jnp.array([0.5, -0.5, 0.2]))
-    perceive = jax.jit(core.perceive)
+    perceive = jax.jit(functools.partial(core.observe, update=True))
 
     def hear(clips, gains=(1.0, 1.0), every=(jnp.inf, jnp.inf), lasts=(jnp.inf, jnp.inf)):
         numbers = {"gain": gains, "every": every, "lasts": lasts}

@@ -1,6 +1,7 @@
 """Sounds of rows: written, read, refused; and where they are in an environment."""
 
 import dataclasses
+import functools
 import json
 from dataclasses import dataclass
 
@@ -14,20 +15,13 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.navigation import geodesic_distance
 from home_mjx.physics import PhysicsConfig
-from home_mjx.tasks import (
-    AudioNav,
-    EnvConfig,
-    EnvParams,
-    HouseholdEnv,
-    HouseTasks,
-    RoomNav,
-    SoundEvent,
-    expert_action,
-    load_tasks,
-    save_tasks,
-)
+from home_mjx.tasks import EnvConfig, EnvParams, HouseholdEnv, expert_action, load_tasks, save_tasks
+from home_mjx.tasks.rules import SoundEvent
+from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.packing import pack_sounds, unpack_sounds
 from home_mjx.tasks.rules.words import Attribute, TargetKind
-from home_mjx.tasks.sounds.row import NUM_SOUNDS, extract_sounds, pack_sounds, unpack_sounds
+from home_mjx.tasks.sounds.row import NUM_SOUNDS, SoundEvents
+from home_mjx.tasks.suite import AudioNav, HouseTasks, RoomNav
 from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 
 OPTIONS = {"stop": True}
@@ -64,11 +58,11 @@ def walk(env):
     turn, states = jnp.full(rows, 2), []
 
     def reset(key, row):
-        return env.core.begin(env.params, key, None, row)
+        return env.core.reset(env.params, key, None, row, observe=False)
 
     begun = jax.jit(jax.vmap(reset))(keys, index)
     states.append(begun)
-    step = jax.jit(jax.vmap(env.core.advance, (None, 0, 0)))
+    step = jax.jit(jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0)))
     for _ in range(20):
         states.append(step(env.params, states[-1], turn))
     return states
@@ -81,14 +75,14 @@ def of(columns, kind: str) -> np.ndarray:
 def test_sounds_are_read_as_they_were_written():
     sounds = [
         SoundEvent(0, "bell"),
-        SoundEvent(2, "hum", every=3.0, lasts=0.5, gain=0.25),
-        SoundEvent(1, "ring", towards=2, speed=0.5),
+        SoundEvent(2, "hum", period=3.0, duration=0.5, gain=0.25),
+        SoundEvent(1, "ring", destination=2, speed=0.5),
     ]
     arrays = pack_sounds(sounds, 3)
     assert {values.shape for values in arrays.values()} == {(NUM_SOUNDS,)}
     assert unpack_sounds(arrays) == sounds
     on_device = {name: jnp.asarray(values) for name, values in arrays.items()}
-    assert extract_sounds(on_device).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
+    assert extract(SoundEvents, on_device).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
 
 
 @pytest.mark.parametrize(
@@ -96,10 +90,10 @@ def test_sounds_are_read_as_they_were_written():
     [
         (lambda: SoundEvent(0, "bel"), "Did you mean `bell`"),
         (lambda: SoundEvent(-1, "bell"), "emitter"),
-        (lambda: SoundEvent(0, "bell", lasts=0.0), "lasts"),
-        (lambda: SoundEvent(0, "bell", every=float("nan")), "every"),
+        (lambda: SoundEvent(0, "bell", duration=0.0), "duration"),
+        (lambda: SoundEvent(0, "bell", period=float("nan")), "period"),
         (lambda: pack_sounds([SoundEvent(2, "bell")], 2), "descriptor 2"),
-        (lambda: pack_sounds([SoundEvent(0, "bell", towards=1)], 1), "descriptor 1"),
+        (lambda: pack_sounds([SoundEvent(0, "bell", destination=1)], 1), "descriptor 1"),
         (lambda: pack_sounds([SoundEvent(0, "bell")] * 5, 1), "at most 4"),
         (lambda: AudioNav(clip_split="new"), "new"),
         (lambda: AudioNav(schedule="seldom"), "seldom"),
@@ -203,13 +197,13 @@ def test_a_file_of_tasks_holds_their_sounds(env, bank, columns, tmp_path):
     path = tmp_path / "tasks.jsonl"
     save_tasks(path, bank, env.params.tasks)
     again = load_tasks(path, bank)
-    for name in ("sound_emitter", "sound_clip", "sound_every", "sound_lasts", "sound_towards", "sound_speed"):
+    for name in ("sound_emitter", "sound_clip", "sound_period", "sound_duration", "sound_destination", "sound_speed"):
         np.testing.assert_array_equal(again.rows.columns[name], columns[name], err_msg=name)
     np.testing.assert_array_equal(again.rows.columns["descriptor"], columns["descriptor"])
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     assert all("sounds" not in line for line in lines if line["task"] == "RoomNav")
     loud = next(line for line in lines if len(line.get("sounds", ())) == 3)
-    assert loud["sounds"][0]["every"] == 3.0
+    assert loud["sounds"][0]["period"] == 3.0
     assert loud["sounds"][0]["clip"] in SPLITS["unheard"]
 
 
@@ -247,7 +241,7 @@ def test_experts_go_to_what_sounds_and_chance_does_not(env, columns, walk):
     def run(act):
         def step(states, key):
             actions = jax.vmap(act)(states, jax.random.split(key, states.done.shape[0]))
-            after = jax.vmap(env.core.advance, (None, 0, 0))(env.params, states, actions)
+            after = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))(env.params, states, actions)
             return jax.vmap(lambda o, a: jax.tree.map(lambda x, y: jnp.where(o.done, x, y), o, a))(states, after), None
 
         keys = jax.random.split(jax.random.key(1), 500)

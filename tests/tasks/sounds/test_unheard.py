@@ -1,5 +1,7 @@
 """A clip that nobody hears is told by a flag, whatever senses an environment has."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import pytest
@@ -19,7 +21,8 @@ def test_a_source_that_no_agent_hears_is_told(options):
     """Walls let nothing through; a source outside is heard by an agent beside it; silence is no source."""
     core = HouseholdEnv(make_config(**FEW, **options))
     env = core.bind(HouseBank.from_compiled([shoebox((6.0, 5.0, 3.0))]))
-    begun, perceive = core.begin(env.params, jax.random.key(0)), jax.jit(core.perceive)
+    begun = core.reset(env.params, jax.random.key(0), observe=False)
+    perceive = jax.jit(functools.partial(core.observe, update=True))
 
     def told(source, second=(1.0, 1.0), clip=0):
         sounds = begun.world.sounds.replace(pos=jnp.float32([source]), clip=jnp.array([clip], jnp.int32))

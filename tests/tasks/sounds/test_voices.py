@@ -13,19 +13,14 @@ from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.schema.timing import Timing
-from home_mjx.tasks import (
-    Communication,
-    HouseholdEnv,
-    HouseTasks,
-    SoundEvent,
-    load_tasks,
-    make_config,
-    save_tasks,
-    tokenize,
-)
+from home_mjx.tasks import HouseholdEnv, load_tasks, make_config, save_tasks
+from home_mjx.tasks.language import tokenize
 from home_mjx.tasks.language.vocabulary import all_words
-from home_mjx.tasks.sounds.row import VOICE_CLIP, VOICE_CLIP_NUMBER, pack_sounds
+from home_mjx.tasks.rules import SoundEvent
+from home_mjx.tasks.rules.packing import pack_sounds
+from home_mjx.tasks.sounds.row import VOICE_CLIP, VOICE_CLIP_NUMBER
 from home_mjx.tasks.sounds.voice import NUM_WORDS, num_audible_frames, synthesize_voices, synthesize_word, word_tones
+from home_mjx.tasks.suite import Communication, HouseTasks
 
 RATE, LISTENER, SPEAKER, LOOK_UP, LOOK_DOWN = 16000, 0, 1, 4, 5
 MIX = HouseTasks(tasks=(Communication(stop=True), Communication(stop=True, channel="audible")), num_tasks=8)
@@ -74,7 +69,7 @@ def begun(env, step, doors="open"):
     core = HouseholdEnv(make_config(**OPTIONS | {"doors": doors}), MIX)
     rows = len(env.params.tasks)
     keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
-    states = jax.jit(jax.vmap(lambda key, row: core.begin(env.params, key, None, row)))(keys, index)
+    states = jax.jit(jax.vmap(lambda key, row: core.reset(env.params, key, None, row, observe=False)))(keys, index)
     return step(env.params, states, acts(np.full(rows, LOOK_UP)))
 
 
@@ -254,8 +249,8 @@ def test_voices_are_written_in_files(env, tmp_path):
 @pytest.mark.parametrize(
     ("make", "what"),
     [
-        (lambda: SoundEvent(1, VOICE_CLIP, every=3.0), "voice"),
-        (lambda: SoundEvent(1, VOICE_CLIP, towards=2, speed=0.3), "voice"),
+        (lambda: SoundEvent(1, VOICE_CLIP, period=3.0), "voice"),
+        (lambda: SoundEvent(1, VOICE_CLIP, destination=2, speed=0.3), "voice"),
         (lambda: Communication(channel="audable"), "Did you mean `audible`"),
         (lambda: synthesize_word(jnp.int32(1), AudioConfig(timing=Timing(sample_rate=6000))), "6000 Hz"),
     ],

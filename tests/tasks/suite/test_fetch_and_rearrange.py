@@ -18,24 +18,15 @@ from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks import (
-    SUCCESS,
-    EnvConfig,
-    Feature,
-    Fetch,
-    HouseholdEnv,
-    HouseTasks,
-    Rearrange,
-    detokenize,
-    expert_action,
-    load_tasks,
-    save_tasks,
-)
+from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action, load_tasks, save_tasks
+from home_mjx.tasks.language import detokenize
+from home_mjx.tasks.rules import SUCCESS, Feature
+from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.machine import take_transition
-from home_mjx.tasks.rules.program import Selector, pack_program
-from home_mjx.tasks.rules.task_bank import extract_program
+from home_mjx.tasks.rules.packing import pack_program
+from home_mjx.tasks.rules.program import Selector, TaskProgram, take_transition
 from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, TargetKind
+from home_mjx.tasks.suite import Fetch, HouseTasks, Rearrange
 from home_mjx.tasks.suite.carried import find_portable_objects
 
 HANDS = {"hands": True, "max_aim_angle": 10.0, "max_pitch": 1.05}
@@ -70,8 +61,8 @@ def meant_by(view, words: np.ndarray) -> list:
     used = {word: words[word] for word in columns if words[word] >= 0}
     return [
         thing
-        for thing in view.things
-        if all(any(thing.word(column) == value for column in columns[word]) for word, value in used.items())
+        for thing in view.objects
+        if all(any(thing.semantic(column) == value for column in columns[word]) for word, value in used.items())
     ]
 
 
@@ -94,7 +85,7 @@ def test_every_house_has_tasks_of_things_that_hands_can_take(bank, tasks, views,
     assert {int(row["house"]) for row in rows} == set(range(bank.num_houses))
     for row in rows:
         view = views[row["house"]]
-        below = {thing.word(Semantic.SUPPORTER) for thing in view.things}
+        below = {thing.semantic(Semantic.SUPPORTER) for thing in view.objects}
         for d in things_to_take(row):
             (thing,) = meant_by(view, row["descriptor"][d])
             assert thing.body >= 0
@@ -127,7 +118,7 @@ def test_things_are_put_on_others_on_which_they_are_not(tasks, views):
             if f == Feature.ON:
                 (thing,), (below,) = (meant_by(view, row["descriptor"][d]) for d in (i, j))
                 pairs += [thing.object_id, below.object_id]
-                assert thing.word(Semantic.SUPPORTER) != below.object_id
+                assert thing.semantic(Semantic.SUPPORTER) != below.object_id
                 top = below.box[1, 2] - view.graph.place[:, 2].min()
                 assert 0.2 < top < 1.4
         assert len(set(pairs)) == len(pairs)
@@ -274,8 +265,8 @@ def told(program, stage: int, **features: bool) -> tuple[int, float]:
 def one_program(task, count: int):
     stages = task._stages(count)
     arrays = pack_program([Selector.objects(coarse=k) for k in range(2 * count)], stages)
-    return extract_program(
-        {name: jnp.asarray(value) for name, value in arrays.items()} | {"field": jnp.zeros(4, jnp.int32)}
+    return extract(
+        TaskProgram, {name: jnp.asarray(value) for name, value in arrays.items()} | {"field": jnp.zeros(4, jnp.int32)}
     )
 
 

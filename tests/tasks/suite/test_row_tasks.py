@@ -16,24 +16,10 @@ from home_mjx.houses import load_bank
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.compiled import FIELD_UNIT
-from home_mjx.tasks import (
-    EnvConfig,
-    EnvParams,
-    Feature,
-    HouseholdEnv,
-    HouseTasks,
-    InstructionFollowing,
-    ObjectNav,
-    PiedPiper,
-    PointGoals,
-    RoomNav,
-    detokenize,
-    expert_action,
-    load_tasks,
-    mask_new_combinations,
-    save_tasks,
-    tokenize,
-)
+from home_mjx.tasks import EnvConfig, EnvParams, HouseholdEnv, expert_action, load_tasks, save_tasks
+from home_mjx.tasks.language import detokenize, mask_new_combinations, tokenize
+from home_mjx.tasks.rules import Feature
+from home_mjx.tasks.suite import HouseTasks, InstructionFollowing, ObjectNav, PiedPiper, PointGoals, RoomNav
 
 STOPS = {"stop": True}
 TASKS = HouseTasks(
@@ -70,7 +56,7 @@ def test_ways_end_where_conditions_hold(env):
             column = columns["field"][row, columns["first"][row, c]]
             far[home] = np.asarray(tasks.field[:, column])[number[home]] * FIELD_UNIT
             ends = home & (far <= minimum_filter(far, size=(1, 3, 3), mode="constant", cval=np.inf))
-            assert far[ends].max() <= columns["most"][row, c] + 1e-6
+            assert far[ends].max() <= columns["maximum"][row, c] + 1e-6
             seen += 1
     assert seen > 20
 
@@ -155,11 +141,11 @@ def test_a_line_can_be_read_and_written_by_people(env, bank, tmp_path):
     save_tasks(path, bank, env.params.tasks)
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     nav = next(line for line in lines if line["task"] == "ObjectNav")
-    assert nav["meant"][0]["kind"] == "object"
-    assert nav["meant"][0]["coarse"] in COARSE
-    ways = nav["stages"][0]["ways"]
+    assert nav["selectors"][0]["kind"] == "object"
+    assert nav["selectors"][0]["coarse"] in COARSE
+    ways = nav["stages"][0]["transitions"]
     assert [way["next"] for way in ways] == ["success", "failure"]
-    assert [need["feature"] for need in ways[0]["needs"]] == ["distance", "seen", "stopped"]
+    assert [need["feature"] for need in ways[0]["require"]] == ["distance", "seen", "stopped"]
     assert next(line for line in lines if line["task"] == "InstructionFollowing")["instruction"].split()
 
 
@@ -169,9 +155,9 @@ def test_a_line_can_be_read_and_written_by_people(env, bank, tmp_path):
         ({"house": "nowhere"}, UnknownIdError, "nowhere"),
         ({"start": [0, 0]}, DatasetError, "start"),
         ({"instruction": "go to the blorb"}, DatasetError, "blorb"),
-        ({"meant": [{"kind": "object", "coarse": "blorb"}]}, DatasetError, "blorb"),
+        ({"selectors": [{"kind": "object", "coarse": "blorb"}]}, DatasetError, "blorb"),
         ({"stages": []}, DatasetError, "stages"),
-        ({"stages": [{"ways": [{"next": 4}]}]}, DatasetError, "stage 4"),
+        ({"stages": [{"transitions": [{"next": 4}]}]}, DatasetError, "stage 4"),
     ],
 )
 def test_a_broken_line_is_named(env, bank, tmp_path, change, error, what):

@@ -88,7 +88,7 @@ def mutations(draw, lines):
         elif how == "gone":
             del owner[path[-1]]
         elif how == "unknown" and isinstance(owner, dict):
-            owner[draw(st.sampled_from([UNKNOWN, "place", "on", "in", "agent", "bars", "room"]))] = copy.deepcopy(
+            owner[draw(st.sampled_from([UNKNOWN, "place", "on", "in", "agent", "forbid", "room"]))] = copy.deepcopy(
                 draw(VALUES)
             )
         elif how == "twice" and isinstance(owner, list):

@@ -162,7 +162,7 @@ def test_what_is_no_variation_is_refused():
 @pytest.mark.parametrize(
     ("options", "ranges", "said"),
     [
-        ({}, {"lamps": 0.5}, 'preset "fast" has no lights'),
+        ({}, {"lamps": 0.5}, "shader `fast` does not use it"),
         ({"shader": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
         ({}, {"contact_sound_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
         ({}, {"step_length": (0.5, 0.8)}, "Bodies make no noises: give noises="),

@@ -15,9 +15,10 @@ import home_mjx
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.errors import ConfigError, UnknownNameError
-from home_mjx.raycast_render.shaders.preset import LitShader
+from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.registry import EnvSpec, find_spec
-from home_mjx.tasks import AutoReset, HouseholdEnv, PointNav, Variation, load_states, make_config, save_states
+from home_mjx.tasks import AutoReset, HouseholdEnv, Variation, load_states, make_config, save_states
+from home_mjx.tasks.suite import PointNav
 
 NUM = 6
 LIT = LitShader(num_lights=1, max_specular_depth=0)

@@ -84,7 +84,7 @@ def test_a_full_disk_leaves_all_of_a_film_or_nothing(tmp_path: Path, rng: np.ran
 )
 def test_what_does_not_go_together_is_refused(changes: dict, words: str):
     with pytest.raises(ConfigError, match=words if words != "x" else "checkpoint"):
-        run_play(PlayOptions(EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav"), **changes))
+        run_play(PlayOptions(EnvSpec("PointNav-v0", "home_mjx.tasks.suite:PointNav"), **changes))
 
 
 def test_a_task_must_be_named(capsys: pytest.CaptureFixture):

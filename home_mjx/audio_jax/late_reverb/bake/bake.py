@@ -103,7 +103,7 @@ def bake_house(
     cells = replace(cells, center=choose_points(scene, cells, rng))
     seen = compute_visibility(scene, cells.center, cells.center)
     distance = shortest_paths(cells.center, seen)
-    config = AudioConfig(num_bounces=options.max_bounces, response_seconds=NUM_BINS * AudioConfig.bin_seconds)
+    config = AudioConfig(response_seconds=NUM_BINS * AudioConfig.bin_seconds)
     tally = Accumulator(cells.room, distance, len(BANDS), NUM_BINS, config.bin_seconds * config.speed_of_sound)
     starts, free = sample_free_points(scene, cells, rays, rng)
     around = launch_lattice(house, scene, cells, options.cell_size)

@@ -14,7 +14,7 @@ CACHE_VERSION = 9  # raise it whenever the same house and options would give ano
 
 @dataclass(frozen=True)
 class LateReverbBake:
-    """Late reverberation of houses, for `AudioConfig(late="baked")`.
+    """Late reverberation of houses, for `AudioConfig(late=Baked())`.
 
     Half a minute to a minute and a half per house on two cores.
 

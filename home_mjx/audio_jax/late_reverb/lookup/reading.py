@@ -43,8 +43,8 @@ def require_late_sound(bank: HouseBank) -> LateReverb:
         ConfigError: The bank has no baked sound.
     """
     if LATE_REVERB not in bank.bakes:
-        hint = "Add it with `bank = add_bakes(bank, houses, 'late_reverb')` of home_mjx.houses, or use late='traced'."
-        raise ConfigError("AudioConfig(late='baked') needs a bank with baked sound", hint=hint)
+        hint = "Add it with `bank = add_bakes(bank, houses, 'late_reverb')` of home_mjx.houses, or use late=Traced()."
+        raise ConfigError("AudioConfig(late=Baked()) needs a bank with baked sound", hint=hint)
     return bank.bakes[LATE_REVERB]
 
 

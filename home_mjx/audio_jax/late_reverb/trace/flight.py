@@ -132,7 +132,7 @@ def trace_flight(
     metres = config.bin_seconds * config.speed_of_sound
     late = jax.random.uniform(jitter, octave.shape, jnp.float32)
     hear = partial(_record, grid=grid, octave=octave, late=late, metres=metres)
-    mirrors = from_source & (config.num_reflections > 0)
+    mirrors = from_source & (config.early.num_reflections > 0)
     air = jnp.asarray(air_attenuation(config))[octave]
     walk = _BounceContext(scene, grid, octave, air, from_source, end_in_rooms, age, mirrors, hear, metres)
 

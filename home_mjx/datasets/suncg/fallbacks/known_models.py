@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from home_mjx.schema.house import Metadata, ModelInfo
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
+from home_mjx.schema.house import ModelInfo
 
 # Categories (fine, coarse, NYU40) of SUNCG's ids, as listed by its papers and readers.
 _KNOWN = (
@@ -50,17 +51,17 @@ BUILTIN_MODELS = {name: ModelInfo(name, *classes) for classes, names in _KNOWN f
 UNKNOWN_CATEGORY = ModelInfo("").coarse
 
 
-def add_builtin_categories(tables: Metadata) -> Metadata:
+def add_builtin_categories(tables: SuncgMetadata) -> SuncgMetadata:
     """Add the built-in categories of SUNCG's doors, windows and similar models that the tables lack.
 
     Args:
         tables: Tables of the dataset.
 
     Example:
-        >>> with_known_models(Metadata({})).info("122_0").coarse
+        >>> add_builtin_categories(SuncgMetadata({})).info("122_0").coarse
         'door'
     """
-    merged = Metadata({**BUILTIN_MODELS, **tables.models}, tables.lights)
+    merged = SuncgMetadata({**BUILTIN_MODELS, **tables.models}, tables.lights)
     unnamed = {
         name: info for name, info in tables.models.items() if info.coarse == UNKNOWN_CATEGORY
     }  # rows with sizes only
@@ -69,10 +70,10 @@ def add_builtin_categories(tables: Metadata) -> Metadata:
         name: replace(unnamed[name], fine=info.fine, coarse=info.coarse, nyu40=info.nyu40)
         for name, info in known.items()
     }
-    return Metadata({**merged.models, **named}, tables.lights)
+    return SuncgMetadata({**merged.models, **named}, tables.lights)
 
 
-def has_category(tables: Metadata, model_id: str) -> bool:
+def has_category(tables: SuncgMetadata, model_id: str) -> bool:
     """Return whether the tables have the category of a model, or of the base of a variant.
 
     Args:
@@ -82,7 +83,7 @@ def has_category(tables: Metadata, model_id: str) -> bool:
     return tables.info(model_id).coarse != UNKNOWN_CATEGORY
 
 
-def _base(tables: Metadata, model_id: str) -> str:
+def _base(tables: SuncgMetadata, model_id: str) -> str:
     """Return the base model of a variant, or the model itself."""
     stem, _, variant = model_id.rpartition("_")
     return stem if stem in tables.models and variant.isdigit() and len(variant) == 1 else model_id

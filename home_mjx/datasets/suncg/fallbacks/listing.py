@@ -40,31 +40,33 @@ def _parts(level: Level) -> Iterator:
     yield from (part for part in (*rooms, *(ground.mesh for ground in level.grounds)) if part is not None)
 
 
-def count_fallbacks(stand_ins: Sequence[Fallback]) -> dict[str, int]:
+def count_fallbacks(fallbacks: Sequence[Fallback]) -> dict[str, int]:
     """Count the fallbacks by kind.
 
     Args:
-        stand_ins: Fallbacks of a house.
+        fallbacks: Fallbacks of a house.
 
     Example:
-        >>> counts_of([StandIn("texture", "wood_8", "122.obj", "the material's colour")])["texture"]
+        >>> count_fallbacks([Fallback("texture", "wood_8", "122.obj", "the material's colour")])["texture"]
         1
     """
-    found = Counter(item.kind for item in stand_ins)
+    found = Counter(item.kind for item in fallbacks)
     return {kind: found[kind] for kind in FALLBACK_KINDS}
 
 
-def describe_fallbacks(stand_ins: Sequence[Fallback]) -> str:
+def describe_fallbacks(fallbacks: Sequence[Fallback]) -> str:
     """Describe the counts of missing parts, for a message.
 
     Args:
-        stand_ins: Fallbacks of a house.
+        fallbacks: Fallbacks of a house.
 
     Example:
-        >>> in_words([StandIn("texture", "wood_8", "122.obj", ""), StandIn("texture", "wood_9", "122.obj", "")])
+        >>> describe_fallbacks(
+        ...     [Fallback("texture", "wood_8", "122.obj", ""), Fallback("texture", "wood_9", "122.obj", "")]
+        ... )
         '2 textures'
     """
-    counts = count_fallbacks(stand_ins).items()
+    counts = count_fallbacks(fallbacks).items()
     return ", ".join(
         f"{count} {PLURALS.get(kind, f'{kind}s') if count > 1 else kind}" for kind, count in counts if count
     )

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.geometry.meshes import facing_axis
 from home_mjx.geometry.outline import outline
 from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import offset_outwards, simplify, slab, triangulate
-from home_mjx.geometry.wall_groups import facing_axis, wall_faces
 from home_mjx.geometry.wall_prisms import WALL_DEPTH, WALL_EXTRA_HEIGHT, Hole, WallSegment
 from home_mjx.schema.house import Material, Mesh, RoomNode
 
@@ -197,7 +197,7 @@ def _sound(corners: Polygon | None) -> Polygon | None:
 
 def _wall_lines(walls: Mesh) -> Polygon:
     """Return the intersections of successive walls' centre lines; if incomplete, the rectangle around all walls."""
-    lines = [_middle_line(walls.vertices[walls.faces[faces]]) for faces in wall_faces(walls)]
+    lines = [_middle_line(walls.vertices[walls.faces[faces]]) for faces in walls.faces_by_part()]
     corners = [_meeting(a, b) for a, b in zip([lines[-1], *lines[:-1]], lines, strict=True)]
     found = np.array([corner for corner in corners if corner is not None])
     if len(found) == len(lines) >= 3 and _sound(found) is not None:

@@ -6,8 +6,9 @@ from home_mjx.core.files import is_file, is_folder
 from home_mjx.datasets.suncg.formats.element import Location
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
+from home_mjx.datasets.suncg.formats.variants import base_model
 from home_mjx.errors import MissingFileError
-from home_mjx.schema.house import Mesh, base_model
+from home_mjx.schema.house import Mesh
 
 
 class AssetLibrary:

@@ -18,6 +18,16 @@ MAX_MESSAGE_LENGTH = 500  # maximum length of a message [characters]
 MAX_JSON_BYTES = 1 << 24  # maximum file size; a value of two characters may take a hundred bytes of memory
 MAX_ENTRIES = 100_000  # maximum length of a list
 MAX_NAME_BYTES = 200  # [bytes], maximum length of a file name, with room for an extension
+HOUSE_FIELDS = {"version", "id", "up", "front", "scaleToMeters", "levels", "bbox", "materials", "camera"}
+LEVEL_FIELDS = {"id", "bbox", "nodes", "valid"}
+_NODE = {"id", "type", "valid", "bbox", "transform", "materials", "materialIndices"}
+NODE_FIELDS = {
+    "object": _NODE | {"modelId", "state", "isMirrored"},
+    "box": _NODE | {"dimensions", "isMirrored"},
+    "room": _NODE | {"modelId", "nodeIndices", "roomTypes", "hideCeiling", "hideFloor", "hideWalls", "stats"},
+    "ground": _NODE | {"modelId", "hideFloor"},
+}
+PRESERVED_FIELDS = {"camera", "stats"}  # known, but unused; preserved for writing
 
 
 def printable(text: str) -> str:
@@ -184,3 +194,13 @@ def read_json(path: Path, hint: str | None = None) -> JsonValue:
         ) from None
     except (ValueError, RecursionError) as error:
         raise place.error(f"not valid JSON: {error}", "Fetch or write the file again.") from None
+
+
+def preserved_fields(value: JsonValue, known: set[str]) -> dict[str, Any]:
+    """Return the fields of a JSON object that are only needed for writing: unknown ones and `PRESERVED_FIELDS`, unchanged."""
+    return unknown_fields(value, known - PRESERVED_FIELDS)
+
+
+def unknown_fields(value: JsonValue, known: set[str]) -> dict[str, Any]:
+    """Return the unknown fields of a JSON object, unchanged."""
+    return {key: data for key, data in value.data.items() if key not in known} if isinstance(value.data, dict) else {}

@@ -8,13 +8,21 @@ from typing import Any, TypeVar
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.datasets.suncg.formats.element import JsonValue, read_json
-from home_mjx.datasets.suncg.formats.fields import HOUSE_FIELDS, LEVEL_FIELDS, NODE_FIELDS, preserved_fields
+from home_mjx.datasets.suncg.formats.element import (
+    HOUSE_FIELDS,
+    LEVEL_FIELDS,
+    NODE_FIELDS,
+    JsonValue,
+    preserved_fields,
+    read_json,
+)
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
+from home_mjx.datasets.suncg.read.door_joints import attach_parts
+from home_mjx.datasets.suncg.read.missing_parts import add_part_fallbacks, collect_fallbacks
 from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
 from home_mjx.datasets.suncg.read.reading import ReaderState
-from home_mjx.datasets.suncg.read.stand_ins import add_part_fallbacks, collect_fallbacks
-from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Metadata, Node, ObjectNode, RoomNode, UnknownNode
+from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Node, ObjectNode, RoomNode, UnknownNode
 
 MAX_NODES = 10_000  # maximum nodes of one level; SUNCG's largest houses have about two thousand
 MAX_LEVELS = 100
@@ -23,7 +31,7 @@ N = TypeVar("N", bound=Node)
 
 
 def read_house(
-    house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool], tables: Metadata
+    house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool], tables: SuncgMetadata
 ) -> House:
     """Read one house with all meshes of its visible nodes.
 
@@ -32,13 +40,14 @@ def read_house(
         assets: Meshes and textures of the dataset; if tolerant, missing parts get fallbacks.
         options: Reader options.
         left_out: Returns whether the options leave out a model.
-        tables: Metadata tables of the dataset, for fallbacks.
+        tables: Metadata tables of the dataset, for lights, doors and fallbacks.
 
     Raises:
         DatasetError: house.json or a file that it needs is missing or broken.
     """
     document = read_json(house_path(house_id, assets))
-    house = build_house(document, ReaderState(house_id, assets, left_out, options, tables=tables))
+    reading = ReaderState(house_id, assets, left_out, options, tables=tables)
+    house = attach_parts(build_house(document, reading), reading)
     if not any(level.rooms or level.objects or level.boxes or level.grounds for level in house.levels):
         raise document.member("levels").error("house has no visible node", "Remove its folder from the dataset.")
     return house
@@ -63,7 +72,6 @@ def build_house(document: JsonValue, reading: ReaderState) -> House:
         path=document.file,
         levels=tuple(level for level in levels if level is not None),
         models=reading.models,
-        other_state_models=reading.other_state_models,
         problems=tuple(problem for _, problem in reading.notes),
         extra=preserved_fields(document, HOUSE_FIELDS),
     )

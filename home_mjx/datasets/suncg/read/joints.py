@@ -7,10 +7,10 @@ from itertools import pairwise
 from pathlib import Path
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.joints import JOINT_KINDS, Joint, Joints, Vector
 from home_mjx.datasets.suncg.formats.element import MAX_COORDINATE, Location
 from home_mjx.datasets.suncg.formats.polygons import MAX_CORNERS
 from home_mjx.datasets.suncg.read.metadata import parse_triple, read_rows
+from home_mjx.schema.house import JOINT_KINDS, Joint, Joints, Vector
 
 JOINTS = "joints.csv"
 COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")

@@ -8,16 +8,17 @@ from pathlib import Path
 
 from home_mjx.core.files import is_file, read_text
 from home_mjx.datasets.suncg.formats.element import JsonValue, Location, read_json
-from home_mjx.schema.house import Light, Metadata, ModelInfo
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
+from home_mjx.schema.house import Light, LightKind, ModelInfo
 
 CATEGORIES = "ModelCategoryMapping.csv"
 SIZES = "models.csv"
 LIGHTS = "suncgModelLights.json"
 DEFAULT_FRONT = ModelInfo("").front
-LIGHT_KINDS = ("PointLight", "SpotLight", "LineLight")
+LIGHT_KINDS: dict[str, LightKind] = {"PointLight": "point", "SpotLight": "spot", "LineLight": "line"}
 
 
-def read_metadata(folder: Path, tolerant: bool = False) -> Metadata:
+def read_metadata(folder: Path, tolerant: bool = False) -> SuncgMetadata:
     """Read the tables of `<root>/metadata`.
 
     Args:
@@ -27,10 +28,12 @@ def read_metadata(folder: Path, tolerant: bool = False) -> Metadata:
     Raises:
         DatasetError: The category table is missing, or a row of any table is broken.
     """
-    named = Metadata({} if tolerant and not is_file(folder / CATEGORIES) else _read_categories(folder / CATEGORIES))
+    named = SuncgMetadata(
+        {} if tolerant and not is_file(folder / CATEGORIES) else _read_categories(folder / CATEGORIES)
+    )
     sized = _read_sizes(folder / SIZES, named) if (folder / SIZES).is_file() else {}
     lights = _read_lights(folder / LIGHTS) if (folder / LIGHTS).is_file() else {}
-    return Metadata({**named.models, **sized}, lights)
+    return SuncgMetadata({**named.models, **sized}, lights)
 
 
 def _read_categories(path: Path) -> dict[str, ModelInfo]:
@@ -44,7 +47,7 @@ def _read_categories(path: Path) -> dict[str, ModelInfo]:
     return models
 
 
-def _read_sizes(path: Path, named: Metadata) -> dict[str, ModelInfo]:
+def _read_sizes(path: Path, named: SuncgMetadata) -> dict[str, ModelInfo]:
     """Read sizes and fronts; variants, missing in the category table, inherit the categories of their base."""
     models: dict[str, ModelInfo] = {}
     for place, (model_id, front, low, high) in read_rows(path, ("id", "front", "minPoint", "maxPoint"), None):
@@ -109,7 +112,7 @@ def _light(value: JsonValue) -> Light:
         raise value.member("type").error(f"unknown light `{kind}`", f"Known: {', '.join(LIGHT_KINDS)}.")
     cutoff, dropoff = value.member("cutoffAngle"), value.member("dropoffRate")
     return Light(
-        kind=kind,
+        kind=LIGHT_KINDS[kind],
         power=value.member("power").number(),
         color=value.member("color").color(),
         position=_point(value.member("position")),

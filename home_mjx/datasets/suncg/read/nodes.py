@@ -14,9 +14,10 @@ from jaxtyping import Float
 from home_mjx.core.files import is_file
 from home_mjx.datasets.suncg.formats.element import JsonValue
 from home_mjx.datasets.suncg.formats.materials import read_materials
+from home_mjx.datasets.suncg.formats.variants import other_variant, variant_key
+from home_mjx.datasets.suncg.read.missing_parts import add_model_fallback
 from home_mjx.datasets.suncg.read.parts import read_part
 from home_mjx.datasets.suncg.read.reading import ReaderState
-from home_mjx.datasets.suncg.read.stand_ins import add_model_fallback
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.schema.house import BoxNode, GroundNode, Material, Mesh, Node, ObjectNode, RoomNode
@@ -35,7 +36,7 @@ def read_object(node: JsonValue, common: dict[str, Any], reading: ReaderState) -
     item = ObjectNode(
         **common,
         model_id=model_id,
-        state=_state(node.member("state"), model_id, reading),
+        model_key=variant_key(model_id, _state(node.member("state"), model_id, reading)),
         transform=transform,
         materials=_materials(node, reading),
     )
@@ -68,10 +69,10 @@ def _keep(item: ObjectNode, mesh: Mesh, node: JsonValue, reading: ReaderState) -
 
 def _read_other(item: ObjectNode, node: JsonValue, reading: ReaderState) -> None:
     """Read the object's other state, if it exists; it is not visible, so a broken one is only noted."""
-    key = item.other_state_key
-    if key not in reading.other_state_models and is_file(reading.assets.model_path(item.model_id, key)):
+    key = other_variant(item.model_id, item.model_key)
+    if key not in reading.other_models and is_file(reading.assets.model_path(item.model_id, key)):
         try:
-            reading.other_state_models[key] = reading.model(item.model_id, key, node)
+            reading.other_models[key] = reading.model(item.model_id, key, node)
         except DatasetError as error:
             reading.note(node.member("modelId"), "broken-variant", f"other state is not used: {error}")
 
@@ -169,9 +170,10 @@ def _state(value: JsonValue, model_id: str, reading: ReaderState) -> int | None:
     state = value.integer()
     if state < 0:
         raise value.error(f"expected a state of at least 0, got {state}")
-    path = reading.assets.model_path(model_id, f"{model_id}_{state - 1}")
+    key = variant_key(model_id, state)
+    path = reading.assets.model_path(model_id, key)
     if state and not is_file(path) and not (reading.tolerant and not is_file(path.with_name(f"{model_id}.obj"))):
-        message = f"model has no variant `{model_id}_{state - 1}`: its base is used"
+        message = f"model has no variant `{key}`: its base is used"
         reading.note(value, "missing-variant", message)
         return 0
     return state

@@ -3,6 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Int
+
 from home_mjx.core.files import is_file, is_folder
 from home_mjx.datasets.suncg.formats.element import JsonValue
 from home_mjx.datasets.suncg.read.reading import ReaderState
@@ -31,14 +34,14 @@ def read_part(node: JsonValue, kind: str, node_id: str, reading: ReaderState) ->
         return None
     stem = node.member("modelId").name() + MESH_SUFFIX[kind]
     if reading.tolerant:
-        return _found_or_lacking(node, kind, node_id, stem, reading)
+        return _found_or_missing(node, kind, node_id, stem, reading)
     path = reading.assets.room_path(reading.house_id, stem)
     if is_file(path):
         return reading.cached(f"room/{stem}", _mesh, path, reading)
     return _built(node, kind, node_id, stem, reading)
 
 
-def _found_or_lacking(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
+def _found_or_missing(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
     """Read the mesh's file, else the architecture file; if both fail, record it in `missing_parts` and return None."""
     path, reason = reading.assets.room_path(reading.house_id, stem), ""
     try:
@@ -60,7 +63,18 @@ def _found_or_lacking(node: JsonValue, kind: str, node_id: str, stem: str, readi
 
 def _mesh(path: Path, reading: ReaderState) -> Mesh:
     mesh = reading.assets.mesh(path)
+    mesh = replace(mesh, part=_wall_of_faces(mesh)) if path.stem.endswith(MESH_SUFFIX["Wall"]) else mesh
     return replace(mesh, vertices=mesh.vertices * reading.scale) if reading.scale != 1 else mesh
+
+
+def _wall_of_faces(mesh: Mesh) -> Int[np.ndarray, " f"]:
+    """Return the wall of each face from the names of groups; -1 without a group.
+
+    The inner and outer layer, WallInside#0_1_3 and WallOutside#0_1_3, are one wall.
+    """
+    numbers = [name.rpartition("#")[2] for name in mesh.groups]
+    order = {number: i for i, number in enumerate(dict.fromkeys(numbers))}
+    return np.array([*(order[number] for number in numbers), -1])[mesh.group]
 
 
 def _built(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:

@@ -8,9 +8,10 @@ from home_mjx.core.files import is_file
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import JsonValue, Location, printable
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.datasets.suncg.read.arch_json import Architecture, read_architecture
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import Fallback, Mesh, Metadata, Problem
+from home_mjx.schema.house import Fallback, Mesh, Problem
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -27,11 +28,11 @@ class ReaderState:
     materials: JsonValue | None = None  # material list of the house, for nodes with `materialIndices`
     scale: float = 1.0  # [m] per unit of the file
     models: dict[str, Mesh] = field(default_factory=dict)
-    other_state_models: dict[str, Mesh] = field(default_factory=dict)
+    other_models: dict[str, Mesh] = field(default_factory=dict)  # of the other states of objects
     notes: list[tuple[Location, Problem]] = field(default_factory=list)
     errors: list[DatasetError] | None = None  # if a list, errors are collected here and broken nodes dropped
     results: dict[str, Any] = field(default_factory=dict)  # results and errors of `cached`
-    tables: Metadata = field(default_factory=lambda: Metadata({}))  # tables of the dataset, for fallbacks
+    tables: SuncgMetadata = field(default_factory=lambda: SuncgMetadata({}))  # tables of the dataset
     fallbacks: list[Fallback] = field(default_factory=list)  # fallbacks for missing parts, if the assets are tolerant
     fallback_keys: set[str] = field(default_factory=set)  # keys of `models` that are fallbacks
     missing_parts: dict[tuple[str, str], str] = field(default_factory=dict)  # reason, by room path and kind of mesh

@@ -2,8 +2,7 @@
 
 from collections import defaultdict
 
-from home_mjx.datasets.suncg.formats.element import JsonValue
-from home_mjx.datasets.suncg.formats.fields import HOUSE_FIELDS, LEVEL_FIELDS, NODE_FIELDS, unknown_fields
+from home_mjx.datasets.suncg.formats.element import HOUSE_FIELDS, LEVEL_FIELDS, NODE_FIELDS, JsonValue, unknown_fields
 from home_mjx.datasets.suncg.read.nodes import TEXT_INDEX
 from home_mjx.datasets.suncg.validate.subject import ValidationContext
 

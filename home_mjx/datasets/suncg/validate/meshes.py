@@ -1,11 +1,14 @@
-"""Rules on room meshes: walls are single walls, floors face up."""
+"""Rules on meshes: walls are single walls, floors face up, and joints name faces that exist, each once."""
+
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.validate.subject import ValidationContext
-from home_mjx.geometry.wall_groups import facing_axis, wall_faces
-from home_mjx.schema.house import Mesh
+from home_mjx.geometry.meshes import facing_axis
+from home_mjx.schema.house import Joint, Mesh
 
 MAX_WALL_THICKNESS = 1.0  # [m], maximum thickness of a wall; SUNCG's have 0.1 m
 MIN_UPWARD_COSINE = 0.7  # minimum cosine to the vertical: slopes below 45 degrees
@@ -25,7 +28,7 @@ def check_meshes(subject: ValidationContext) -> None:
 
 
 def _check_walls(subject: ValidationContext, walls: Mesh) -> None:
-    for faces in wall_faces(walls):
+    for faces in walls.faces_by_part():
         thickness = _thickness(walls, faces)
         if thickness > MAX_WALL_THICKNESS:
             groups = [walls.groups[i] for i in np.unique(walls.group[faces]) if i >= 0]
@@ -52,3 +55,28 @@ def _normals(corners: Corners) -> tuple[Float[np.ndarray, "_ 3"], Float[np.ndarr
     """Compute normals scaled by their triangles' areas, and these areas [m^2]."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     return normal, np.linalg.norm(normal, axis=1)
+
+
+def check_joints(subject: ValidationContext) -> None:
+    """Check for joints of unknown models; in models of the house, for missing faces and faces of two parts."""
+    for model_id, joints in subject.joints.items():
+        if subject.metadata is not None and model_id not in subject.metadata.models:
+            _report(subject, "joint-model", model_id, "the model has no row in the category table")
+        mesh = subject.house.models.get(model_id)
+        if mesh is not None:
+            _check_faces(subject, joints, mesh)
+
+
+def _check_faces(subject: ValidationContext, joints: tuple[Joint, ...], mesh: Mesh) -> None:
+    for joint in joints:
+        if joint.face_ranges[-1][1] >= len(mesh.faces):
+            message = f"face {joint.face_ranges[-1][1]} of a model that has {len(mesh.faces)}"
+            _report(subject, "joint-faces", f"{joint.model_id} {joint.part}", message)
+    runs = sorted((*run, joint.part) for joint in joints for run in joint.face_ranges)
+    for (_, last, part), (first, _, other) in pairwise(runs):
+        if first <= last:
+            _report(subject, "joint-faces", f"{joints[0].model_id} {other}", f"face {first} is of {part} as well")
+
+
+def _report(subject: ValidationContext, rule: str, element: str, message: str) -> None:
+    subject.report(rule, element, message, subject.reading.assets.root / "metadata" / JOINTS)

@@ -7,14 +7,13 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.suncg.formats.element import JsonValue, printable
 from home_mjx.datasets.suncg.read.backdrops import box_bounds
 from home_mjx.datasets.suncg.read.house_json import MAX_NODES
 from home_mjx.datasets.suncg.read.reading import ReaderState
 from home_mjx.datasets.suncg.validate.finding import ValidationFinding
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Metadata, Node, ObjectNode, RoomNode
+from home_mjx.schema.house import BoxNode, GroundNode, House, Joints, Level, Metadata, Node, ObjectNode, RoomNode
 
 Bounds = Float[np.ndarray, "2 3"]
 

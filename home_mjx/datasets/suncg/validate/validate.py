@@ -8,9 +8,8 @@ from home_mjx.datasets.suncg.read.reading import ReaderState
 from home_mjx.datasets.suncg.validate.boxes import check_boxes
 from home_mjx.datasets.suncg.validate.document import check_document
 from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
-from home_mjx.datasets.suncg.validate.joints import check_joints
 from home_mjx.datasets.suncg.validate.materials import check_materials
-from home_mjx.datasets.suncg.validate.meshes import check_meshes
+from home_mjx.datasets.suncg.validate.meshes import check_joints, check_meshes
 from home_mjx.datasets.suncg.validate.rooms import check_rooms
 from home_mjx.datasets.suncg.validate.subject import ValidationContext
 from home_mjx.errors import DatasetError

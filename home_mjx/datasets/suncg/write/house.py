@@ -18,6 +18,7 @@ from jaxtyping import Float, UInt8
 
 from home_mjx.core.files import read_bytes, read_text, write_atomically
 from home_mjx.core.images import decode_image, encode_png
+from home_mjx.datasets.suncg.formats.variants import state_of
 from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, joints_csv, lights_json, sizes_csv
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
@@ -306,7 +307,8 @@ def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[s
             entry |= {"transform": _numbers(node.transform.T), "dimensions": _numbers(node.dimensions)}
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
         case ObjectNode():
-            entry |= {"modelId": node.model_id} | ({"state": node.state} if node.state else {})
+            state = state_of(node.model_id, node.model_key)
+            entry |= {"modelId": node.model_id} | ({"state": state} if state else {})
             entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.is_mirrored else {})
             return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
     raise TypeError(f"unknown node {type(node).__name__}")

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.joints import Joint
-from home_mjx.schema.house import Light, Mesh, ModelInfo
+from home_mjx.schema.house import Joint, Light, Mesh, ModelInfo
 
 # Rows 0..4 of every ModelCategoryMapping.csv.
 PSEUDO_ROWS = (
@@ -106,7 +105,7 @@ def lights_json(models: Sequence[LibraryModel]) -> str:
 
 def _light(light: Light, model_id: str) -> dict[str, Any]:
     entry: dict[str, Any] = {
-        "type": light.kind,
+        "type": f"{light.kind.capitalize()}Light",
         "modelId": model_id,
         "power": light.power,
         "color": "#" + "".join(f"{round(255 * x):02x}" for x in light.color),

@@ -8,7 +8,7 @@ import numpy as np
 from home_mjx.mjcf import agent
 from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
 from home_mjx.physics.base import servo
-from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS
 
 Values = TypeVar("Values", jax.Array, np.ndarray)  # (*batch, 5)
@@ -55,7 +55,7 @@ class StepParams(NamedTuple):
     door_torque: float
 
 
-def step_params(config: PhysicsConfig) -> StepParams:
+def step_params(config: PhysicsSetup) -> StepParams:
     """Return the parameters of a template."""
     dt = config.timing.sim_dt
     constant = max(agent.TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1

@@ -68,15 +68,3 @@ def _name_by_look(lab: tuple[float, float, float], level: str) -> str:
     """Return one name; cached, since a few colours occur in all houses."""
     palette = palettes()[level]
     return palette.names[int(ciede2000(np.array(lab), palette.lab).argmin())]
-
-
-def nearest_names_srgb(srgb: Float[np.ndarray, "n 3"], level: str) -> list[str]:
-    """Return names by HoME's rule: smallest Euclidean distance of sRGB values.
-
-    Args:
-        srgb: Colours, 0..1.
-        level: One of `COLOR_LEVELS`.
-    """
-    palette = palettes()[level]
-    nearest = np.linalg.norm(srgb[:, None] - palette.srgb, axis=-1).argmin(axis=1)
-    return [palette.names[i] for i in nearest]

@@ -4,8 +4,8 @@ import pytest
 from tiny_dataset import TABLE, write_tiny_dataset
 
 from home_mjx.datasets import open_dataset
-from home_mjx.datasets.joints import Joint
 from home_mjx.errors import DatasetError
+from home_mjx.schema.house import Joint
 
 HEADER = "id,part,kind,axis,point,range,faces\n"
 ROW = f'{TABLE},drawer_1,slide,"0.0, 0.0, 1.0","0.1, 0.2, 0.3","0.0, 0.4",0-3 6-7'

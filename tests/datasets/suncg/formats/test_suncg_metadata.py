@@ -101,8 +101,8 @@ def test_every_row_of_the_full_metadata_parses(full):
     assert metadata.info("146").front == (1.0, 0.0, 0.0)
     kinds = [light.kind for lights in metadata.lights.values() for light in lights]
     assert (len(metadata.lights), len(kinds)) == (185, 382)
-    assert [kinds.count(kind) for kind in ("SpotLight", "PointLight", "LineLight")] == [232, 142, 8]
-    assert all(light.end is not None for ls in metadata.lights.values() for light in ls if light.kind == "LineLight")
+    assert [kinds.count(kind) for kind in ("spot", "point", "line")] == [232, 142, 8]
+    assert all(light.end is not None for ls in metadata.lights.values() for light in ls if light.kind == "line")
 
 
 @pytest.mark.real
@@ -128,9 +128,9 @@ def test_tables_are_joined(folder):
 
 def test_lights(folder):
     point, spot, line = read_metadata(folder).lights[TABLE]
-    assert point == Light("PointLight", 60.0, (1.0, 128 / 255, 0.0), (0.0, 1.0, 0.0))
-    assert (spot.kind, spot.direction, spot.cutoff) == ("SpotLight", (0.0, -1.0, 0.0), 1.57)
-    assert (line.kind, line.power, line.end) == ("LineLight", 5.5, (1.0, 1.0, 0.0))
+    assert point == Light("point", 60.0, (1.0, 128 / 255, 0.0), (0.0, 1.0, 0.0))
+    assert (spot.kind, spot.direction, spot.cutoff) == ("spot", (0.0, -1.0, 0.0), 1.57)
+    assert (line.kind, line.power, line.end) == ("line", 5.5, (1.0, 1.0, 0.0))
 
 
 def test_category_table_of_v2(folder):

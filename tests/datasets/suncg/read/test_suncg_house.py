@@ -97,7 +97,7 @@ def test_objects_fill_the_boxes_of_the_file(edited, root):
 def test_state_picks_the_variant(edited):
     house = edited()
     table, door = house.levels[0].objects
-    assert (table.state, table.model_key, door.state, door.model_key) == (None, TABLE, 1, f"{DOOR}_0")
+    assert (table.model_key, door.model_key) == (TABLE, f"{DOOR}_0")
     assert set(house.models) == {TABLE, f"{DOOR}_0"}
     assert np.ptp(house.models[f"{DOOR}_0"].vertices[:, 2]) == pytest.approx(0.14)
     assert edited(lambda nodes: nodes[3].update(state=0)).levels[0].objects[1].model_key == DOOR
@@ -174,7 +174,7 @@ def test_optional_fields(edited):
     house = edited(change)
     (room,) = house.levels[0].rooms
     door = house.levels[0].objects[1]
-    assert (room.types, room.members, door.materials, door.state) == ((), (), (), None)
+    assert (room.types, room.members, door.materials, door.model_key) == ((), (), (), DOOR)
     assert house.problems == ()
 
 

@@ -111,7 +111,7 @@ def test_06_closed_doors_have_the_box_of_open_ones(root):
     write_mesh(root / "object" / DOOR, f"{DOOR}_2", [FRAME], [], mtl=DOOR)
     house = load(root)
     door = house.levels[0].objects[1]
-    assert (door.state, door.model_key) == (1, f"{DOOR}_0")
+    assert door.model_key == f"{DOOR}_0"
     shown = np.ptp(world(door, house.models[door.model_key])[:, 2])
     assert shown == pytest.approx(0.14)
     assert np.ptp(door.bbox[:, 2]) == pytest.approx(0.67)  # with the open leaf
@@ -299,7 +299,7 @@ def test_17_booleans_numbers_and_strings_for_flags_and_ids(root):
     edit_house(root, change)
     (level,) = load(root).levels
     assert (level.id, level.rooms[0].ceiling, level.boxes) == ("0", None, ())
-    assert [(item.id, item.state) for item in level.objects] == [("2", None), ("0_3", 1)]
+    assert [(item.id, item.model_key) for item in level.objects] == [("2", TABLE), ("0_3", f"{DOOR}_0")]
 
 
 def test_17_ids_with_two_underscores(root):

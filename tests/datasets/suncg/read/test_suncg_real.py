@@ -51,7 +51,7 @@ def test_rooms_equal_the_reference(house):
     rooms = house.levels[0].rooms
     assert [room.types for room in rooms] == [("Storage",), (), ("Bedroom",), ("Room",)]
     assert [len(room.members) for room in rooms] == [8, 18, 11, 3]
-    assert [item.index for item in objects(house) if item.mirrored] == [17]
+    assert [item.index for item in objects(house) if item.is_mirrored] == [17]
     names = [name for room in rooms for part in (room.floor, room.walls) for name in part.groups]
     assert {"Floor#0_3", "WallInside#0_1_5", "WallOutside#0_3_1"} <= set(names)
 

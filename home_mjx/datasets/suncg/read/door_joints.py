@@ -1,0 +1,99 @@
+"""Lights and joints of objects: from the light table, and from doors whose model has an open and a closed variant."""
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.datasets.suncg.fallbacks.known_models import add_builtin_categories
+from home_mjx.datasets.suncg.formats.variants import SuncgMetadata, other_variant
+from home_mjx.datasets.suncg.read.hinges import Hinge, find_hinges
+from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.geometry.meshes import tree_order, triangles_z_up
+from home_mjx.schema.house import House, Joint, Mesh, ObjectNode
+
+MIN_WIDE_ANGLE = np.pi / 2  # [rad], minimum opening angle of every door; SUNCG's open variants are only half open
+
+
+def attach_parts(house: House, reading: ReaderState) -> House:
+    """Attach lights to the objects of a house, and joints to its doors.
+
+    Args:
+        house: House as read.
+        reading: State of the reader, with the other variants of the models.
+    """
+    tables = add_builtin_categories(reading.tables) if reading.tolerant else reading.tables
+    levels = (
+        replace(level, objects=tuple(_with_parts(item, house, reading, tables) for item in level.objects))
+        for level in house.levels
+    )
+    return replace(house, levels=tuple(levels))
+
+
+def _with_parts(item: ObjectNode, house: House, reading: ReaderState, tables: SuncgMetadata) -> ObjectNode:
+    lights, joints = tables.lights_of(item.model_id, item.model_key), ()
+    other = reading.other_models.get(other_variant(item.model_id, item.model_key))
+    if other is not None and tables.info(item.model_id).coarse == "door":
+        is_closed = item.model_key != item.model_id
+        joints = find_joints(item.model_key, house.models[item.model_key], other, is_closed)
+    return replace(item, lights=lights, joints=joints) if lights or joints else item
+
+
+def find_joints(key: str, shown: Mesh, other: Mesh, is_closed: bool) -> tuple[Joint, ...]:
+    """Find the joints of a door by comparison of its variants; empty if no part turns or slides.
+
+    Args:
+        key: Key of the mesh that is shown.
+        shown: Mesh that is shown, to which the joints belong.
+        other: Mesh of the other variant.
+        is_closed: True if the closed variant is shown.
+    """
+    triangles = triangles_z_up(shown), triangles_z_up(other)
+    digest = hashlib.sha256(b"".join(corners.tobytes() for corners in triangles)).digest()
+    return _joints(DoorVariants(key, is_closed, digest, *triangles))
+
+
+@dataclass(frozen=True)
+class DoorVariants:
+    """A door in the variant that is shown and in the other one."""
+
+    key: str
+    is_closed: bool
+    digest: bytes  # of both meshes
+    shown: Float[np.ndarray, "t 3 3"] = field(compare=False)  # [m], Z up
+    other: Float[np.ndarray, "s 3 3"] = field(compare=False)  # [m], Z up
+
+
+@lru_cache(maxsize=256)
+def _joints(door: DoorVariants) -> tuple[Joint, ...]:
+    order = tree_order(door.shown)  # leaves are numbered in the order of the compiled model's triangles
+    hinges = find_hinges(door.shown.astype(np.float32)[order].astype(np.float64), door.other)
+    return tuple(_joint(door, f"leaf_{number}", hinge, order) for number, hinge in enumerate(hinges, 1))
+
+
+def _joint(door: DoorVariants, name: str, hinge: Hinge, order: Int[np.ndarray, " t"]) -> Joint:
+    slides, turn = bool(hinge.slide.any()), float(hinge.displacement)
+    closed = 0.0 if door.is_closed else turn
+    reach = abs(turn) if slides else max(abs(turn), MIN_WIDE_ANGLE)
+    wide = float(closed + np.sign(turn) * (1 if door.is_closed else -1) * reach)
+    (x, y), (along, across) = hinge.pivot.tolist(), hinge.slide.tolist()
+    return Joint(
+        model_id=door.key,
+        part=name,
+        kind="slide" if slides else "hinge",
+        axis=(along, 0.0, -across) if slides else (0.0, 1.0, 0.0),
+        point=(x, 0.0, -y),
+        low=min(closed, wide),
+        high=max(closed, wide),
+        face_ranges=_runs(np.sort(order[hinge.leaf])),
+        closed=closed,
+    )
+
+
+def _runs(faces: Int[np.ndarray, " n"]) -> tuple[tuple[int, int], ...]:
+    """Return the first and the last face of each run of ascending faces."""
+    ends = np.flatnonzero(np.diff(faces) > 1)
+    first, last = faces[np.r_[0, ends + 1]], faces[np.r_[ends, len(faces) - 1]]
+    return tuple(zip(first.tolist(), last.tolist(), strict=True))

@@ -1,1 +1,0 @@
-"""On-disk cache of compiled houses: entries, the cache itself, the compile job and house selection."""

@@ -1,1 +1,0 @@
-"""Meshes, boxes, polygons and bounding volume hierarchies."""

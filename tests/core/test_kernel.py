@@ -1,0 +1,101 @@
+"""Native kernels: registration, availability, and chunks of work on XLA's threads."""
+
+import warnings
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numba import cfunc, njit, types
+
+from home_mjx.core.native import ffi
+from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.kernel import Kernel, call_native, launch_ptx
+from home_mjx.core.native.memory import pointer_to
+from home_mjx.errors import BackendError
+
+ROWS, WIDTH, CHUNK = 1000, 300, 3
+floats = pointer_to(types.float32)
+
+
+@njit
+def scale_chunk(frame, chunk):
+    factor = ffi.attribute(frame, 0)
+    for row in range(chunk * CHUNK, min((chunk + 1) * CHUNK, ffi.dim(frame, ffi.OPERANDS, 0, 0))):
+        given, result = floats(ffi.row(frame, ffi.OPERANDS, 0, row)), floats(ffi.row(frame, ffi.RESULTS, 0, row))
+        for i in range(ffi.dim(frame, ffi.OPERANDS, 0, 1)):
+            result[i] = factor * given[i]
+
+
+def compile_chunks():
+    @cfunc(WORD_FUNCTION)
+    def count(frame):
+        return -(-ffi.dim(frame, ffi.OPERANDS, 0, 0) // CHUNK)
+
+    @cfunc(WORD_FUNCTION)
+    def work(job):
+        ffi.run_chunks(job, scale_chunk)
+        return 0
+
+    return count, work
+
+
+def scale(name, values):
+    return call_native(name, (values,), (jax.ShapeDtypeStruct(values.shape, jnp.float32),), factor=3)[0]
+
+
+@pytest.fixture(scope="module")
+def kernel():
+    return Kernel("test_scale", "slower", cpu=compile_chunks)
+
+
+@pytest.mark.parametrize("rows", [0, 1, CHUNK, CHUNK + 1, ROWS])
+def test_every_chunk_is_computed(kernel, rows):
+    assert kernel.find_problem("cpu") is None
+    values = jnp.asarray(np.random.default_rng(rows).normal(size=(rows, WIDTH)), jnp.float32)
+    found = jax.jit(lambda x: scale(kernel.name, x))(values)
+    np.testing.assert_array_equal(found, 3 * np.asarray(values))
+
+
+def test_small_integers_are_converted_to_int32(kernel):
+    """This kernel reads their bits as floats; an integer of the bits of 1.5 becomes 4.5."""
+    assert kernel.is_usable("cpu")
+    bits = int(np.float32(1.5).view(np.int32))
+    assert scale(kernel.name, jnp.full((1, 1), bits, jnp.uint32)).tolist() == [[4.5]]
+
+
+def test_the_fallback_runs_without_a_version_for_the_platform(kernel):
+    values, native = jnp.ones((3, 4), jnp.float32), {"cpu": lambda x: scale("test_scale", x)}
+    for each, factor in ((kernel, 3), (Kernel("test_none", "slower"), 2)):
+        found = jax.jit(lambda x, each=each: each.select(lambda y: 2 * y, native, x))(values)
+        np.testing.assert_array_equal(found, factor * values)
+
+
+def test_a_wrong_self_test_warns_once_and_is_the_reason():
+    broken = Kernel("test_broken", "sums are slower", cpu=compile_chunks, test=lambda platform: f"wrong on {platform}")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        assert not any(broken.is_usable("cpu") for _ in range(3))
+    assert [str(w.message) for w in caught] == ["sums are slower: wrong on cpu"]
+    with pytest.raises(BackendError, match="`scale` is not available: wrong on cpu"):
+        broken.check_usable("cpu", "`scale`", "Use another.")
+
+
+def test_a_kernel_without_a_version_for_a_platform_says_so_without_a_warning():
+    only_cuda = Kernel("test_only_cuda", "slower", cuda=lambda: None)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert only_cuda.find_problem("cpu") == "the kernel has no version for this platform"
+        assert not only_cuda.is_usable("cpu")
+
+
+@pytest.mark.parametrize(("grid", "wanted"), [((5,), (5, 1, 1)), ((5, 6), (5, 6, 1)), ((5, 6, 7), (5, 6, 7))])
+def test_a_launch_has_three_axes_and_all_results(grid, wanted):
+    results = [jax.ShapeDtypeStruct((2,), jnp.float32), jax.ShapeDtypeStruct((3,), jnp.int32)]
+    run = jax.jit(lambda x: launch_ptx("entry", "the PTX", grid, 64, 1024, (x,), results))
+    text = run.trace(jnp.zeros(4, bool)).lower(lowering_platforms=("cuda",)).as_text()
+    (call,) = (line for line in text.splitlines() if "xla.gpu.ptx" in line)
+    numbers = dict(zip(("grid_x", "grid_y", "grid_z"), wanted, strict=True))
+    numbers |= {"block_x": 64, "block_y": 1, "block_z": 1, "shared_mem_bytes": 1024}
+    assert all(f"{name} = {value} : i32" in call for name, value in numbers.items())
+    assert "(tensor<4xi32>) -> (tensor<2xf32>, tensor<3xi32>)" in call
