@@ -121,7 +121,9 @@ def test_beside_the_home_region_is_not_in_it(bank, houses):
     n = house.navigation
     cells = np.indices(n.home_mask.shape)[1:].reshape(2, -1)[::-1].T
     points = np.c_[(cells + 0.5) * n.cell + n.origin, np.full(len(cells), n.floor[0])].astype(np.float32)
-    found = np.asarray(jax.vmap(lambda p: is_near_home_region(bank, jnp.int32(0), p))(points)).reshape(n.home_mask.shape)
+    found = np.asarray(jax.vmap(lambda p: is_near_home_region(bank, jnp.int32(0), p))(points)).reshape(
+        n.home_mask.shape
+    )
     padded = np.pad(n.home_mask[0], 1)
     around = [
         padded[1 + a : 1 + a + padded.shape[0] - 2, 1 + b : 1 + b + padded.shape[1] - 2]

@@ -59,7 +59,12 @@ def test_what_rests_does_not_creep(scene):
 
 
 def test_what_sleeps_still_tells_what_it_stands_on(scene):
-    assert scene.rested.contact_partner[1 + np.array([TABLE, CUP, CHEST, LAMP])].tolist() == [FLOOR, 1 + TABLE, FLOOR, STATIC]
+    assert scene.rested.contact_partner[1 + np.array([TABLE, CUP, CHEST, LAMP])].tolist() == [
+        FLOOR,
+        1 + TABLE,
+        FLOOR,
+        STATIC,
+    ]
     assert (scene.rested.impulse[1:5] > 0).all()
 
 
