@@ -104,9 +104,11 @@ def test_it_meets_what_single_casts_meet(bank, max_crossings):
                 x, y = (np.asarray(getattr(line, name)) for line in (found, expected))
                 np.testing.assert_allclose(x, y, rtol=1e-6, atol=0, err_msg=name)
             silent += np.sum(found.is_over_limit)
-            muffled += np.sum(~np.asarray(found.within) & ~np.asarray(found.is_over_limit))
-            through_things += np.sum(np.any(np.asarray(found.objects) < 1, axis=1))
-            own += np.sum(np.any(np.asarray(found.objects) != np.asarray(others.objects), axis=1))
+            muffled += np.sum(~np.asarray(found.is_partition_free) & ~np.asarray(found.is_over_limit))
+            through_things += np.sum(np.any(np.asarray(found.object_transmission) < 1, axis=1))
+            own += np.sum(
+                np.any(np.asarray(found.object_transmission) != np.asarray(others.object_transmission), axis=1)
+            )
     assert through_things > 50
     assert own > 20
     assert muffled > 50 if max_crossings == 16 else silent > 50
