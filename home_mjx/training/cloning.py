@@ -22,7 +22,8 @@ from home_mjx.training.rollout import Policy
 
 ADVICE_DECAY_FRACTION = 0.7  # fraction of the run over which the weight of advice in PPO falls to 0
 EXPERT_DECAY_FRACTION = 0.5  # fraction of the run over which the expert's share of the actions falls linearly from 1
-MIN_EXPERT_SHARE = 0.3  # minimum share of expert actions until `STUDENT_ONLY_AFTER`; with less, most states are where the network is stuck
+# Share of expert actions until `STUDENT_ONLY_AFTER`. With less, most states are where the network is stuck.
+MIN_EXPERT_SHARE = 0.3
 STUDENT_ONLY_AFTER = (
     0.8  # fraction of the run after which only the network acts, so that its value function fits its own behaviour
 )
@@ -96,7 +97,7 @@ class BehaviorCloning(AdvisedPPO):
         >>> state, metrics = cloning.update(env.params, state)  # doctest: +SKIP
     """
 
-    def behaviour(self, state: TrainState) -> Policy:
+    def behavior_policy(self, state: TrainState) -> Policy:
         """Return a policy that takes the expert's action with a scheduled probability, else the network's."""
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates
@@ -110,7 +111,7 @@ class BehaviorCloning(AdvisedPPO):
 
         return student._replace(act=act)
 
-    def loss_now(self, state: TrainState) -> LossFunction:
+    def current_loss(self, state: TrainState) -> LossFunction:
         """Return the loss, which does not depend on the state."""
         return self.loss
 
