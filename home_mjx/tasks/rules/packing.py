@@ -104,7 +104,8 @@ def unpack_program(columns: Columns) -> tuple[list[Selector], list[TaskStage]]:
 
 def _selector(words: Sequence[int], place: Sequence[float]) -> Selector:
     attributes = {word.name.lower(): words[word] for word in Attribute if words[word] != ANY}
-    return Selector(attributes, tuple(place)) if np.isfinite(place).all() else Selector(attributes)
+    x, y, z = (float(value) for value in place)
+    return Selector(attributes, (x, y, z)) if np.isfinite(place).all() else Selector(attributes)
 
 
 def _transitions(conditions: Sequence[Condition], ways: Sequence[Sequence[Any]]) -> Iterator[Transition]:
@@ -112,7 +113,8 @@ def _transitions(conditions: Sequence[Condition], ways: Sequence[Sequence[Any]])
     for after, require, forbid, reward in zip(*ways, strict=True):
         if require >= 0:
             masks = ([when for c, when in enumerate(conditions) if bits >> c & 1] for bits in (require, forbid))
-            yield Transition(after, *map(tuple, masks), reward)
+            required, forbidden = map(tuple, masks)
+            yield Transition(after, required, forbidden, reward)
 
 
 def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str, np.ndarray]:

@@ -83,7 +83,7 @@ def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> No
     if lost:
         hint = f"Give rows that were made for {name}."
         raise ConfigError(f"the rows lack columns that {name} needs: {', '.join(lost)}", hint=hint)
-    known = columns_of(RowStart) | own
+    known = {**columns_of(RowStart), **own}
     for column, array in arrays.items():
         declared = known.get(column)
         expected = (np.size(rows.house), *(array.shape[1:] if declared is None else declared.shape))

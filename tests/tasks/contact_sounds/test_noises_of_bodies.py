@@ -236,11 +236,11 @@ def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
     drawn, run = states.world.variation, jax.jit(jax.vmap(walk, (0, None)))
     quiet = states.replace(world=states.world.replace(variation=drawn.replace(contact_sound_volume=jnp.ones(3))))
     (heard, strikes, x), (plain, _, _) = run(states, varied), run(quiet, varied)
-    for number, length in enumerate(np.asarray(drawn.step_length)):
+    for number, length in enumerate(np.asarray(drawn.footstep_distance)):
         here = jax.tree.map(lambda leaf, number=number: np.asarray(leaf[number]), strikes)
         starts = np.unique(here.start[here.gain > 0])
         assert len(starts) == int((float(x[number, -1]) + 4.0) / length)
         np.testing.assert_allclose(np.diff(starts), length * RATE, atol=40)
-    assert len(np.unique(drawn.step_length)) == 3
+    assert len(np.unique(drawn.footstep_distance)) == 3
     assert np.abs(plain).max() > 1e-4
     np.testing.assert_allclose(heard, np.asarray(drawn.contact_sound_volume)[:, None, None, None] * plain, atol=1e-6)
