@@ -261,7 +261,7 @@ class EnvConfig:
         """Return the options restricted to the first `num_agents` agents.
 
         Example:
-            >>> EnvConfig(physics=PhysicsConfig(num_agents=3)).of_first(2).num_agents
+            >>> EnvConfig(physics=PhysicsConfig(num_agents=3)).select_agents(2).num_agents
             2
         """
         if num_agents == self.num_agents:

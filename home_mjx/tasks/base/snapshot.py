@@ -85,7 +85,7 @@ class Snapshot(Pytree):
         """Return the snapshot restricted to the first agents; others remain in `scene`, `touch` and `sounds`.
 
         Example:
-            >>> own = snapshot.of_first(core.num_agents)  # doctest: +SKIP
+            >>> own = snapshot.select_agents(core.num_agents)  # doctest: +SKIP
         """
         if num_agents == self.config.num_agents:
             return self
