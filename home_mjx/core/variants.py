@@ -68,7 +68,7 @@ def replace_variant(path: str, variants: Variants, old: Any, changes: Mapping[st
         ConfigError: The word is unknown, or the selected record does not have one of the fields.
 
     Example:
-        >>> words = {"traced": Traced, "baked": Baked}
+        >>> words = {"traced": Traced, "baked": Baked}  # doctest: +SKIP
         >>> replace_variant("late", words, Baked(), {"": "traced", "num_rays": 7}).num_rays  # doctest: +SKIP
         7
     """

@@ -50,7 +50,7 @@ def energy_envelope(
         config: Options.
 
     Example:
-        >>> envelope = energy_response(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
+        >>> envelope = energy_envelope(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
         >>> 10 * jnp.log10(envelope.energy.sum(axis=0))  # doctest: +SKIP
     """
     rays, _ = jax.random.split(key)  # as in `impulse_response`

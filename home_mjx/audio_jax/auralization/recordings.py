@@ -34,7 +34,7 @@ def read_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
         ConfigError: The file cannot be decoded, has samples that are not finite, or is silent.
 
     Example:
-        >>> recorded_clip("kettle.flac", AudioConfig()).shape  # doctest: +SKIP
+        >>> read_clip("kettle.flac", AudioConfig()).shape  # doctest: +SKIP
         (48_000,)
     """
     path = Path(path)

@@ -47,7 +47,7 @@ def impulse_response(
         Pressure re the source's free field at 1 m, `config.response_length` samples per channel.
 
     Example:
-        >>> source, listener = Source(radio), Listener(ears, quat, body=agent)  # doctest: +SKIP
+        >>> source, listener = SoundSource(radio), Listener(ears, quat, body=agent)  # doctest: +SKIP
         >>> response = impulse_response(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
         >>> response.shape  # doctest: +SKIP
         (2, 8000)

@@ -122,7 +122,7 @@ def hz_to_mel(frequency: float) -> float:
     O'Shaughnessy, "Speech Communication: Human and Machine", 1987.
 
     Example:
-        >>> round(mel_of(1000))
+        >>> round(hz_to_mel(1000))
         1000
     """
     return 2595 * math.log10(1 + frequency / 700)

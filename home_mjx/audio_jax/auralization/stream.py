@@ -38,7 +38,7 @@ def convolve_clip_frame(
     Example:
         >>> config = AudioConfig()
         >>> pulse = jnp.zeros((2, config.response_length)).at[:, 100].set(0.5)
-        >>> frame = sound_frame(jnp.ones(4000), jnp.int32(0), pulse, pulse, config)
+        >>> frame = convolve_clip_frame(jnp.ones(4000), jnp.int32(0), pulse, pulse, config)
         >>> frame.shape, round(float(frame[0, 0]), 3)
         ((2, 1600), 0.5)
     """
@@ -121,7 +121,7 @@ def schedule_gain(
         sample_rate: [Hz].
 
     Example:
-        >>> loudness(jnp.array([500, 8500, 12000]), jnp.float32(1.0), jnp.float32(0.6), 16000).tolist()
+        >>> schedule_gain(jnp.array([500, 8500, 12000]), jnp.float32(1.0), jnp.float32(0.6), 16000).tolist()
         [1.0, 1.0, 0.0]
     """
     rate = jnp.float32(sample_rate)

@@ -31,7 +31,7 @@ def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
     """Upsample a signal by two with `windowed_sinc`; the signal is zero outside its samples.
 
     Example:
-        >>> [round(float(x), 3) for x in at_twice_the_rate(jnp.array([1.0, 0.0]))[:2]]
+        >>> [round(float(x), 3) for x in upsample_twice(jnp.array([1.0, 0.0]))[:2]]
         [1.0, 0.635]
     """
     taps = windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5).astype(np.float32)
@@ -53,7 +53,7 @@ def interpolation_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
         `NUM_READ` weights.
 
     Example:
-        >>> round(float(sum(read_weights(jnp.float32(0.3)))), 2)
+        >>> round(float(sum(interpolation_weights(jnp.float32(0.3)))), 2)
         1.0
     """
     weights = []

@@ -30,7 +30,7 @@ def stack_directivities(patterns: Sequence[Directivity]) -> Directivity:
         patterns: One per source, all with the same number of angles.
 
     Example:
-        >>> directivities([talker(), first_order(0.0)]).gain.shape
+        >>> stack_directivities([talker_directivity(), first_order_directivity(0.0)]).gain.shape
         (2, 181, 7)
     """
     return jax.tree.map(lambda *gain: jnp.stack(gain), *patterns)
@@ -69,7 +69,7 @@ def first_order_directivity(
         ConfigError: A value is out of range, or the number of values is neither one nor one per octave.
 
     Example:
-        >>> first_order(0.5).gain[90].tolist()[:2]  # at 90 degrees
+        >>> first_order_directivity(0.5).gain[90].tolist()[:2]  # at 90 degrees
         [0.5, 0.5]
     """
     w, n = _per_octave("weight", weight, 1.0), _per_octave("exponent", exponent, math.inf)
@@ -86,7 +86,7 @@ def talker_directivity() -> Directivity:
     (1 - exp(-k)) / k.
 
     Example:
-        >>> level = 20 * np.log10(talker().gain[180])
+        >>> level = 20 * np.log10(talker_directivity().gain[180])
         >>> level.round().tolist()
         [-2.0, -3.0, -5.0, -7.0, -10.0, -14.0, -18.0]
     """
@@ -107,7 +107,7 @@ def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
     """Compute the energy averaged over the sphere re that on the axis: 1 / Q, Q being the directivity factor.
 
     Example:
-        >>> round(float(mean_energy(first_order(0.5))[0]), 4)  # a cardioid has Q = 3
+        >>> round(float(mean_energy(first_order_directivity(0.5))[0]), 4)  # a cardioid has Q = 3
         0.3333
     """
     weight = _solid_angles(pattern.gain.shape[0])

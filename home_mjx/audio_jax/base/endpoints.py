@@ -127,7 +127,7 @@ class SoundSources(Pytree):
         >>> import jax.numpy as jnp
         >>> one, never = jnp.ones(1), jnp.full(1, jnp.inf)
         >>> none = jnp.full(1, -1)
-        >>> radio = Sounds(jnp.zeros((1, 3)), body=none, clip=0 * none, gain=one, every=never, lasts=never)
+        >>> radio = SoundSources(jnp.zeros((1, 3)), body=none, clip=0 * none, gain=one, period=never, duration=never)
     """
 
     pos: Float[Array, "e 3"]  # [m], world

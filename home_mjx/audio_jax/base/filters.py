@@ -59,7 +59,7 @@ def causal_octave_log_spectra(size: int, sample_rate: int) -> Complex[np.ndarray
         sample_rate: [Hz].
 
     Example:
-        >>> flat = np.exp(np.log(np.full(7, 0.5)) @ causal_octaves(1024, 16000))
+        >>> flat = np.exp(np.log(np.full(7, 0.5)) @ causal_octave_log_spectra(1024, 16000))
         >>> bool(np.allclose(flat, 0.5))
         True
     """

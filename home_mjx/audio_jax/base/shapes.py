@@ -52,7 +52,7 @@ def filter_basis(sample_rate: int) -> FilterBasis:
         sample_rate: [Hz].
 
     Example:
-        >>> s = shapes(16000)
+        >>> s = filter_basis(16000)
         >>> s.kernel.shape, bool(abs(s.kernel.sum(axis=0)[HALF_WIDTH] - 1) < 0.02)  # together they are the identity
         ((20, 544), True)
     """
@@ -88,7 +88,7 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
         Spectra at the knots; 0 for silent paths.
 
     Example:
-        >>> octave_shapes(jnp.full((1, 7), 0.5), 16000).real.round(3)[0, :3].tolist()
+        >>> octave_filters_at_knots(jnp.full((1, 7), 0.5), 16000).real.round(3)[0, :3].tolist()
         [0.5, 0.5, 0.5]
     """
     table = filter_basis(sample_rate)

@@ -24,7 +24,7 @@ class ContactSoundConfig:
         ConfigError: A value is out of range.
 
     Example:
-        >>> NoiseConfig().num_noises
+        >>> ContactSoundConfig().num_sounds
         6
     """
 

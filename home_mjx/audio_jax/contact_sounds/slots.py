@@ -50,7 +50,7 @@ def empty_contact_sounds(config: ContactSoundConfig, audio: AudioConfig, num_age
     """Return empty slots.
 
     Example:
-        >>> silent_noises(NoiseConfig(), AudioConfig(), 1).rubs.gain.shape
+        >>> empty_contact_sounds(ContactSoundConfig(), AudioConfig(), 1).sustained.gain.shape
         (2, 7)
     """
     k, j = config.num_transients, config.num_sustained

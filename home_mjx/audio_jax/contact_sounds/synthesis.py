@@ -84,7 +84,7 @@ def transient_bank(sample_rate: int) -> Float[np.ndarray, "strikes n"]:
     Reference: a step at 1 m/s, an impact of 1 N s, a leaf stopped from 1 rad/s.
 
     Example:
-        >>> strike_bank(16000).shape == (len(STRIKES), 6400)
+        >>> transient_bank(16000).shape == (len(TRANSIENTS), 6400)
         True
     """
     steps = [_step(floor, i, sample_rate) for floor in FLOORS.values() for i in range(STEP_VARIANTS)]
@@ -103,7 +103,7 @@ def sustained_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
     Reference: 1 W of friction, a leaf that turns at 1 rad/s.
 
     Example:
-        >>> rub_bank(16000).shape == (len(RUBS), 32000)
+        >>> sustained_bank(16000).shape == (len(SUSTAINED), 32000)
         True
     """
     return _read_only(

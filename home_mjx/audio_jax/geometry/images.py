@@ -41,7 +41,7 @@ def mirror_sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
     """Enumerate all sequences of `order` mirrors without immediate repetitions.
 
     Example:
-        >>> len(sequences(6, 1)), len(sequences(6, 2)), len(sequences(6, 3))
+        >>> len(mirror_sequences(6, 1)), len(mirror_sequences(6, 2)), len(mirror_sequences(6, 3))
         (6, 30, 150)
     """
     every = itertools.product(range(num_mirrors), repeat=order)
@@ -68,7 +68,7 @@ def find_image_sources(
         >>> sides = [(x, y, z), (-x, y, z), (y, x, z), (-y, x, z), (z, x, y), (-z, x, y)]
         >>> n, u, v = (jnp.array(column) for column in zip(*sides, strict=True))
         >>> cube = Mirrors(-n, n / 5, u, v, jnp.ones(6, bool))
-        >>> found = find_images(cube, jnp.array([0.1, 0.2, 0.3]), jnp.array([2.5, -2.4, 3.0]), highest=3)
+        >>> found = find_image_sources(cube, jnp.array([0.1, 0.2, 0.3]), jnp.array([2.5, -2.4, 3.0]), max_order=3)
         >>> int(jnp.isfinite(found.length).sum())  # 63 with the direct path
         62
     """

@@ -67,8 +67,10 @@ def diffracted_pressure(bend: WedgeGeometry, wavenumber: Float[Array, " f"]) -> 
 
     Example:
         >>> far = jnp.full(1, 1.5)
-        >>> edge = Bend(far, far, jnp.full(1, np.pi / 3), jnp.full(1, np.pi / 6), jnp.full(1, 2.0), jnp.ones(1))
-        >>> gain = abs(diffracted(edge, jnp.full(1, 2 * np.pi * 1000 / 343.2)))
+        >>> edge = WedgeGeometry(
+        ...     far, far, jnp.full(1, np.pi / 3), jnp.full(1, np.pi / 6), jnp.full(1, 2.0), jnp.ones(1)
+        ... )
+        >>> gain = abs(diffracted_pressure(edge, jnp.full(1, 2 * np.pi * 1000 / 343.2)))
         >>> round(float(20 * jnp.log10(gain[0, 0])), 1)  # 30 degrees into the shadow at 1 kHz [dB]
         -12.2
     """
@@ -116,7 +118,7 @@ def second_edge_factor(
     factor this is; auxiliary Fresnel functions after Abramowitz and Stegun 7.3.32 and 7.3.33.
 
     Example:
-        >>> float(second_edge(jnp.zeros(1), jnp.ones(1), jnp.ones(1))[0, 0].round(3))
+        >>> float(second_edge_factor(jnp.zeros(1), jnp.ones(1), jnp.ones(1))[0, 0].round(3))
         1.0
     """
     power = 2 / 3

@@ -43,9 +43,10 @@ def tail_gains(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[
         Amplitudes of the `config.num_tail_repeats` repetitions.
 
     Example:
+        >>> from home_mjx.audio_jax.base.options import Motion
         >>> config = AudioConfig(motion=Motion(tail_seconds=0.4))
         >>> bins = jnp.exp(-0.05 * jnp.arange(config.num_bins))
-        >>> tail = tail_levels(jnp.broadcast_to(bins[:, None, None], (config.num_bins, 2, 7)), config)
+        >>> tail = tail_gains(jnp.broadcast_to(bins[:, None, None], (config.num_bins, 2, 7)), config)
         >>> tail.shape, round(float(tail[1, 0]), 4) == round(float(jnp.exp(-0.05 * 62)), 4)
         ((2, 7), True)
     """

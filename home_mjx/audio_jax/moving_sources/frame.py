@@ -61,11 +61,11 @@ def render_frames(
 
     Example:
         >>> from home_mjx.audio_jax import AudioConfig, Motion
-        >>> from home_mjx.audio_jax.moving_sources.reception import silence
+        >>> from home_mjx.audio_jax.moving_sources.reception import silent_state
         >>> config = AudioConfig(motion=Motion(tail_seconds=0.0), response_seconds=0.1)
-        >>> none = jax.tree.map(lambda x: jnp.stack([x, x]), silence(config))
-        >>> width = config.memory_length - 1 + config.frame + config.ahead
-        >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape
+        >>> none = jax.tree.map(lambda x: jnp.stack([x, x]), silent_state(config))
+        >>> width = config.memory_length - 1 + config.frame + config.num_lookahead
+        >>> render_frames(jnp.zeros((2, width)), none, none, config).shape
         (2, 1600)
     """
     return render_early(sources, old, new, config, head) + render_late(sources, old, new, config)

@@ -49,7 +49,9 @@ def render_receiver_state(
         `config.num_paths` early paths, late energies and the noise draw.
 
     Example:
-        >>> heard = reception(scene, Source(radio), Listener(ears, quat), jax.random.key(0), config)  # doctest: +SKIP
+        >>> heard = render_receiver_state(
+        ...     scene, SoundSource(radio), Listener(ears, quat), jax.random.key(0), config
+        ... )  # doctest: +SKIP
         >>> heard.energy.shape  # doctest: +SKIP
         (125, 2, 7)
     """

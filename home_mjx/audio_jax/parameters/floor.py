@@ -39,7 +39,7 @@ def survey_floor(
         config: Options; the receiver is ignored.
 
     Example:
-        >>> found = floor_sound(scene, Source(radio), places, jax.random.key(0), config)  # doctest: +SKIP
+        >>> found = survey_floor(scene, SoundSource(radio), places, jax.random.key(0), config)  # doctest: +SKIP
         >>> found.strength.shape  # doctest: +SKIP
         (612, 7)
     """

@@ -60,7 +60,7 @@ def survey_room(
         ConfigError: The receiver does not have two ears.
 
     Example:
-        >>> found = survey_room(scene, Source(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP
+        >>> found = survey_room(scene, SoundSource(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP
         >>> found.measures.t30.shape  # doctest: +SKIP
         (7,)
     """

@@ -25,6 +25,7 @@ def select_producers(config: AudioConfig) -> tuple[PathProducer, ...]:
     """Return the producers of early paths; the first one yields the direct path.
 
     Example:
+        >>> from home_mjx.audio_jax.base.options import EarlyPaths
         >>> [find.__name__ for find in select_producers(AudioConfig(early=EarlyPaths(num_edges=8)))]
         ['diffracted_paths', 'first_order_reflections']
     """
@@ -60,7 +61,7 @@ def early_paths(
             not return departure directions.
 
     Example:
-        >>> paths = early_paths(scene, Source(radio), Listener(ears, quat), AudioConfig())  # doctest: +SKIP
+        >>> paths = early_paths(scene, SoundSource(radio), Listener(ears, quat), AudioConfig())  # doctest: +SKIP
         >>> paths.distance.shape  # doctest: +SKIP
         (9,)
     """

@@ -36,7 +36,7 @@ def interpolate_directions(table: Float[Array, "v h *n"], toward: Float[Array, "
 
     Example:
         >>> table = jnp.arange(12.0).reshape(3, 4)  # every 90 degrees
-        >>> between_directions(table, jnp.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])).tolist()  # left, ahead
+        >>> interpolate_directions(table, jnp.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])).tolist()  # left, ahead
         [5.0, 4.0]
     """
     rows, columns = table.shape[:2]

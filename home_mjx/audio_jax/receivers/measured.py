@@ -59,7 +59,7 @@ def make_measured_head(
             head.
 
     Example:
-        >>> head = measured_head(direction, response, 44_100, AudioConfig())  # doctest: +SKIP
+        >>> head = make_measured_head(direction, response, 44_100, AudioConfig())  # doctest: +SKIP
         >>> Listener(ears, quat, head=head)  # doctest: +SKIP
     """
     check_known("phase", [phase], PHASES)

@@ -13,14 +13,17 @@ from home_mjx.audio_jax.receivers.hrtf import basis_responses, fit_basis_weights
 from home_mjx.schema.compiled import BANDS
 
 # Brown and Duda, A structural model for binaural sound synthesis, IEEE Trans. Speech and Audio Processing 6 (1998),
-# pinna coefficients: strength, and A, B (samples of 1 / RATE) and D of delays A cos(θ / 2) sin(D (90° - φ)) + B
+# pinna coefficients: strength, and A, B (samples of 1 / PINNA_MODEL_RATE) and D of delays A cos(θ / 2) sin(D (90° - φ)) + B
 PINNA_MODEL_RATE = 44100.0  # [Hz]
 ECHO_STRENGTHS = (0.5, -1.0, 0.5, -0.25, 0.25)
 ECHO_DELAY_SWINGS = (1.0, 5.0, 5.0, 5.0, 5.0)
 ECHO_DELAY_OFFSETS = (2.0, 4.0, 7.0, 11.0, 13.0)
 ECHO_ANGLE_FACTORS = (1.0, 0.5, 0.5, 0.5, 0.5)
 FREQUENCIES_PER_OCTAVE = 8  # frequencies per octave over which energies are averaged
-MAX_ECHO_DELAY, NUM_DELAY_STEPS = 36.0, 144  # maximum tabulated delay [samples of 1 / RATE], and steps up to it
+MAX_ECHO_DELAY, NUM_DELAY_STEPS = (
+    36.0,
+    144,
+)  # maximum tabulated delay [samples of 1 / PINNA_MODEL_RATE], and steps up to it
 
 
 def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
@@ -34,7 +37,7 @@ def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
         toward: Unit vectors towards the directions of incidence, in the head frame: +x right, +y up, looking along -z.
 
     Example:
-        >>> [round(float(x) * RATE, 2) for x in pinna_delays(jnp.array([0.0, 0.0, -1.0]))[:2]]  # ahead
+        >>> [round(float(x) * PINNA_MODEL_RATE, 2) for x in pinna_delays(jnp.array([0.0, 0.0, -1.0]))[:2]]  # ahead
         [3.0, 7.54]
     """
     side = jnp.arcsin(jnp.clip(toward[..., 0], -1.0, 1.0))

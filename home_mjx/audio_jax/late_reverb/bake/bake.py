@@ -66,7 +66,7 @@ class BakeOptions:
         """Return the rays per cell and octave for a house of `cells` cells.
 
         Example:
-            >>> tuple(BakeOptions().rays_for(cells) for cells in (30, 60, 139))
+            >>> tuple(BakeOptions().num_rays(cells) for cells in (30, 60, 139))
             (1600, 800, 400)
         """
         if self.rays is not None:

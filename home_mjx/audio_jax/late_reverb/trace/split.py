@@ -31,7 +31,7 @@ def resample_rays(
     Example:
         >>> octave = jnp.repeat(jnp.arange(7), 100)
         >>> room = (jnp.arange(700) % 100 == 0).astype(jnp.int32)  # one ray of a hundred is in the second room
-        >>> pick, energy = share_out(jnp.ones(700), room, octave, 2, jax.random.key(0))
+        >>> pick, energy = resample_rays(jnp.ones(700), room, octave, 2, jax.random.key(0))
         >>> int(room[pick].sum()) // 7, round(float(jnp.where(room[pick] == 1, energy, 0).sum()))
         (20, 7)
     """
