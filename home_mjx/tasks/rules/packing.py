@@ -104,15 +104,19 @@ def unpack_program(columns: Columns) -> tuple[list[Selector], list[TaskStage]]:
 
 def _selector(words: Sequence[int], place: Sequence[float]) -> Selector:
     attributes = {word.name.lower(): words[word] for word in Attribute if words[word] != ANY}
-    return Selector(attributes, tuple(place)) if np.isfinite(place).all() else Selector(attributes)
+    x, y, z = place
+    return Selector(attributes, (x, y, z)) if np.isfinite(place).all() else Selector(attributes)
 
 
 def _transitions(conditions: Sequence[Condition], ways: Sequence[Sequence[Any]]) -> Iterator[Transition]:
     """Yield the transitions of a stage from its entries of `next`, `require`, `forbid` and `reward`."""
     for after, require, forbid, reward in zip(*ways, strict=True):
         if require >= 0:
-            masks = ([when for c, when in enumerate(conditions) if bits >> c & 1] for bits in (require, forbid))
-            yield Transition(after, *map(tuple, masks), reward)
+            yield Transition(after, _selected(conditions, require), _selected(conditions, forbid), reward)
+
+
+def _selected(conditions: Sequence[Condition], bits: int) -> tuple[Condition, ...]:
+    return tuple(when for c, when in enumerate(conditions) if bits >> c & 1)
 
 
 def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str, np.ndarray]:

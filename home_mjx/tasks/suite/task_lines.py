@@ -126,7 +126,7 @@ def _task_line(row: Columns, ids: tuple[str, ...], names: tuple[str, ...]) -> Ta
         start=(x, y, z),
         yaw=float(row["yaw"]),
         length=float(row["length"]),
-        instruction=detokenize(row["tokens"]),
+        instruction=detokenize(row["tokens"].tolist()),
         selectors=tuple(selectors),
         stages=tuple(stages),
         sounds=tuple(unpack_sounds(row)),
@@ -199,7 +199,7 @@ def decode(kind: Any, value: Any) -> Any:
     """
     if kind is Selector:
         return _decode_selector(value)
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         own, types = {}, field_types(kind)
         for name, item in value.items():
             with locate_errors(name):

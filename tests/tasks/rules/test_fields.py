@@ -53,7 +53,7 @@ def test_the_cells_around_a_box_are_the_nearest_that_are_at_no_leaf(bank):
 
 def test_cells_at_leaves_are_those_near_points_of_open_leaves(bank):
     leaves = jax.tree.map(lambda x: x[0], DoorLeaves.from_physics(bank.physics))
-    pos, quat = (np.asarray(x) for x in leaves.moved(bank.physics.door_fully_open[0]))
+    pos, quat = (np.asarray(x) for x in leaves.pose_at(bank.physics.door_fully_open[0]))
     graph = CellGraph(bank, 0)
     least = np.full(len(graph.place), np.inf)
     u, v = np.meshgrid(np.linspace(-1, 1, 81), np.linspace(-1, 1, 5))

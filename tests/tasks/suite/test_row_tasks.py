@@ -113,7 +113,7 @@ def test_mistakes_cost_and_end_episodes_only_if_told_to(bank):
         lost = np.asarray(quiet.reward - stopped.reward)[~right]
         np.testing.assert_allclose(lost, task.failure_cost, atol=1e-5)
         moved = step(env.params, stopped, goes)
-        gone = np.linalg.norm(np.asarray(moved.task.place - stopped.task.place)[:, 0], axis=-1) > 0.1
+        gone = np.linalg.norm(np.asarray(moved.task.position - stopped.task.position)[:, 0], axis=-1) > 0.1
         assert gone[~right].any() != ends
 
 
