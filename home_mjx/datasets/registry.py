@@ -104,7 +104,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
     root = dataset_root() if name is None else name
     if root is None or not str(root):
         hint = f"Pass a folder, a name such as `procedural:16`, or set {ROOT_VARIABLE}. {LAYOUT}"
-        raise DatasetError("no dataset root was given", hint=hint)
+        raise DatasetError("no dataset root was specified", hint=hint)
     path = Path(os.path.abspath(Path(root).expanduser()))
     if not path.is_dir():
         kind = DatasetError if os.path.exists(path) else MissingFileError

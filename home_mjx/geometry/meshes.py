@@ -6,7 +6,6 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.geometry.bvh import build_tree, build_triangle_tree
 from home_mjx.schema.compiled import BVH, Instances, Model
 from home_mjx.schema.house import Mesh
 
@@ -96,7 +95,7 @@ def make_model(
     slot = np.zeros(count, np.int32) if slot is None else slot.astype(np.int32)
     part = np.zeros(count, np.int32) if part is None else part.astype(np.int32)
     normal = (crease_normals(triangles) if normal is None else normal).astype(np.float32)
-    tree, order = build_triangle_tree(triangle)
+    tree, order = _triangle_tree(triangle)
     digest = hashlib.sha256(b"".join(a.tobytes() for a in (triangle, uv, slot, part, normal))).hexdigest()[:16]
     return Model(
         key=f"{name}:{digest}",
@@ -112,9 +111,13 @@ def make_model(
 
 def tree_order(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
     """Return the order in which `make_model` stores triangles: row i of the model is triangle `order[i]`."""
-    from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which the readers of models do not need
+    return _triangle_tree(triangles.astype(np.float32))[1]
 
-    return build_triangle_tree(triangles.astype(np.float32))[1]
+
+def _triangle_tree(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[BVH, Int[np.ndarray, " t"]]:
+    from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which readers of models do not need
+
+    return build_triangle_tree(triangles)
 
 
 def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
@@ -180,6 +183,8 @@ def build_instance_tree(
         models: Models by key.
         doors: Instances of door leaves, which are omitted as well; None without doors.
     """
+    from home_mjx.geometry.bvh import build_tree  # loads Numba, as above
+
     static = np.setdiff1d(np.flatnonzero(instances.body < 0), [] if doors is None else doors)
     boxes = np.array([instance_box(instances.pose[i], models[instances.model[i]].box) for i in static])
     tree, order = build_tree(boxes + np.array([[-INSTANCE_BOX_MARGIN], [INSTANCE_BOX_MARGIN]]), leaf_size=1)

@@ -96,7 +96,7 @@ class BehaviorCloning(AdvisedPPO):
         >>> state, metrics = cloning.update(env.params, state)  # doctest: +SKIP
     """
 
-    def behaviour(self, state: TrainState) -> Policy:
+    def behavior_policy(self, state: TrainState) -> Policy:
         """Return a policy that takes the expert's action with a scheduled probability, else the network's."""
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates
@@ -110,7 +110,7 @@ class BehaviorCloning(AdvisedPPO):
 
         return student._replace(act=act)
 
-    def loss_now(self, state: TrainState) -> LossFunction:
+    def current_loss(self, state: TrainState) -> LossFunction:
         """Return the loss, which does not depend on the state."""
         return self.loss
 

@@ -17,6 +17,7 @@ from home_mjx.cli.floors import reduce_rays
 from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_free_direction
 from home_mjx.houses import house_cache, load_bank
 from home_mjx.houses.house_set import HouseSet
+from home_mjx.raycast_render.shaders import base
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.viewer.pictures.pictures import colour_ids
 from home_procgen.v1.dataset import generate_dataset
@@ -154,6 +155,32 @@ def test_render_writes_pictures(houses: Path, tmp_path: Path, capsys: pytest.Cap
     assert images["rgb.png"].std() > 5
     assert len(np.unique(images["depth.png"].reshape(-1, 3), axis=0)) > 20
     assert len(np.unique(images["instance.png"].reshape(-1, 3), axis=0)) >= 2
+
+
+SHADER_FILE = """
+from dataclasses import dataclass
+import jax.numpy as jnp
+from home_mjx.raycast_render import Shader, Vec, register_shader
+
+@register_shader
+@dataclass(frozen=True)
+class White(Shader):
+    name = "white_of_a_user"
+
+    def radiance(self, scene, rays):
+        return Vec(*[jnp.ones_like(rays.hit.t)] * 3)
+"""
+
+
+def test_render_takes_a_shader_of_a_users_file(houses: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    monkeypatch.setattr(base, "_REGISTRY", dict(base._REGISTRY))
+    (tmp_path / "user_shader_file.py").write_text(SHADER_FILE)
+    monkeypatch.syspath_prepend(tmp_path)
+    options = ["render", "--dataset", str(houses), "--size", "8", "6", "--out", str(tmp_path), "--shader"]
+    assert main([*options, "white_of_a_use"]) == 2
+    assert "unknown shader `white_of_a_use`" in capsys.readouterr().err
+    assert main([*options, "white_of_a_user", "--import", "user_shader_file"]) == 0
+    assert (np.asarray(Image.open(tmp_path / "rgb.png")) == 255).all()
 
 
 @pytest.mark.parametrize(("pitch", "colour"), [("-90", [127, 127, 255]), ("90", [127, 127, 0])])

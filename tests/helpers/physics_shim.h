@@ -10,7 +10,7 @@
 #define __launch_bounds__(...)
 #define LANE 0
 typedef double real;
-constexpr real ENOUGH = 1e-9, SOLVED = 1e-22, SMALLEST = 1e-12, NEARLY_PARALLEL = 1e-15, PREFER_FACES = 1 - 1e-12, TINY = 1e-15;
+constexpr real LINE_SEARCH_TOLERANCE = 1e-9, NEWTON_TOLERANCE = 1e-22, MIN_PIVOT = 1e-12, MIN_CROSS_LENGTH = 1e-15, MAX_EDGE_OVERLAP_RATIO = 1 - 1e-12, TINY = 1e-15;
 inline void sync_warp() {}
 inline unsigned warp_ballot(bool x) { return x; }
 inline int count_bits(unsigned x) { return __builtin_popcount(x); }

@@ -55,7 +55,7 @@ def test_a_filter_reads_no_model_and_no_house_beyond_the_last(root, monkeypatch)
     everything.load()
     looked, contents = [], HouseCache.contents
     monkeypatch.setattr(HouseCache, "contents", lambda self, i: looked.append(i) or contents(self, i))
-    monkeypatch.setattr(HouseCache, "model_index", lambda self, key: pytest.fail(f"{key} was read"))
+    monkeypatch.setattr(HouseCache, "model", lambda self, key: pytest.fail(f"{key} was read"))
     monkeypatch.setattr(house_cache, "compile_house", lambda *_: pytest.fail("compiled"))
     few = HouseSet(root, filter=HouseFilter(levels=(1, 1)), num_houses=2)
     assert few.house_ids == everything.house_ids[:2]

@@ -70,7 +70,7 @@ def pairs(house: CompiledHouse, rng: np.random.Generator, count: int = 20_000) -
 def test_distances_have_no_steps_wherever_an_agent_can_stand(bank, houses, distances, rng):
     """Within two cells of what was walked on the floor and along walls; on places of things nearly always."""
     for h, house in enumerate(houses):
-        cell, free = house.navigation.cell, house.navigation.free
+        cell, free = house.navigation.cell, house.navigation.home_mask
         start, end = pairs(house, rng)
         a, b = (np.asarray(distances(bank, jnp.int32(h), p.astype(np.float32))) for p in (start, end))
         assert np.isfinite(a).all()
@@ -119,10 +119,12 @@ def test_where_no_cell_is_the_way_to_the_nearest_one_counts(bank, houses, distan
 def test_beside_the_home_region_is_not_in_it(bank, houses):
     house = houses[0]
     n = house.navigation
-    cells = np.indices(n.free.shape)[1:].reshape(2, -1)[::-1].T
+    cells = np.indices(n.home_mask.shape)[1:].reshape(2, -1)[::-1].T
     points = np.c_[(cells + 0.5) * n.cell + n.origin, np.full(len(cells), n.floor[0])].astype(np.float32)
-    found = np.asarray(jax.vmap(lambda p: is_near_home_region(bank, jnp.int32(0), p))(points)).reshape(n.free.shape)
-    padded = np.pad(n.free[0], 1)
+    found = np.asarray(jax.vmap(lambda p: is_near_home_region(bank, jnp.int32(0), p))(points)).reshape(
+        n.home_mask.shape
+    )
+    padded = np.pad(n.home_mask[0], 1)
     around = [
         padded[1 + a : 1 + a + padded.shape[0] - 2, 1 + b : 1 + b + padded.shape[1] - 2]
         for a in (-1, 0, 1)

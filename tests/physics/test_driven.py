@@ -112,10 +112,10 @@ def test_the_reference_drives_doors_and_hands_alike(driven, truth):
     got = jax.tree.map(lambda x: np.asarray(x[:6]), states)
     assert_allclose(got.qpos, truth.qpos, atol=3e-3)
     assert_allclose(got.qvel[..., layout.door_qvel], truth.qvel[..., layout.door_qvel], atol=0.05)
-    assert_allclose(got.impulse, truth.impulse, atol=0.05 * float(truth.impulse.max()))
-    strong = np.asarray(truth.impulse) > 0.5
+    assert_allclose(got.contact_impulse, truth.contact_impulse, atol=0.05 * float(truth.contact_impulse.max()))
+    strong = np.asarray(truth.contact_impulse) > 0.5
     assert strong.any()
-    assert (got.other[strong] == np.asarray(truth.other)[strong]).mean() > 0.95
+    assert (got.contact_partner[strong] == np.asarray(truth.contact_partner)[strong]).mean() > 0.95
 
 
 def test_a_hand_carries_a_thing_to_its_grip(driven):
@@ -147,7 +147,7 @@ def test_what_was_touched_is_told(driven):
     """The agent stands on the floor and pushes a leaf; the leaf is pushed by the agent."""
     template, states = driven
     door = template.layout.num_agents + template.layout.num_bodies
-    others, impulse = np.asarray(states.other), np.asarray(states.impulse)
+    others, impulse = np.asarray(states.contact_partner), np.asarray(states.contact_impulse)
     weight = template.config.body.mass * 9.81 * template.config.timing.ctrl_dt
     assert_allclose(impulse[5:, 2, 0], weight, rtol=0.02)
     assert (others[5:, 2, 0] == FLOOR).all()

@@ -174,7 +174,7 @@ def test_nothing_is_put_down_far_above_or_below(scene, height):
     """The hand once took things through the roof, as its reach was that in the plan."""
     held = scene.run(scene.start, 12, pick=CUP)
     kept = scene.run(held, 3, place=np.array([0.9, 0.0, height]))
-    assert not bool(jnp.isfinite(kept.spot).any())
+    assert not bool(jnp.isfinite(kept.place_target).any())
     assert_allclose(scene.body(kept, CUP), scene.body(held, CUP), atol=2e-3)
 
 
@@ -183,7 +183,7 @@ def test_doors_of_other_storeys_are_out_of_reach(scene):
     for rise, turns in ((0.9, True), (1.1, False)):
         z = middle + rise
         above = scene.start.replace(qpos=scene.start.qpos.at[4:7].set(jnp.array([0.7, 1.2, z])))
-        assert (scene.run(above, 1, agent=1, door=0, open=True).goal[0] != NOT_DRIVEN) == turns
+        assert (scene.run(above, 1, agent=1, door=0, open=True).door_goal[0] != NOT_DRIVEN) == turns
 
 
 @pytest.mark.parametrize("impl", ["fused", "c"])
@@ -234,11 +234,11 @@ def test_a_hand_turns_a_door_to_its_ends(scene):
     opened = scene.run(scene.start, 25, agent=1, door=0, open=True)
     angle = scene.template.layout.door_qpos.start
     assert_allclose(opened.qpos[angle], HOUSE.doors[0].high, atol=0.05)
-    assert opened.goal[0] == NOT_DRIVEN
+    assert opened.door_goal[0] == NOT_DRIVEN
     shut = scene.run(opened, 25, agent=1, door=0, open=False)
     assert_allclose(shut.qpos[angle], 0.0, atol=0.05)
     far = scene.start.replace(qpos=scene.start.qpos.at[4:6].set(jnp.array([-2.5, -2.5])))
-    assert scene.run(far, 3, agent=1, door=0, open=True).goal[0] == NOT_DRIVEN  # out of reach
+    assert scene.run(far, 3, agent=1, door=0, open=True).door_goal[0] == NOT_DRIVEN  # out of reach
 
 
 class Hands(RuleBasedStateMachine):

@@ -32,7 +32,7 @@ def test_the_lot_ends_at_the_fence(generated_bank):
     for house in range(generated_bank.num_houses):
         middle = np.asarray(arrays.collider_pos[house])
         middle = middle[middle[:, 2] > -50, :2]  # the rest is padding
-        np.testing.assert_array_equal(arrays.lot[house], [middle.min(axis=0), middle.max(axis=0)])
+        np.testing.assert_array_equal(arrays.fence_rectangle[house], [middle.min(axis=0), middle.max(axis=0)])
 
 
 def test_it_is_what_corners_say(bank):

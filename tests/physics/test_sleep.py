@@ -59,7 +59,12 @@ def test_what_rests_does_not_creep(scene):
 
 
 def test_what_sleeps_still_tells_what_it_stands_on(scene):
-    assert scene.rested.other[1 + np.array([TABLE, CUP, CHEST, LAMP])].tolist() == [FLOOR, 1 + TABLE, FLOOR, STATIC]
+    assert scene.rested.contact_partner[1 + np.array([TABLE, CUP, CHEST, LAMP])].tolist() == [
+        FLOOR,
+        1 + TABLE,
+        FLOOR,
+        STATIC,
+    ]
     assert (scene.rested.impulse[1:5] > 0).all()
 
 
@@ -112,7 +117,7 @@ def test_what_is_woken_was_pushed_by_its_weight_all_the_while(scene):
     state, least, woken = scene.rested, 12 * 9.81 * 0.1, []
     while float(state.qpos[0]) < 0.55:
         state = scene.step(state, jnp.array([[1.0, 0.0, 0.0]]))
-        if state.other[1 + TABLE] == FLOOR:
+        if state.contact_partner[1 + TABLE] == FLOOR:
             assert state.impulse[1 + TABLE] > 0.99 * least
             woken.append(not scene.asleep(state)[TABLE])
     assert len(woken) > 3

@@ -59,7 +59,7 @@ def test_an_update_changes_what_it_should_and_nothing_of_its_form(ppo: PPO, env,
     assert all(np.isfinite(x) for x in metrics.values())
     # In 4 steps of 6 staggered ones some have ended; those that have not are counted on.
     assert 0 < metrics["episode/episodes"] <= 8
-    assert np.array_equal(new.actor.begins, new.actor.totals["length"] == 0)
+    assert np.array_equal(new.actor.is_first, new.actor.totals["length"] == 0)
     assert np.all(new.actor.totals["length"] <= 4)
 
 
@@ -91,7 +91,7 @@ def test_time_running_out_is_continued_by_the_value_of_the_last_observation(ppo:
         after = step(env.params, before.env, policy.clip(steps.action[0]))
         memory = ppo.agent.unroll_step(state.net, before.memory, before.env.obs, before.is_first)[0]
         value = ppo.agent.unroll_step(state.net, memory, after.obs, jnp.zeros(8, bool))[2]
-        np.testing.assert_allclose(steps.cut[0], jnp.where(after.truncated, value, 0.0), atol=1e-5)
+        np.testing.assert_allclose(steps.truncation_value[0], jnp.where(after.truncated, value, 0.0), atol=1e-5)
         assert np.array_equal(steps.done[0], after.done)
         late += int(after.truncated.sum())
     assert late == 8

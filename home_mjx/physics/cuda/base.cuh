@@ -7,11 +7,11 @@ typedef float real;
 constexpr int WARP_SIZE = 32;
 constexpr unsigned ALL_LANES = 0xffffffffu;
 #define LANE int(threadIdx.x)
-constexpr real ENOUGH = 1e-2f;           // line-search tolerance: final slope of the cost over that at its start
-constexpr real SOLVED = 1e-11f;          // Newton tolerance: remaining decrease over the cost's scale
-constexpr real SMALLEST = 1e-9f;         // minimum Cholesky pivot before its square root [kg] or [kg m^2]
-constexpr real NEARLY_PARALLEL = 1e-4f;  // minimum length of the cross product of edge directions
-constexpr real PREFER_FACES = 1 - 1e-6f;
+constexpr real LINE_SEARCH_TOLERANCE = 1e-2f;  // line-search tolerance: final slope of the cost over that at its start
+constexpr real NEWTON_TOLERANCE = 1e-11f;  // Newton tolerance: remaining decrease over the cost's scale
+constexpr real MIN_PIVOT = 1e-9f;  // minimum Cholesky pivot before its square root [kg] or [kg m^2]
+constexpr real MIN_CROSS_LENGTH = 1e-4f;  // minimum length of the cross product of edge directions
+constexpr real MAX_EDGE_OVERLAP_RATIO = 1 - 1e-6f;
 constexpr real TINY = 1e-9f;
 
 INLINE void sync_warp() { __syncwarp(); }
@@ -31,26 +31,27 @@ INLINE real* shared_memory() { return shared_floats; }
 #define INF real(1e30)
 #define NONE real(-9)  // the capsule has no second contact sphere
 
-constexpr int MOST_POINTS = 16;       // maximum number of contact points of a pair of shapes
-constexpr int BLOCKS = 16;            // minimum number of blocks per multiprocessor: 128 registers a thread
-constexpr int SLEEPER = -1000000;      // code of a contact's second body m if that sleeps: SLEEPER - m
-constexpr int PAIRS_PER_MOBILE = 16;  // pairs of nearby bodies per dynamic body that the buffer holds, as in launch.py
-constexpr int NEAR = 24;              // maximum number of listed static boxes per dynamic body
-constexpr int POINTS_PER_MOBILE = 24; // contact points per dynamic body that the buffer holds
-constexpr int CONTACT_WORDS = 52;     // words of memory per contact, as in launch.py
-constexpr int SMALL_ISLAND = 6;       // maximum dynamic bodies of an island solved in shared memory, as in launch.py
+constexpr int MAX_PAIR_POINTS = 16;  // maximum number of contact points of a pair of shapes
+constexpr int BLOCKS = 16;  // minimum number of blocks per multiprocessor: 128 registers a thread
+constexpr int SLEEPING_BODY = -1000000;  // code of a contact's second body m if that sleeps: SLEEPING_BODY - m
+constexpr int PAIRS_PER_BODY = 16;  // pairs of nearby bodies per dynamic body that the buffer holds, as in launch.py
+constexpr int MAX_NEAR_BOXES = 24;  // maximum number of listed static boxes per dynamic body
+constexpr int POINTS_PER_BODY = 24;  // contact points per dynamic body that the buffer holds
+constexpr int CONTACT_WORDS = 52;  // words of memory per contact, as in launch.py
+constexpr int SMALL_ISLAND = 6;  // maximum dynamic bodies of an island solved in shared memory, as in launch.py
 // Codes of a contact's second side if that is no dynamic body; static box c is STATIC - c.
-constexpr int LIMIT = -1, FLOOR = -2, STATIC = -3;
-constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;  // of the tables, see native/data/limits.py
-constexpr int FREE = 1000000000;                                      // goal of a door that is not driven
-constexpr real WAKE_NEAR = 0.01;  // [m], see native/sleep.py
-constexpr real AWAKE = 1e-6;  // acceleration that marks a woken dynamic body; sleeping ones have 0
-constexpr real HEAVY = 1e20;                                          // mass of a door's unused DoFs
-constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
-constexpr int LINE_STEPS = 40;
+constexpr int JOINT_LIMIT = -1, FLOOR = -2, STATIC = -3;
+// Columns of the tables, see numba/data/limits.py
+constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;
+constexpr int NOT_DRIVEN = 1000000000;  // goal of a door that is not driven
+constexpr real WAKE_DISTANCE = 0.01;  // [m], see numba/sleep.py
+constexpr real MIN_AWAKE_ACCELERATION = 1e-6;  // acceleration that marks a woken dynamic body; sleeping ones have 0
+constexpr real HEAVY = 1e20;  // mass of a door's unused DoFs
+constexpr int STATIC_OVERFLOW = 0, POINT_OVERFLOW = 1;
+constexpr int MAX_LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 32;
-constexpr real ALIKE = 0.99, ALIKE_FACTOR = 0.95;  // see native/shapes/box_box.py
-constexpr real REACH = 0.1;                        // [m], see native/contacts.py
+constexpr real ALIGNED_COSINE = 0.99, ALIGNED_OVERLAP_RATIO = 0.95;  // see numba/shapes/box_box.py
+constexpr real NEAR_DISTANCE = 0.1;  // [m], see numba/contacts.py
 
 struct Numbers {
   real sim_dt, substeps, gravity, control, response_time, max_body_speed, max_body_spin, stiffness, damping,

@@ -1,4 +1,4 @@
-// One environment and its contacts; counterpart of native/constraint.py.
+// One environment and its contacts; counterpart of numba/constraint.py.
 
 // Contribution of a contact to gradient and Hessian, in its frame.
 struct Push {
@@ -81,9 +81,9 @@ struct Surface {
 
 INLINE Surface surface_of(const Env& e, int first, int second) {
   const Numbers& n = e.numbers;
-  if (second == LIMIT || first < e.agents) return {0, n.stiffness, n.damping, n.impedance_low, n.impedance_width};
-  int other = second <= SLEEPER ? SLEEPER - second : second;
-  if (first >= e.free) other = first, first = SLEEPER - second;  // a door that meets a sleeping body
+  if (second == JOINT_LIMIT || first < e.agents) return {0, n.stiffness, n.damping, n.impedance_low, n.impedance_width};
+  int other = second <= SLEEPING_BODY ? SLEEPING_BODY - second : second;
+  if (first >= e.free) other = first, first = SLEEPING_BODY - second;  // a door that meets a sleeping body
   const float* own = e.surface + SURFACE_COLUMNS * (first - e.agents);
   const float* its = other < 0 || other >= e.free ? own : e.surface + SURFACE_COLUMNS * (other - e.agents);
   return {fmax(real(own[0]), real(its[0])) * e.rougher, fmax(real(own[1]), real(its[1])), fmax(real(own[2]), real(its[2])),
@@ -116,7 +116,7 @@ __device__ void make_contact(const Env& e, Contact& c, int first, int second, co
     }
     inverse += e.inverse[m];
   }
-  if (second == LIMIT) {  // at a joint limit, the first row is the door's rate itself
+  if (second == JOINT_LIMIT) {  // at a joint limit, the first row is the door's rate itself
     for (int row = 0; row < 3; ++row)
       for (int k = 0; k < 3; ++k) c.frame[row][k] = 0, c.turn[0][row][k] = row == 0 && k == 2 ? n.x : 0;
     inverse = 1 / e.mass[6 * first + 5];

@@ -1,4 +1,4 @@
-// Contact detection; counterpart of native/contacts.py.
+// Contact detection; counterpart of numba/contacts.py.
 
 // Writes the contacts of the lanes' pairs in lane order; returns the new number of contacts.
 __device__ int write_contacts(const Env& e, int count, int first, int second, const Points& points) {
@@ -11,7 +11,7 @@ __device__ int write_contacts(const Env& e, int count, int first, int second, co
   for (int i = 0; i < points.count; ++i)
     if (start + i < e.room) make_contact(e, e.contacts[start + i], first, second, points.at[i]);
   if (count + total > e.room) {
-    if (LANE == 0) e.counts[LOST_POINTS] = 1;
+    if (LANE == 0) e.counts[POINT_OVERFLOW] = 1;
     return e.room;
   }
   return count + total;
@@ -85,7 +85,7 @@ __device__ void keep_near(const Env& e, const House& house) {
   bool any = false;
   int* looks = e.members;  // flags of dynamic bodies whose list is updated
   for (int m = LANE; m < e.free; m += WARP_SIZE) {
-    looks[m] = e.used[m] && (e.num_near[m] < 0 || moved(e, m) >= REACH);
+    looks[m] = e.used[m] && (e.num_near[m] < 0 || moved(e, m) >= NEAR_DISTANCE);
     if (!looks[m]) continue;
     any = true, e.num_near[m] = 0;
     for (int k = 0; k < 12; ++k) e.near_from[12 * m + k] = k < 3 ? e.pos[3 * m + k] : e.rot[9 * m + k - 3];
@@ -99,7 +99,7 @@ __device__ void keep_near(const Env& e, const House& house) {
     for (int m = 0; m < e.free; ++m) {
       if (!looks[m]) continue;
       const Box own = mobile_box(e, m);
-      const real reach = e.radius[m] + REACH;
+      const real reach = e.radius[m] + NEAR_DISTANCE;
       const Vec at = box.local(own.pos - box.pos);
       real square = 0;
 #pragma unroll
@@ -107,17 +107,17 @@ __device__ void keep_near(const Env& e, const House& house) {
         const real beyond = fmax(absolute(at[k]) - box.half[k], real(0));
         square += beyond * beyond;
       }
-      const bool close = here && square < reach * reach && !apart(own, box, REACH);
+      const bool close = here && square < reach * reach && !apart(own, box, NEAR_DISTANCE);
       const unsigned mask = warp_ballot(close);
       const int place = e.num_near[m] + count_bits(mask & ((1u << LANE) - 1));
-      if (close && place < NEAR) e.near[NEAR * m + place] = c;
+      if (close && place < MAX_NEAR_BOXES) e.near[MAX_NEAR_BOXES * m + place] = c;
       sync_warp();
       if (LANE == 0) e.num_near[m] += count_bits(mask);
       sync_warp();
     }
   }
   for (int m = LANE; m < e.free; m += WARP_SIZE)
-    if (e.num_near[m] > NEAR) e.num_near[m] = NEAR, e.counts[LOST_STATIC] = 1;
+    if (e.num_near[m] > MAX_NEAR_BOXES) e.num_near[m] = MAX_NEAR_BOXES, e.counts[STATIC_OVERFLOW] = 1;
   sync_warp();
 }
 
@@ -194,14 +194,14 @@ __device__ int list_pairs(const Env& e, int awake) {
     near = near && spheres_meet(e, m, other, 0);
     const unsigned mask = warp_ballot(near);
     const int place = count + count_bits(mask & ((1u << LANE) - 1));
-    if (near && place < PAIRS_PER_MOBILE * e.mobiles)
+    if (near && place < PAIRS_PER_BODY * e.mobiles)
       e.pairs[place] = e.used[other] ? other + m * e.mobiles : m + other * e.mobiles;
     count += count_bits(mask);
   }
   sync_warp();
-  if (count <= PAIRS_PER_MOBILE * e.mobiles) return count;
-  if (LANE == 0) e.counts[LOST_POINTS] = 1;
-  return PAIRS_PER_MOBILE * e.mobiles;
+  if (count <= PAIRS_PER_BODY * e.mobiles) return count;
+  if (LANE == 0) e.counts[POINT_OVERFLOW] = 1;
+  return PAIRS_PER_BODY * e.mobiles;
 }
 
 // Writes all contacts of an environment; returns their number.
@@ -219,13 +219,13 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
     if (pair < awake) {
       first = e.list[pair];
       if (first < e.free) second = FLOOR, on_floor(e, first, floor, points);
-      else second = LIMIT, at_limits(e, first, points);
+      else second = JOINT_LIMIT, at_limits(e, first, points);
     } else if (pair < total) {  // a static box or another dynamic body
       Box box;
       if ((pair -= awake) < statics) {
         int m = 0;
         while (!e.used[m] || pair >= e.num_near[m]) pair -= e.used[m] ? e.num_near[m] : 0, ++m;
-        const int number = int(e.near[NEAR * m + pair]);
+        const int number = int(e.near[MAX_NEAR_BOXES * m + pair]);
         first = m, second = STATIC - number, box = static_box(house, number);
       } else {
         const int both = e.pairs[pair - statics];
@@ -241,7 +241,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
       }
       if (second >= 0 && !e.used[second]) {
         if (points.count) e.wakes[second] = 1;
-        second = SLEEPER - second;
+        second = SLEEPING_BODY - second;
       }
     }
     count = write_contacts(e, count, first, second, points);

@@ -1,4 +1,4 @@
-// Accelerations without contact, and integration; counterpart of native/forces.py and native/motion.py.
+// Accelerations without contact, and integration; counterpart of numba/forces.py and numba/motion.py.
 
 // Control inputs of an environment's agents and doors.
 struct Control {
@@ -93,7 +93,7 @@ INLINE void drive_door(const Env& e, int m, real goal) {
   real* out = e.smooth + 6 * m;
   for (int k = 0; k < 5; ++k) out[k] = 0;
   out[5] = -n.door_drag * rate;
-  if (absolute(goal) >= FREE) return;
+  if (absolute(goal) >= NOT_DRIVEN) return;
   const real wanted = clamped((goal - e.quat[4 * m]) / n.door_time, -n.door_speed, n.door_speed);
   out[5] += clamped((wanted - rate) / n.hand_time, -most, most);
 }

@@ -1,4 +1,4 @@
-// Contact points of pairs of shapes, in the order of native/shapes/box_box.py and native/shapes/capsule.py.
+// Contact points of pairs of shapes, in the order of numba/shapes/box_box.py and numba/shapes/capsule.py.
 
 struct Vec {
   real x, y, z;
@@ -29,10 +29,10 @@ struct Point {
 
 // Contact points of a pair, before they are written to the contacts.
 struct Points {
-  Point at[MOST_POINTS];
+  Point at[MAX_PAIR_POINTS];
   int count;
   INLINE void add(Vec pos, real distance, Vec normal) {
-    if (count < MOST_POINTS) at[count++] = {pos, distance, normal};
+    if (count < MAX_PAIR_POINTS) at[count++] = {pos, distance, normal};
   }
 };
 
@@ -54,7 +54,7 @@ struct Clip {
 // Adds the points where an edge crosses the border of the rectangle.
 INLINE void crossings(Clip& clip, const real* start, const real* edge) {
   for (int q = 0; q < 2; ++q) {
-    if (absolute(edge[q]) <= NEARLY_PARALLEL) continue;
+    if (absolute(edge[q]) <= MIN_CROSS_LENGTH) continue;
     for (int s = -1; s <= 1; s += 2) {
       const real border = s * clip.size(q);
       const real t = (border - start[q]) / edge[q];
@@ -133,7 +133,7 @@ __device__ void box_box(const Box& one, const Box& two, Points& points) {
       const int p = (i + 1) % 3, q = (i + 2) % 3;
       real x = -cosine[q][j], y = cosine[p][j];
       const real length = sqrt(x * x + y * y);
-      if (length < NEARLY_PARALLEL) continue;
+      if (length < MIN_CROSS_LENGTH) continue;
       x /= length, y /= length;
       const real apart = x * between[p] + y * between[q];
       real over = one.half[p] * absolute(x) + one.half[q] * absolute(y) - absolute(apart);
@@ -146,10 +146,10 @@ __device__ void box_box(const Box& one, const Box& two, Points& points) {
         axis[i] = 0, axis[p] = sign * x, axis[q] = sign * y;
       }
     }
-  if (edge >= 0 && best < least * PREFER_FACES) {
+  if (edge >= 0 && best < least * MAX_EDGE_OVERLAP_RATIO) {
     real likeness = 0;
     for (int k = 0; k < 3; ++k) likeness += axis[k] * (face < 3 ? (k == face) : cosine[k][face - 3]);
-    if (absolute(likeness) < ALIKE || best < ALIKE_FACTOR * least) {
+    if (absolute(likeness) < ALIGNED_COSINE || best < ALIGNED_OVERLAP_RATIO * least) {
       const int e1 = edge / 3, e2 = edge % 3;
       real start[3], other[3];
       for (int k = 0; k < 3; ++k) {

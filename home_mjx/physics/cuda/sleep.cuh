@@ -1,4 +1,4 @@
-// Body sleeping; counterpart of native/sleep.py.
+// Body sleeping; counterpart of numba/sleep.py.
 
 INLINE real length_of(const real* v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -6,7 +6,7 @@ INLINE void find_sleepers(const Env& e, const Control& control) {
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
     bool calm = m >= e.agents && e.numbers.sleep > 0, still = true;
     for (int a = 0; a < e.agents; ++a) calm = calm && control.held[a] != m - e.agents;
-    if (m >= e.free) calm = calm && absolute(control.goal[m - e.free]) >= FREE;
+    if (m >= e.free) calm = calm && absolute(control.goal[m - e.free]) >= NOT_DRIVEN;
     for (int k = 0; k < 6; ++k) still = still && e.vel[6 * m + k] == 0 && e.acc[6 * m + k] == 0;
     e.wakes[m] = 0, e.calm[m] = calm, e.used[m] = e.there[m] && !(calm && still);
   }
@@ -14,7 +14,7 @@ INLINE void find_sleepers(const Env& e, const Control& control) {
 }
 
 INLINE void wake(const Env& e, int m) {
-  e.used[m] = 1, e.calm[m] = 0, e.wakes[m] = 0, e.acc[6 * m + (m < e.free ? 2 : 5)] = -AWAKE;
+  e.used[m] = 1, e.calm[m] = 0, e.wakes[m] = 0, e.acc[6 * m + (m < e.free ? 2 : 5)] = -MIN_AWAKE_ACCELERATION;
 }
 
 // Wakes dynamic bodies that agents or fast bodies may touch in the next physics step.
@@ -29,7 +29,7 @@ __device__ void wake_near(const Env& e) {
     if (m >= e.free && other >= e.free) continue;
     const real *vel = e.vel + 6 * m, fast = m < e.free ? length_of(vel) + length_of(vel + 3) * e.radius[m]
                                                        : 2 * absolute(vel[5]) * e.radius[m];
-    const real near = WAKE_NEAR + 2 * e.numbers.sim_dt * fast;
+    const real near = WAKE_DISTANCE + 2 * e.numbers.sim_dt * fast;
     if (spheres_meet(e, m, other, near) && !apart(mobile_box(e, m), mobile_box(e, other), near)) e.wakes[other] = 1;
   }
   sync_warp();

@@ -1,4 +1,4 @@
-// Islands, and Newton's method for MuJoCo's convex problem in each; counterpart of native/solver.py.
+// Islands, and Newton's method for MuJoCo's convex problem in each; counterpart of numba/solver.py.
 //
 // Bodies that touch no other dynamic body are solved in registers, one per lane in parallel. Larger islands are solved
 // by the whole warp, one after another. Sums over lanes have a fixed order, so results do not depend on the batch.
@@ -51,11 +51,11 @@ template <class Derivatives>
 INLINE real find_length(real scale, Derivatives derivatives) {
   real before, bend, low = 0, high = INF, length = 1;
   derivatives(real(0), before, bend);
-  if (!(before < -SOLVED * scale)) return 0;
-  for (int i = 0; i < LINE_STEPS; ++i) {
+  if (!(before < -NEWTON_TOLERANCE * scale)) return 0;
+  for (int i = 0; i < MAX_LINE_STEPS; ++i) {
     real slope;
     derivatives(length, slope, bend);
-    if (absolute(slope) <= -ENOUGH * before) return length;
+    if (absolute(slope) <= -LINE_SEARCH_TOLERANCE * before) return length;
     if (slope < 0) low = length;
     else high = length;
     length -= slope / bend;
@@ -103,7 +103,7 @@ struct Alone {
       for (int i = j; i < 6; ++i) {
 #pragma unroll
         for (int k = 0; k < j; ++k) hessian[i][j] -= hessian[i][k] * hessian[j][k];
-        if (i == j) hessian[j][j] = 1 / sqrt(fmax(hessian[j][j], SMALLEST));  // its inverse
+        if (i == j) hessian[j][j] = 1 / sqrt(fmax(hessian[j][j], MIN_PIVOT));  // its inverse
         else hessian[i][j] *= hessian[j][j];
       }
     }
@@ -265,7 +265,7 @@ INLINE void find_search(const Joined& s) {
       x[i] = value;
     }
     sync_warp();
-    const real pivot = sqrt(fmax(x[j], SMALLEST));
+    const real pivot = sqrt(fmax(x[j], MIN_PIVOT));
     for (int i = j + LANE; i < size; i += WARP_SIZE) h[packed(i, j)] = i == j ? pivot : x[i] / pivot;
     sync_warp();
   }

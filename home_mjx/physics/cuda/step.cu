@@ -1,7 +1,7 @@
 // The fused physics step on NVIDIA GPUs: one warp per environment computes all physics steps of a control step.
 // launch.py prepends the other files to this one and compiles them at run time.
 //
-// Counterpart of native/ on CPUs, which documents the formulas and their sources.
+// Counterpart of numba/ on CPUs, which documents the formulas and their sources.
 
 // Loads the pose, velocity and parameters of an agent, body or door.
 INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, const float* qacc, const int* body_valid,
@@ -83,7 +83,7 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
     relative(c, e.acc, six, value);
     for (int k = 0; k < 3; ++k) value[k] -= c.target[k];
     for (int row = 0; row < num_rows(c); ++row) force -= c.weight * fmin(edge_value(row, c.friction, value), real(0));
-    c.push.force[0] = c.second == LIMIT ? 0 : force * e.numbers.sim_dt;
+    c.push.force[0] = c.second == JOINT_LIMIT ? 0 : force * e.numbers.sim_dt;
   }
   sync_warp();
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
@@ -93,7 +93,7 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
       if ((c.first != m && c.second != m) || impulse == 0) continue;
       e.impulse[2 * m] += impulse;
       if (impulse <= e.impulse[2 * m + 1]) continue;
-      e.impulse[2 * m + 1] = impulse, other[m] = c.first != m ? c.first : c.second <= SLEEPER ? SLEEPER - c.second : c.second;
+      e.impulse[2 * m + 1] = impulse, other[m] = c.first != m ? c.first : c.second <= SLEEPING_BODY ? SLEEPING_BODY - c.second : c.second;
       for (int k = 0; k < 3; ++k) push[4 * m + 1 + k] = c.pos[k];
     }
 }
@@ -109,7 +109,7 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   const int env = blockIdx.x, num_houses = sizes[1], bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
   Env e;
   e.statics = sizes[2], e.agents = sizes[4], e.free = e.agents + bodies, e.mobiles = e.free + num_doors;
-  e.room = POINTS_PER_MOBILE * e.mobiles;
+  e.room = POINTS_PER_BODY * e.mobiles;
   const int M = e.mobiles, D = 6 * M, S = 6 * SMALL_ISLAND;
   real* at = shared_memory();
   e.pos = at, at += 3 * M, e.quat = at, at += 4 * M, e.rot = at, at += 9 * M, e.vel = at, at += 6 * M;
@@ -120,8 +120,8 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   e.rows = whole + 4 * M, e.end = whole + 5 * M, e.offset = whole + 6 * M, e.counts = whole + 7 * M;
   e.there = e.counts + 2, e.calm = e.there + M, e.wakes = e.calm + M, e.list = e.wakes + M, e.order = e.list + M;
   real* own = reinterpret_cast<real*>(scratch + size_t(env) * sizes[7]);
-  e.near = own, own += NEAR * M, e.near_from = own, own += 12 * M, e.large = own, own += newton_words(D);
-  e.pairs = reinterpret_cast<int*>(own), own += PAIRS_PER_MOBILE * M;
+  e.near = own, own += MAX_NEAR_BOXES * M, e.near_from = own, own += 12 * M, e.large = own, own += newton_words(D);
+  e.pairs = reinterpret_cast<int*>(own), own += PAIRS_PER_BODY * M;
   e.contacts = reinterpret_cast<Contact*>(own);
   for (int i = 0; i < NUM_NUMBERS; ++i) reinterpret_cast<real*>(&e.numbers)[i] = numbers[i];
   const int house = houses[env] < 0 ? 0 : houses[env] < num_houses ? houses[env] : num_houses - 1;
@@ -137,13 +137,13 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   const Control control = {action + size_t(env) * 3 * e.agents, grip + size_t(env) * 7 * e.agents,
                            goal + size_t(env) * num_doors, held + size_t(env) * e.agents};
   touched += size_t(env) * e.agents, push += size_t(env) * 4 * M, other += size_t(env) * M;
-  if (LANE == 0) e.counts[LOST_STATIC] = e.counts[LOST_POINTS] = 0;
+  if (LANE == 0) e.counts[STATIC_OVERFLOW] = e.counts[POINT_OVERFLOW] = 0;
   for (int m = LANE; m < M; m += WARP_SIZE) {
     const int row = house * bodies;
     load(e, m, qpos, qvel, qacc, body_valid + row, body_size + 3 * row, body_mass + row, body_inertia + 3 * row,
          scale[2 * env + 1]);
     if (m < e.agents) touched[m] = 0;
-    other[m] = LIMIT;
+    other[m] = JOINT_LIMIT;
     for (int k = 0; k < 4; ++k) push[4 * m + k] = 0;
   }
   sync_warp();
@@ -175,5 +175,5 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     store(e, m, qpos, new_qpos, new_qvel, new_qacc);
     push[4 * m] = e.impulse[2 * m];
   }
-  if (LANE == 0) lost[2 * env] = e.counts[LOST_STATIC], lost[2 * env + 1] = e.counts[LOST_POINTS];
+  if (LANE == 0) lost[2 * env] = e.counts[STATIC_OVERFLOW], lost[2 * env + 1] = e.counts[POINT_OVERFLOW];
 }

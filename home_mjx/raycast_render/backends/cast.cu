@@ -1,6 +1,6 @@
 // Kernels of the `cuda` executor: two-level traversal, one ray per thread. nvrtc.py compiles them at run time.
 //
-// Counterpart of xla.py and native/. Triangle tests round as theirs do, so that all three return the same hits. Box
+// Counterpart of xla.py and numba/. Triangle tests round as theirs do, so that all three return the same hits. Box
 // tests round differently, which does not change any hit.
 //
 // Every index read from an array is clipped to its rows, and children must follow their parents. Invalid trees may be

@@ -21,7 +21,7 @@ class Sensor:
         name: Name in `sensor_states=`.
         casts_rays: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
         state_owner: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is updated once
-            for all its readers. The keeper's own observation is computed only if it is in `sensor_states=` as well.
+            for all its readers. The owner's observation is computed only if it is in `sensors=` as well.
 
     Example:
         >>> class Compass(Sensor):

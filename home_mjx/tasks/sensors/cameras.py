@@ -33,7 +33,7 @@ class Cameras(Sensor):
     """All cameras of every agent; `EnvConfig.all_cameras` lists them and the kinds of their images."""
 
     name = "cameras"
-    costly = True
+    casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return one entry per camera and kind."""

@@ -57,7 +57,7 @@ class EarLevels(Sensor):
     """
 
     name = "ear_levels"
-    costly = True
+    casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return all three specs.

@@ -68,7 +68,7 @@ class Hearing(Sensor):
     """`audio` (C, M) float32: left and right ear, or the receiver's channels; pressure re the source's at 1 m."""
 
     name = "audio"
-    costly = True
+    casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec of one frame of sound."""
@@ -145,8 +145,8 @@ class Stft(Sensor):
     """
 
     name = "stft"
-    costly = True
-    keeper = Hearing()
+    casts_rays = True
+    state_owner = Hearing()
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec for both ears, or for each channel."""
@@ -173,8 +173,8 @@ class LogMel(Sensor):
     """
 
     name = "log_mel"
-    costly = True
-    keeper = Stft.state_owner
+    casts_rays = True
+    state_owner = Stft.state_owner
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec for both ears, or for each channel."""

@@ -68,7 +68,7 @@ class Lidar(Sensor):
     """`lidar` (64,): horizontal distances all around at eye height [m], from straight ahead to the left."""
 
     name = "lidar"
-    costly = True
+    casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
         """Return the spec of `NUM_RAYS` distances."""

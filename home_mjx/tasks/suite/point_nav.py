@@ -161,7 +161,7 @@ class PointNav(Task):
         """Return the goal of the bank at the line's position, and the path length."""
         return goals.from_json(bank, house, line)
 
-    def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
+    def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
         """Return whether the start is on a floor, in or beside a cell with a path to the goal."""
         return goals.is_solvable(bank, episode)
 

@@ -151,7 +151,7 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
     beside.mkdir()
     batch = to_record_batch(episode)
     with (beside / PART_FILE).open("wb") as sink:
-        with pa.ipc.new_file(sink, batch.declarations) as file:
+        with pa.ipc.new_file(sink, batch.schema) as file:
             file.write_batch(batch)
         sink.flush()
         os.fsync(sink.fileno())  # before the rename makes the episode valid

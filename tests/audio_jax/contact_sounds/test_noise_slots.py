@@ -156,7 +156,7 @@ def test_power_is_that_of_the_waveform():
         assert bins[k].sum() * AUDIO.bin_samples == pytest.approx(np.sum(wave[k] ** 2), rel=0.02)
 
 
-@pytest.mark.parametrize("wrong", [{"num_strikes": 0}, {"num_rubs": 0}, {"step_length": 0.0}])
+@pytest.mark.parametrize("wrong", [{"num_transients": 0}, {"num_sustained": 0}, {"step_length": 0.0}])
 def test_options_that_cannot_be_used(wrong):
     with pytest.raises(ConfigError, match=next(iter(wrong))):
         ContactSoundConfig(**wrong)

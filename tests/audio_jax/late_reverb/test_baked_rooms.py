@@ -44,7 +44,7 @@ MID = 3  # 1 kHz
 def scene_with(house: CompiledHouse, field: LateField) -> Scene:
     bank = HouseBank.from_compiled([house])
     rows = house.doors.bank_rows(bank.spec.num_doors, bank.spec.num_slides)
-    return make_open_scene(bank.replace(late=stack_fields([field], [rows])), 0)
+    return make_open_scene(bank.replace(bakes={"late_reverb": stack_fields([field], [rows])}), 0)
 
 
 def baked(house: CompiledHouse, options: BakeOptions) -> Scene:
@@ -163,7 +163,7 @@ def test_steps_are_smooth(uneven):
 
 
 def test_a_field_is_small(uneven):
-    assert uneven[1].bank.late.nbytes < 150_000
+    assert uneven[1].bank.bakes["late_reverb"].nbytes < 150_000
 
 
 def test_a_waveform_has_the_energy_of_the_field(uneven):
@@ -200,8 +200,8 @@ def test_a_bank_without_baked_sound_is_refused():
 def test_sealed_rooms_are_as_far_apart_as_their_wall_says(loss, sealed):
     """L1 - L2 = R - 10 lg(S / A), ISO 16283: 13, 28 and 38 dB."""
     scene, source, listeners = sealed
-    rows = scene.bank.late.wall.astype(jnp.float32) * 10 ** (-(loss - 15) / 10)
-    bank = scene.bank.replace(late=scene.bank.late.replace(wall=rows))
+    rows = scene.bank.bakes["late_reverb"].wall.astype(jnp.float32) * 10 ** (-(loss - 15) / 10)
+    bank = scene.bank.replace(bakes={"late_reverb": scene.bank.bakes["late_reverb"].replace(wall=rows)})
     table = bank.materials.transmission * 10 ** (-(loss - 15) / 10)
     scene = scene.replace(bank=bank.replace(materials=bank.materials.replace(transmission=table)))
     total = [
@@ -215,9 +215,9 @@ def test_sealed_rooms_are_as_far_apart_as_their_wall_says(loss, sealed):
 def test_where_nothing_gets_through_nothing_is_heard(sealed):
     """Of a source that is out of reach: nothing, early paths included."""
     scene, source, listeners = sealed
-    late = scene.bank.late.replace(wall=jnp.zeros_like(scene.bank.late.wall))
+    late = scene.bank.bakes["late_reverb"].replace(wall=jnp.zeros_like(scene.bank.bakes["late_reverb"].wall))
     table = jnp.zeros_like(scene.bank.materials.transmission)
-    bank = scene.bank.replace(late=late, materials=scene.bank.materials.replace(transmission=table))
+    bank = scene.bank.replace(bakes={"late_reverb": late}, materials=scene.bank.materials.replace(transmission=table))
     heard_there = np.asarray(whole_energy(scene.replace(bank=bank), source, listeners[1][0]))
     assert np.isfinite(heard_there).all()
     assert 0 <= heard_there.sum() < 1e-9

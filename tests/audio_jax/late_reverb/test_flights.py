@@ -24,7 +24,7 @@ def test_rays_grow_old_by_the_way_that_they_flew(monkeypatch):
         found["went"] = cells.whole(lambda gave: gave.went).sum(axis=(0, 1, 2, 3))
         return fill_accumulator(tally, cells, *others)
 
-    monkeypatch.setattr(baker, "join", keep)
+    monkeypatch.setattr(baker, "fill_accumulator", keep)
     bake_house(shoebox((2.0, 1.6, 2.4), absorption=0.02), BakeOptions(rays=40, max_bounces=60))
     went = found["went"]
     early = went[: int(baker.CELL_MIXING_LENGTH / METRES)].sum() / went.sum()

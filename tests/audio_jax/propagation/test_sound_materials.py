@@ -22,7 +22,7 @@ PLACES = 16
 
 def with_absorption(scene, value):
     table = sound_materials(scene)
-    return scene.replace(materials=table.replace(absorption=jnp.full_like(table.absorption, value)))
+    return scene.replace(sound_materials=table.replace(absorption=jnp.full_like(table.absorption, value)))
 
 
 def test_the_late_level_follows_absorption():

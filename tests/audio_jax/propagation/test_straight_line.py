@@ -103,8 +103,8 @@ def test_it_meets_what_single_casts_meet(bank, max_crossings):
             for name in StraightLine._fields:
                 x, y = (np.asarray(getattr(line, name)) for line in (found, expected))
                 np.testing.assert_allclose(x, y, rtol=1e-6, atol=0, err_msg=name)
-            silent += np.sum(found.silent)
-            muffled += np.sum(~np.asarray(found.within) & ~np.asarray(found.silent))
+            silent += np.sum(found.is_over_limit)
+            muffled += np.sum(~np.asarray(found.within) & ~np.asarray(found.is_over_limit))
             through_things += np.sum(np.any(np.asarray(found.objects) < 1, axis=1))
             own += np.sum(np.any(np.asarray(found.objects) != np.asarray(others.objects), axis=1))
     assert through_things > 50

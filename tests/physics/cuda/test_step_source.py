@@ -162,7 +162,7 @@ def test_sizes_and_numbers_are_those_of_the_other_step():
     own |= {
         "CONTACT_WORDS": CONTACT_WORDS,
         "SMALL_ISLAND": SMALL_ISLAND,
-        "PAIRS_PER_MOBILE": PAIRS_PER_BODY,
+        "PAIRS_PER_BODY": PAIRS_PER_BODY,
         "NUM_NUMBERS": len(StepParams._fields),
     }
     assert {name: found[name] for name in own} == own

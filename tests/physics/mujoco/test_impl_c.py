@@ -63,7 +63,7 @@ def test_houses_made_from_the_bank_move_as_in_the_fused_step(bank, fused):
     assert (np.abs(fused.qpos[-1] - fused.qpos[0])[:, 4:7].max(axis=-1) > 0.3).all()  # what is pushed goes far
     assert_allclose(states.qpos, fused.qpos, atol=2e-4)
     assert_allclose(states.contact_impulse, fused.contact_impulse, atol=2e-3 * fused.contact_impulse.max())
-    assert_array_equal(states.other, fused.other)
+    assert_array_equal(states.contact_partner, fused.contact_partner)
     assert_array_equal(states.touched > 0, fused.touched > 0)
 
 

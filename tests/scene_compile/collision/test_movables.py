@@ -108,7 +108,7 @@ def test_a_wall_in_a_thing_makes_it_stuck():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"max_bodies": -1}, {"shrink": -0.1}, {"seat": -1.0}, {"largest": float("nan")}],
+    [{"max_bodies": -1}, {"max_shrink": -0.1}, {"min_lowered_height": -1.0}, {"max_edge": float("nan")}],
 )
 def test_limits_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ConfigError, match=f"movables.{next(iter(wrong))}"):

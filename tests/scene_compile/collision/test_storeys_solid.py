@@ -84,7 +84,7 @@ def test_a_ray_down_from_every_cell_meets_the_floor(house):
     points = cells(house)
     np.testing.assert_allclose(Solids(house).below(points + LITTLE), points[:, 2], atol=0.03)
     n = house.navigation
-    floors = house.rooms.floor[n.room[tuple(n.place.T)]]
+    floors = house.rooms.floor[n.room[tuple(n.cell_coords.T)]]
     on_ramp = abs(n.height - floors) > 1e-6
     assert 0 < on_ramp.mean() < 0.1
     assert (house.rooms.floor.max() - n.height[on_ramp]).min() < MAX_DEPTH_BELOW_FLOOR
@@ -173,7 +173,7 @@ def test_distances_are_continuous_over_the_stairs(house):
     """Neighbouring places, in whichever grid, differ by no more than the way between them."""
     n, points = house.navigation, cells(house)
     assert (n.field < FIELD_UNREACHABLE).all()
-    ramp = np.flatnonzero(abs(points[:, 2] - house.rooms.floor[n.room[tuple(n.place.T)]]) > 1e-6)
+    ramp = np.flatnonzero(abs(points[:, 2] - house.rooms.floor[n.room[tuple(n.cell_coords.T)]]) > 1e-6)
     for row in ramp.tolist():
         away = np.linalg.norm(points - points[row], axis=1)
         near = (away < 1.5 * n.cell) & (abs(points[:, 2] - points[row, 2]) < 0.2)

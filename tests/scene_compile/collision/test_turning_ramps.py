@@ -64,7 +64,7 @@ def test_cells_lie_on_the_slopes_and_join_both_levels(house):
     n = compiled.navigation
     cells = np.c_[n.origin + (n.cell_coords[:, :0:-1] + 0.5) * n.cell, n.height]
     np.testing.assert_allclose(Solids(compiled).below(cells + np.array([0, 0, 0.2])), cells[:, 2], atol=0.05)
-    assert set(n.place[:, 0].tolist()) == {0, 1}
+    assert set(n.cell_coords[:, 0].tolist()) == {0, 1}
     assert (n.room_hops >= 0).all()
     (stairs,) = np.flatnonzero(n.portals.kind == PortalKind.STAIRS)
     assert n.portals.room[stairs].tolist() == [0, 1]

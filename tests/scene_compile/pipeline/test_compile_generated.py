@@ -24,14 +24,14 @@ def houses(tmp_path_factory) -> list[CompiledHouse]:
 
 def test_all_rooms_are_connected(houses):
     for house in houses:
-        assert set(house.navigation.room[house.navigation.free].tolist()) == set(range(house.report["rooms"]))
+        assert set(house.navigation.room[house.navigation.home_mask].tolist()) == set(range(house.report["rooms"]))
         assert house.report["rooms"] >= 3
 
 
 def test_nothing_of_the_meshes_is_in_free_space(houses):
     for house in houses:
         points = obstacle_points(house, ("curtain", "rug", "door"))
-        assert nearest(points, cell_points(house)[house.navigation.free]).min() > 0.15 - 0.01
+        assert nearest(points, cell_points(house)[house.navigation.home_mask]).min() > 0.15 - 0.01
 
 
 def test_nobody_starts_where_a_leaf_may_stand(houses):
@@ -41,14 +41,14 @@ def test_nobody_starts_where_a_leaf_may_stand(houses):
         across = np.stack(np.meshgrid(*[np.linspace(-1, 1, 60)] * 2), axis=-1).reshape(-1, 2)
         samples = []
         for row in range(len(doors.instance)):
-            for angle in (0.0, doors.closed[row], doors.wide[row]):
+            for angle in (0.0, doors.closed[row], doors.fully_open[row]):
                 yaw = 2 * np.arctan2(doors.quat[row, 3], doors.quat[row, 0])
                 plan = across * doors.size[row, :2] @ plane_matrix(yaw).T + doors.pos[row, :2] - doors.pivot[row]
                 samples.append(plan @ plane_matrix(angle).T + doors.pivot[row])
         samples = np.concatenate(samples)
         assert nearest(samples, n.start[:, :2]).min() > 0.1
         assert nearest(samples, n.goal[:, :2]).min() > 0.15 - 0.01
-        assert nearest(samples, cell_points(house)[n.free]).min() < 0.02
+        assert nearest(samples, cell_points(house)[n.home_mask]).min() < 0.02
 
 
 def test_bodies_stand_free(houses):

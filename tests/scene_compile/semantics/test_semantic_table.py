@@ -71,8 +71,8 @@ def test_rows_say_what_the_records_say(meanings, compiled):
             assert named.get("room_type", "unknown") == item.room_type
             assert named.get("room", -1) == item.room
             assert named["level"] == item.level
-            assert named.get("material", "") == next(iter(item.look.materials), "")
-            for level, colors in item.look.colors.items():
+            assert named.get("material", "") == next(iter(item.appearance.materials), "")
+            for level, colors in item.appearance.colors.items():
                 columns = [Semantic(FIRST[level] + i).name.lower() for i in range(3)]
                 assert tuple(named[c] for c in columns if c in named) == colors[:3]
                 assert columns[0] in named
@@ -116,7 +116,7 @@ def test_colours_that_the_generator_gave_are_found(meanings):
     items = [item for meaning in meanings for item in meaning.objects]
 
     def looks(fine, of):
-        return {of(item.look) for item in items if item.fine == fine}
+        return {of(item.appearance) for item in items if item.fine == fine}
 
     assert looks("television", lambda look: look.colors["basic"]) == {("black",)}
     assert looks("toilet", lambda look: look.colors["basic"]) == {("white",)}
@@ -133,7 +133,7 @@ def test_rooms_are_those_of_the_plan(meanings, houses):
             floor = next(p for p in meaning.parts if p.room == room.index and p.category == "floor")
             assert floor.area == pytest.approx(room.area, rel=0.02)
             assert floor.room_type == next(iter(source.types), "unknown")
-        assert meaning.outside == ()
+        assert meaning.objects_outside == ()
 
 
 def test_texts_hold_what_the_records_hold(meanings):
@@ -141,7 +141,7 @@ def test_texts_hold_what_the_records_hold(meanings):
         for item in meaning.objects:
             text = describe_object(meaning, item.object_id)
             assert item.description in text
-            assert all(color in item.description for color in item.look.colors["css"])
+            assert all(color in item.description for color in item.appearance.colors["css"])
             assert item.room_type.replace("_", " ").lower() in text
             width, depth, height = 2 * item.box.half[0]
             assert f"{width:.2f} m wide, {depth:.2f} m deep and {height:.2f} m high" in text
@@ -165,7 +165,7 @@ def test_records_are_json(meanings):
         record = json.loads(json.dumps(house_record(meaning)))
         assert len(record["objects"]) == len(meaning.objects)
         assert len(record["relations"]) == len(meaning.relations)
-        assert record["objects"][3]["colors"]["xkcd"] == list(meaning.objects[3].look.colors["xkcd"])
+        assert record["objects"][3]["colors"]["xkcd"] == list(meaning.objects[3].appearance.colors["xkcd"])
 
 
 def test_an_object_outside_of_every_room_is_reported(houses, dataset):

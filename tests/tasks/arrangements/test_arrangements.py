@@ -45,7 +45,7 @@ def made(tmp_path_factory):
 def poses_of(made, house, arrangement):
     """Of the bodies that a house has."""
     used = np.asarray(made.bank.physics.body_valid[house])
-    return np.asarray(made.arranged.physics.arrangement[house, arrangement])[used].astype(float)
+    return np.asarray(made.arranged.physics.arrangement_pose[house, arrangement])[used].astype(float)
 
 
 def each(made):
@@ -59,10 +59,10 @@ def moved_of(made, house, arrangement):
 
 
 def test_a_bank_has_none_at_first_and_nothing_else_changes(made):
-    assert made.bank.physics.arrangement.shape == (2, 0, made.bank.spec.num_bodies, 7)
-    assert made.arranged.physics.arrangement.shape == (2, NUM, made.bank.spec.num_bodies, 7)
+    assert made.bank.physics.arrangement_pose.shape == (2, 0, made.bank.spec.num_bodies, 7)
+    assert made.arranged.physics.arrangement_pose.shape == (2, NUM, made.bank.spec.num_bodies, 7)
     without = made.arranged.replace(
-        physics=made.arranged.physics.replace(arrangement_pose=made.bank.physics.arrangement)
+        physics=made.arranged.physics.replace(arrangement_pose=made.bank.physics.arrangement_pose)
     )
     jax.tree.map(np.testing.assert_array_equal, without, made.bank)
 
@@ -73,7 +73,7 @@ def test_most_things_are_elsewhere_and_every_one_is_counted(made):
         moved = moved_of(made, house, p)
         assert not (moved & ~drawn).any()
         assert moved.sum() == made.settled.moved[house, p]
-        assert made.settled.moved[house, p] + made.settled.kept[house, p] == drawn.sum()
+        assert made.settled.moved[house, p] + made.settled.unmoved[house, p] == drawn.sum()
         assert moved.sum() >= 0.6 * drawn.sum() > 3
     assert not made.settled.shifted.any()
     assert not made.settled.restless.any()
@@ -82,11 +82,11 @@ def test_most_things_are_elsewhere_and_every_one_is_counted(made):
 def test_equal_keys_give_equal_bits_and_others_others(made, monkeypatch, tmp_path):
     monkeypatch.setattr(build, "cache_folder", lambda: tmp_path)
     again, settled = with_arrangements(made.bank, NUM, jax.random.PRNGKey(7))
-    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement)
+    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement_pose)
     np.testing.assert_array_equal(settled.moved, made.settled.moved)
     drawn = np.concatenate([poses_of(made, h, p)[moved_of(made, h, p), :3].ravel() for h, p in each(made)])
     other, *_ = build._place(made.bank, NUM, np.array([0, 8]), False)
-    shift = np.linalg.norm(np.asarray(other - made.arranged.physics.arrangement)[..., :3], axis=-1)
+    shift = np.linalg.norm(np.asarray(other - made.arranged.physics.arrangement_pose)[..., :3], axis=-1)
     assert (shift > 0.02).sum() > 0.8 * len(drawn) / 3
     for house in range(2):
         assert all((poses_of(made, house, 0) != poses_of(made, house, p)).any() for p in range(1, NUM))
@@ -119,7 +119,7 @@ def test_everything_rests_for_ten_seconds(made):
 
 def _first_free(bank, house, p):
     """`p`, if an agent can stand at the first start in that arrangement alone; else -1."""
-    alone = bank.replace(physics=bank.physics.replace(arrangement_pose=bank.physics.arrangement[:, p : p + 1]))
+    alone = bank.replace(physics=bank.physics.replace(arrangement_pose=bank.physics.arrangement_pose[:, p : p + 1]))
     found = random_arrangement(alone, jnp.int32(house), bank.navigation.start[house, :1], KEY)
     return p if int(found) == 0 else -1
 
@@ -275,7 +275,7 @@ def test_equal_keys_reset_alike_and_placed_is_as_ever(made, env):
 
 def test_where_there_is_room_in_none_things_are_as_placed(made):
     pose = poses_of(made, 0, 0)[0]
-    full = made.arranged.physics.arrangement[:, :1]
+    full = made.arranged.physics.arrangement_pose[:, :1]
     bank = made.arranged.replace(physics=made.arranged.physics.replace(arrangement_pose=full))
     point = jnp.asarray([[pose[0], pose[1], made.houses[0].navigation.floor[0]]], jnp.float32)
     assert int(random_arrangement(bank, jnp.int32(0), point, KEY)) == -1
@@ -299,7 +299,7 @@ def test_what_falls_is_put_back_and_counted(made, monkeypatch, tmp_path):
     monkeypatch.setattr(build, "choose_candidates", in_the_air)
     bank, settled = with_arrangements(made.bank, NUM, KEY)
     np.testing.assert_array_equal(settled.moved, made.settled.moved - 1)
-    np.testing.assert_array_equal(settled.unmoved, made.settled.kept + 1)
+    np.testing.assert_array_equal(settled.unmoved, made.settled.unmoved + 1)
     assert not settled.unsettled.any()
     for (house, p), k in zip(each(made), dropped, strict=True):
         found = np.asarray(bank.physics.arrangement_pose[house, p, k, :3])
@@ -311,14 +311,14 @@ def test_arrangements_are_kept_on_disk_and_broken_ones_made_again(made, monkeypa
     whole, make = entry.read_bytes(), build._generate
     monkeypatch.setattr(build, "_generate", lambda *_: pytest.fail("made again"))
     again, settled = with_arrangements(made.bank, NUM, KEY)
-    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement)
-    np.testing.assert_array_equal(settled.unmoved, made.settled.kept)
+    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement_pose)
+    np.testing.assert_array_equal(settled.unmoved, made.settled.unmoved)
     with pytest.raises(pytest.fail.Exception):
         with_arrangements(made.bank, NUM + 1, KEY)
     monkeypatch.setattr(build, "_generate", make)
     entry.write_bytes(whole[: len(whole) // 2])
     again, _ = with_arrangements(made.bank, NUM, KEY)
-    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement)
+    np.testing.assert_array_equal(again.physics.arrangement_pose, made.arranged.physics.arrangement_pose)
     assert entry.read_bytes() == whole
     assert "broken" in caplog.text
 

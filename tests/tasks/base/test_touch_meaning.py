@@ -92,7 +92,9 @@ def test_floors_and_walls_are_those_of_the_room(world):
             parts = [p for p in world.file.parts if p.room == room and p.category == kind]
             assert row[Semantic.ROOM] == room
             assert row[Semantic.COARSE] == coarse_index(kind)
-            materials = [MATERIAL_KINDS.index(p.look.materials[0]) if p.look.materials else -1 for p in parts]
+            materials = [
+                MATERIAL_KINDS.index(p.appearance.materials[0]) if p.appearance.materials else -1 for p in parts
+            ]
             assert row[Semantic.MATERIAL] == materials[0]
     _, outdoors = world.meaning([FLOOR], (500.0, 0.0, 0.8))
     assert (outdoors[0] == -1).all()

@@ -94,7 +94,7 @@ def first_of(obs, first):
 def test_sensors_remember_no_more_than_the_agents_that_act(generated_bank):
     def memory(acting):
         state = jax.eval_shape(core_of(acting, ("audio", "gps_compass")).reset, EnvParams(generated_bank), KEY)
-        return state.world.sensors
+        return state.world.sensor_states
 
     one, three = memory(1), memory(AGENTS)
     assert one["audio"].response.shape == (1, *three["audio"].response.shape[1:])

@@ -101,7 +101,7 @@ def test_final_observations_are_those_before_the_reset(params, auto, plain, perc
     np.testing.assert_array_equal(new.world.step, np.where(ended, 0, ages + 1))
     np.testing.assert_allclose(new.reward, twin.reward, atol=1e-5)
     # The first frame of an episode does not fade from the last one's response.
-    np.testing.assert_array_equal(new.world.sensors["audio"].phase[ended], 0)
+    np.testing.assert_array_equal(new.world.sensor_states["audio"].phase[ended], 0)
     again = perceive(params, new)
     np.testing.assert_allclose(again.obs["audio"][ended], new.obs["audio"][ended], atol=1e-6)
 

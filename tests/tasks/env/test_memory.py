@@ -49,5 +49,5 @@ def test_a_spec_tells_before_the_device_holds_anything(tmp_path):
         "PointNav-v0", "home_mjx.tasks.suite:PointNav", {"sensors": ("state",)}, houses=str(tmp_path), num_houses=1
     )
     found = spec.memory_estimate(1000)
-    assert found.states == 1000 * found.state
+    assert found.states == 1000 * found.state_per_env
     assert found.bank > 1e6

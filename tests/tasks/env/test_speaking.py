@@ -86,7 +86,7 @@ def test_what_is_said_is_in_the_next_state_and_every_space_has_it(generated_bank
     spoken = step(env.params, state, jnp.int32(7))
     assert env.core.snapshot(env.params, spoken).spoken_token.tolist() == [TOKENS[7]]
     np.testing.assert_array_equal(spoken.world.stopped, [False])
-    assert step(env.params, spoken, jnp.int32(1)).world.said.tolist() == [-1]
+    assert step(env.params, spoken, jnp.int32(1)).world.spoken_token.tolist() == [-1]
 
 
 @pytest.mark.parametrize("word", ["yes", "shout:yes", "say:", "say:blorb", "say:yes no"])

@@ -65,7 +65,7 @@ def test_a_broken_pose_ends_its_environment_alone(begun, step):
         check_status(wild)
     after = step(wild, jnp.zeros((NUM, 4)))
     check_status(after)
-    assert after.world.faults.tolist() == [0, 0, 1, 0]
+    assert after.world.num_faults.tolist() == [0, 0, 1, 0]
     assert all(np.isfinite(x).all() for x in jax.tree.leaves((after.obs, after.reward, after.physics.qpos)))
 
 

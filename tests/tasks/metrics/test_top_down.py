@@ -23,7 +23,7 @@ SIZE = (4.0, 5.0, 3.0)
 CUPBOARD = Furniture((-2.0, 1.0), (0.8, 0.6, 2.4))  # hides what is behind it
 STOOL = Furniture((-2.0, -1.0), (0.6, 0.6, 0.5))  # does not
 FILLED = Furniture((2.0, 0.0), (3.0, 4.0, 2.4))  # so that the home region is in the other room
-OPTIONS = {"num_agents": 2, "impl": "kinematic", "sensors": ("state",), "depth_max": 30.0}
+OPTIONS = {"num_agents": 2, "impl": "kinematic", "sensors": ("state",), "max_depth": 30.0}
 EAST, NORTH = 0.0, np.pi / 2
 
 

@@ -66,7 +66,7 @@ def test_it_is_baked_once(bank, room, monkeypatch):
     assert bake_entry(LateReverbBake(FEW), room).is_file()
     monkeypatch.setattr("home_mjx.audio_jax.late_reverb.bake.store.bake_house", lambda *_: pytest.fail("baked again"))
     again = add_bakes(HouseBank.from_compiled([room]), [room], LateReverbBake(FEW))
-    assert all(map(np.array_equal, jax.tree.leaves(again.late), jax.tree.leaves(bank.late)))
+    assert all(map(np.array_equal, jax.tree.leaves(again.late), jax.tree.leaves(bank.bakes["late_reverb"])))
     other = replace(room, materials=replace(room.materials, absorption=room.materials.absorption * 0.5))
     assert bake_entry(LateReverbBake(FEW), other) != bake_entry(LateReverbBake(FEW), room)
 

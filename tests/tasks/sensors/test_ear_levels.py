@@ -39,10 +39,10 @@ def heard():
             clip=jnp.full_like(sounds.clip, clip),
             body=jnp.full_like(sounds.body, agent if clip == -2 else -1),
             gain=jnp.full_like(sounds.gain, gain),
-            duration=jnp.full_like(sounds.duration, lasts),
+            duration=jnp.full_like(sounds.duration, duration),
         )
         for step in range(3):
-            words = jnp.array([-1, said if step == 2 else -1], jnp.int32)
+            words = jnp.array([-1, spoken_token if step == 2 else -1], jnp.int32)
             world = state.world.replace(sounds=sounds, step=jnp.int32(step), spoken_token=words)
             state = perceive(env.params, state.replace(world=world))
         audio, levels = np.asarray(state.obs["audio"][0], float), np.asarray(state.obs["ear_levels"][0]).reshape(2, 7)

@@ -21,9 +21,9 @@ def core_of(**options):
 def test_an_agent_remembers_little(generated_bank):
     """Of a source: less than a tenth of an impulse response; with its frame less than the limit."""
     key = jax.ShapeDtypeStruct((2,), np.uint32)
-    state = jax.eval_shape(core_of(motion=True).reset, EnvParams(generated_bank), key).world.sensors["audio"]
+    state = jax.eval_shape(core_of(motion=True).reset, EnvParams(generated_bank), key).world.sensor_states["audio"]
     assert sum(x.size * x.dtype.itemsize for x in jax.tree.leaves(state)) < 2 * MOST
-    whole = jax.eval_shape(core_of().reset, EnvParams(generated_bank), key).world.sensors["audio"]
+    whole = jax.eval_shape(core_of().reset, EnvParams(generated_bank), key).world.sensor_states["audio"]
     size = [sum(x.size for x in jax.tree.leaves(s.response)) for s in (state, whole)]
     assert 8 * size[0] < size[1]
 

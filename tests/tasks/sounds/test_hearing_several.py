@@ -25,7 +25,7 @@ def heard():
     apart = begun.world.sounds.pos.at[1].add(jnp.array([0.5, -0.5, 0.2]))
     perceive = jax.jit(functools.partial(core.observe, update=True))
 
-    def hear(clips, gains=(1.0, 1.0), every=(jnp.inf, jnp.inf), lasts=(jnp.inf, jnp.inf)):
+    def hear(clips, gains=(1.0, 1.0), period=(jnp.inf, jnp.inf), duration=(jnp.inf, jnp.inf)):
         numbers = {"gain": gains, "every": every, "lasts": lasts}
         sounds = begun.world.sounds.replace(pos=apart, clip=jnp.array(clips, jnp.int32))
         sounds = sounds.replace(**{name: jnp.array(values, jnp.float32) for name, values in numbers.items()})
@@ -53,6 +53,6 @@ def test_where_nothing_plays_nothing_is_heard(heard):
 
 def test_what_begins_later_is_not_heard_yet(heard):
     """Of a sound that lasts a tenth of each second and begins with the episode, the first frame has nothing before."""
-    whole, once = heard((TONE, SILENT))[0], heard((TONE, SILENT), lasts=(0.1, jnp.inf))[0]
+    whole, once = heard((TONE, SILENT))[0], heard((TONE, SILENT), duration=(0.1, jnp.inf))[0]
     assert np.abs(once).max() > 1e-3
     assert np.abs(once[:, :20]).max() < 1e-4 < np.abs(whole[:, :20]).max()

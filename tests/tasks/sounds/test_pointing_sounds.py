@@ -13,7 +13,7 @@ from home_mjx.audio_jax import ContactSoundConfig, first_order_directivity
 from home_mjx.audio_jax.base.directivity import stack_directivities
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks import AutoReset, Status, make_config
-from home_mjx.tasks.sensors.cameras import eye_position
+from home_mjx.tasks.sensor_states.cameras import eye_position
 from home_mjx.tasks.suite import PointNav
 
 BARE = {"late": "none", "num_reflections": 0, "impl": "kinematic", "sensors": ("audio",)}
@@ -43,7 +43,7 @@ def test_a_radio_that_turns_away_is_heard_by_its_pattern(noises):
     state, step = jax.jit(core.reset)(env.params, jax.random.key(0)), jax.jit(core.step)
     energy, told = [], []
     for _ in range(4):
-        energy.append(float(jnp.sum(state.world.sensors["audio"].response[0, 0] ** 2)))
+        energy.append(float(jnp.sum(state.world.sensor_states["audio"].response[0, 0] ** 2)))
         told.append(bool(int(state.status) & Status.UNHEARD))
         state = step(env.params, state, jnp.zeros(4))
     np.testing.assert_allclose(np.sqrt(np.array(energy) / energy[0]), [1, 0.5, 0, 0.5], atol=0.01)

@@ -175,7 +175,7 @@ def test_rows_without_sounds_keep_the_houses_source(columns, walk):
 
 def test_a_source_walks_along_the_shortest_way(env, bank, columns, walk):
     rows, dt = of(columns, "moving"), env.dt
-    speed = KINDS["moving"].speed
+    speed = KINDS["moving"].source_speed
     house = np.asarray(env.params.tasks.rows.house)
     away = jax.jit(lambda h, goal, at: geodesic_distance(bank, h, goal, at, env.params.tasks.field))
     for row in rows:

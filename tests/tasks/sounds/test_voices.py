@@ -159,7 +159,7 @@ def test_the_level_falls_with_distance(env, step, quiet):
     bank, number = env.bank, int(audible(env)[0])
     house = int(env.params.tasks.rows.house[number])
     first, count = int(bank.navigation.first_cell[house]), int(bank.navigation.num_cells[house])
-    level, row, column = np.asarray(bank.navigation.place[first : first + count]).T
+    level, row, column = np.asarray(bank.navigation.cell_coords[first : first + count]).T
     rooms = np.asarray(bank.navigation.room[house])[level, row, column]
     own = rooms == np.bincount(rooms[rooms >= 0]).argmax()
     plan = (np.stack([column, row], axis=1)[own] + 0.5) * bank.spec.cell + np.asarray(bank.navigation.origin[house])

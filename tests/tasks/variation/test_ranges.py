@@ -29,7 +29,7 @@ RANGES = {
     "volume": (0.1, 1.0),
     "clips": {"radio": 1.0, "bell": 3.0},
     "contact_sound_volume": (0.5, 2.0),
-    "step_length": (0.5, 0.8),
+    "footstep_distance": (0.5, 0.8),
 }
 
 
@@ -62,7 +62,7 @@ def numbers(drawn):
         "mass": drawn.bodies.mass,
         "volume": drawn.volume,
         "contact_sound_volume": drawn.contact_sound_volume,
-        "step_length": drawn.step_length,
+        "footstep_distance": drawn.footstep_distance,
     }
 
 
@@ -138,7 +138,7 @@ def test_ranges_go_to_names_and_back():
         ({"colors": (0, 2)}, "`colors` must be a finite number of at least 0 and at most 1"),
         ({"friction": (0, 1)}, "`friction`"),
         ({"mass": (1, float("nan"))}, "`mass`"),
-        ({"step_length": (0, 1)}, "`step_length` must be a finite number of at least 0.1 and at most 2"),
+        ({"footstep_distance": (0, 1)}, "`footstep_distance` must be a finite number of at least 0.1 and at most 2"),
         ({"clips": ("radoi",)}, "radio"),
         ({"clips": ()}, "`clips` has no sound"),
         ({"clips": 5}, "`clips` must be names of sounds, got 5"),
@@ -165,7 +165,7 @@ def test_what_is_no_variation_is_refused():
         ({}, {"lamps": 0.5}, "shader `fast` does not use it"),
         ({"shader": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
         ({}, {"contact_sound_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
-        ({}, {"step_length": (0.5, 0.8)}, "Bodies make no noises: give noises="),
+        ({}, {"footstep_distance": (0.5, 0.8)}, "Bodies make no noises: give noises="),
         ({}, {"clips": ("radio", "bell")}, 'lacks the sounds "bell"'),
         ({"sensors": ("rgb",)}, {"camera_fovy": (-95, 0)}, "field of view of camera `head` would be -5 to 90 degrees"),
     ],

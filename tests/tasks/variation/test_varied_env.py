@@ -102,7 +102,7 @@ def test_none_is_the_same_as_ranges_that_change_nothing(env, program, neutral):
         assert_array_equal(state.physics.qpos, other.physics.qpos)
         for name, value in state.obs.items():
             assert_allclose(value.astype(float), other.obs[name].astype(float), atol=1e-4, err_msg=name)
-        assert state.world.drawn is None
+        assert state.world.variation is None
         assert state.physics.scale is None
 
 
@@ -116,7 +116,7 @@ def test_the_same_key_draws_the_same_and_environments_differ(played):
     ranges = {"lamps": 0.5, "exposure": (0.5, 2.0), "camera_height": (-0.3, 0.3), "volume": (0.5, 2.0)}
     one, other = (played(**ranges)[0] for _ in range(2))
     assert jax.tree.all(jax.tree.map(lambda a, b: bool(jnp.array_equal(a, b, equal_nan=True)), one, other))
-    drawn = one.world.drawn
+    drawn = one.world.variation
     for values in (drawn.look.exposure, drawn.mount.height, drawn.volume, drawn.look.seed):
         assert len(np.unique(values)) == NUM
     assert drawn.mount.height.min() >= -0.3
@@ -125,8 +125,8 @@ def test_the_same_key_draws_the_same_and_environments_differ(played):
 
 def test_what_was_drawn_holds_for_the_episode(played):
     first, second = played(lamps=0.5, friction=(0.5, 2.0), exposure=(0.5, 2.0))
-    assert jax.tree.all(jax.tree.map(lambda a, b: bool((a == b).all()), first.world.drawn, second.world.drawn))
-    assert_array_equal(first.physics.scale.friction, first.world.drawn.bodies.friction)
+    assert jax.tree.all(jax.tree.map(lambda a, b: bool((a == b).all()), first.world.variation, second.world.variation))
+    assert_array_equal(first.physics.scale.friction, first.world.variation.bodies.friction)
 
 
 def test_a_dark_house_is_dark_and_as_deep(played, neutral):
@@ -190,7 +190,7 @@ def test_what_was_drawn_is_saved_with_the_state(env, played, tmp_path):
     path = tmp_path / "states.npz"
     assert save_states(path, states) == NUM
     loaded = load_states(path, env.with_variation(NEUTRAL))
-    assert_array_equal(loaded.world.variation.appearance.exposure, states.world.drawn.look.exposure)
+    assert_array_equal(loaded.world.variation.appearance.exposure, states.world.variation.look.exposure)
 
 
 def test_resets_draw_anew():
@@ -204,7 +204,7 @@ def test_resets_draw_anew():
     louder = params.replace(variation=Variation.of(volume=(5.0, 6.0)))
     for now in (params, params, params, louder):
         states = step(now, states, jnp.zeros((16, 4)))
-        seen.append(np.asarray(states.world.drawn.volume))
+        seen.append(np.asarray(states.world.variation.volume))
     assert step._cache_size() == 1
     assert_array_equal(seen[0], seen[1])
     assert (seen[2] != seen[1]).all()
