@@ -4,75 +4,103 @@ import ast
 import importlib
 import subprocess
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGE = ROOT / "home_mjx"
-MOST_FILES = 10  # in a folder, besides its `__init__`
-# From below: a part imports only from rows before its own, and from its own package. Parts of one row do not import
-# each other, unless they stand in the order of a pair below.
+PACKAGES = ("home_mjx", "home_procgen")
+MAX_FILES = 15  # in a folder, besides its `__init__`
+MIN_FILES = 3
+FEW_FILES: Mapping[str, str] = {}  # folders with fewer files, each with its reason
+MAX_SHORT_MODULES = 30
+SHORT = 50  # [lines]
+MAX_EXPORTS = 40  # names of a facade
+# From below: a part imports only from rows before its own, and from its own package.
 ROWS = (
-    ("errors", "moved"),
+    ("errors",),
     ("core",),
     ("schema",),
-    ("datasets",),
-    ("scene_compile",),
-    ("bank",),
-    ("navigation", "physics", "raycast_render"),
-    ("arrangements", "audio_jax"),
+    ("geometry",),
+    ("bank", "datasets", "mjcf"),
+    ("navigation", "raycast_render", "scene_compile"),
+    ("audio_jax", "houses", "physics"),
     ("tasks",),
+    ("sharding",),
     ("registry",),
-    ("adapters", "training", "viz"),
-    ("bench", "play", "trajectories"),
-    ("demo",),
+    ("env_factory",),
+    ("adapters",),
+    ("training",),
+    ("viewer",),
     ("cli", "__init__"),
     ("__main__",),
 )
-WITHOUT_JAX = ("schema", "datasets", "scene_compile")
+WITHOUT_JAX = ("schema", "geometry", "datasets", "mjcf", "scene_compile")
+# Lines of this distribution that an import loads, at most: engines stand alone, without datasets and generators.
+CLOSURES = {
+    "home_mjx": 1_500,
+    "home_mjx.bank": 5_500,
+    "home_mjx.raycast_render": 10_000,
+    "home_mjx.physics": 16_000,
+    "home_mjx.audio_jax": 20_000,
+    "home_mjx.tasks": 45_000,
+}
+NOT_BELOW = {  # packages that an import must not load
+    "home_mjx.bank": ("home_mjx.datasets", "home_mjx.scene_compile", "home_procgen"),
+    "home_mjx.raycast_render": ("home_mjx.datasets", "home_mjx.scene_compile", "home_procgen"),
+    "home_mjx.navigation": ("home_mjx.datasets", "home_procgen"),
+    "home_mjx.physics": ("home_mjx.datasets", "home_procgen"),
+    "home_mjx.audio_jax": ("home_mjx.datasets", "home_procgen"),
+    "home_mjx.tasks": ("home_procgen", "imageio_ffmpeg", "matplotlib", "flax", "brax"),
+}
+# Imports inside functions hide weight or a ring; each place has its reason.
+LAZY: Mapping[str, str] = {}
 
-Module = tuple[str, ...]  # ("bank", "packing", "pack"); a package ends in "__init__"
+Module = tuple[str, ...]  # ("home_mjx", "bank", "packing", "pack"); a package ends in "__init__"
 
 
 def modules() -> dict[Module, ast.Module]:
-    paths = sorted(PACKAGE.rglob("*.py"))
-    return {path.relative_to(PACKAGE).with_suffix("").parts: ast.parse(path.read_text()) for path in paths}
+    paths = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+    return {path.relative_to(ROOT).with_suffix("").parts: ast.parse(path.read_text()) for path in paths}
 
 
 MODULES = modules()
 
 
-def imported(module: Module, tree: ast.Module) -> Iterator[Module]:
-    """Modules of the package that one imports, wherever in its code."""
+def imported(module: Module, tree: ast.AST) -> Iterator[Module]:
+    """Modules of the packages that one imports, wherever in its code."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:
-                if alias.name.split(".")[0] == "home_mjx":
-                    yield module_of(tuple(alias.name.split("."))[1:])
+                if alias.name.split(".")[0] in PACKAGES:
+                    yield module_of(tuple(alias.name.split(".")))
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{module}: relative import"
-            if (node.module or "").split(".")[0] == "home_mjx":
-                base = tuple(node.module.split("."))[1:]
+            if (node.module or "").split(".")[0] in PACKAGES:
+                base = tuple(node.module.split("."))
                 yield from (module_of((*base, alias.name)) for alias in node.names)
 
 
 def module_of(name: Module) -> Module:
-    """The module that a dotted name stands for: itself, a package, or what it is defined in."""
+    """The module of a dotted name: itself, a package, or the module that defines it."""
     for candidate in (name, (*name, "__init__"), name[:-1], (*name[:-1], "__init__")):
         if candidate in MODULES:
             return candidate
-    raise AssertionError(f"home_mjx.{'.'.join(name)} does not exist")
+    raise AssertionError(f"{'.'.join(name)} does not exist")
 
 
 IMPORTS = {module: set(imported(module, tree)) - {module} for module, tree in MODULES.items()}
 
 
 def is_facade(module: Module) -> bool:
-    """An `__init__` that only hands names on: it is no part of the flow inside its own package."""
-    return module[-1] == "__init__" and len(module) > 1
+    """Whether a module is the `__init__` of a folder, which only hands names on."""
+    return module[-1] == "__init__" and len(module) > 2
+
+
+def part_of(module: Module) -> str:
+    return module[1]
 
 
 def row_of(part: str) -> int:
@@ -91,17 +119,17 @@ def rings(arrows: Mapping[Module, Iterable[Module]]) -> list[list[Module]]:
         left = {a: b - ends for a, b in left.items() if a not in ends}
 
 
-def folder_arrows(deep: bool) -> dict[Module, set[Module]]:
-    """Which folders import which; `deep`: folders at any depth, otherwise top-level parts."""
+def folder_arrows(depth: int) -> dict[Module, set[Module]]:
+    """Imports among folders, each cut to so many parts; facades and the top level apart."""
     arrows: dict[Module, set[Module]] = defaultdict(set)
     for module, targets in IMPORTS.items():
-        if is_facade(module) and deep:
+        if is_facade(module) or len(module) == 2:
             continue
         for target in targets:
-            if target == ("__init__",):
+            if len(target) == 2 and target[-1] == "__init__":
                 continue  # see the test of the top level
-            a, b = (m[:-1] or m[:1] for m in (module, target)) if deep else (module[:1], target[:1])
-            if is_facade(target) and deep and b == a[: len(b)]:
+            a, b = (m[:-1][:depth] or m[:1] for m in (module, target))
+            if is_facade(target) and b == a[: len(b)]:
                 continue  # its own facade, see the test of that
             arrows[a].add(b)
             arrows.setdefault(b, set())
@@ -110,29 +138,39 @@ def folder_arrows(deep: bool) -> dict[Module, set[Module]]:
 
 def test_imports_follow_the_flow_of_data():
     back = [
-        f"home_mjx.{'.'.join(a)} imports home_mjx.{'.'.join(b)}"
+        f"{'.'.join(a)} imports {'.'.join(b)}"
         for a, targets in IMPORTS.items()
         for b in targets
-        if a[0] != b[0] and b != ("__init__",) and row_of(b[0]) >= row_of(a[0])
+        if a[0] == b[0] == "home_mjx"
+        and part_of(a) != part_of(b)
+        and b != ("home_mjx", "__init__")
+        and row_of(part_of(b)) >= row_of(part_of(a))
+        and (part_of(a), part_of(b)) != ("registry", "env_factory")  # `EnvSpec.make` calls `make`'s second half
     ]
     assert back == []
 
 
+def test_the_simulator_does_not_import_the_generator():
+    """It plugs in by entry points; the command that writes houses is the one place that names it."""
+    users = {a for a, targets in IMPORTS.items() if a[0] == "home_mjx" and any(b[0] == "home_procgen" for b in targets)}
+    assert users <= {("home_mjx", "cli", "commands", "generate")}
+
+
 def test_only_the_command_line_and_versions_read_the_top_level():
-    """`home_mjx/__init__` sits above everything; below it only its version may be asked for."""
-    allowed = {("cli", "__init__"), ("bench", "record"), ("bench", "timing")}
-    users = {a for a, targets in IMPORTS.items() if ("__init__",) in targets}
-    assert users <= allowed
+    """`home_mjx/__init__` stands above everything; below it only its version may be asked for."""
+    allowed = {("home_mjx", "cli", "__init__"), ("home_mjx", "core", "profiling")}
+    assert {a for a, targets in IMPORTS.items() if ("home_mjx", "__init__") in targets} <= allowed
 
 
-@pytest.mark.parametrize("deep", [False, True], ids=["parts", "folders"])
-def test_no_ring_of_folders(deep: bool):
-    assert rings(folder_arrows(deep)) == []
+@pytest.mark.parametrize("depth", [2, 3, 4, 5])
+def test_no_ring_of_folders(depth: int):
+    assert rings(folder_arrows(depth)) == []
 
 
 def test_no_ring_of_files():
-    """Facades apart: they hand on what lies below them."""
+    """Facades apart, and the two halves of `make`."""
     arrows = {a: {b for b in targets if not is_facade(b)} for a, targets in IMPORTS.items()}
+    arrows["home_mjx", "registry"].discard(("home_mjx", "env_factory"))
     assert rings(arrows) == []
 
 
@@ -144,7 +182,7 @@ def test_rings_are_found():
 
 def test_no_package_imports_its_own_facade():
     wrong = [
-        f"home_mjx.{'.'.join(a)} imports its own home_mjx.{'.'.join(b[:-1])}"
+        f"{'.'.join(a)} imports its own {'.'.join(b[:-1])}"
         for a, targets in IMPORTS.items()
         for b in targets
         if is_facade(b) and a[: len(b) - 1] == b[:-1] and exports(b) and a[-1] not in ("__init__", "__main__")
@@ -153,20 +191,64 @@ def test_no_package_imports_its_own_facade():
 
 
 def exports(facade: Module) -> list[str]:
-    return list(getattr(importlib.import_module(".".join(("home_mjx", *facade[:-1]))), "__all__", ()))
+    return list(getattr(importlib.import_module(".".join(facade[:-1])), "__all__", ()))
 
 
-def test_no_folder_is_too_full():
+def folder_sizes() -> dict[str, int]:
     counts: dict[str, int] = defaultdict(int)
     for module in MODULES:
         if module[-1] not in ("__init__", "__main__"):
             counts["/".join(module[:-1])] += 1
-    assert {folder: count for folder, count in counts.items() if count > MOST_FILES} == {}
+    return counts
+
+
+def test_no_folder_is_too_full():
+    assert {folder: count for folder, count in folder_sizes().items() if count > MAX_FILES} == {}
+
+
+def test_no_folder_is_nearly_empty():
+    inner = {"/".join(module[:-2]) for module in MODULES if is_facade(module)}
+    few = {f for f, count in folder_sizes().items() if count < MIN_FILES and f not in inner and "/v1" not in f}
+    assert few == set(FEW_FILES)
+
+
+def test_few_modules_are_short():
+    lines = {m: len((ROOT / Path(*m)).with_suffix(".py").read_text().splitlines()) for m in MODULES}
+    short = [".".join(m) for m, n in lines.items() if n < SHORT and m[-1] not in ("__init__", "__main__")]
+    assert len([name for name in short if name.startswith("home_mjx")]) <= MAX_SHORT_MODULES, short
 
 
 def test_every_folder_is_a_package_that_says_what_it_is():
     folders = {(*module[:-1], "__init__") for module in MODULES}
     assert [f for f in folders if f not in MODULES or not ast.get_docstring(MODULES[f])] == []
+
+
+def test_public_class_names_are_unique():
+    """The first generator is left as it was."""
+    names = Counter(
+        node.name
+        for module, tree in MODULES.items()
+        if "v1" not in module
+        for node in tree.body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    )
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+def lazy_imports() -> set[str]:
+    """Modules with an import inside a function, of these packages."""
+    found = set()
+    for module, tree in MODULES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and any(imported(module, node)):
+                found.add(".".join(module))
+    return found
+
+
+def test_imports_inside_functions_are_in_named_places():
+    named = {name for name in lazy_imports() if any(name.startswith(place) for place in LAZY)}
+    assert lazy_imports() - named == set()
+    assert [place for place in LAZY if not any(name.startswith(place) for name in lazy_imports())] == []
 
 
 @pytest.mark.parametrize("part", WITHOUT_JAX)
@@ -179,34 +261,69 @@ for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
     importlib.import_module(module.name)
 assert not {{"jax", "jaxlib"}} & set(sys.modules), "JAX was loaded"
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    run_python(program)
+
+
+def test_compiling_houses_loads_no_jax():
+    """Worker processes that compile houses start quickly."""
+    run_python("import sys, home_mjx.houses; assert not {'jax', 'jaxlib'} & set(sys.modules), 'JAX was loaded'")
+
+
+@pytest.mark.parametrize("name", CLOSURES)
+def test_an_engine_loads_few_lines_and_nothing_above_it(name: str):
+    program = f"""
+import sys
+import {name}
+packages = {PACKAGES!r}
+files = [m.__file__ for n, m in list(sys.modules.items()) if n.split(".")[0] in packages and getattr(m, "__file__", None)]
+lines = sum(len(open(f).readlines()) for f in files if f.endswith(".py"))
+print(lines, *sys.modules)
+"""
+    lines, *loaded = run_python(program).split()
+    assert int(lines) <= CLOSURES[name]
+    above = [m for m in loaded for p in NOT_BELOW.get(name, ()) if m == p or m.startswith(p + ".")]
+    assert above == []
+
+
+def run_python(program: str) -> str:
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def packages() -> list[str]:
-    return sorted(".".join(("home_mjx", *module[:-1])) for module in MODULES if is_facade(module))
+    return sorted(".".join(module[:-1]) for module in MODULES if module[-1] == "__init__")
 
 
 @pytest.mark.parametrize("name", packages())
-def test_no_public_name_is_that_of_a_module_beside_it(name: str):
+def test_a_facade_is_small_and_none_of_its_names_is_that_of_a_module_beside_it(name: str):
     """`package.name` would be the function or the module, by the order of imports."""
     package = importlib.import_module(name)
     beside = {path.stem for path in Path(package.__path__[0]).iterdir()} - {"__init__"}
-    assert set(getattr(package, "__all__", ())) & beside == set()
+    public = set(getattr(package, "__all__", ()))
+    assert public & beside == set()
+    assert len(public) <= MAX_EXPORTS
 
 
 def test_compiled_houses_are_made_anew_when_their_compiler_changes():
     """The cache's version covers every module that making an entry runs, and nothing of the rest."""
-    from home_mjx.houses.version import compiler_files
+    from home_mjx.houses.version import PACKAGE, compiler_files
 
-    plain = {("errors",), ("core", "checks"), ("core", "paths")}  # messages and places: they make no array
-    wanted, left = set(), [("scene_compile", "pipeline", "compile"), ("datasets", "suncg", "dataset")]
+    plain = {
+        ("home_mjx", "errors"),
+        ("home_mjx", "core", "checks"),
+        ("home_mjx", "core", "paths"),
+    }  # they make no array
+    first = [("home_mjx", "scene_compile", "pipeline", "compile"), ("home_mjx", "datasets", "suncg", "dataset")]
+    wanted, left = set(), first
     while left:
         module = left.pop()
         if module not in wanted:
             wanted.add(module)
             left += [m for m in IMPORTS[module] if m[-1] != "__init__"]
-    covered = {path.relative_to(PACKAGE).with_suffix("").parts for path in compiler_files() if path.suffix == ".py"}
+    covered = {("home_mjx", *path.relative_to(PACKAGE).with_suffix("").parts) for path in compiler_files()}
     assert wanted - plain <= covered
-    assert not {m for m in covered if m[0] in ("bank", "tasks", "raycast_render") or m[:2] == ("scene_compile", "mjcf")}
+    assert not {
+        m for m in covered if m[1] in ("bank", "tasks", "raycast_render") or m[1:3] == ("scene_compile", "mjcf")
+    }
     assert {path.name for path in compiler_files()} >= {"acoustic_absorption.csv", "color_names.csv", "categories.json"}

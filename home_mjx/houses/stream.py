@@ -59,7 +59,8 @@ class HouseStream:
         ids: House ids; all by default.
         num_slots: Number of houses in the bank at a time.
         num_retiring: Number of slots that are retired at a time.
-        capacity_factor: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see `skipped`.
+        capacity_factor: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see
+            `skipped`.
         split: Restrict to houses of this split.
         seed: Seed of the order of houses, which differs in every pass over the dataset.
         options: Compiler options.

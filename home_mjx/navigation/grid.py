@@ -44,7 +44,8 @@ def geodesic_distance(
 
     It is the minimum over the 3 × 3 cells around the point of the cell's distance plus that to its centre. Near
     obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
-    `scene_compile.navigation.extrapolated`. Elsewhere it is the distance of the nearest cell plus the straight line to it.
+    `scene_compile.navigation.extrapolated`. Elsewhere it is the distance of the nearest cell plus the straight line
+    to it.
 
     Args:
         bank: The houses.
@@ -95,7 +96,7 @@ def _neighbourhood(
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return ranks of `Navigation.cell` entries: `HOME_RANK`, 1 free near obstacles, 2 in a movable object, `UNREACHABLE_RANK`."""
+    """Return ranks of cells: `HOME_RANK`, 1 free near obstacles, 2 in a movable object, `UNREACHABLE_RANK`."""
     navigation = bank.navigation
     number = cell - navigation.first_cell[house]
     ends = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])

@@ -58,8 +58,8 @@ def apply_hand_commands(
 ) -> PhysicsState:
     """Apply hand commands; ignore commands that are not possible.
 
-    An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other hand holds
-    it. Surfaces and doors must be within reach as well. The caller must check the line of sight.
+    An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
+    hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
@@ -222,7 +222,7 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
     puts = jnp.isfinite(state.place_target[a, 0])
     there = puts & (jnp.linalg.norm(pos - _place_target(template, bodies, state, a)) < jnp.float32(PLACE_TOLERANCE))
     hand = at + jnp.matmul(quat_matrix(yaw_quat(yaw)), state.grip[a, :3], precision="highest")
-    # A picked body may start far from the hand: it counts as torn away once it was near, or after `MAX_PLACE_STEPS` steps.
+    # A picked body may start far from the hand: it is torn away once it was near, or after `MAX_PLACE_STEPS` steps.
     torn = (
         ~puts & (jnp.linalg.norm(pos - hand) > jnp.float32(MAX_HOLD_DISTANCE)) & (state.hand_steps[a] > MAX_PLACE_STEPS)
     )

@@ -231,7 +231,8 @@ class HouseNavigation:
 
     Region 0 is the home region: the connected region with the largest area on the ground floor, including levels that
     agents reach by stairs. Its cells are numbered in the order of the grids. It contains ramps: the part of a ramp
-    that is more than `MAX_DEPTH_BELOW_FLOOR` below the upper level is in the lower level's grid. Starts and goals are on floors.
+    that is more than `MAX_DEPTH_BELOW_FLOOR` below the upper level is in the lower level's grid. Starts and goals are
+    on floors.
     """
 
     origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid

@@ -22,7 +22,8 @@ from home_mjx.training.rollout import Policy
 
 ADVICE_DECAY_FRACTION = 0.7  # fraction of the run over which the weight of advice in PPO falls to 0
 EXPERT_DECAY_FRACTION = 0.5  # fraction of the run over which the expert's share of the actions falls linearly from 1
-MIN_EXPERT_SHARE = 0.3  # minimum share of expert actions until `STUDENT_ONLY_AFTER`; with less, most states are where the network is stuck
+# Share of expert actions until `STUDENT_ONLY_AFTER`. With less, most states are where the network is stuck.
+MIN_EXPERT_SHARE = 0.3
 STUDENT_ONLY_AFTER = (
     0.8  # fraction of the run after which only the network acts, so that its value function fits its own behaviour
 )

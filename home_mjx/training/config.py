@@ -89,8 +89,10 @@ class PPOConfig:
                 check_number(option.name, value, 0)
         steps = self.num_updates * self.num_epochs * self.num_minibatches
         if steps > MAX_GRADIENT_STEPS:
-            message = f"`num_timesteps` of {self.num_timesteps} needs {steps} gradient steps, the maximum is {MAX_GRADIENT_STEPS}"
-            raise ConfigError(message, hint="Reduce it, or use larger batches: `num_envs`, `unroll_length`.")
+            message = f"{self.num_timesteps} timesteps need {steps} gradient steps, the maximum is {MAX_GRADIENT_STEPS}"
+            raise ConfigError(
+                message, hint="Reduce `num_timesteps`, or use larger batches: `num_envs`, `unroll_length`."
+            )
 
     @property
     def batch_size(self) -> int:

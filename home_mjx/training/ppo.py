@@ -205,7 +205,7 @@ class PPO:
     def optimize(
         self, loss: LossFunction, net: Any, opt: Any, batch: TrainBatch, key: Array
     ) -> tuple[Any, Any, dict[str, Array]]:
-        """Optimize a loss over minibatches of whole rows; call it inside `EnvSharding.map`, where the mesh axis is bound.
+        """Optimize a loss over minibatches of whole rows, inside `EnvSharding.map`, which binds the mesh axis.
 
         Returns:
             Parameters, the optimizer's state, and the means of the loss's parts and of the gradients' norm.

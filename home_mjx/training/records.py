@@ -198,7 +198,7 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
 
 
 def moving_average(values: list[float]) -> list[float]:
-    """Compute a moving average over each value and those before it; the window is 1 / `NUM_SMOOTHING_WINDOWS` of the length.
+    """Compute a moving average over each value and those before; windows are 1 / `NUM_SMOOTHING_WINDOWS` long.
 
     Example:
         >>> smoothed([1.0, 3.0] * 20)[:2]

@@ -40,8 +40,10 @@ class Policy(NamedTuple):
     """Policy as functions: PPO's network, an expert, or random actions.
 
     Attributes:
-        act: Function from `(initial_memory, obs, is_first, keys)` to memory, actions, and other outputs to store; R rows each.
-        value: Function from `(initial_memory, obs, outputs)` to the values (R,) of observations after truncated steps; None: 0.
+        act: Function from `(initial_memory, obs, is_first, keys)` to memory, actions, and other outputs to store; R
+            rows each.
+        value: Function from `(initial_memory, obs, outputs)` to the values (R,) of observations after truncated
+            steps; None: 0.
         clip: Function from actions to valid actions of the environment.
         initial_memory: Function from a number of rows to their memory before the first step.
     """
@@ -132,9 +134,9 @@ def compute_advantages(
 ) -> Float[Array, "t r"]:
     """Compute generalised advantages, Schulman et al., 2016 (arXiv:1506.02438).
 
-    A truncated step is bootstrapped with the value of its last observation (`Transitions.truncation_value`). A step at which the task
-    ended the episode counts its reward alone (Pardo et al., "Time Limits in Reinforcement Learning", 2018,
-    arXiv:1712.00378).
+    A truncated step is bootstrapped with the value of its last observation (`Transitions.truncation_value`). A step
+    at which the task ended the episode counts its reward alone (Pardo et al., "Time Limits in Reinforcement
+    Learning", 2018, arXiv:1712.00378).
 
     Args:
         steps: The steps; `outputs` contain `value`.

@@ -60,8 +60,8 @@ def train(
         out: The folder, which exists.
         resume: Continue from the folder's checkpoint if there is one; the result equals that of an uninterrupted run.
         progress: Show a progress bar; None: in a terminal.
-        device_lock: Context entered after compilation and left at the end, such as a lock of the device, so that measured
-            training time excludes other processes that compile.
+        device_lock: Context entered after compilation and left at the end, such as a lock of the device, so that
+            measured training time excludes other processes that compile.
         observers: Further observers of the run, or their names.
 
     Returns:

@@ -207,7 +207,7 @@ def path_basis_weights(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "p e s"]:
-    """Compute the weight of each basis filter (`filter_basis`) per path and channel, without the octave gains of the first.
+    """Compute the weight of each basis filter (`filter_basis`) per path and channel, re the first one's octaves.
 
     The first path is the direct one. It may cross walls, whose steep spectra the basis does not resolve, so it has
     octave filters of its own.

@@ -62,7 +62,7 @@ def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array
 
 
 def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Float[Array, "*c windows mels"]:
-    """Compute the power in `NUM_MELS` mel bands [dB re a squared pressure of 1], clipped to `MIN_MEL_LEVEL` .. `MAX_MEL_LEVEL`.
+    """Compute the power in `NUM_MELS` mel bands [dB re 1], clipped to `MIN_MEL_LEVEL` .. `MAX_MEL_LEVEL`.
 
     Bands are triangles of height 1 whose corners are equally spaced on the mel scale from 0 to half the sample rate,
     see `hz_to_mel`.

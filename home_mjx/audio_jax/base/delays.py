@@ -44,7 +44,7 @@ def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
 
 
 def interpolation_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
-    """Compute interpolation weights of half samples `FIRST_READ`, `FIRST_READ` + 1, ... for a value between numbers 0 and 1.
+    """Compute weights of half samples `FIRST_READ`, `FIRST_READ` + 1, ... for a value between 0 and 1.
 
     Args:
         rest: Position of the value after number 0 [half samples], 0 .. 1.
@@ -88,7 +88,7 @@ def _pulses() -> Float[np.ndarray, "three read k"]:
 
 @functools.cache
 def interpolation_polynomials() -> Float[np.ndarray, "read degree"]:
-    """Fit the polynomials of `interpolation_weights`, lowest power first, by least squares up to 0.45 of the sample rate."""
+    """Fit the polynomials of `interpolation_weights`, lowest power first, up to 0.45 of the sample rate."""
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
     power = rest[:, None] ** np.arange(POLYNOMIAL_DEGREE + 1)

@@ -120,8 +120,8 @@ def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
 class SoundSources(Pytree):
     """The e sound sources of one environment: their poses, clips and schedules.
 
-    A source sounds for `duration` seconds at the start of every period of `period` seconds, also before time 0. If `period`
-    is inf it sounds once, from time 0 on; if `duration` is inf it always sounds.
+    A source sounds for `duration` seconds at the start of every period of `period` seconds, also before time 0. If
+    `period` is inf it sounds once, from time 0 on; if `duration` is inf it always sounds.
 
     Example:
         >>> import jax.numpy as jnp

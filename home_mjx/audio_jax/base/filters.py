@@ -51,7 +51,8 @@ def causal_octave_log_spectra(size: int, sample_rate: int) -> Complex[np.ndarray
 
     Levels in dB are interpolated between octaves by `octave_gains`. The phase is minimum phase, so the response is
     causal. It is computed by folding the cepstrum, as in Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5;
-    the cepstrum fades out within `CEPSTRUM_SECONDS`. Cepstra of products add, so one product with this table serves any gains.
+    the cepstrum fades out within `CEPSTRUM_SECONDS`. Cepstra of products add, so one product with this table serves
+    any gains.
 
     Args:
         size: Samples of the transform that will use it, at least `CEPSTRUM_SECONDS`.

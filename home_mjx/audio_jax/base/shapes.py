@@ -75,7 +75,7 @@ def filter_basis(sample_rate: int) -> FilterBasis:
 
 
 def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) -> Complex[Array, "*p s"]:
-    """Compute minimum-phase filters with the required gain at the centre of each octave, at the knots of `filter_basis`.
+    """Compute minimum-phase filters with the required gain at each octave's centre, at knots of `filter_basis`.
 
     Levels in dB are interpolated between octaves. The minimum phase follows from folding the cepstrum, as in Oppenheim
     and Schafer, Discrete-Time Signal Processing, 13.5. Real parts of the result are the weights of `filter_basis`.
@@ -115,7 +115,7 @@ def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> C
 
 
 def _causal_kernels(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Compute causal impulse responses with these real parts at `OVERSAMPLING` times the rate, faded out at their end."""
+    """Compute causal impulse responses with these real parts at `OVERSAMPLING` times the rate, faded out."""
     kept = OVERSAMPLING * num_basis_taps(sample_rate)
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
     return np.fft.irfft(real, FINE_SIZE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
@@ -138,7 +138,7 @@ def _spectra_at(
 
 
 def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
-    """Return log gains per octave, at least `MIN_RELATIVE_GAIN` re the loudest, and 1 for audible paths, 0 for silent ones."""
+    """Return log gains per octave, at least `MIN_RELATIVE_GAIN` re the loudest, and 1 where audible, else 0."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
     return level, (loudest[:, 0] > MIN_GAIN).astype(jnp.float32)

@@ -77,7 +77,7 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
 
 @functools.cache
 def _smoothing_matrix(count: int) -> Float[np.ndarray, "k j"]:
-    """Return the share of bin j moved to bin k: triangles of half width `RELATIVE_SMOOTHING` times their time; columns sum to 1."""
+    """Return the share of bin j moved to bin k: triangles of half width `RELATIVE_SMOOTHING` times their time."""
     index = np.arange(count)
     share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(RELATIVE_SMOOTHING * index, 1), 0)
     return (share / share.sum(axis=0)).astype(np.float32)

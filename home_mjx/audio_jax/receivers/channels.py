@@ -60,7 +60,7 @@ def distinct_channel_gains(
 def late_channel_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n d bands"]:
-    """Compute the gains of late histograms: `distinct_channel_gains`, and for ambisonics the signed products W Y, W Z, W X."""
+    """Compute gains of late histograms: `distinct_channel_gains`, in ambisonics also the products W Y, W Z, W X."""
     energy = distinct_channel_gains(direction, head_quat, config, head)
     if not isinstance(config.receiver, Ambisonics):
         return energy

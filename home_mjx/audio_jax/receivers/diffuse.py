@@ -32,8 +32,8 @@ def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array,
 
     With the levels of `noise_levels`, two ears of a rigid sphere have the coherence of a diffuse field. The same holds
     for one ear before and after turns of 90 and 180 degrees. An array turns as a whole, by the azimuth of its right
-    axis; each microphone has separate noises, see `octave_noise`. In ambisonics, one noise is W, and three are along the world
-    axes.
+    axis; each microphone has separate noises, see `octave_noise`. In ambisonics, one noise is W, and three are along
+    the world axes.
 
     Args:
         head_quat: Orientation of the head, wxyz.
@@ -142,7 +142,7 @@ def _coherence_root(
 
 @functools.cache
 def noise_bin_table(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
-    """Split `octave_noise` into histogram bins and weight it with hat functions: m runs over `NUM_KNOTS`, noises and octaves.
+    """Split `octave_noise` into histogram bins, weighted with hats: m runs over `NUM_KNOTS`, noises and octaves.
 
     Their sum, weighted with amplitudes at the start, middle and end of a bin, is noise with a piecewise linear
     amplitude. A response is therefore one matrix product.

@@ -30,7 +30,8 @@ def interpolate_directions(table: Float[Array, "v h *n"], toward: Float[Array, "
     """Interpolate a table over directions bilinearly between the four nearest entries.
 
     Args:
-        table: By elevation from below to above, and azimuth from ahead over the left around the head, see `MeasuredHead`.
+        table: By elevation from below to above, and azimuth from ahead over the left around the head, see
+            `MeasuredHead`.
         toward: Unit vectors towards the directions of incidence, in the head frame: +x right, +y up, looking along -z.
 
     Example:

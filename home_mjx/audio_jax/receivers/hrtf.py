@@ -194,7 +194,7 @@ def ear_phase_delays(sample_rate: int, radius: float, speed: float) -> Float[np.
 
 
 def basis_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
-    """Return frequencies [Hz] up to 0.45 of the sample rate, and the response of each of `filter_basis` re their sum."""
+    """Return frequencies [Hz] up to 0.45 of the sample rate, and each response of `filter_basis` re their sum."""
     kernel = filter_basis(sample_rate).kernel
     frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
     time = (np.arange(kernel.shape[1]) - HALF_WIDTH) / sample_rate

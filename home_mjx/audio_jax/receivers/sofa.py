@@ -39,8 +39,8 @@ def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", lev
         path: The file; its name ends in `.sofa`.
         config: Options of the simulation that will use the head.
         phase: "minimum" or "measured", see `make_measured_head`.
-        level: "file" or "sphere", see `make_measured_head`. Use "sphere" for files that are not relative to the free field,
-            as many are.
+        level: "file" or "sphere", see `make_measured_head`. Use "sphere" for files that are not relative to the free
+            field, as many are.
 
     Raises:
         MissingFileError: The file does not exist.

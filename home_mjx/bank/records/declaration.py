@@ -42,8 +42,8 @@ class Declaration:
         axes: Names of axes, or their lengths.
         dtype: Dtype in the bank.
         source: Origin of the values: a path of attributes from the owner's record, or a function of the owner. The
-            owner is a `TreeOwner` for nodes, a `ModelOwner` for models and triangles, `SharedOwner` for shared arrays, and a
-            `HouseOwner` otherwise.
+            owner is a `TreeOwner` for nodes, a `ModelOwner` for models and triangles, `SharedOwner` for shared
+            arrays, and a `HouseOwner` otherwise.
         fill: Value of padding, or `REPEAT_ROWS`.
     """
 

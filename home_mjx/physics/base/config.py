@@ -30,8 +30,8 @@ class PhysicsConfig:
         num_agents: Agents per environment, at most 128.
         bodies: One `AgentBody` per agent if agents differ. Empty: all agents have the common `body`.
         control: "velocity": actions are fractions of an agent's maximum speeds, which its motors reach within
-            `response_time`. "force": forward and left are fractions of its `max_push_force`, against a drag that balances
-            it at maximum speed.
+            `response_time`. "force": forward and left are fractions of its `max_push_force`, against a drag that
+            balances it at maximum speed.
         response_time: [s], time constant of an agent's approach to its target velocity.
         friction: Sliding friction of all movable bodies; wood on wood is 0.4. None: by material. Agents are
             frictionless.

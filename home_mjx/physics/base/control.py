@@ -29,8 +29,8 @@ def motor_forces(
     """Compute the motor forces and torque of an agent.
 
     In velocity control, `f = m (v_target - v) / response_time`. The length of its horizontal part is clipped to
-    `max_push_force`. In force control, `f = max_push_force (action - v / max_speed)`, for forward and left separately. This
-    force, against friction, limits which objects an agent can push.
+    `max_push_force`. In force control, `f = max_push_force (action - v / max_speed)`, for forward and left
+    separately. This force, against friction, limits which objects an agent can push.
 
     Args:
         config: Options.

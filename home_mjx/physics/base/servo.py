@@ -1,8 +1,8 @@
 """Servo accelerations: hands that hold bodies, door drives, and agents on ramps.
 
 All are accelerations in addition to contact, so an obstacle stops a held or driven body. The acceleration of a held
-body is limited (`MAX_HAND_ACCELERATION`), so that contact keeps it out of walls. A spring couples the lag of the body back
-to its holder.
+body is limited (`MAX_HAND_ACCELERATION`), so that contact keeps it out of walls. A spring couples the lag of the body
+back to its holder.
 """
 
 import jax.numpy as jnp

@@ -14,7 +14,7 @@ from home_mjx.mjcf.contact import contact_parameters
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 
-# Columns: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m]; see `contact_parameters`.
+# Columns of `contact_parameters`: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m].
 FRICTION, STIFFNESS, DAMPING, IMPEDANCE_LOW, IMPEDANCE_WIDTH = range(5)
 
 

@@ -33,8 +33,8 @@ class MujocoHouses:
 
     Attributes:
         layout: Layout of the state.
-        find_target: Target of `jax.ffi.ffi_call`. Operands: arrays of all houses in the order of `HouseRows`, then the house
-            of each environment (e). Result: the number of each house (e).
+        find_target: Target of `jax.ffi.ffi_call`. Operands: arrays of all houses in the order of `HouseRows`, then
+            the house of each environment (e). Result: the number of each house (e).
         step_target: Operands: numbers (e), `qpos`, `qvel`, `qacc`, applied forces. Results: `qpos`, `qvel`, `qacc`, the
             fields of `ContactReport`, and whether contacts were dropped (e).
     """

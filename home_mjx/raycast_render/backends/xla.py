@@ -219,7 +219,7 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Return codes of a node's children that the ray hits before its best hit, nearer first; `EMPTY_LEAF` for others."""
+    """Return codes of a node's children hit before the ray's best hit, nearer first; `EMPTY_LEAF` for others."""
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))

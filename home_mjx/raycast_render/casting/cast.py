@@ -115,8 +115,8 @@ def cast_multi_hit(
         backend: As in `cast`.
 
     Returns:
-        The hits, with the leading shape of the rays and a last axis of `num_hits`. All entries from a ray's first miss on
-        are misses.
+        The hits, with the leading shape of the rays and a last axis of `num_hits`. All entries from a ray's first
+        miss on are misses.
 
     Raises:
         ConfigError: The executor is unknown.

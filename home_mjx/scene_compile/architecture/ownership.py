@@ -1,7 +1,7 @@
 """Assignment of overlapping floor and ceiling areas to rooms: the smallest room owns each point.
 
-This is the rule of `find_smallest_room`, which navigation, collision and sound use as well. Real houses often nest rooms
-with coplanar floors. Without the rule, rounding would decide which of the floors a ray hits.
+This is the rule of `find_smallest_room`, which navigation, collision and sound use as well. Real houses often nest
+rooms with coplanar floors. Without the rule, rounding would decide which of the floors a ray hits.
 """
 
 from collections.abc import Sequence

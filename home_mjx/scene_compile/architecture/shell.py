@@ -161,7 +161,7 @@ def _is_inner(part: WallPart, rooms: RoomTable) -> bool:
 
 
 def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Bool[np.ndarray, " p"]:
-    """Return whether points along a wall, `ROOM_PROBE_DISTANCE` beyond one of its sides, are inside any of the polygons."""
+    """Return whether points along a wall, `ROOM_PROBE_DISTANCE` beyond a side, are inside any of the polygons."""
     edge = slab.high[1] + ROOM_PROBE_DISTANCE if side > 0 else slab.low[1] - ROOM_PROBE_DISTANCE
     along = np.linspace(slab.low[0], slab.high[0], 13)[1:-1]
     points = slab.to_world(np.stack([along, np.full_like(along, edge), np.zeros_like(along)], axis=-1))[:, :2]

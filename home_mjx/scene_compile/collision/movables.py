@@ -41,7 +41,8 @@ class MovableOptions:
         max_bodies: Maximum number of bodies per house; the lightest objects are selected first.
         max_support_gap: Maximum vertical gap between an object and the floor or object that supports it [m].
         max_shrink: Maximum reduction of each side of the object's box to avoid overlaps [m].
-        min_lowered_height: Minimum height of a box whose top is lowered to fit under something, such as a chair under a table [m].
+        min_lowered_height: Minimum height of a box whose top is lowered to fit under something, such as a chair under
+            a table [m].
         max_edge: Maximum longest edge of a movable object [m].
         min_edge: Minimum shortest edge of a movable object [m]; sheets and plates stay fixed.
 

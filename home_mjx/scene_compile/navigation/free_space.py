@@ -34,8 +34,8 @@ class NavigationOptions:
         max_step_height: Obstacles that end lower above the floor are ignored [m].
         num_starts: Number of sampled start points.
         num_goals: Number of goals, each with a distance field.
-        use_stairs: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False, stairs
-            are obstacles, and starts and goals are on the ground floor.
+        use_stairs: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False,
+            stairs are obstacles, and starts and goals are on the ground floor.
     """
 
     cell: float = 0.1

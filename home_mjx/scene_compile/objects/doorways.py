@@ -22,7 +22,8 @@ class Doorway:
     """A door or an arch as a way from room to room.
 
     Attributes:
-        footprint: As wide as the door, `DOORWAY_HALF_DEPTH` to both sides of its wall; the first edge is along the wall [m].
+        footprint: As wide as the door, `DOORWAY_HALF_DEPTH` to both sides of its wall; the first edge is along the
+            wall [m].
         level: Level index.
         room: Room on either side; -1 outdoors.
         leaf: Rows of the house's Doors, the largest leaves first; -1 if none.

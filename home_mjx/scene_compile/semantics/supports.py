@@ -109,7 +109,7 @@ def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _supporter(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the object whose upper sides carry the largest share of another's lowest points; -1 if below `MIN_SUPPORT_SHARE`."""
+    """Return the object that carries most of another's lowest points; -1 below a share of `MIN_SUPPORT_SHARE`."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + MAX_CONTACT_GAP) & (limits[:, 1, 2] > low[2] - MAX_CONTACT_GAP)
@@ -133,7 +133,7 @@ def _soles(item: PlacedObject) -> Float[np.ndarray, "p 3"]:
 
 
 def _is_carried(points: Float[np.ndarray, "p 3"], below: PlacedObject, top: float) -> Bool[np.ndarray, " p"]:
-    """Return whether an upper side of an object is within `MAX_CONTACT_GAP` of each point, vertically, and below `top`."""
+    """Return whether an object's upper side is within `MAX_CONTACT_GAP` of each point, vertically, below `top`."""
     triangles = below.triangles
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal *= np.sign(np.linalg.det(below.pose[:, :3]))  # a mirrored model is inside out

@@ -67,8 +67,8 @@ def with_arrangements(
         progress: Whether to show a progress bar.
 
     Returns:
-        The bank, whose resets sample an arrangement with `EnvConfig(arrangement_pose="random")`; and counts of bodies by
-        outcome.
+        The bank, whose resets sample an arrangement with `EnvConfig(arrangement_pose="random")`; and counts of bodies
+        by outcome.
 
     Raises:
         ConfigError: `num_arrangements` is not a whole number of at least 1.

@@ -18,7 +18,7 @@ MAX_SHIFT, MAX_TURN = 0.01, 0.03  # [m], [rad], maximum displacement of bodies t
 
 
 def settle_bodies(bank: HouseBank, progress: bool = False) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
-    """Simulate every house and arrangement for `SETTLE_SECONDS` with open doors; return poses and which bodies are at rest.
+    """Simulate all arrangements for `SETTLE_SECONDS` with open doors; return poses and which bodies are at rest.
 
     Args:
         bank: Houses, whose arrangements are the initial poses.

@@ -72,7 +72,7 @@ def _is_level(
     high: Float[Array, "p k n"],
     lies: Bool[Array, "p k n"],
 ) -> Bool[Array, "p k n"]:
-    """Return whether rays from `high` above all spots hit a surface at the spots' height, furniture where `on_furniture`."""
+    """Return whether rays from `high` above all spots hit a surface at their height, of furniture if `on_furniture`."""
     physics = bank.physics
     away = jnp.where(gone[:, None], jnp.float32(1e3), 0.0) + physics.body_pos[house]
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

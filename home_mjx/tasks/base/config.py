@@ -117,7 +117,8 @@ class EnvConfig:
         num_sources: Maximum number of simultaneous sound sources, at most 256; each is traced separately. Raised to the
             number that the task needs.
         clips: Further sounds that may be played; those of the task are added.
-        contact_sounds: Contact sounds: footsteps, impacts, scrapes, doors; see `ContactSoundConfig`. None: bodies are silent.
+        contact_sounds: Contact sounds: footsteps, impacts, scrapes, doors; see `ContactSoundConfig`. None: bodies are
+            silent.
         backend: Ray-casting backend; None: the fastest on this platform.
         body: Size, mass and eye height of every agent, shared with physics, cameras and ears.
         timing: Time steps, shared with physics and sound.

@@ -60,8 +60,8 @@ def override_options(records: Records, given: Mapping[str, Any], accepted: Itera
 
     Args:
         records: By prefix; "" is the environment's, whose own fields need no prefix.
-        given: Values by name: `width`, `physics.friction_corner`, or a whole record as in `physics=PhysicsConfig()`. A flat
-            name matches a field at any depth if only one field has that name.
+        given: Values by name: `width`, `physics.friction_corner`, or a whole record as in `physics=PhysicsConfig()`.
+            A flat name matches a field at any depth if only one field has that name.
         accepted: Further names that the caller accepts, as suggestions for unknown names.
 
     Raises:

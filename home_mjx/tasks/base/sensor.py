@@ -20,8 +20,8 @@ class Sensor:
     Attributes:
         name: Name in `sensor_states=`.
         casts_rays: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
-        state_owner: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is updated once
-            for all its readers. The owner's observation is computed only if it is in `sensors=` as well.
+        state_owner: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is
+            updated once for all its readers. The owner's observation is computed only if it is in `sensors=` as well.
 
     Example:
         >>> class Compass(Sensor):

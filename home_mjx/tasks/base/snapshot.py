@@ -101,7 +101,8 @@ class Snapshot(Pytree):
         )
         pose, velocity, stopped, said, contact, held, action, reward = jax.tree.map(lambda x: x[:num_agents], per_agent)
         return self.replace(
-            pose=pose, velocity=velocity, stopped=stopped, spoken_token=said, in_contact=contact, held=held, action=action,
+            pose=pose, velocity=velocity, stopped=stopped, spoken_token=said, in_contact=contact, held=held,
+            action=action,
             reward=reward, config=self.config.select_agents(num_agents),
         )  # fmt: skip
 

@@ -197,7 +197,8 @@ def path_scores(
 ) -> dict[str, Float[Array, "*n"]]:
     """Return `spl` and `soft_spl`; both are 0 if no path leads to the goal.
 
-    SPL is `success * shortest_length / max(shortest_length, path_length)`; soft SPL replaces success by the progress `1 - remaining / shortest_length`.
+    SPL is `success * shortest_length / max(shortest_length, path_length)`; soft SPL replaces success by the progress
+    `1 - remaining / shortest_length`.
 
     Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
     et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231).

@@ -36,8 +36,8 @@ class AutoReset:
     Args:
         core: The environment.
         final_obs: Content of `info["final_obs"]`. "cheap": observations that cast no rays (pose, goal). "all": rendered
-            ones as well, for learners that bootstrap from pixels at truncation. Up to `MAX_SEPARATE_RENDERS` ended environments are
-            rendered separately, more as part of the whole batch. "none": nothing.
+            ones as well, for learners that bootstrap from pixels at truncation. Up to `MAX_SEPARATE_RENDERS` ended
+            environments are rendered separately, more as part of the whole batch. "none": nothing.
 
     Example:
         >>> batch = AutoReset(env.core).bind(env.params)  # doctest: +SKIP

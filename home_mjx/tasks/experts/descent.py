@@ -72,7 +72,7 @@ def circle_distance(
 
 
 def is_free(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether an agent can walk straight to a position [m]; checks `NUM_SEGMENT_SAMPLES` points of the segment."""
+    """Return whether an agent can walk straight to a position [m], from `NUM_SEGMENT_SAMPLES` points between."""
     free, _, _ = _check_segments(snapshot, agent, place[None])
     return free[0]
 

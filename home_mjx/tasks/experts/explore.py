@@ -18,7 +18,7 @@ NEIGHBOUR_OFFSETS = np.array([-1, 0, 1])  # [cells], neighbourhood of an agent
 def seek_nearest_cell(
     snapshot: Snapshot, targets: Bool[Array, "levels rows columns"], unvisited: Bool[Array, "levels rows columns"]
 ) -> Array:
-    """Return actions of all agents towards their nearest wanted cell, see `turns_to_nearest_cell`; `stop` if there is none.
+    """Return actions of all agents towards their nearest wanted cell; `stop` if there is none.
 
     With continuous actions, which have no `stop`, they turn on the spot instead.
     """

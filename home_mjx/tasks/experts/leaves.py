@@ -52,7 +52,7 @@ def _leaf_offsets(
 
 
 def is_near_leaf(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether agents at some positions [m] would be within `MIN_LEAF_CLEARANCE` of a leaf at its current angle."""
+    """Return whether agents at these positions [m] would be within `MIN_LEAF_CLEARANCE` of a leaf."""
     return leaf_distances(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MIN_LEAF_CLEARANCE)
 
 

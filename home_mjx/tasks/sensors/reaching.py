@@ -96,7 +96,7 @@ def free_spots(
 
 
 def obstacle_footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
-    """Return footprints of all obstacles: static boxes, and bounds of movable bodies and leaves, not of `ignored_id`."""
+    """Return footprints of all obstacles: static boxes, movable bodies and leaves, not of `ignored_id`."""
     physics, moving, bank = scene.bank.physics, scene.moving, scene.bank
     parts = (x[scene.house] for x in (physics.collider_pos, physics.collider_quat, physics.collider_size))
     count = bank.spec.num_bodies + bank.spec.num_doors

@@ -65,7 +65,8 @@ class Variation(Pytree):
         color_noise: Level of noise in colour images of pinhole cameras, as a factor of variances; 1: a common image
             sensor.
         contact_sound_volume: Factor of the pressure of all contact sounds, see `ContactSoundConfig`.
-        footstep_distance: Distance between footsteps [m], instead of that of `ContactSoundConfig`: another cadence of walking.
+        footstep_distance: Distance between footsteps [m], instead of that of `ContactSoundConfig`: another cadence of
+            walking.
 
     Example:
         >>> ranges = Variation.of(lamps=0.5, daylight=(0, 1.5), camera_height=(-0.2, 0.2))

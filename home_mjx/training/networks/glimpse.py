@@ -38,7 +38,7 @@ class QueryAttention(nn.Module):
     def __call__(
         self, x: Float[Array, "*b h w c"], marks: Float[Array, "*b h w m"], asked: Float[Array, "*b a"]
     ) -> Float[Array, "*b f"]:
-        """Return features; `marks` come from `mark_named_pixels`, two channels per id image, and `asked` are word features."""
+        """Return features; `marks` come from `mark_named_pixels`, 2 channels per image; `asked` are word features."""
         looked = jnp.concatenate([x.astype(jnp.float32), _pixel_coordinates(x)], axis=-1)
         weight = self._weights(marks.astype(jnp.float32), asked)
         mass = jnp.sum(weight, axis=(-3, -2))

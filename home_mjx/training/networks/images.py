@@ -82,8 +82,8 @@ class QueryMaps(nn.Module):
 class ImageEncoder(nn.Module):
     """Features of images: a stem that divides the size by four, a residual block per entry of `channels`, one layer.
 
-    Each block but the first halves the size. With word features, the maps of a `QueryMaps` are concatenated to the stem,
-    and a `ChannelGate` follows each block. Parameters are float32 for every `dtype`.
+    Each block but the first halves the size. With word features, the maps of a `QueryMaps` are concatenated to the
+    stem, and a `ChannelGate` follows each block. Parameters are float32 for every `dtype`.
 
     Attributes:
         channels: Channels of each block.

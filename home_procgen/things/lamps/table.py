@@ -146,7 +146,8 @@ TABLE = (
     design(table_lamp), design(table_lamp, foot="urn", top="empire"),
     design(table_lamp, foot="column", top="drum", high=0.34), design(table_lamp, foot="tripod", top="cone"),
     design(table_lamp, foot="cube", top="drum"), design(table_lamp, foot="beads", top="bell"),
-    design(table_lamp, foot="bottle", top="pleated"), *design_kinds(desk_lamp, "arm", "banker", "mushroom", "ball", "tube"),
+    design(table_lamp, foot="bottle", top="pleated"),
+    *design_kinds(desk_lamp, "arm", "banker", "mushroom", "ball", "tube"),
 )  # fmt: skip
 
 

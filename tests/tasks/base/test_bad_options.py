@@ -109,7 +109,8 @@ from home_mjx.tasks import AgentCamera, Episodes, TaskBank, make_config
 from home_mjx.tasks import load_episodes, load_tasks, save_episodes, save_tasks
 
 options = [
-    ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("max_pitch_rate", "x"),
+    ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5),
+    ("max_pitch_rate", "x"),
     ("fovy", "a"), ("num_agents", 1.5), ("body.mass", "heavy"), ("num_rays", 2.5), ("sensors", 5),
     ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("shader", 5), ("shader", LitShader), ("clip", None),
     ("physics", {}), ("audio", "x"), ("actions", 3), ("actions", None),

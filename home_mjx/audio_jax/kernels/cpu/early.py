@@ -1,4 +1,4 @@
-"""Early sound of a chunk of environments: paths mixed into buses and filtered, as `motion.synthesis.render_early_xla`."""
+"""Early sound of a chunk of environments: paths mixed into buses and filtered, as `render_early_xla`."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from typing import Any, NamedTuple, no_type_check

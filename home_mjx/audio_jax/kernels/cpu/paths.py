@@ -164,8 +164,8 @@ def _read_one(even, uneven, k, rest):
 def mix_block(heard, share, which, far, begin, count, size, sums):
     """Mix `count` samples of paths into buses, with gains that are interpolated over the frame.
 
-    `heard`: signals of paths, at a stride of `BLOCK_SAMPLES`; `share`: gains of paths into each bus at the frame's start, and
-    their change until its end, at a stride of `far`; `which`: number of audible paths, then their indices.
+    `heard`: signals of paths, at a stride of `BLOCK_SAMPLES`; `share`: gains of paths into each bus at the frame's
+    start, and their change until its end, at a stride of `far`; `which`: number of audible paths, then their indices.
     """
     shapes = size.shapes
     for k in range(count):

@@ -61,8 +61,8 @@ class Accumulator:
         """Return the log energy per pair, span and octave, and the decay shapes per pair of rooms.
 
         Args:
-            seen: Visibility between cells. Pairs of rooms without any visible pair of cells are smoothed, see `factor_hidden_pairs`.
-                None: all cells are visible.
+            seen: Visibility between cells. Pairs of rooms without any visible pair of cells are smoothed, see
+                `factor_hidden_pairs`. None: all cells are visible.
         """
         shape = self.shape + np.swapaxes(self.shape, 0, 1)
         valid = int(np.clip(np.median(self.valid), 3 * FINE_BINS, shape.shape[3]))

@@ -110,8 +110,9 @@ def dominant_colors(
 ) -> tuple[Float[np.ndarray, "c 3"], Float[np.ndarray, " c"]]:
     """Return the means of groups of similar colours and their shares of the total weight, largest first.
 
-    The colour with the largest weight within `MAX_SHADE_DISTANCE` forms a group with its neighbours; then the rest is grouped in
-    the same way. A pattern of red and white results in red and white, not pink; wood grain results in one colour.
+    The colour with the largest weight within `MAX_SHADE_DISTANCE` forms a group with its neighbours; then the rest is
+    grouped in the same way. A pattern of red and white results in red and white, not pink; wood grain results in one
+    colour.
 
     Args:
         lab: CIELAB colours.
