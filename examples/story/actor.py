@@ -51,31 +51,31 @@ class Actor:
         return action
 
     def use(self, moment: Moment, point: Float[np.ndarray, " 3"], command: str) -> Action:
-        """Looks at a point [m], and gives a command of its hand once it does."""
+        """Look at a point [m], and give a command of the hand once it is in view."""
         action = self.look(moment, point)
         if self.sees(moment, point):
             action[NAMES.index(command)] = 1.0
         return action
 
     def sees(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> bool:
-        """Whether a point [m] is in the middle of its view; what may stand before it does not count."""
+        """Return whether a point [m] is in the middle of the view, occluded or not."""
         return max(map(abs, self._off(moment, point))) < AIMED
 
     def distance(self, moment: Moment, point: Float[np.ndarray, " *p"]) -> float:
-        """From its axis, in the plan [m]."""
+        """Return the horizontal distance from the axis of the body [m]."""
         return float(np.linalg.norm(moment.pos[self.agent, :2] - point[:2]))
 
     def eyes(self, moment: Moment) -> Float[np.ndarray, "3"]:
-        """[m]."""
+        """Return the position of the eyes [m]."""
         body = self.config.agents[self.agent]
         return moment.pos[self.agent] + np.array([0.0, 0.0, body.eye_height - body.height / 2])
 
     def _off(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> tuple[float, float]:
-        """How far it must turn to the left and look up to see a point in the middle [rad]."""
+        """Return the turn to the left and the tilt up that centre a point in the view [rad]."""
         rise = point[2] - self.eyes(moment)[2]
         tilt = np.arctan2(rise, self.distance(moment, point)) - moment.pitch[self.agent]
         return turn_towards(moment.pos[self.agent], float(moment.yaw[self.agent]), point), float(tilt)
 
     def _tilt(self, angle: float) -> float:
-        """The part of an action that looks up by an angle [rad], or as far as one step allows."""
+        """Return the part of an action that looks up by an angle [rad], or as far as one step allows."""
         return float(np.clip(angle / (self.config.max_pitch_rate * self.config.timing.ctrl_dt), -1, 1))

@@ -23,7 +23,7 @@ ACROSS = 5  # stages in a row of the sheet
 
 @dataclass(frozen=True)
 class Shot:
-    """One step: what was seen and heard in it."""
+    """One step: the images and sounds of it."""
 
     caption: str
     eyes: tuple[Image, Image]  # of the carrier, of the watcher

@@ -16,7 +16,7 @@ from home_procgen.v1.furniture import library
 WEST, HALL_WALL, EDGE, EAST, SOUTH = 0.0, 4.6, 9.24, 12.6, 6.0  # [m]: lines of walls, and of the loft's edge
 FACES_SOUTH, FACES_EAST, FACES_NORTH, FACES_WEST = range(4)  # quarter turns
 TABLE, SIDEBOARD, LAMP = 0.75, 0.85, 0.45  # [m], heights
-# Materials by the name of a slot; what is not named keeps its own.
+# Materials by the name of a slot; others keep their own.
 LOOKS = {
     "wood": textured("wood_3"),
     "wood_1": textured("wood_1"),

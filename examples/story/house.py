@@ -87,7 +87,7 @@ def _level(
 
 
 def _openings(base: float) -> Iterator[WallOpening]:
-    """The holes of doors and windows in the walls that begin at a height above the ground floor [m]."""
+    """Return the holes of doors and windows in the walls that begin at a height above the ground floor [m]."""
     lifted = [(piece.placed(), 0.0) for piece in LOWER] + [(piece.placed(), RISE) for piece in UPPER]
     for item, lift in lifted:
         low, high = item.box[:, 1] + lift - base

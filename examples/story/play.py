@@ -25,7 +25,7 @@ AROUND = 1.0  # [m], from its place, where the watcher starts
 
 @dataclass(frozen=True)
 class Step:
-    """What is told of every step."""
+    """Report on each step."""
 
     caption: str
     moment: Moment

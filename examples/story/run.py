@@ -15,7 +15,7 @@ from home_mjx.core.files import write_all_or_none
 
 @dataclass(frozen=True)
 class StoryOptions:
-    """What is filmed, and how.
+    """Options of the film.
 
     Attributes:
         out: Folder for the files.

@@ -14,10 +14,10 @@ from home_mjx.tasks.base.config import EnvConfig
 CARRIER, WATCHER = 0, 1  # agents
 NEAR = 0.15  # [m], from a point on the way
 BEFORE, BEYOND, BEFORE_STAIRS = 0.75, 1.0, 0.45  # [m], from a doorway and from the ends of stairs
-ARM = 0.6  # [m], from what is to be picked up
+ARM = 0.6  # [m], from the object to pick up
 EDGE = 0.25  # [m], from the edge of the table to where the lamp is put
 OPEN = 0.1  # [rad], from wide open
-DOWN = -0.4  # [rad], of the view while it carries: so it sees what it holds
+DOWN = -0.4  # [rad], of the view while it carries: so it sees the held object
 SHADE = 0.5  # of the lamp's half height above its middle: its shade is easily hit
 STILL = 0.01  # [m/s] and [rad/s]
 
@@ -40,7 +40,7 @@ class Stage:
 
 
 class Script:
-    """The stages of the carrier, and what the watcher does all the time.
+    """The stages of the carrier, and the actions of the watcher.
 
     Args:
         config: Options of the environment: two agents with hands.
@@ -108,7 +108,7 @@ class Script:
         return Stage(caption, lambda m: me.walk(m, aim), lambda m: me.distance(m, aim) < NEAR)
 
     def is_upstairs(self, moment: Moment) -> bool:
-        """Whether the carrier stands on the upper floor."""
+        """Return whether the carrier stands on the upper floor."""
         half = self.carrier.config.agents[CARRIER].height / 2
         return abs(float(moment.pos[CARRIER, 2]) - half - self.places.stairs.upstairs) < 0.02
 
@@ -121,7 +121,7 @@ class Script:
         return moment.body_pos[table.body] + frame @ [*np.clip(local[:2], -room, room), table.half[2]]
 
     def stands(self, moment: Moment) -> bool:
-        """Whether the lamp stands on the table, upright and at rest."""
+        """Return whether the lamp stands on the table, upright and at rest."""
         lamp, table = self.places.lamp, self.places.table
         frame = moment.body_frame[table.body]
         away = frame.T @ (moment.body_pos[lamp.body] - moment.body_pos[table.body])

@@ -59,7 +59,7 @@ class HousePlan:
         return [opening for opening in self.openings if room in opening.rooms]
 
 
-class Site(NamedTuple):
+class OpeningSite(NamedTuple):
     """A stretch of wall that can take an opening."""
 
     wall: Wall  # with the normal towards the first room
@@ -80,10 +80,10 @@ def draw_plan(rng: np.random.Generator) -> HousePlan:
             return HousePlan(rooms, (*doors, *windows), height)
 
 
-def _inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
+def _inner_sites(rooms: Sequence[RoomPlan]) -> list[OpeningSite]:
     pairs = [(a, b) for b in range(len(rooms)) for a in range(b)]
     return [
-        Site(wall, span, (a, b))
+        OpeningSite(wall, span, (a, b))
         for a, b in pairs
         for wall in rooms[a].walls
         for other in rooms[b].walls
@@ -91,12 +91,12 @@ def _inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
     ]
 
 
-def _outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[Site]:
+def _outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[OpeningSite]:
     others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
-    return [Site(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]
+    return [OpeningSite(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]
 
 
-def _privacy(rooms: Sequence[RoomPlan], site: Site) -> int:
+def _privacy(rooms: Sequence[RoomPlan], site: OpeningSite) -> int:
     return sum(PRIVACY.get(rooms[i].type, _PRIVATE) for i in site.rooms)
 
 
@@ -139,7 +139,7 @@ def _draw_entrance(
 
 
 def _fit_door(
-    rng: np.random.Generator, rooms: Sequence[RoomPlan], site: Site, model: Furniture, doors: Sequence[Opening]
+    rng: np.random.Generator, rooms: Sequence[RoomPlan], site: OpeningSite, model: Furniture, doors: Sequence[Opening]
 ) -> Opening | None:
     """Return a door in a stretch of wall, with leaf and passage clear of the other doors; None if none fits.
 
@@ -185,7 +185,7 @@ def _draw_windows(rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Se
     return windows
 
 
-def _fit_windows(rng: np.random.Generator, site: Site, wet: bool, taken: Sequence[Opening]) -> Iterator[Opening]:
+def _fit_windows(rng: np.random.Generator, site: OpeningSite, wet: bool, taken: Sequence[Opening]) -> Iterator[Opening]:
     """Generate one centred window in a stretch of outer wall, or two in a long one; small and high in `wet` rooms."""
     low, high = site.span
     middles = [low + (high - low) * share for share in ((0.25, 0.75) if high - low > 5 else (0.5,))]

@@ -9,7 +9,7 @@ from home_mjx.errors import ConfigError
 from home_procgen.floor_plan.openings import HousePlan, Opening
 from home_procgen.floor_plan.rooms import RoomPlan
 from home_procgen.plan.needs.program import Program, draw_program
-from home_procgen.plan.openings.doors import Models, draw_doors, draw_entrance, garage_doors
+from home_procgen.plan.openings.doors import OpeningModels, draw_doors, draw_entrance, garage_doors
 from home_procgen.plan.openings.passage import is_passable
 from home_procgen.plan.openings.windows import draw_windows
 from home_procgen.plan.outdoors import add_outdoors
@@ -66,7 +66,7 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
     wanted = draw_program(rng) if program is None else program
     solid, glazed = (get_model("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
     entry, double = (get_model(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
-    models = Models(solid, glazed, choose(structure_models()["garage_door"], rng), entry, double)
+    models = OpeningModels(solid, glazed, choose(structure_models()["garage_door"], rng), entry, double)
     for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)
         if storeys is not None and is_liveable(storeys):
@@ -84,7 +84,9 @@ def _past_the_hall(rooms: Sequence[RoomPlan], entrance: Opening) -> bool:
     return rooms[0].type != "Living_Room" and rooms[entrance.rooms[0]].type == "Living_Room"
 
 
-def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models, into_hall: bool) -> HomePlan | None:
+def _opened(
+    rng: np.random.Generator, storeys: Sequence[Storey], models: OpeningModels, into_hall: bool
+) -> HomePlan | None:
     """Add outdoor rooms, doors and windows to all storeys.
 
     Return None if a room cannot be reached or crossed, or if `into_hall` is set and the entrance bypasses the hall.

@@ -20,7 +20,7 @@ FIXED_LENGTHS: Sizes = {"bands": NUM_BANDS, "columns": len(Semantic), "id_bytes"
 
 
 @dataclass(frozen=True)
-class Axis:
+class CapacityAxis:
     """An axis of a bank's arrays that is padded to one length for all houses.
 
     Attributes:
@@ -44,24 +44,24 @@ class Axis:
         return size_class(count, self.smallest) if self.block is None else -(-count // self.block) * self.block
 
 
-AXES: Mapping[str, Axis] = {
+AXES: Mapping[str, CapacityAxis] = {
     # Agents use the object ids from `instances` on, so every object's id must be below it.
-    "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
-    "bodies": Axis(lambda h: len(h.bodies.mass), 8, optional=True),
-    "arrangements": Axis(lambda h: 0, optional=True),  # added to complete banks
-    "hinged_leaves": Axis(lambda h: int((~h.doors.is_sliding).sum()), 8, optional=True),
-    "slides": Axis(lambda h: int(h.doors.is_sliding.sum()), 2, optional=True),
-    "ramps": Axis(lambda h: len(h.ramps.slope), 1),
-    "colliders": Axis(lambda h: len(h.colliders.pos), 64),
-    "planes": Axis(lambda h: len(h.planes.material), 16),
-    "starts": Axis(lambda h: len(h.navigation.start), 256, set_by_compiler=True),
-    "goals": Axis(lambda h: len(h.navigation.goal), 8, set_by_compiler=True),
-    "rooms": Axis(lambda h: len(h.rooms.type), 16),
-    "lights": Axis(lambda h: len(h.lights.instance), 16),
-    "portals": Axis(lambda h: len(h.navigation.portals.width), 16),
-    "levels": Axis(lambda h: len(h.navigation.region)),
-    "grid_rows": Axis(lambda h: h.navigation.region.shape[1], block=GRID_BLOCK),
-    "grid_columns": Axis(lambda h: h.navigation.region.shape[2], block=GRID_BLOCK),
+    "instances": CapacityAxis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
+    "bodies": CapacityAxis(lambda h: len(h.bodies.mass), 8, optional=True),
+    "arrangements": CapacityAxis(lambda h: 0, optional=True),  # added to complete banks
+    "hinged_leaves": CapacityAxis(lambda h: int((~h.doors.is_sliding).sum()), 8, optional=True),
+    "slides": CapacityAxis(lambda h: int(h.doors.is_sliding.sum()), 2, optional=True),
+    "ramps": CapacityAxis(lambda h: len(h.ramps.slope), 1),
+    "colliders": CapacityAxis(lambda h: len(h.colliders.pos), 64),
+    "planes": CapacityAxis(lambda h: len(h.planes.material), 16),
+    "starts": CapacityAxis(lambda h: len(h.navigation.start), 256, set_by_compiler=True),
+    "goals": CapacityAxis(lambda h: len(h.navigation.goal), 8, set_by_compiler=True),
+    "rooms": CapacityAxis(lambda h: len(h.rooms.type), 16),
+    "lights": CapacityAxis(lambda h: len(h.lights.instance), 16),
+    "portals": CapacityAxis(lambda h: len(h.navigation.portals.width), 16),
+    "levels": CapacityAxis(lambda h: len(h.navigation.region)),
+    "grid_rows": CapacityAxis(lambda h: h.navigation.region.shape[1], block=GRID_BLOCK),
+    "grid_columns": CapacityAxis(lambda h: h.navigation.region.shape[2], block=GRID_BLOCK),
 }
 
 

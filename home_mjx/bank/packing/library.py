@@ -74,7 +74,7 @@ class Library:
         Args:
             house: The house.
             start: First row of each kind.
-            sizes: Axis lengths of the bank.
+            sizes: CapacityAxis lengths of the bank.
         """
         own = house.models[house.instances.model[ARCHITECTURE]]
         found = model_owners(own, start)

@@ -192,7 +192,7 @@ def _shaders_hint(config: EnvConfig) -> str:
 
 
 def _contact_sounds_hint(config: EnvConfig) -> str | None:
-    return None if config.contact_sounds else "Bodies make no noises: give noises=NoiseConfig()."
+    return None if config.contact_sounds else "Bodies make no sounds: give contact_sounds=ContactSoundConfig()."
 
 
 def _check_fovy(config: EnvConfig, variation: Variation) -> None:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from home_procgen.floor_plan.openings import DOOR_Y, MARGIN, Opening, Site
+from home_procgen.floor_plan.openings import DOOR_Y, MARGIN, Opening, OpeningSite
 from home_procgen.floor_plan.placed import PlacedFurniture, overlaps, quarter_towards, stack
 from home_procgen.floor_plan.rooms import RoomPlan, Wall
 from home_procgen.plan.needs.room_program import LINKS, OUTDOORS, TO_PRIVATE
@@ -25,8 +25,8 @@ DOUBLE = 0.4  # probability of a double door between two of them
 STRINGERS = 0.2  # [m], by which stairs may protrude from their place towards the hall
 
 
-class Models(NamedTuple):
-    """Models of a home's openings."""
+class OpeningModels(NamedTuple):
+    """OpeningModels of a home's openings."""
 
     door: Furniture
     glazed: Furniture  # of doors to outdoor rooms
@@ -54,7 +54,7 @@ class DoorPlan:
 
     rng: np.random.Generator
     rooms: Sequence[RoomPlan]
-    models: Models
+    models: OpeningModels
     doors: list[Opening]
     stairs: Stairwell | None
 
@@ -62,7 +62,7 @@ class DoorPlan:
         """Return the type of a room."""
         return self.rooms[room].type
 
-    def join(self, sites: Sequence[Site]) -> bool:
+    def join(self, sites: Sequence[OpeningSite]) -> bool:
         """Add a door at the first site with a place for one; return whether one was added."""
         for site in sites:
             if door := self.fit(site):
@@ -70,14 +70,14 @@ class DoorPlan:
                 return True
         return False
 
-    def fit(self, site: Site) -> Opening | None:
+    def fit(self, site: OpeningSite) -> Opening | None:
         """Return a door near an end of a wall stretch, with leaves and passage clear of other doors; None if none fits.
 
         It swings into the more private room, against the nearer wall; a door to the outside is closed.
         """
         return next((door for model in self._models(site) if (door := self._fit(site, model))), None)
 
-    def _models(self, site: Site) -> Iterator[Furniture]:
+    def _models(self, site: OpeningSite) -> Iterator[Furniture]:
         """Generate the possible door models of a site, in order of preference."""
         kinds = [self.kind(room) for room in site.rooms]
         if any(kind in OUTDOORS for kind in kinds):
@@ -89,7 +89,7 @@ class DoorPlan:
             yield self.models.double
         yield self.models.door
 
-    def _fit(self, site: Site, model: Furniture) -> Opening | None:
+    def _fit(self, site: OpeningSite, model: Furniture) -> Opening | None:
         outdoors = [room for room in site.rooms if self.kind(room) in OUTDOORS]
         inside = max((r for r in site.rooms if r not in outdoors), key=lambda r: rank(self.kind(r)))
         swing = site.wall.normal if inside == site.rooms[0] else -site.wall.normal
@@ -134,7 +134,7 @@ def _hands(placed: PlacedFurniture, wall: Wall, span: tuple[float, float]) -> tu
     return (False, True) if (hinge < at) == nearer_low else (True, False)
 
 
-def draw_doors(rng: np.random.Generator, storey: Storey, models: Models) -> list[Opening] | None:
+def draw_doors(rng: np.random.Generator, storey: Storey, models: OpeningModels) -> list[Opening] | None:
     """Draw the doors of a storey, without the entrance; None if a room cannot be reached as required."""
     rooms = walked(storey)
     plan = DoorPlan(rng, rooms, models, [], storey.stairs or storey.well)
@@ -154,11 +154,11 @@ def draw_doors(rng: np.random.Generator, storey: Storey, models: Models) -> list
     return plan.doors
 
 
-def _other(site: Site, room: int) -> int:
+def _other(site: OpeningSite, room: int) -> int:
     return next(r for r in site.rooms if r != room)
 
 
-def _join_common(plan: DoorPlan, sites: Sequence[Site], common: Sequence[int]) -> bool:
+def _join_common(plan: DoorPlan, sites: Sequence[OpeningSite], common: Sequence[int]) -> bool:
     """Connect the common rooms by a tree of doors from the hall, and some extra doors; return whether it succeeded."""
     ranked = sorted(
         (sum(rank(plan.kind(r)) for r in site.rooms) + plan.rng.uniform(0, 1.5), i, site)
@@ -178,7 +178,9 @@ def _join_common(plan: DoorPlan, sites: Sequence[Site], common: Sequence[int]) -
     return True
 
 
-def draw_entrance(rng: np.random.Generator, storey: Storey, models: Models, doors: Sequence[Opening]) -> Opening | None:
+def draw_entrance(
+    rng: np.random.Generator, storey: Storey, models: OpeningModels, doors: Sequence[Opening]
+) -> Opening | None:
     """Draw a closed door from outside into the entryway, the hall or the living room; None if none fits."""
     rooms = walked(storey)
     plan = DoorPlan(rng, rooms, models, list(doors), storey.stairs or storey.well)
@@ -201,7 +203,7 @@ def _of(wall: Wall, room: RoomPlan) -> bool:
 
 
 def garage_doors(
-    rng: np.random.Generator, rooms: Sequence[RoomPlan], models: Models, taken: Sequence[Opening]
+    rng: np.random.Generator, rooms: Sequence[RoomPlan], models: OpeningModels, taken: Sequence[Opening]
 ) -> Iterator[Opening]:
     """Generate a closed garage door in an outer wall of each garage that has space for one."""
     width = float(models.garage_door.size[0]) + 2 * MARGIN

@@ -2,16 +2,16 @@
 
 from collections.abc import Sequence
 
-from home_procgen.floor_plan.openings import Site
+from home_procgen.floor_plan.openings import OpeningSite
 from home_procgen.floor_plan.rooms import RoomPlan, outer_spans, shared_span
 
 LEAST = 1.1  # [m], minimum length of wall for a door
 
 
-def inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
+def inner_sites(rooms: Sequence[RoomPlan]) -> list[OpeningSite]:
     """Return the stretches of wall that two rooms share and that are long enough for a door."""
     return [
-        Site(wall, span, (a, b))
+        OpeningSite(wall, span, (a, b))
         for b in range(len(rooms))
         for a in range(b)
         for wall in rooms[a].walls
@@ -20,7 +20,7 @@ def inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
     ]
 
 
-def outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[Site]:
+def outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[OpeningSite]:
     """Return the stretches of a room's walls that no other room shares."""
     others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
-    return [Site(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]
+    return [OpeningSite(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]

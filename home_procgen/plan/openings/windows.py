@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.openings import HIGH_SILL_Y, MARGIN, SILL_Y, Opening, Site
+from home_procgen.floor_plan.openings import HIGH_SILL_Y, MARGIN, SILL_Y, Opening, OpeningSite
 from home_procgen.floor_plan.placed import Boxes, PlacedFurniture, overlaps, quarter_towards, stack
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
 from home_procgen.plan.needs.room_program import WET, WINDOWLESS
@@ -47,7 +47,7 @@ def draw_windows(
     return found
 
 
-def _beside(site: Site, rect: Rect) -> bool:
+def _beside(site: OpeningSite, rect: Rect) -> bool:
     """Return whether a stretch of wall bounds a rectangle."""
     axis = site.wall.axis
     at_line = min(abs(site.wall.line - rect[1 - axis]), abs(site.wall.line - rect[3 - axis])) < 0.05
@@ -55,7 +55,7 @@ def _beside(site: Site, rect: Rect) -> bool:
 
 
 def _fit(
-    rng: np.random.Generator, site: Site, kind: str, alike: Sequence[int], taken: Sequence[Opening]
+    rng: np.random.Generator, site: OpeningSite, kind: str, alike: Sequence[int], taken: Sequence[Opening]
 ) -> Iterator[Opening]:
     """Generate evenly spaced windows of one size in a stretch of wall; small high ones in wet rooms and garages."""
     low, high = site.span

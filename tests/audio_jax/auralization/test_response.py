@@ -111,7 +111,7 @@ def test_ears_hear_what_a_rigid_sphere_would(azimuth, side):
     left, right = spectrum(response, frequency)
     near, far = (right, left) if side > 0 else (left, right)
     ears = np.array([np.pi / 2 - angle, np.pi / 2 + angle])
-    expected = near_sphere_spectrum(frequency, ears, 4.0, BINAURAL.head_radius, SPEED)
+    expected = near_sphere_spectrum(frequency, ears, 4.0, BINAURAL.binaural.head_radius, SPEED)
     np.testing.assert_allclose(near / far, expected[0] / expected[1], rtol=0.02)
     np.testing.assert_allclose(np.abs(near), 0.25 * np.abs(expected[0]), rtol=0.02)
     onset = np.argmax(np.abs(response), axis=1)
@@ -153,7 +153,7 @@ def test_noise_is_gaussian_flat_and_as_coherent_as_a_diffuse_field():
     coherence = np.real(np.mean(left * np.conj(right), axis=(0, 1)))
     coherence /= np.sqrt(np.mean(np.abs(left) ** 2, axis=(0, 1)) * np.mean(np.abs(right) ** 2, axis=(0, 1)))
     frequency = np.fft.rfftfreq(400, 1 / RATE)
-    expected = diffuse_coherence(np.maximum(frequency, 1), np.pi, BINAURAL.head_radius, SPEED)
+    expected = diffuse_coherence(np.maximum(frequency, 1), np.pi, BINAURAL.binaural.head_radius, SPEED)
     assert np.max(np.abs(coherence - expected)[2:]) < 0.2
     assert np.sqrt(np.mean((coherence - expected)[2:] ** 2)) < 0.07
 

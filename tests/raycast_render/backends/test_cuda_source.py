@@ -145,8 +145,8 @@ def assert_same(library, scene, origin, direction, **options):
     args = scene, f32(origin), f32(direction)
 
     def expected(function, executor):
-        def look(s, o, d, options, executor):
-            return function(s, o, d, **options, backend=executor)
+        def look(s, o, d, options, backend):
+            return function(s, o, d, **options, backend=backend)
 
         return in_jit(look, *args, given, backend=executor)
 

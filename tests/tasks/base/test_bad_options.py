@@ -39,24 +39,26 @@ def test_a_step_that_was_asked_for_stays_or_is_refused():
 
 REFUSED = {
     make_config: [
-        ("width", 0), ("episode_length", 0), ("episode_length", 2**31), ("depth_max", -1.0), ("depth_max", NAN),
-        ("eye_height", NAN), ("source_height", INF), ("max_pitch", 10.0), ("executor", "gpu"), ("fovy", 180.0),
+        ("width", 0), ("episode_length", 0), ("episode_length", 2**31), ("max_depth", -1.0), ("max_depth", NAN),
+        ("eye_height", NAN), ("source_height", INF), ("max_pitch", 10.0), ("backend", "gpu"), ("fovy", 180.0),
         ("num_agents", 0), ("num_agents", 10**6), ("num_sources", 10**6),
         ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
         ("response_seconds", 1e308), ("bin_seconds", 1e308), ("ctrl_dt", 1e308),
     ],
     ColliderOptions: [
-        ("height", NAN), ("step", -1.0), ("wall_length", 0.0), ("boxes_per_object", 0), ("boxes_per_object", 10**6),
+        ("max_bottom_height", NAN), ("min_top_height", -1.0), ("max_wall_length", 0.0),
+        ("max_boxes_per_object", 0), ("max_boxes_per_object", 10**6),
     ],
     LightOptions: [("room_power", -1.0), ("room_power", NAN)],
     HouseQA: [("kinds", ())],
     SemanticOptions: [("share", 0.0), ("share", -1.0), ("share", NAN), ("share", 1e308)],
     NavigationOptions: [
-        ("cell", 0.0), ("cell", -0.1), ("step", NAN), ("agent_height", NAN), ("agent_height", -2.0),
+        ("cell", 0.0), ("cell", -0.1), ("max_step_height", NAN), ("agent_height", NAN), ("agent_height", -2.0),
         ("agent_radius", -1.0), ("margin", -1.0), ("num_goals", 0), ("num_starts", 0),
     ],
     MovableOptions: [
-        ("max_bodies", -1), ("reach", NAN), ("reach", -0.1), ("shrink", -0.1), ("seat", INF), ("largest", -1.0),
+        ("max_bodies", -1), ("max_support_gap", NAN), ("max_support_gap", -0.1), ("max_shrink", -0.1),
+        ("min_lowered_height", INF), ("max_edge", -1.0),
     ],
     LitShader: [
         ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1),
@@ -118,7 +120,7 @@ options = [
 calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}
 calls |= {
     "camera without name": lambda: AgentCamera(""),
-    "heights in words": lambda: make("PointNav-v0", **{"compile.colliders.height": "low"}),
+    "heights in words": lambda: make("PointNav-v0", **{"compile.colliders.max_bottom_height": "low"}),
     "light in words": lambda: make("PointNav-v0", **{"compile.lights.room_power": "bright"}),
     "late in words": lambda: AudioConfig(late="baked"),
     "air in words": lambda: AudioConfig(air="cold"),
@@ -142,12 +144,12 @@ calls |= {
     "no shader": lambda: AgentCamera("scanner", shader=None),
     "two numbers": lambda: AgentCamera("scanner", offset=(1.0, 2.0)),
     "looks": lambda: AgentCamera("scanner", looks="no"),
-    "climb": lambda: NavigationOptions(climb="no"),
+    "stairs": lambda: NavigationOptions(use_stairs="no"),
     "half a body": lambda: MovableOptions(max_bodies=2.5),
     "all bodies": lambda: MovableOptions(max_bodies="all"),
     "half a goal": lambda: NavigationOptions(num_goals=2.5),
     "half a body": lambda: MovableOptions(max_bodies=2.5),
-    "a length in words": lambda: MovableOptions(reach="near"),
+    "a length in words": lambda: MovableOptions(max_support_gap="near"),
     "people": lambda: ReadOptions(people="no"),
     "id": lambda: make(None),
     "split": lambda: make("PointNav-v0", split=5),

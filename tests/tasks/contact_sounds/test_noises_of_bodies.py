@@ -21,9 +21,9 @@ AHEAD = jnp.array([1.0, 0.0, 0.0, 0.0])
 class Room:
     """An environment in a bare room of 12 m by 10 m, with a box of 5 kg."""
 
-    def __init__(self, noises=ContactSoundConfig(), **options):  # noqa: B008
+    def __init__(self, contact_sounds=ContactSoundConfig(), **options):  # noqa: B008
         box = Furniture(position=(3.0, 2.0), mass=5.0)
-        self.core = HouseholdEnv(make_config(contact_sounds=noises, **{**QUIET, **options}))
+        self.core = HouseholdEnv(make_config(contact_sounds=contact_sounds, **{**QUIET, **options}))
         self.env = self.core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0), furniture=[box])]))
         self.advance = jax.jit(functools.partial(self.core.step, observe=False))
         self.begun = jax.jit(functools.partial(self.core.reset, observe=False))(self.env.params, jax.random.key(0))

@@ -21,7 +21,7 @@ from home_mjx.tasks import (
     make_config,
     save_states,
 )
-from home_mjx.tasks.sensors.hearing import is_truncated
+from home_mjx.tasks.sensors.hearing import is_response_cut
 
 NUM = 4
 
@@ -122,7 +122,7 @@ def test_responses_that_end_too_early_are_told():
     time = np.arange(config.response_length) / config.sample_rate
     for seconds, cut in ((0.9, False), (1.2, True)):
         response = jnp.asarray(np.tile(10 ** (-3 * time / seconds), (2, 1)), jnp.float32)
-        assert bool(is_truncated(response, config)) == cut
+        assert bool(is_response_cut(response, config)) == cut
 
 
 def test_states_are_kept_and_go_on(begun, step, batch, tmp_path):

@@ -164,8 +164,8 @@ def test_what_is_no_variation_is_refused():
     [
         ({}, {"lamps": 0.5}, "shader `fast` does not use it"),
         ({"shader": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
-        ({}, {"contact_sound_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
-        ({}, {"footstep_distance": (0.5, 0.8)}, "Bodies make no noises: give noises="),
+        ({}, {"contact_sound_volume": (0.5, 2)}, "Bodies make no sounds: give contact_sounds="),
+        ({}, {"footstep_distance": (0.5, 0.8)}, "Bodies make no sounds: give contact_sounds="),
         ({}, {"clips": ("radio", "bell")}, 'lacks the sounds "bell"'),
         ({"sensors": ("rgb",)}, {"camera_fovy": (-95, 0)}, "field of view of camera `head` would be -5 to 90 degrees"),
     ],
