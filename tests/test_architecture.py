@@ -343,7 +343,7 @@ def test_a_facade_is_small_and_none_of_its_names_is_that_of_a_module_beside_it(n
 
 def test_compiled_houses_are_made_anew_when_their_compiler_changes():
     """The cache's version covers every module that making an entry runs, and nothing of the rest."""
-    from home_mjx.houses.version import PACKAGE_ROOT, compiler_files
+    from home_mjx.houses.version import compiler_files
 
     plain = {
         ("home_mjx", "errors"),

@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import jax
-from jax.extend.backend import backends
 from jaxtyping import Array
 
 PLATFORM_OF_BACKEND = {"gpu": "cuda"}  # JAX's backend name -> name of the lowering platform
+PLATFORMS = ("cpu", "cuda", "rocm", "tpu")  # besides the default backend's, which may be another
 # [bytes], maximum shared memory of a block by compute capability; others use the safe minimum below.
 SHARED_BYTES_BY_CAPABILITY = {
     70: 98_304,
@@ -34,8 +34,16 @@ def local_devices(platform: str) -> list[Any]:
 def select_at_lowering(fallback: Callable[..., Any], kernels: Mapping[str, Callable[..., Any]], *given: Any) -> Any:
     """Select at lowering the function of `kernels` for the target platform; `fallback` if there is none."""
     # JAX traces every branch, so a branch that cannot be selected in this process is left out.
-    covered = {PLATFORM_OF_BACKEND.get(name, name) for name in backends()} <= set(kernels)
+    covered = _used_platforms() <= set(kernels)
     return jax.lax.platform_dependent(*given, default=None if covered else fallback, **kernels)
+
+
+@functools.cache
+def _used_platforms() -> frozenset[str]:
+    """Return the platforms of this process. `jax.extend.backend` lists them too, but loads Pallas: 40 ms."""
+    default = jax.default_backend()
+    found = (platform for platform in PLATFORMS if local_devices(platform))
+    return frozenset({PLATFORM_OF_BACKEND.get(default, default), *found})
 
 
 def with_fallback_gradient(

@@ -9,6 +9,7 @@ from numba import njit
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.base.options import Ambisonics, Motion
+from home_mjx.audio_jax.kernels.cpu.calls import supports_late
 from home_mjx.audio_jax.kernels.cpu.fft import fast_size, transform
 from home_mjx.audio_jax.kernels.cpu.operands import float_pointer
 from home_mjx.audio_jax.kernels.passes import RADICES
