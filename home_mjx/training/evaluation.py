@@ -48,7 +48,8 @@ def evaluation_spec(
         dataset: Root of a dataset other than that of training.
 
     Example:
-        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks.suite:ObjectNav", {"stop": True, "terminate_on_failure": False})
+        >>> options = {"stop": True, "terminate_on_failure": False}
+        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks.suite:ObjectNav", options)
         >>> evaluation_spec(spec).options, evaluation_spec(spec).split
         ({'stop': True}, 'val')
         >>> evaluation_spec(spec, None).options, evaluation_spec(spec, None).num_houses
