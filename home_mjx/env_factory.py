@@ -71,7 +71,9 @@ def make(
     if in_memory and _is_chosen(houses):
         _refuse(chosen, lambda name: f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
     if episodes is not None:
-        _refuse(chosen, lambda name: f"`{name}` is given beside a file of episodes", "the houses are those it names")
+        _refuse(
+            chosen, lambda name: f"`{name}` cannot be combined with a file of episodes", "the houses are those it names"
+        )
         options["episodes"] = str(as_path(episodes, "episodes"))
     spec = dataclasses.replace(
         known,
@@ -227,6 +229,6 @@ def _episode_rows(file: Path, bank: "HouseBank", task: Any) -> Any:
         own = [generator.name for generator in task.generators]
         others = [name for name in rows.names if name in task_names()]
         if others and not set(rows.names) & set(own):
-            message = f"file holds tasks of {', '.join(others)}, none of {', '.join(own)}"
+            message = f"file contains tasks of {', '.join(others)}, but not of {', '.join(own)}"
             raise DatasetError(message, file=file, element="task", hint=f"Make the environment of {others[0]}.")
     return rows

@@ -48,10 +48,11 @@ def evaluation_spec(
         dataset: Root of a dataset other than that of training.
 
     Example:
-        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks.suite:ObjectNav", {"stop": True, "mistakes_end": False})
-        >>> judged(spec).options, judged(spec).split
+        >>> options = {"stop": True, "terminate_on_failure": False}
+        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks.suite:ObjectNav", options)
+        >>> evaluation_spec(spec).options, evaluation_spec(spec).split
         ({'stop': True}, 'val')
-        >>> judged(spec, None).options, judged(spec, None).num_houses
+        >>> evaluation_spec(spec, None).options, evaluation_spec(spec, None).num_houses
         ({'stop': True}, 8)
     """
     options = {name: value for name, value in spec.options.items() if name not in TRAINING_ONLY}
@@ -152,7 +153,7 @@ def expert_policy(net: Any = None) -> Policy:
     """Return a policy that takes the expert's actions, for environments of `add_expert`.
 
     Example:
-        >>> evaluate(with_expert(env), expert_policy)  # doctest: +SKIP
+        >>> evaluate(add_expert(env), expert_policy)  # doctest: +SKIP
     """
     return Policy(lambda memory, obs, begins, keys: (memory, obs[EXPERT], {}))
 
@@ -161,7 +162,7 @@ def summarize(results: Results) -> dict[str, dict[str, float]]:
     """Compute mean and standard error of every metric.
 
     Example:
-        >>> summary({"success": np.array([1.0, 0.0, 1.0, 0.0])})
+        >>> summarize({"success": np.array([1.0, 0.0, 1.0, 0.0])})
         {'success': {'mean': 0.5, 'stderr': 0.25}}
     """
     return {

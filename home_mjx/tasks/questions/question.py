@@ -77,7 +77,7 @@ def indefinite_noun(name: str) -> str:
     """Return a category with its indefinite article.
 
     Example:
-        >>> one_of("ottoman"), one_of("sofa")
+        >>> indefinite_noun("ottoman"), indefinite_noun("sofa")
         ('an ottoman', 'a sofa')
     """
     said = to_word(name)

@@ -29,22 +29,22 @@ from home_mjx.tasks.sounds.row import NUM_SOUNDS
 R = TypeVar("R", bound=Pytree)
 
 
-class Axis(NamedTuple):
+class RowAxis(NamedTuple):
     """Axis of a column: its capacity, and the plural noun of its items for messages."""
 
     capacity: int
     items: str
 
 
-AXES: Mapping[str, Axis] = {
-    "d": Axis(NUM_DESCRIPTORS, "descriptors"),
-    "words": Axis(len(Attribute), "attributes of a descriptor"),
-    "c": Axis(NUM_CONDITIONS, "different conditions"),
-    "s": Axis(NUM_STAGES, "stages"),
-    "g": Axis(NUM_TRANSITIONS, "transitions of a stage"),
-    "e": Axis(NUM_SOUNDS, "sounds"),
-    "q": Axis(NUM_REPLIES, "replies of an oracle"),
-    "n": Axis(NUM_TOKENS, "words of an instruction"),
+AXES: Mapping[str, RowAxis] = {
+    "d": RowAxis(NUM_DESCRIPTORS, "descriptors"),
+    "words": RowAxis(len(Attribute), "attributes of a descriptor"),
+    "c": RowAxis(NUM_CONDITIONS, "different conditions"),
+    "s": RowAxis(NUM_STAGES, "stages"),
+    "g": RowAxis(NUM_TRANSITIONS, "transitions of a stage"),
+    "e": RowAxis(NUM_SOUNDS, "sounds"),
+    "q": RowAxis(NUM_REPLIES, "replies of an oracle"),
+    "n": RowAxis(NUM_TOKENS, "words of an instruction"),
 }
 
 

@@ -104,7 +104,7 @@ def unpack_program(columns: Columns) -> tuple[list[Selector], list[TaskStage]]:
 
 def _selector(words: Sequence[int], place: Sequence[float]) -> Selector:
     attributes = {word.name.lower(): words[word] for word in Attribute if words[word] != ANY}
-    x, y, z = (float(value) for value in place)
+    x, y, z = place
     return Selector(attributes, (x, y, z)) if np.isfinite(place).all() else Selector(attributes)
 
 
@@ -112,9 +112,11 @@ def _transitions(conditions: Sequence[Condition], ways: Sequence[Sequence[Any]])
     """Yield the transitions of a stage from its entries of `next`, `require`, `forbid` and `reward`."""
     for after, require, forbid, reward in zip(*ways, strict=True):
         if require >= 0:
-            masks = ([when for c, when in enumerate(conditions) if bits >> c & 1] for bits in (require, forbid))
-            required, forbidden = map(tuple, masks)
-            yield Transition(after, required, forbidden, reward)
+            yield Transition(after, _selected(conditions, require), _selected(conditions, forbid), reward)
+
+
+def _selected(conditions: Sequence[Condition], bits: int) -> tuple[Condition, ...]:
+    return tuple(when for c, when in enumerate(conditions) if bits >> c & 1)
 
 
 def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str, np.ndarray]:

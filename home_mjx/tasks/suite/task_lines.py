@@ -126,7 +126,7 @@ def _task_line(row: Columns, ids: tuple[str, ...], names: tuple[str, ...]) -> Ta
         start=(x, y, z),
         yaw=float(row["yaw"]),
         length=float(row["length"]),
-        instruction=detokenize(np.asarray(row["tokens"])),
+        instruction=detokenize(row["tokens"].tolist()),
         selectors=tuple(selectors),
         stages=tuple(stages),
         sounds=tuple(unpack_sounds(row)),

@@ -13,7 +13,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rules.build import is_feasible
-from home_mjx.tasks.rules.declaration import columns_of, row_columns
+from home_mjx.tasks.rules.declaration import row_columns
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.meaning import resolve_targets_on_host
 from home_mjx.tasks.rules.row_task import RowTask
@@ -83,7 +83,7 @@ def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> No
     if lost:
         hint = f"Give rows that were made for {name}."
         raise ConfigError(f"the rows lack columns that {name} needs: {', '.join(lost)}", hint=hint)
-    known = {**columns_of(RowStart), **own}
+    known = row_columns((RowStart,)) | own
     for column, array in arrays.items():
         declared = known.get(column)
         expected = (np.size(rows.house), *(array.shape[1:] if declared is None else declared.shape))

@@ -73,7 +73,7 @@ FIRST, SECOND = (-3.03, -2.02), (-1.04, 2.03)
 
 def test_ground_is_that_of_the_bank_and_of_the_boxes(env, begun, remember, draw):
     state = at(env, begun, (FIRST, SECOND))
-    ground = np.asarray(draw(state, remember(state, None)).ground)
+    ground = np.asarray(draw(state, remember(state, None)).occupancy)
     number, first = np.asarray(env.bank.navigation.cell[0, 0]), int(env.bank.navigation.first_cell[0])
     free = (number >= 0) & (number - first < int(env.bank.navigation.num_cells[0]))
     np.testing.assert_array_equal(ground == CellOccupancy.FREE, free)
@@ -152,7 +152,7 @@ def test_the_fog_lifts_and_does_not_fall(env, begun, remember, draw):
         state = at(env, begun, ((-3.0, -0.5), SECOND), (yaw, EAST), step)
         memory = remember(state, memory)
         found = draw(state, memory)
-        shares.append(float(np.asarray(found.seen)[np.asarray(found.ground) == CellOccupancy.FREE].mean()))
+        shares.append(float(np.asarray(found.seen)[np.asarray(found.occupancy) == CellOccupancy.FREE].mean()))
     assert (np.diff(shares) > 0).all()
 
 

@@ -7,13 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from handmade import shoebox
-from home_mjx.tasks.sensor_states.cameras import eye_position
 
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import ContactSoundConfig, first_order_directivity
 from home_mjx.audio_jax.base.directivity import stack_directivities
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks import AutoReset, Status, make_config
+from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.suite import PointNav
 
 BARE = {"late": "none", "num_reflections": 0, "impl": "kinematic", "sensors": ("audio",)}

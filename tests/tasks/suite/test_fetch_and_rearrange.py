@@ -311,8 +311,8 @@ def test_what_is_put_down_and_falls_is_to_be_put_back(stop):
     ("task", "options", "words"),
     [
         ("Fetch", {"hands": False}, "needs hands"),
-        ("Fetch", {"places": ("moon",)}, "moon"),
-        ("Fetch", {"places": ()}, "places"),
+        ("Fetch", {"destinations": ("moon",)}, "moon"),
+        ("Fetch", {"destinations": ()}, "destinations"),
         ("Fetch", {"success_distance": -1.0}, "success_distance"),
         ("Rearrange", {"max_objects": 3}, "max_objects"),
         ("Rearrange", {"max_mass": -1.0}, "max_mass"),

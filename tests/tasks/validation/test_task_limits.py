@@ -244,6 +244,7 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
     rows, columns = tasks.rows, tasks.rows.columns
     point = sample_episodes(generated_bank, 2)
     short = columns | {"reward": columns["reward"][:2]}
+    double = columns | {"reward": np.asarray(columns["reward"], np.float64)}
     for wrong, said in (
         (5, "expected tasks, got int"),
         ([1], "expected tasks, got list"),
@@ -256,6 +257,7 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
             "lack columns that Rich needs: .*descriptor",
         ),
         (tasks.replace(rows=rows.replace(columns=short)), "`reward` must have the shape"),
+        (tasks.replace(rows=rows.replace(columns=double)), "`reward` must have the dtype float32, got float64"),
         (tasks.replace(rows=rows.replace(house=rows.house + 100)), "`house` must be a whole number from 0 to 1"),
         (tasks.replace(rows=rows.replace(start=rows.start.at[1].add(500.0))), "not in its house .at task 1, start"),
         (
