@@ -13,7 +13,8 @@ from home_mjx.audio_jax.receivers.hrtf import basis_responses, fit_basis_weights
 from home_mjx.schema.compiled import BANDS
 
 # Brown and Duda, A structural model for binaural sound synthesis, IEEE Trans. Speech and Audio Processing 6 (1998),
-# pinna coefficients: strength, and A, B (samples of 1 / PINNA_MODEL_RATE) and D of delays A cos(θ / 2) sin(D (90° - φ)) + B
+# pinna coefficients: strength, and A, B (samples of 1 / PINNA_MODEL_RATE) and D of delays
+# A cos(θ / 2) sin(D (90° - φ)) + B
 PINNA_MODEL_RATE = 44100.0  # [Hz]
 ECHO_STRENGTHS = (0.5, -1.0, 0.5, -0.25, 0.25)
 ECHO_DELAY_SWINGS = (1.0, 5.0, 5.0, 5.0, 5.0)
