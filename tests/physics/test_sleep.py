@@ -65,7 +65,7 @@ def test_what_sleeps_still_tells_what_it_stands_on(scene):
         FLOOR,
         STATIC,
     ]
-    assert (scene.rested.impulse[1:5] > 0).all()
+    assert (scene.rested.contact_impulse[1:5] > 0).all()
 
 
 def test_a_push_wakes_what_it_reaches(scene):
@@ -118,7 +118,7 @@ def test_what_is_woken_was_pushed_by_its_weight_all_the_while(scene):
     while float(state.qpos[0]) < 0.55:
         state = scene.step(state, jnp.array([[1.0, 0.0, 0.0]]))
         if state.contact_partner[1 + TABLE] == FLOOR:
-            assert state.impulse[1 + TABLE] > 0.99 * least
+            assert state.contact_impulse[1 + TABLE] > 0.99 * least
             woken.append(not scene.asleep(state)[TABLE])
     assert len(woken) > 3
     assert any(woken)

@@ -59,7 +59,7 @@ def test_the_expert_leads_less_and_less(cloning: BehaviorCloning):
 
     def led(updates: int) -> float:
         state = TrainState.build_unchecked(net=net, opt=None, actor=None, key=None, updates=jnp.int32(updates))
-        policy = cloning.behaviour(state)
+        policy = cloning.behavior_policy(state)
         _, action, outputs = policy.act(policy.initial_memory(rows), obs, jnp.ones(rows, bool), keys)
         assert outputs["value"].shape == (rows,)
         return float(jnp.mean(action == 9))

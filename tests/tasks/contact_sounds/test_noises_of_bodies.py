@@ -48,7 +48,7 @@ def struck(states) -> list[tuple[int, str, float]]:
     """Start [samples], name and gain of all strikes of some states, each once."""
     found = {}
     for state in states:
-        s = state.world.contact_sounds.strikes
+        s = state.world.contact_sounds.transients
         for start, row, gain in zip(*(np.asarray(x) for x in (s.start, s.row, s.gain)), strict=True):
             if gain > 0:
                 found[int(start), int(row)] = (int(start), TRANSIENTS[row], float(gain))
@@ -74,7 +74,7 @@ def test_as_many_footsteps_as_lengths_were_walked(room, impl):
     apart = np.diff([time for time, *_ in steps])
     np.testing.assert_allclose(apart, 0.65 * RATE, atol=40)
     np.testing.assert_allclose([gain for *_, gain in steps], 1.0, atol=0.02)
-    place = states[-1].world.contact_sounds.strikes.pos
+    place = states[-1].world.contact_sounds.transients.pos
     np.testing.assert_allclose(place[:, 1:], [[-2.0, 0.05]] * 4, atol=5e-3)  # in its own lane, just over the floor
     assert not any(int(s.status) for s in states)
 
@@ -126,14 +126,14 @@ def test_what_lies_still_is_silent_and_what_is_pushed_scrapes(room):
     assert all(0 < gain < 1 for *_, gain in hits)
     touching = next(i for i, x in enumerate(states) if float(x.physics.qpos[4]) > 3.005)
     assert hits[0][0] == (touching + 1) * FRAME + FRAME // 2
-    rubs = states[-1].world.contact_sounds.rubs
+    rubs = states[-1].world.contact_sounds.sustained
     speed = float(states[-1].physics.qpos[4] - states[-2].physics.qpos[4]) / 0.1
     assert speed > 0.8
     assert SUSTAINED[int(rubs.row[0])] == "scrape_wood"
     assert float(rubs.gain[0, 0]) == pytest.approx(np.sqrt(0.4 * 5 * 9.81 * speed), rel=1e-3)
     np.testing.assert_allclose(rubs.pos[0], states[-1].physics.qpos[4:7], atol=1e-5)
     after = room.run(states[-1], jnp.array([-1.0, 0, 0, 0]), 6)
-    assert float(after[-1].world.contact_sounds.rubs.gain[0, 0]) == 0
+    assert float(after[-1].world.contact_sounds.sustained.gain[0, 0]) == 0
 
 
 def test_doors_creak_and_thud(generated_bank):
@@ -154,7 +154,7 @@ def test_doors_creak_and_thud(generated_bank):
         state = advance(env.params, state, jnp.zeros(4))
         states.append(state)
         angles.append(float(angle(state)))
-        gains.append(float(state.world.contact_sounds.rubs.gain[0, 0]))
+        gains.append(float(state.world.contact_sounds.sustained.gain[0, 0]))
     assert abs(angles[-1] - float(doors.door_closed[0, row])) < 0.02
     rate = np.abs(np.diff(angles)) / 0.1
     np.testing.assert_allclose(gains, np.where(rate > 0.05, rate, 0.0), atol=1e-4)
@@ -174,8 +174,8 @@ def test_agents_are_heard_where_nothing_else_moves():
     state = state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:2].set(0.0)))
     for _ in range(8):
         state = advance(env.params, state, AHEAD)
-    assert int((state.world.contact_sounds.strikes.gain > 0).sum()) == 1
-    assert not np.any(state.world.contact_sounds.rubs.gain)
+    assert int((state.world.contact_sounds.transients.gain > 0).sum()) == 1
+    assert not np.any(state.world.contact_sounds.sustained.gain)
 
 
 def test_more_than_the_slots_hold_is_told():
@@ -220,7 +220,7 @@ def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
     def walk(state, params):
         def one(state, _):
             state = place.core.step(params, state, AHEAD)
-            return state, (state.obs["audio"], state.world.contact_sounds.strikes, state.physics.qpos[0])
+            return state, (state.obs["audio"], state.world.contact_sounds.transients, state.physics.qpos[0])
 
         return jax.lax.scan(one, state, length=15)[1]
 
