@@ -40,7 +40,6 @@ MAX_COLUMNS = 120
 MAX_SUBJECT = 72
 NOT_REWRITTEN = (
     "README.md",
-    "docs/benchmarks.md",
     "docs/concepts.md",
     "docs/dataset.md",
     "docs/dependencies.md",
