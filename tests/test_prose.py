@@ -40,7 +40,6 @@ MAX_COLUMNS = 120
 MAX_SUBJECT = 72
 NOT_REWRITTEN = (
     "docs/dataset.md",
-    "docs/dependencies.md",
     "docs/promises.md",
     "docs/quickstart.md",
 )
