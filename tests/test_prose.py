@@ -41,7 +41,6 @@ MAX_SUBJECT = 72
 NOT_REWRITTEN = (
     "docs/dataset.md",
     "docs/promises.md",
-    "docs/quickstart.md",
 )
 BANNED = re.compile(
     r"\b(so (many|much|near|far) (as|that|steps|rays|houses)|as far as that|is no [a-z]+class|has not the|"
