@@ -38,16 +38,6 @@ MIN_VERBS = 0.7  # of functions
 MAX_WHAT = 2.0  # per 1,000 words
 MAX_COLUMNS = 120
 MAX_SUBJECT = 72
-NOT_REWRITTEN = (
-    "README.md",
-    "docs/architecture.md",
-    "docs/benchmarks.md",
-    "docs/concepts.md",
-    "docs/dataset.md",
-    "docs/dependencies.md",
-    "docs/promises.md",
-    "docs/quickstart.md",
-)
 BANNED = re.compile(
     r"\b(so (many|much|near|far) (as|that|steps|rays|houses)|as far as that|is no [a-z]+class|has not the|"
     r"that there (is|are) not)\b",
@@ -121,13 +111,7 @@ def prose_lines(page: Path) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def marked_pages() -> list:
-    mark = pytest.mark.xfail(strict=True, reason="not yet rewritten in words of the field")
-    names = [(page, page.relative_to(ROOT).as_posix()) for page in pages()]
-    return [pytest.param(page, id=name, marks=[mark] if name in NOT_REWRITTEN else []) for page, name in names]
-
-
-@pytest.mark.parametrize("page", marked_pages())
+@pytest.mark.parametrize("page", pages(), ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_pages(page: Path):
     lines = list(prose_lines(page))
     wide = [number for number, line in lines if len(line) > MAX_COLUMNS and not line.startswith("|")]
