@@ -129,12 +129,12 @@ def own_body(bank):
     return bank.spec.num_instances
 
 
-def primary(size, executor=None):
+def primary(size, backend=None):
     """Return a look that computes depth, instance and triangle."""
 
     def look(bank, scene, camera):
         _, direction = camera_rays(camera, Lens(size, size))
-        hit = cast(scene, camera.pos, direction, exclude=own_body(bank), backend=executor)
+        hit = cast(scene, camera.pos, direction, exclude=own_body(bank), backend=backend)
         return hit.t, hit.instance, hit.triangle
 
     return look
@@ -216,7 +216,7 @@ def kernel_compilation():
 
 
 def agreement(bench, size, num_envs=256):
-    """Measure the share of rays with equal instance and triangle in other executors, and the depth difference."""
+    """Measure the share of rays with equal instance and triangle in other backends, and the depth difference."""
     few = jax.tree.map(lambda x: x[:num_envs], bench.args)
 
     def prepare(bank, house, pos, quat):
@@ -330,7 +330,7 @@ def main():
     parser.add_argument("--still", action="store_true", help="only the bank's movable objects move")
     parser.add_argument("--many", action="store_true", help="only measure the cost of many houses")
     parser.add_argument("--colors", action="store_true", help="only measure colour images")
-    parser.add_argument("--check", action="store_true", help="also compare the executors")
+    parser.add_argument("--check", action="store_true", help="also compare the backends")
     args = parser.parse_args()
     peers = read_peers(args.peer, args.num_envs)
     bank = load_bank(args.bank)

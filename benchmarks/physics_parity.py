@@ -193,7 +193,7 @@ def run(case: Case, template: Template, bank: HouseBank, states: States, batch: 
             some = states.rows(np.arange(first, first + size) % case.count)
             state, lost = step(here, some.house, some.state, some.action)
             full = np.any([np.asarray(x) for x in jax.tree.leaves(lost)], axis=0)
-            done.append(After(np.asarray(state.qpos), np.asarray(state.qvel), np.asarray(state.touched), full))
+            done.append(After(np.asarray(state.qpos), np.asarray(state.qvel), np.asarray(state.contact_impulse), full))
     return After(*(np.concatenate(x)[: case.count] for x in zip(*done, strict=True)))
 
 

@@ -45,7 +45,7 @@ def make(
             `procedural:16?seed=0&version=2`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
             or, if it is not set, generated houses, which are written once into the cache folder.
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
-        split: Only houses of `train`, `val` or `test_triangle`.
+        split: Only houses of `train`, `val` or `test`.
         filter: Only houses of a dataset that pass this `HouseFilter`.
         progress: Show progress bars while houses are generated and compiled; None: only in a terminal.
         variation: Domain randomisation per episode: a `tasks.Variation`, or its ranges by name such as

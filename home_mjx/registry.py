@@ -36,7 +36,7 @@ class EnvSpec:
             file of episodes, which selects the houses from `houses`.
         houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
         num_houses: Number of houses.
-        split: `train`, `val` or `test_triangle`; None: any.
+        split: `train`, `val` or `test`; None: any.
         filter: A filter of houses; None: any.
         in_memory: True if made with a bank or dataset in memory, which JSON cannot represent.
 

@@ -140,7 +140,7 @@ def test_pins_are_names_and_versions_only_and_cover_the_requirements():
 
 
 def test_the_lowest_jax_is_one_that_is_tested():
-    """Others were declared once, with which the `cpu` executor does not work."""
+    """Others were declared once, with which the `cpu` backend does not work."""
     matrix = (ROOT / "scripts" / "test_matrix.sh").read_text()
     lowest = re.findall(r"^jax[0-9.]+ *\|[0-9.]+\|([0-9.]+) *\|", matrix, re.MULTILINE)[0]
     assert f"jax>={lowest}" in PROJECT["dependencies"]

@@ -23,12 +23,12 @@ KINDS = ("rgb", "depth", "instance", "fine")
 
 
 def primary_depth(settings: BenchSettings) -> Measurement:
-    """Measure closest hits of camera rays with the default executor; the peer is Embree on the first house."""
+    """Measure closest hits of camera rays with the default backend; the peer is Embree on the first house."""
     return _primary(settings, "rays/primary-depth", None, _embree(settings))
 
 
 def primary_depth_xla(settings: BenchSettings) -> Measurement:
-    """Measure closest hits of camera rays with the reference executor."""
+    """Measure closest hits of camera rays with the reference backend."""
     return _primary(settings, "rays/primary-depth-xla", "xla", None)
 
 
@@ -50,14 +50,12 @@ def images(settings: BenchSettings) -> Measurement:
     return make_measurement("rays/images", value, "images/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
 
 
-def _primary(settings: BenchSettings, case: str, executor: str | None, peer: tuple[str, float] | None) -> Measurement:
+def _primary(settings: BenchSettings, case: str, backend: str | None, peer: tuple[str, float] | None) -> Measurement:
     directions = _directions()
 
     def distances(bank: HouseBank, house: jax.Array, start: jax.Array) -> jax.Array:
         origin, _ = eye_pose(start)
-        return cast(
-            make_scene_at(bank, house, start), origin, directions, exclude=own_body_id(bank), backend=executor
-        ).t
+        return cast(make_scene_at(bank, house, start), origin, directions, exclude=own_body_id(bank), backend=backend).t
 
     value, seconds = rate_per_environment(settings, distances)
     note = f"closest hit of {RAYS_PER_IMAGE} rays per environment; {settings.houses}"

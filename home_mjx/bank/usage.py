@@ -56,7 +56,7 @@ def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
         houses: At least one house.
 
     Returns:
-        Bytes by array name, such as "geometry.triangle". The derived layout of the `cuda` executor (`Geometry.gpu`)
+        Bytes by array name, such as "geometry.triangle". The derived layout of the `cuda` backend (`Geometry.gpu`)
         and the few bytes of `draw` are excluded.
 
     Raises:

@@ -44,7 +44,7 @@ def parse_seed_range(text: str) -> range:
     """Parse seeds from `A:B` (B excluded) or one seed.
 
     Example:
-        >>> list(seed_range("3:6")), list(seed_range("7"))
+        >>> list(parse_seed_range("3:6")), list(parse_seed_range("7"))
         ([3, 4, 5], [7])
     """
     first, colon, last = text.partition(":")
@@ -64,7 +64,7 @@ def parse_path(text: str) -> Path:
     """Parse a path; reject an empty text, such as an unset shell variable.
 
     Example:
-        >>> file_path("houses").name
+        >>> parse_path("houses").name
         'houses'
     """
     if not text.strip() or "\0" in text:
@@ -76,7 +76,7 @@ def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
     """Return an argument type of numbers from `low` to `high`.
 
     Example:
-        >>> number(low=0)("2.5")
+        >>> number_type(low=0)("2.5")
         2.5
     """
 
@@ -103,7 +103,7 @@ def parse_natural(text: str) -> int:
     """Parse a whole number of at least 0.
 
     Example:
-        >>> natural("0")
+        >>> parse_natural("0")
         0
     """
     if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) >= 2**31:
@@ -115,7 +115,7 @@ def whole_number_type(maximum: int) -> Callable[[str], int]:
     """Return an argument type of whole numbers from 1 to `maximum`.
 
     Example:
-        >>> whole(100)("25")
+        >>> whole_number_type(100)("25")
         25
     """
 

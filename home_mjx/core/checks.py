@@ -32,7 +32,7 @@ def names_hint(text: object) -> str:
     """Return a hint that writes `text`, with or without commas, as a sequence of names.
 
     Example:
-        >>> as_names("depth, rgb")
+        >>> names_hint("depth, rgb")
         'Write ("depth", "rgb"); on the command line NAME=["depth", "rgb"], in quotes.'
     """
     names = [name.strip() for name in str(text)[:MAX_VALUE_LENGTH].split(",") if name.strip()] or ["..."]
@@ -80,8 +80,8 @@ def check_number(
         integer: Require an integer.
 
     Example:
-        >>> check_number("width", 64, 1, whole=True)
-        >>> check_number("width", 3.5, 1, whole=True)
+        >>> check_number("width", 64, 1, integer=True)
+        >>> check_number("width", 3.5, 1, integer=True)
         Traceback (most recent call last):
         ...
         home_mjx.errors.ConfigError: `width` must be a whole number of at least 1, got 3.5
@@ -110,7 +110,7 @@ def shorten(value: object) -> str:
     """Return the `repr` of a value for a message, shortened to its start if it is long.
 
     Example:
-        >>> shown(10**400)
+        >>> shorten(10**400)
         '1000000000000000000000000000000000000000… (401 characters)'
     """
     try:

@@ -229,7 +229,7 @@ def resolve_below(root: Path, folder: Path, relative: str) -> Path | None:
     Only the text of the path is checked, so folders of a dataset may be symbolic links to another disk.
 
     Example:
-        >>> below(Path("/data"), Path("/data/object/122"), "../../texture//wood_8.jpg").as_posix()
+        >>> resolve_below(Path("/data"), Path("/data/object/122"), "../../texture//wood_8.jpg").as_posix()
         '/data/texture/wood_8.jpg'
     """
     path = Path(os.path.normpath(folder / relative.replace("\\", "/")))
@@ -250,7 +250,7 @@ def write_atomically(path: Path) -> Iterator[IO[bytes]]:
         OSError: The folder cannot be written to.
 
     Example:
-        >>> with write_whole(Path("notes.json")) as file:  # doctest: +SKIP
+        >>> with write_atomically(Path("notes.json")) as file:  # doctest: +SKIP
         ...     file.write(b"{}")
     """
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -269,7 +269,7 @@ def remove_leftovers(folder: Path) -> None:
         folder: Folder of the written files; it need not exist.
 
     Example:
-        >>> sweep(Path("kernels"))
+        >>> remove_leftovers(Path("kernels"))
     """
     for path in folder.glob(TEMPORARY_PATTERN):
         with suppress(OSError):  # removed by another process, or owned by another user
@@ -330,7 +330,7 @@ def write_synced(path: Path, content: bytes, mode: str = "wb") -> None:
         OSError: The file cannot be written.
 
     Example:
-        >>> write_through(Path("lines.jsonl"), b"{}", "ab")  # doctest: +SKIP
+        >>> write_synced(Path("lines.jsonl"), b"{}", "ab")  # doctest: +SKIP
     """
     with path.open(mode) as file:
         file.write(content)
@@ -360,7 +360,7 @@ def write_all_or_none(folder: Path, content: str) -> Iterator[Path]:
         ConfigError: The files cannot be written.
 
     Example:
-        >>> with write_together(Path("play"), "film") as beside:  # doctest: +SKIP
+        >>> with write_all_or_none(Path("play"), "film") as beside:  # doctest: +SKIP
         ...     (beside / "film.jsonl").write_text("{}")
     """
     with convert_write_errors(content, folder):
@@ -409,7 +409,7 @@ def write_error(content: str, path: Path, error: OSError, hint: str | None = Non
     """Return the `ConfigError` for a failed write.
 
     Example:
-        >>> print(unwritable("film", Path("out.mp4"), OSError(28, "No space left on device")))
+        >>> print(write_error("film", Path("out.mp4"), OSError(28, "No space left on device")))
         film cannot be written: No space left on device (in out.mp4). Free some space, or name another folder.
     """
     hint = hint or "Free some space, or name another folder."

@@ -24,7 +24,7 @@ def declared_arrays(cls: type) -> dict[str, tuple[Any, str, dict[str, Any]]]:
     Example:
         >>> class Line(Pytree):
         ...     length: float = array("[m]", source="ruler")
-        >>> declared(Line)
+        >>> declared_arrays(Line)
         {'length': (<class 'float'>, '[m]', {'source': 'ruler'})}
     """
     fields = (f for f in dataclasses.fields(cls) if "notes" in f.metadata)

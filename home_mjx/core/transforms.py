@@ -60,7 +60,7 @@ def is_unit_quat(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
     """Return whether quaternions have unit length within `UNIT_QUAT_TOLERANCE`; rotations by others would scale.
 
     Example:
-        >>> is_unit(jnp.array([[1.0, 0, 0, 0], [1.05, 0, 0, 0]])).tolist()
+        >>> is_unit_quat(jnp.array([[1.0, 0, 0, 0], [1.05, 0, 0, 0]])).tolist()
         [True, False]
     """
     return jnp.abs(jnp.sum(quat * quat, axis=-1) - 1) < UNIT_QUAT_TOLERANCE

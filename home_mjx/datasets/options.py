@@ -17,7 +17,7 @@ class ReadOptions:
             None: strict for generated datasets, tolerant for all others.
 
     Example:
-        >>> ReadOptions(people=False).categories_left_out
+        >>> ReadOptions(people=False).excluded_categories
         ('person',)
     """
 

@@ -95,7 +95,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
 
     Example:
         >>> open_dataset("procedural:2?seed=3").house_ids[0]
-        '686f6d65628f2b2ab3a40b3b3b0d7a8f'
+        '686f6d651df7a4f39fc068fbeeb658cd'
     """
     if isinstance(name, str) and has_scheme(name):
         match = SCHEME.fullmatch(name)

@@ -28,7 +28,7 @@ def sort_house_ids(ids: Iterable[str]) -> tuple[str, ...]:
     a hash, a new house could come anywhere. Seeds of `MAX_LOOKUP_SEED` and more count as unknown.
 
     Example:
-        >>> in_order(["b", house_id(9), "a", house_id(2)]) == (house_id(2), house_id(9), "a", "b")
+        >>> sort_house_ids(["b", house_id(9), "a", house_id(2)]) == (house_id(2), house_id(9), "a", "b")
         True
     """
     others = set(ids)
@@ -43,7 +43,7 @@ def find_seeds(ids: Iterable[str]) -> tuple[int, ...]:
         UnknownIdError: An id does not belong to a seed below `MAX_LOOKUP_SEED`.
 
     Example:
-        >>> seeds_of([house_id(9), house_id(2)])
+        >>> find_seeds([house_id(9), house_id(2)])
         (2, 9)
     """
     wanted = set(ids)

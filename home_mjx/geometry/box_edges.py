@@ -26,9 +26,9 @@ def find_exposed_edges(
 
     Example:
         >>> one = np.zeros((1, 3)), np.eye(3)[None], np.ones((1, 3))
-        >>> int(exposed_edges(*one, np.array([[-2.0, 2.0]])).sum())
+        >>> int(find_exposed_edges(*one, np.array([[-2.0, 2.0]])).sum())
         12
-        >>> int(exposed_edges(*one, np.array([[-2.0, 1.01]])).sum())  # up to the ceiling: no edges there
+        >>> int(find_exposed_edges(*one, np.array([[-2.0, 1.01]])).sum())  # up to the ceiling: no edges there
         8
     """
     exposed = np.zeros((len(center), NUM_EDGES), bool)

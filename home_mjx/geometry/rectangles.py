@@ -10,7 +10,7 @@ def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Flo
     """Return the sorted values; neighbours closer than `tolerance` are merged into their mean.
 
     Example:
-        >>> cluster(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
+        >>> merge_close_values(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
         array([0.  , 1.01, 2.  ])
     """
     ordered = np.unique(values)

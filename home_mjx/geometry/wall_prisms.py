@@ -54,7 +54,7 @@ def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
         wall: The wall; holes that reach its ends, its base or its nominal height are open there.
 
     Example:
-        >>> inner, outer = wall_prisms(Wall(np.zeros(3), np.array([4.0, 0, 0]), 2.7))
+        >>> inner, outer = wall_prisms(WallSegment(np.zeros(3), np.array([4.0, 0, 0]), 2.7))
         >>> inner.vertices.min(axis=0).round(3).tolist(), inner.vertices.max(axis=0).round(3).tolist()
         ([-0.04, 0.0, 0.0], [4.04, 2.735, 0.05])
         >>> outer.vertices[:, 2].min().round(4), outer.vertices[:, 2].max().round(4)

@@ -28,7 +28,7 @@ class HouseSet:
         dataset: Root folder, an open dataset, or a name such as `procedural:16?seed=0&version=2`; None: the dataset
             that `SUNCG_DATA_DIR` names.
         ids: House ids, in this order; None: all, in the order of the dataset.
-        split: Restrict to `train`, `val` or `test_triangle`; None: all.
+        split: Restrict to `train`, `val` or `test`; None: all.
         filter: Restrict to houses that this filter accepts; None: all.
         num_houses: Maximum number of houses, taken from the start of the selection; None: all.
         options: Compile options.
@@ -37,7 +37,7 @@ class HouseSet:
         ConfigError: An option is invalid.
 
     Example:
-        >>> beds = HouseSet("houses", split="train", where=HouseFilter(categories=("bed",)))
+        >>> beds = HouseSet("houses", split="train", filter=HouseFilter(categories=("bed",)))
         >>> beds.house_ids  # doctest: +SKIP
         ('0004d52d1aeeb8ae6de39d6bd993e992',)
     """

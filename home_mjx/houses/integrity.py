@@ -66,8 +66,8 @@ def check_trees(trees: Sequence[BVH], num_primitives: Sequence[int]) -> None:
         ValueError: A tree is invalid.
 
     Example:
-        >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[~(0 << 4 | 2), -1]]))], primitives=[2])
-        >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[0, -1]]))], primitives=[2])
+        >>> check_trees([BVH(np.zeros((1, 2, 6)), np.array([[~(0 << 4 | 2), -1]]))], num_primitives=[2])
+        >>> check_trees([BVH(np.zeros((1, 2, 6)), np.array([[0, -1]]))], num_primitives=[2])
         Traceback (most recent call last):
         ...
         ValueError: a tree is too deep, or has a cycle

@@ -38,7 +38,7 @@ def load_bank(
             that `SUNCG_DATA_DIR` names, or else generated houses.
         ids: Ids of the houses, in this order; None: all.
         num_houses: Maximum number of houses; None: all, or 8 generated ones.
-        split: Only houses of `train`, `val` or `test_triangle`.
+        split: Only houses of `train`, `val` or `test`.
         filter: Only houses that pass this filter.
         options: How to compile; ignored for a `HouseSet` with options of its own.
         progress: Show progress bars.

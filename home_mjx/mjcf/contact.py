@@ -33,7 +33,7 @@ def contact_parameters(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, 
         xp: `numpy` or `jax.numpy`.
 
     Example:
-        >>> [float(x) for x in contact_numbers(np.ones(()), 0.01)]  # a time constant of 0.02 s
+        >>> [float(x) for x in contact_parameters(np.ones(()), 0.01)]  # a time constant of 0.02 s
         [2500.0, 100.0, 0.9, 0.001]
     """
     constant = max(TIME_CONSTANT, 2 * timestep)  # the minimum that MuJoCo allows

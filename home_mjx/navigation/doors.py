@@ -67,7 +67,7 @@ def connected_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Ar
         Symmetric matrix with a True diagonal. With all doors wide open it is `room_hops >= 0`.
 
     Example:
-        >>> joined_rooms(bank, house, state.snapshot.door_angle)[bedroom, kitchen]  # doctest: +SKIP
+        >>> connected_rooms(bank, house, state.snapshot.door_angle)[bedroom, kitchen]  # doctest: +SKIP
         Array(False, dtype=bool)
     """
     house = bank.clip_house_index(house)

@@ -47,7 +47,7 @@ def step_fused(
     """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
     Raises:
-        ExecutorError: This is a forked child of a process that has already stepped.
+        BackendError: This is a forked child of a process that has already stepped.
     """
     check_not_forked("step physics")
 

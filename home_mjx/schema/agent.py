@@ -26,7 +26,7 @@ class AgentBody:
         ConfigError: A value is out of range.
 
     Example:
-        >>> Body(radius=0.25, height=1.5).half_length
+        >>> AgentBody(radius=0.25, height=1.5).half_length
         0.5
     """
 

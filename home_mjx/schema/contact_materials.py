@@ -56,8 +56,8 @@ def contact_properties(kind: str, coarse: str, mass: float) -> ContactProperties
         mass: Mass [kg].
 
     Example:
-        >>> contact_of("glass", "vase", 1.0), contact_of("textile", "sofa", 40.0)
-        (Contact(friction=0.3, restitution=0.3), Contact(friction=0.4, restitution=0.0))
+        >>> contact_properties("glass", "vase", 1.0), contact_properties("textile", "sofa", 40.0)
+        (ContactProperties(friction=0.3, restitution=0.3), ContactProperties(friction=0.4, restitution=0.0))
     """
     own = RUBBER_CONTACT if coarse == "toy" else CONTACT_BY_KIND.get(kind, DEFAULT_CONTACT)
     friction = CONTACT_BY_KIND["wood"].friction if coarse in ON_WOODEN_FEET else own.friction

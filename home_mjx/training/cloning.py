@@ -45,7 +45,7 @@ class AdvisedPPO(PPO):
         ConfigError: As in `PPO`; or the task has no expert.
 
     Example:
-        >>> advised = Advised(env.core, PPOConfig(num_envs=64, advice_cost=0.5))  # doctest: +SKIP
+        >>> advised = AdvisedPPO(env.core, PPOConfig(num_envs=64, advice_cost=0.5))  # doctest: +SKIP
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class BehaviorCloning(AdvisedPPO):
         ConfigError: As in `PPO`; or the task has no expert.
 
     Example:
-        >>> cloning = Cloning(env.core, PPOConfig(num_envs=64))  # doctest: +SKIP
+        >>> cloning = BehaviorCloning(env.core, PPOConfig(num_envs=64))  # doctest: +SKIP
         >>> state = cloning.init(env.params, jax.random.key(0))  # doctest: +SKIP
         >>> state, metrics = cloning.update(env.params, state)  # doctest: +SKIP
     """

@@ -201,7 +201,7 @@ def moving_average(values: list[float]) -> list[float]:
     """Compute a moving average over each value and those before; windows are 1 / `NUM_SMOOTHING_WINDOWS` long.
 
     Example:
-        >>> smoothed([1.0, 3.0] * 20)[:2]
+        >>> moving_average([1.0, 3.0] * 20)[:2]
         [1.0, 2.0]
     """
     size = math.ceil(len(values) / NUM_SMOOTHING_WINDOWS)

@@ -79,7 +79,7 @@ def get_model(family: str, number: int) -> Furniture:
         number: Number of the model, from 1.
 
     Example:
-        >>> model_of("sofa", 2).id
+        >>> get_model("sofa", 2).id
         'home_sofa_2'
     """
     return families()[family].model(number)
@@ -89,7 +89,7 @@ def library_model(model_id: str) -> Furniture:
     """Return the library model with an id.
 
     Example:
-        >>> library_model("home_sofa_2") is model_of("sofa", 2)
+        >>> library_model("home_sofa_2") is get_model("sofa", 2)
         True
     """
     family, _, number = model_id.removeprefix("home_").rpartition("_")

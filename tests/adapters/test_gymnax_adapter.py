@@ -20,7 +20,7 @@ def test_a_loop_like_that_of_purejaxrl(env_id, actions, generated_bank):
 
 def test_a_vector_without_images_says_so(generated_bank):
     seen = cheap("PointNav-v0", generated_bank, sensors=("depth", "goal"), width=4, height=4)
-    with pytest.warns(UserWarning, match="without pixels/head_depth"):
+    with pytest.warns(UserWarning, match="omits pixels/head_depth"):
         GymnaxEnv(seen, vector=True)
 
 

@@ -109,7 +109,7 @@ def test_what_cannot_be_driven_is_refused(pair, generated_bank):
 def test_a_vector_without_words_says_so(generated_bank):
     sensors = ("state", "goal_words", "heard_words")
     env = cheap("Communication-v0", generated_bank, **{**CHEAP, "sensors": sensors, "actions": "discrete"})
-    with pytest.warns(UserWarning, match="without goal_words, heard_words"):
+    with pytest.warns(UserWarning, match="omits goal_words, heard_words"):
         JaxMarlEnv(env)
     space = JaxMarlEnv(env, vector=False).observation_space("agent_1")
     assert set(space.spaces) == set(sensors)

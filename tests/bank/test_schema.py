@@ -94,7 +94,7 @@ def test_a_declared_array_is_exchanged_in_a_stream(more, root):
 def test_every_array_of_a_bank_is_declared_or_derived():
     bank = HouseBank.from_compiled([shoebox(furniture=[STOOL])])
     paths = [jax.tree_util.keystr(path).lstrip(".") for path, _ in jax.tree_util.tree_flatten_with_path(bank)[0]]
-    assert set(paths) - {declared.name for declared in declarations()} == {"draw"}
+    assert set(paths) - {declared.name for declared in declarations()} == {"reset_houses"}
 
 
 def test_arrays_have_the_shape_dtype_and_fill_that_they_are_declared_with():

@@ -72,7 +72,7 @@ NO_PATHS = [
         (["--debgu", "demo"], ["unknown option `--debgu`", "Did you mean `--debug`?"]),
         (["doctor", "--jsn"], ["unknown option `--jsn`", "Did you mean `--json`?"]),
         (["doctor", "--jso"], ["unknown option `--jso`"]),  # no guessing of abbreviations
-        (["doctor", "now"], ["unexpected argument `elapsed`"]),
+        (["doctor", "now"], ["unexpected argument `now`"]),
         (["generate"], ["OUT", "home-mjx generate --help"]),
         (["generate", "x", "--seeds", "3:3"], ["expected 0 <= A < B", "`3:3`"]),
         (["bench", "rayz"], ["unknown benchmark case `rayz`", "Did you mean `rays`?"]),
@@ -106,11 +106,10 @@ def test_unusable_output_folder_is_one_message(tmp_path, capsys: pytest.CaptureF
     assert_refused(capsys, ["generate", str(tmp_path / "file"), "--seeds", "0"], str(tmp_path / "file"))
 
 
-@pytest.mark.parametrize("command", ["demo", "story", "render", "listen"])
+@pytest.mark.parametrize("command", ["demo", "render", "listen"])
 def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("home_mjx.cli.viewpoint.load_compiled_house", None)  # nothing is compiled,
-    monkeypatch.setattr("home_mjx.viewer.demo.run.run_demo", None)  # nobody walks,
-    monkeypatch.setattr("examples.story.run.run_story", None)  # or plays
+    monkeypatch.setattr("home_mjx.viewer.demo.run.run_demo", None)  # and nobody walks
     (tmp_path / "file").write_text("not a folder")
     for out in (tmp_path / "file", tmp_path / "file" / "below"):
         assert_refused(capsys, [command, "--out", str(out)], str(out), "--out")
@@ -120,8 +119,8 @@ def test_who_is_refused_after_the_folder_was_made_leaves_none(tmp_path, monkeypa
     def refuse(*_: object) -> None:
         raise ConfigError("nobody is at home")
 
-    monkeypatch.setattr("examples.story.run.run_story", refuse)
-    assert_refused(capsys, ["story", "--out", str(tmp_path / "new" / "below")], "nobody is at home")
+    monkeypatch.setattr("home_mjx.viewer.demo.run.run_demo", refuse)
+    assert_refused(capsys, ["demo", "--out", str(tmp_path / "new" / "below")], "nobody is at home")
     assert list(tmp_path.iterdir()) == []
 
 

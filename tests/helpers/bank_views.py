@@ -43,14 +43,14 @@ def world_surfaces(bank: HouseBank, house: int) -> list[tuple]:
 def house_navigation(bank: HouseBank, house: int) -> dict:
     """All that the bank says of one house's navigation, free of numbers that run through all houses."""
     n = bank.navigation
-    names = {f.name for f in dataclasses.fields(n)} - {"first_cell", "cell", "place", "field", "room_surface"}
+    names = {f.name for f in dataclasses.fields(n)} - {"first_cell", "cell", "cell_coords", "field", "room_surface"}
     cell, first, home = np.asarray(n.cell[house]), int(n.first_cell[house]), int(n.num_cells[house])
     count = int((cell >= 0).sum())
     assert sorted(cell[cell >= 0].tolist()) == list(range(first, first + count))
     np.testing.assert_array_equal((cell >= 0) & (cell < first + home), np.asarray(n.region[house]) == 0)
     own = {"cell": np.where(cell >= 0, cell - first, ~(~cell - first))}
     assert (own["cell"] >= ~(count - 1)).all()
-    own |= {name: np.asarray(getattr(n, name))[first : first + count] for name in ("place", "field")}
+    own |= {name: np.asarray(getattr(n, name))[first : first + count] for name in ("cell_coords", "field")}
     surface = np.asarray(n.room_surface[house])
     own["room_surface"] = np.where(surface[..., None] < 0, -1, np.asarray(bank.semantics)[surface])
     return own | {name: np.asarray(getattr(n, name))[house] for name in names}

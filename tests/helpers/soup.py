@@ -21,7 +21,7 @@ needs_gpu = pytest.mark.skipif(
     "cuda" not in os.environ.get("JAX_PLATFORMS", ""), reason="needs an NVIDIA GPU: JAX_PLATFORMS=cuda,cpu"
 )
 CUDA = pytest.param("cuda", marks=needs_gpu)
-EXECUTORS = ("xla", "cpu", CUDA)
+BACKENDS = ("xla", "cpu", CUDA)
 
 
 @dataclass
@@ -222,8 +222,8 @@ def brute_force(soup, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, ma
 
 
 def in_jit(function, *args, **static):
-    """Under jit and under JAX's strictest rules for mixing types and ranks; the `cpu` executor on a CPU."""
-    device = jax.devices("cpu")[0] if static.get("executor") == "cpu" else jax.devices()[0]
+    """Under jit and under JAX's strictest rules for mixing types and ranks; the `cpu` backend on a CPU."""
+    device = jax.devices("cpu")[0] if static.get("backend") == "cpu" else jax.devices()[0]
     args = jax.device_put(args, device)
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         return jax.tree.map(np.asarray, jax.jit(lambda *a: function(*a, **static))(*args))

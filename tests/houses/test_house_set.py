@@ -104,7 +104,7 @@ def test_words_and_a_set_give_the_same(root):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"ids": HOUSE_ID}, "several ids"),
+        ({"ids": HOUSE_ID}, "sequence of ids"),
         ({"split": "trian"}, "Did you mean `train`"),
         ({"num_houses": 0}, "whole number of at least 1"),
         ({"ids": ()}, "no house"),

@@ -49,7 +49,7 @@ def test_slots_hold_what_a_bank_would(root, stream):
             for a, b in zip(world_surfaces(stream.bank, slot), world_surfaces(plain, slot), strict=True):
                 jax.tree.map(np.testing.assert_array_equal, a, b)
             mine, theirs = house_navigation(stream.bank, slot), house_navigation(plain, slot)
-            for name in ("start", "goal", "place", "field"):
+            for name in ("start", "goal", "cell_coords", "field"):
                 np.testing.assert_array_equal(mine[name], theirs[name])
         for name in ("body_mass", "body_pos", "floor"):
             a, b = (np.asarray(getattr(bank.physics, name)) for bank in (stream.bank, plain))
@@ -123,7 +123,7 @@ def test_a_house_that_does_not_fit_is_skipped_and_reported(root, tmp_path):
 def test_refusals(root):
     with pytest.raises(ConfigError, match="at least as many houses"):
         HouseStream(root, IDS[:2], num_slots=3)
-    with pytest.raises(ConfigError, match="spare"):
+    with pytest.raises(ConfigError, match="num_retiring"):
         HouseStream(root, IDS, num_slots=2, num_retiring=2)
 
 

@@ -165,7 +165,7 @@ def compiled(kind: str) -> Callable[[Path], tuple[list[bytes], Read]]:
 def walked(house: Any) -> int:
     """Goes down all trees of a house as rays do, and looks up what its triangles and instances name; nodes visited."""
     visited = 0
-    trees = [(house.top, len(house.instances.model))]
+    trees = [(house.top_bvh, len(house.instances.model))]
     trees += [(model.tree, len(model.triangle)) for model in house.models.values()]
     for tree, count in trees:
         left, seen = [(0, 0)], 0

@@ -26,7 +26,7 @@ def split_by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
     """Split a tree into one tree per agent; with several agents, arrays have a leading agent axis.
 
     Example:
-        >>> by_agent({"state": jnp.arange(2)}, ["agent_0", "agent_1"])["agent_1"]["state"].item()
+        >>> split_by_agent({"state": jnp.arange(2)}, ["agent_0", "agent_1"])["agent_1"]["state"].item()
         1
     """
     if len(names) == 1:
@@ -65,7 +65,7 @@ def vector_spec(specs: Specs) -> ArraySpec:
         ConfigError: No observation can be joined.
 
     Example:
-        >>> joined_spec({"state": ArraySpec((2,), low=0.0, high=1.0), "goal": ArraySpec((1,))}).low
+        >>> vector_spec({"state": ArraySpec((2,), low=0.0, high=1.0), "goal": ArraySpec((1,))}).low
         (0.0, 0.0, -inf)
     """
     names = vector_observations(specs)

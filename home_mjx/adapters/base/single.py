@@ -24,7 +24,7 @@ def as_single_env(run: Callable[..., State]) -> Callable[..., State]:
         `vmap(..., in_axes=0)`, every environment is its own batch.
 
     Example:
-        >>> step = single(AutoReset(env.core).step)  # doctest: +SKIP
+        >>> step = as_single_env(AutoReset(env.core).step)  # doctest: +SKIP
         >>> states = jax.vmap(step, in_axes=(None, 0, 0))(env.params, states, actions)  # doctest: +SKIP
     """
 

@@ -19,7 +19,7 @@ class DiscreteSpace:
     """Integers from 0 to n - 1.
 
     Example:
-        >>> bool(Discrete(6).contains(6))
+        >>> bool(DiscreteSpace(6).contains(6))
         False
     """
 

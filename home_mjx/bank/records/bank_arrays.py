@@ -82,7 +82,7 @@ def declarations() -> tuple[Declaration, ...]:
     """Return the declarations of all arrays of a bank.
 
     Example:
-        >>> next(d for d in schema() if d.name == "physics.body_mass").axes
+        >>> next(d for d in declarations() if d.name == "physics.body_mass").axes
         ('h', 'bodies')
     """
     return _declarations(tuple(RECORDS.items()))

@@ -110,7 +110,7 @@ class Geometry(Pytree):
     agent_model: Int[Array, ""] = array("library model of an agent, in its real size", source="agent")
     agent_material: Int[Array, ""] = array("first material row of an agent", source="agent")
     agent_semantic: Int[Array, ""] = array("semantic row of agents", source="agent")
-    gpu: GpuGeometry | None = None  # layout for the `cuda` ray executor; None: computed at each cast
+    gpu: GpuGeometry | None = None  # layout for the `cuda` ray backend; None: computed at each cast
 
     def clip_house_index(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
         """Clip house indices to the bank; JAX's own indexing would count negative ones from the end."""

@@ -1,4 +1,4 @@
-"""Copy of a bank's geometry in the layout of the `cuda` ray executor: whole 16-byte words.
+"""Copy of a bank's geometry in the layout of the `cuda` ray backend: whole 16-byte words.
 
 A node is stored next to the codes of its children. Boxes are stored as centre and half size, and triangles with
 their material slot. All data that a ray needs to enter an instance is one record. Integers are stored as the bits of
@@ -26,7 +26,7 @@ class GpuGeometry(Pytree):
 
 @jax.jit
 def gpu_geometry(geometry: Any) -> GpuGeometry:
-    """Convert a `bank.Geometry` to the layout of the `cuda` executor.
+    """Convert a `bank.Geometry` to the layout of the `cuda` backend.
 
     Example:
         >>> bank = bank.replace(geometry=geometry.replace(gpu=gpu_geometry(geometry)))  # doctest: +SKIP

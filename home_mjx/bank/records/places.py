@@ -82,7 +82,7 @@ def portal_leaves(at: HouseOwner) -> Int[np.ndarray, "p 2"]:
 
 
 class NavigationArrays(Pytree):
-    """Grids of every house and level, starts, goals and portals; see `compiled.NavigationArrays`.
+    """Grids of every house and level, starts, goals and portals; see `compiled.HouseNavigation`.
 
     Reachable cells are numbered through all houses. Within a house the order is: cells of the home region, cells that
     are free as authored but close to obstacles, cells occupied by movable objects.
@@ -92,7 +92,7 @@ class NavigationArrays(Pytree):
     floor: Float[Array, "h levels"] = array(
         "[m], floor of each level that has rooms, from below; inf padding", source="navigation.floor", fill=np.inf
     )
-    first_cell: Int[Array, " h"] = array("row of a house's first cell in `place` and `field`", source=first_cell)
+    first_cell: Int[Array, " h"] = array("row of a house's first cell in `cell_coords` and `field`", source=first_cell)
     num_cells: Int[Array, " h"] = array(
         "number of cells of the home region, the first cells of a house", source=num_cells
     )
@@ -100,7 +100,7 @@ class NavigationArrays(Pytree):
         "number of those and of the following cells that are free as authored", source=num_free_cells
     )
     cell: Int[Array, "h levels grid_rows grid_columns"] = array(
-        "row of `place` and `field`; if unreachable, ~ the row of the nearest reachable cell", source=cell_numbers
+        "row of `cell_coords` and `field`; if unreachable, ~ the row of the nearest reachable cell", source=cell_numbers
     )
     cell_coords: Int[Array, "cell 3"] = array("level, row and column", source=cell_coords, dtype=np.int16)
     height: Float[Array, " cell"] = array("[m], height of the floor or ramp", source=cell_heights)

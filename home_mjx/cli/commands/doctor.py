@@ -102,10 +102,10 @@ def _backends() -> Iterator[CheckResult]:
     """Report the backends for ray casting that run here."""
     from home_mjx.raycast_render.backends.choose import KERNEL
 
-    yield CheckResult("executor xla", OK, "the reference, runs everywhere")
+    yield CheckResult("backend xla", OK, "the reference, runs everywhere")
     problem = KERNEL.find_problem("cpu")
     detail = f"does not work: {problem}; `xla` is used instead, slower on a CPU" if problem else "compiled by Numba"
-    yield CheckResult("executor cpu", NOTE if problem else OK, detail)
+    yield CheckResult("backend cpu", NOTE if problem else OK, detail)
     yield _cuda_backend()
 
 
@@ -115,12 +115,12 @@ def _cuda_backend() -> CheckResult:
     from home_mjx.raycast_render.backends.choose import KERNEL
 
     if not local_devices("cuda"):
-        return CheckResult("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
+        return CheckResult("backend cuda", NOTE, "JAX has no NVIDIA GPU here")
     problem = KERNEL.find_problem("cuda")
     if problem:
-        return CheckResult("executor cuda", NOTE, f"does not work: {problem}; `xla` is used instead, slower")
+        return CheckResult("backend cuda", NOTE, f"does not work: {problem}; `xla` is used instead, slower")
     version = ".".join(map(str, nvrtc.version(nvrtc.find_library())))
-    return CheckResult("executor cuda", OK, f"compiled by NVRTC {version}, cached in {cache_folder() / 'kernels'}")
+    return CheckResult("backend cuda", OK, f"compiled by NVRTC {version}, cached in {cache_folder() / 'kernels'}")
 
 
 def _ffmpeg() -> Iterator[CheckResult]:

@@ -74,7 +74,7 @@ def format_evaluation(report: dict[str, Any]) -> str:
     Example:
         >>> figures = {"success": {"mean": 0.5, "stderr": 0.01}}
         >>> report = {"trained": figures, "random": figures, "episodes": 10, "houses": 2, "split": "val"}
-        >>> print(as_table(report | {"actions": "sampled", "seed": 0}).splitlines()[1].split())
+        >>> print(format_evaluation(report | {"actions": "sampled", "seed": 0}).splitlines()[1].split())
         ['success', '0.500', '±', '0.010', '0.500', '±', '0.010']
     """
     trained, chance = report["trained"], report["random"]

@@ -88,7 +88,7 @@ def newest_version(task: str) -> str:
     """Return the id of a task, of the newest version if the name has none.
 
     Example:
-        >>> newest("PointNav-v0")
+        >>> newest_version("PointNav-v0")
         'PointNav-v0'
     """
     from home_mjx.registry import list_envs
@@ -101,7 +101,7 @@ def parse_checkpoint_path(text: str) -> Path:
     """Convert an argument to a path; `demo` selects the packaged agent.
 
     Example:
-        >>> checkpoint_path("demo").name
+        >>> parse_checkpoint_path("demo").name
         'agent.npz'
     """
     if text != PACKAGED_AGENT:
@@ -125,7 +125,7 @@ def parse_assignments(texts: list[str]) -> dict[str, Any]:
         ConfigError: An argument has no `=`, or too deeply nested brackets.
 
     Example:
-        >>> assignments(["width=32", "actions=discrete"])
+        >>> parse_assignments(["width=32", "actions=discrete"])
         {'width': 32, 'actions': 'discrete'}
     """
     return dict(_parse_assignment(text) for text in texts)

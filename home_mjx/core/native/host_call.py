@@ -40,6 +40,7 @@ def register_host_call(target: str, function: HostFunction) -> None:
 
     Example:
         >>> register_host_call("my_double", lambda given, results: np.copyto(results[0], 2 * given[0]))
+        >>> import jax
         >>> jax.ffi.ffi_call("my_double", jax.ShapeDtypeStruct((2,), "float32"))(np.ones(2, np.float32))
         Array([2., 2.], dtype=float32)
     """

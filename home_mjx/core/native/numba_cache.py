@@ -41,7 +41,7 @@ def verify_cache(build: Callable[..., T]) -> Callable[..., T]:
         build: Compiles all functions of its file with `cache=True`.
 
     Example:
-        >>> @with_checked_cache  # doctest: +SKIP
+        >>> @verify_cache  # doctest: +SKIP
         ... def build_handler(): ...
     """
 

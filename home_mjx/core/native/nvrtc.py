@@ -30,7 +30,7 @@ def compile_ptx(source: Path | Sequence[Path], capability: int, defines: Mapping
         defines: Integer macros by name.
 
     Raises:
-        ExecutorError: NVRTC was not found, or it rejects the source.
+        BackendError: NVRTC was not found, or it rejects the source.
 
     Example:
         >>> ptx = compile_ptx(Path("kernel.cu"), 90)  # doctest: +SKIP
@@ -55,7 +55,7 @@ def find_library() -> ctypes.CDLL:
     """Find and load NVRTC, from NVIDIA's Python packages or through the system's loader.
 
     Raises:
-        ExecutorError: NVRTC was not found.
+        BackendError: NVRTC was not found.
     """
     for name in (*_installed(), *NAMES):
         try:

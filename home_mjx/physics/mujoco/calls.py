@@ -23,7 +23,7 @@ def check_platform() -> None:
 
     Raises:
         ConfigError: The program is compiled for a GPU or TPU; C MuJoCo runs on the host.
-        ExecutorError: This is a forked child of a process that has already stepped.
+        BackendError: This is a forked child of a process that has already stepped.
     """
     check_not_forked("step physics")
     device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]

@@ -42,7 +42,7 @@ class MujocoModel:
         ConfigError: `substeps` is not a whole number of at least 1.
 
     Example:
-        >>> house = ModelInC(robot_in_house(compiled, "robot.xml").compile(), substeps=5)  # doctest: +SKIP
+        >>> house = MujocoModel(robot_in_house(compiled, "robot.xml").compile(), substeps=5)  # doctest: +SKIP
         >>> states = jnp.tile(house.start, (64, 1))  # doctest: +SKIP
         >>> states, sensors = jax.jit(jax.vmap(house.step))(states, jnp.zeros((64, house.model.nu)))  # doctest: +SKIP
     """
@@ -75,7 +75,7 @@ class MujocoModel:
         Raises:
             ConfigError: `state` or `ctrl` does not have the model's length, the program is compiled for a platform
                 other than CPU, or a gradient is requested.
-            ExecutorError: This is a forked child of a process that has already stepped.
+            BackendError: This is a forked child of a process that has already stepped.
         """
         check_shape("state", jnp.shape(state), self.start.shape)
         check_shape("ctrl", jnp.shape(ctrl), (self.model.nu,))

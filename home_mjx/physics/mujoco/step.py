@@ -36,7 +36,7 @@ def step_mujoco(
 
     Raises:
         ConfigError: The program is compiled for a platform other than CPU.
-        ExecutorError: This is a forked child of a process that has already stepped.
+        BackendError: This is a forked child of a process that has already stepped.
     """
     check_platform()
     bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)

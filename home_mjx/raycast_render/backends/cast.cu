@@ -1,4 +1,4 @@
-// Kernels of the `cuda` executor: two-level traversal, one ray per thread. nvrtc.py compiles them at run time.
+// Kernels of the `cuda` backend: two-level traversal, one ray per thread. nvrtc.py compiles them at run time.
 //
 // Counterpart of xla.py and numba/. Triangle tests round as theirs do, so that all three return the same hits. Box
 // tests round differently, which does not change any hit.

@@ -1,4 +1,4 @@
-"""Registry of the executors, which share one signature, and their selection by name or platform."""
+"""Registry of the backends, which share one signature, and their selection by name or platform."""
 
 import functools
 from collections.abc import Callable
@@ -23,7 +23,7 @@ Ray [e, r] belongs to environment e.
 NATIVE: dict[str, RayBackend] = {"cpu": cast_cpu, "cuda": cast_cuda}  # by platform, where `KERNEL` works
 KERNEL = Kernel(
     TARGET,
-    "falling back to the slower `xla` executor for ray casts",
+    "falling back to the slower `xla` backend for ray casts",
     cpu=compile_chunks,
     cuda=compile_kernels,
     test=lambda platform: find_fault(NATIVE[platform]),
@@ -33,7 +33,7 @@ KERNEL = Kernel(
 def cast_auto(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast with the fastest executor of the platform that the program is lowered for."""
+    """Cast with the fastest backend of the platform that the program is lowered for."""
     native = {platform: _with_query(cast, query) for platform, cast in NATIVE.items()}
     return KERNEL.select(_with_query(cast_xla, query), native, geometry, house, moving, rays)
 
@@ -45,8 +45,8 @@ def _with_query(backend: RayBackend, query: RayQuery) -> Callable[..., RawHit]:
 def _cast_natively(
     platform: str, geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast with the native executor of a platform; raise `BackendError` if it does not work in this process."""
-    KERNEL.check_usable(platform, f"the `{platform}` executor", "Use backend='xla'.")
+    """Cast with the native backend of a platform; raise `BackendError` if it does not work in this process."""
+    KERNEL.check_usable(platform, f"the `{platform}` backend", "Use backend='xla'.")
     return NATIVE[platform](geometry, house, moving, rays, query)
 
 
@@ -55,10 +55,10 @@ BACKENDS |= {platform: functools.partial(_cast_natively, platform) for platform 
 
 
 def find_backend(name: str | None) -> RayBackend:
-    """Return the executor of a name; None selects by platform.
+    """Return the backend of a name; None selects by platform.
 
     Raises:
-        ConfigError: The executor is unknown.
+        ConfigError: The backend is unknown.
     """
-    check_known("executor", [] if name is None else [name], [n for n in BACKENDS if n])
+    check_known("backend", [] if name is None else [name], [n for n in BACKENDS if n])
     return BACKENDS[name]

@@ -1,4 +1,4 @@
-"""The `cpu` executor: Numba code that XLA calls directly, compiled and tested on first use."""
+"""The `cpu` backend: Numba code that XLA calls directly, compiled and tested on first use."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The `cuda` executor: `cast.cu`, called by XLA; compiled for the installed GPU and tested on first use."""
+"""The `cuda` backend: `cast.cu`, called by XLA; compiled for the installed GPU and tested on first use."""
 
 from pathlib import Path
 

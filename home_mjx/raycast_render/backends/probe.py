@@ -1,4 +1,4 @@
-"""Self-test of executors on a scene of two triangles, one of them moving."""
+"""Self-test of backends on a scene of two triangles, one of them moving."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -13,13 +13,13 @@ from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, R
 T = TypeVar("T")
 
 
-def find_fault(executor: Callable) -> str | None:
-    """Return a description of the error in an executor's result; None if the result is correct.
+def find_fault(backend: Callable) -> str | None:
+    """Return a description of the error in a backend's result; None if the result is correct.
 
     Four rays run along +z. They hit the static triangle at z = 1, hit the moving one at z = 2, miss both, and end
     before the static one.
     """
-    hits = jax.jit(lambda *args: executor(*args, CLOSEST_HIT))(_geometry(), jnp.zeros(1, jnp.int32), _moving(), _rays())
+    hits = jax.jit(lambda *args: backend(*args, CLOSEST_HIT))(_geometry(), jnp.zeros(1, jnp.int32), _moving(), _rays())
     t, instance, triangle, u, v, front = (np.asarray(x)[0] for x in hits)
     right = (
         np.allclose(t[:2], [1, 2], atol=1e-5)

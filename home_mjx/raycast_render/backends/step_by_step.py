@@ -1,4 +1,4 @@
-"""Successive hits along rays, one cast per hit, for executors without a native implementation."""
+"""Successive hits along rays, one cast per hit, for backends without a native implementation."""
 
 from collections.abc import Callable
 
@@ -23,7 +23,7 @@ def cast_multi_hit_by_loop(
     """Return successive hits of shape (environments, rays per environment, steps).
 
     Args:
-        cast: An executor, see `executors.RayBackend`, also for the other arguments.
+        cast: a backend, see `backends.RayBackend`, also for the other arguments.
         geometry: Geometry shared by all environments.
         house: House of each environment.
         moving: Dynamic instances of each environment.

@@ -1,4 +1,4 @@
-"""The reference executor: two-level traversal in plain JAX, on any platform.
+"""The reference backend: two-level traversal in plain JAX, on any platform.
 
 All rays of a chunk step together: they descend until no ray is at a node, then all test triangles and enter or leave
 instances. A ray keeps a stack of tree codes. Inside an instance it is stored in that instance's frame. It leaves the
@@ -62,7 +62,7 @@ class _Operands(NamedTuple):
 def cast_xla(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment); see `executors.RayBackend`."""
+    """Cast rays of shape (environments, rays per environment); see `backends.RayBackend`."""
     if query.num_hits:
         return cast_multi_hit_by_loop(cast_xla, geometry, house, moving, rays, query)
     rays, shape = rays.expanded(), rays.shape

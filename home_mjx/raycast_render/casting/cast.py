@@ -49,8 +49,8 @@ def cast(
         The hits, with the leading shape of the rays.
 
     Raises:
-        ConfigError: The executor is unknown.
-        ExecutorError: The executor cannot run in this process.
+        ConfigError: The backend is unknown.
+        BackendError: The backend cannot run in this process.
 
     Example:
         >>> hit = cast(scene, jnp.zeros(3), jnp.array([1.0, 0.0, 0.0]))  # doctest: +SKIP
@@ -119,11 +119,11 @@ def cast_multi_hit(
         miss on are misses.
 
     Raises:
-        ConfigError: The executor is unknown.
-        ExecutorError: The executor cannot run in this process.
+        ConfigError: The backend is unknown.
+        BackendError: The backend cannot run in this process.
 
     Example:
-        >>> hit = cast_through(scene, eye, ahead, steps=4, skin=1e-4)  # doctest: +SKIP
+        >>> hit = cast_multi_hit(scene, eye, ahead, steps=4, skin=1e-4)  # doctest: +SKIP
         >>> hit.t  # doctest: +SKIP
         Array([1.2, 1.3, 2.95, inf], dtype=float32)
     """
@@ -135,7 +135,7 @@ def cast_multi_hit(
 
 
 def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
-    """Attach gradients to an executor's results, one hit per ray, and restore the rays' shape."""
+    """Attach gradients to a backend's results, one hit per ray, and restore the rays' shape."""
     t, instance, triangle, u, v, front = (x.reshape(-1) for x in hits)
     t, u, v = attach_gradient(scene, rays, instance, triangle, t, u, v)
     t = jnp.where(instance < 0, jnp.inf, t)
@@ -169,10 +169,10 @@ def _shared_fields(origin: Array, t_min: Distance, t_max: Distance, exclude: Id,
     return (*(name for name, x in given.items() if jnp.ndim(x) == 0), *(("origin",) if origin.ndim == 1 else ()))
 
 
-def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, query: RayQuery) -> tuple[Array, ...]:
-    """Run the executor; return hits of shape (rays,) or (rays, steps).
+def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], backend: str | None, query: RayQuery) -> tuple[Array, ...]:
+    """Run the backend; return hits of shape (rays,) or (rays, steps).
 
-    The executor gets a single value of each `shared` field, which saves memory traffic.
+    The backend gets a single value of each `shared` field, which saves memory traffic.
     """
     check_not_forked("cast rays")
     count = rays.t_min.size
@@ -180,7 +180,7 @@ def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None
     flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
     house, moving = scene.geometry.clip_house_index(scene.house), _clip_rows(scene.geometry, scene.moving)
     args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], moving), flat
-    hits = flat_cast(executor or scene.backend, query)(*jax.tree.map(lax.stop_gradient, args))
+    hits = flat_cast(backend or scene.backend, query)(*jax.tree.map(lax.stop_gradient, args))
     return tuple(x[0] for x in hits)
 
 

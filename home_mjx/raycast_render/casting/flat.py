@@ -20,12 +20,12 @@ NUM_RAY_FIELDS = 6  # fields of `Rays`
 
 
 @functools.cache
-def flat_cast(executor: str | None, query: RayQuery) -> BatchedCast:
+def flat_cast(backend: str | None, query: RayQuery) -> BatchedCast:
     """Return a function that casts rays (e r ...) in environments (e ...) that share one geometry.
 
     `vmap` of the function extends axis e or axis r.
     """
-    run = find_backend(executor)
+    run = find_backend(backend)
 
     def cast_whole(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
         return run(geometry, house, moving, rays, query)
@@ -64,7 +64,7 @@ def _leading_axes(operands: list[tuple[int, ...]], results: list[tuple[int, ...]
 
 
 def _no_hits(cast: BatchedCast, batched: Any, args: Any) -> RawHit:
-    """Return the hits of an empty batch without calling an executor."""
+    """Return the hits of an empty batch without calling a backend."""
     one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
     return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 

@@ -64,7 +64,7 @@ def render(
         depth_max: Maximum value of depth and distance images [m]; None disables clipping.
 
     Raises:
-        ConfigError: A kind, the shader or the scene's executor is unknown, `depth_max` is negative, or the bank does
+        ConfigError: A kind, the shader or the scene's backend is unknown, `depth_max` is negative, or the bank does
             not have a bake that the shader needs. Outside of `jit`
             also if the camera is invalid, see `check_camera`.
 

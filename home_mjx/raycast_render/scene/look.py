@@ -84,7 +84,7 @@ def hash_uniform(seed: UInt32[Array, ""], row: Int[Array, "*n"], what: int) -> F
     """Draw a number in [0, 1) for each row, determined by seed, row and channel.
 
     Example:
-        >>> drawn(jnp.uint32(7), jnp.arange(2), RED).shape
+        >>> hash_uniform(jnp.uint32(7), jnp.arange(2), RED).shape
         (2,)
     """
     own = _mix_bits(row.astype(jnp.uint32) * jnp.uint32(GOLDEN) + jnp.uint32(what))

@@ -44,7 +44,7 @@ class Scene(Pytree):
     bank: HouseBank  # shared by all environments
     house: Int[Array, ""]
     moving: DynamicInstances
-    backend: str | None = static(default=None)  # executor of rays, see `cast`; None: fastest of the platform
+    backend: str | None = static(default=None)  # backend of rays, see `cast`; None: fastest of the platform
     appearance: AppearanceOverrides | None = None  # appearance overrides of the episode; None: none
     sound_materials: SoundMaterials | None = None  # acoustic materials of this environment; None: the bank's
 
@@ -64,13 +64,13 @@ class Scene(Pytree):
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
             >>> hits = jax.vmap(cast, in_axes=(Scene.axes(), 0, 0))(moved, origins, directions)  # doctest: +SKIP
         """
-        return cls.build_unchecked(bank=None, house=0, moving=0, executor=backend, look=0, materials=0)
+        return cls.build_unchecked(bank=None, house=0, moving=0, backend=backend, look=0, materials=0)
 
 
 class Rays(Pytree):
     """Rays of any leading shape.
 
-    Executors get rays of shape (environments, rays per environment). There, a field with the same value for all rays of
+    Backends get rays of shape (environments, rays per environment). There, a field with the same value for all rays of
     an environment may have one entry only.
     """
 
@@ -104,7 +104,7 @@ CLOSEST_HIT = RayQuery()
 
 
 class RawHit(NamedTuple):
-    """Results of executors, of shape (environments, rays per environment), with a last axis if the query has steps.
+    """Results of backends, of shape (environments, rays per environment), with a last axis if the query has steps.
 
     After an any-hit query only the sign of `instance` is defined.
     """

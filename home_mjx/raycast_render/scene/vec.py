@@ -22,7 +22,7 @@ class Vec(Pytree):
     """Three-dimensional vectors or colours: one per pixel of any shape, or one for all pixels.
 
     Example:
-        >>> a = Vec.of(jnp.array([[3.0, 0.0, 4.0]]))
+        >>> a = Vec.unpack(jnp.array([[3.0, 0.0, 4.0]]))
         >>> a.dot(a).tolist(), a.cross(Vec(0.0, 1.0, 0.0)).pack().tolist()
         ([25.0], [[-4.0, 0.0, 3.0]])
     """

@@ -14,7 +14,7 @@ def unknown_material_share(house: CompiledHouse) -> float:
         house: Compiled house; movable objects are in their initial pose.
 
     Example:
-        >>> unknown_share(house) > TOLERABLE  # doctest: +SKIP
+        >>> unknown_material_share(house) > MAX_UNKNOWN_SHARE  # doctest: +SKIP
         False
     """
     known = np.array([bool(kind) for kind in house.materials.kind])

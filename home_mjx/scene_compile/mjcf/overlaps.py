@@ -140,7 +140,7 @@ def measure_rest_drift(xml: str, files: Mapping[str, bytes], seconds: float = 10
         Maximum distance of each free body from its initial position [m]; inf if the simulation diverged.
 
     Example:
-        >>> rest_drift(*to_mjcf(house))  # doctest: +SKIP
+        >>> measure_rest_drift(*to_mjcf(house))  # doctest: +SKIP
         {'object15': 9.8e-05, 'object16': 9.8e-05}
     """
     model = mujoco.MjModel.from_xml_string(xml, dict(files))

@@ -25,7 +25,7 @@ def short_text(size: str, look: Appearance, category: str) -> str:
         category: Fine category.
 
     Example:
-        >>> look = Appearance({"css": ("linen",)}, ("wood",), textured=True)
+        >>> look = Appearance({"css": ("linen",)}, ("wood",), is_textured=True)
         >>> short_text("small", look, "coffee_table")
         'small linen coffee table made of wood'
     """

@@ -45,7 +45,7 @@ class ObserverPose:
             point: World x and y [m]; further numbers are ignored.
 
         Example:
-            >>> Viewpoint(0.0, 0.0, heading=np.pi / 2).side((-2.0, 0.5))
+            >>> ObserverPose(0.0, 0.0, heading=np.pi / 2).side((-2.0, 0.5))
             'left'
         """
         bearing = np.arctan2(point[1] - self.y, point[0] - self.x) - self.heading
@@ -116,7 +116,7 @@ def observer_relations(
 
     Example:
         >>> boxes = box_set([[2.0, 1.0, 0.0], [2.0, -1.0, 0.0]], [0.2, 0.2, 0.2])  # doctest: +SKIP
-        >>> relations_seen([7, 8], boxes, np.zeros((2, 2), int), Viewpoint(0.0, 0.0))[0]  # doctest: +SKIP
+        >>> observer_relations([7, 8], boxes, np.zeros((2, 2), int), ObserverPose(0.0, 0.0))[0]  # doctest: +SKIP
         Relation(subject=7, predicate='left of', object=8)
     """
     way = boxes.center[:, :2] - (observer.x, observer.y)

@@ -56,7 +56,7 @@ def encode_name(column: Semantic, name: str) -> int:
         ConfigError: The column has no such name.
 
     Example:
-        >>> number_of(Semantic.SIZE, "large"), number_of(Semantic.SIZE, "")
+        >>> encode_name(Semantic.SIZE, "large"), encode_name(Semantic.SIZE, "")
         (3, -1)
     """
     if name not in ("", "unknown"):

@@ -74,7 +74,7 @@ def with_arrangements(
         ConfigError: `num_arrangements` is not a whole number of at least 1.
 
     Example:
-        >>> bank, settled = settled_poses(bank, 8, jax.random.key(0))  # doctest: +SKIP
+        >>> bank, settled = with_arrangements(bank, 8, jax.random.key(0))  # doctest: +SKIP
         >>> env = home_mjx.make("PointNav-v0", bank, arrangement="random")  # doctest: +SKIP
     """
     check_number("num_arrangements", num_arrangements, 1, integer=True)

@@ -69,7 +69,9 @@ def override_options(records: Records, given: Mapping[str, Any], accepted: Itera
             requested `ctrl_dt`.
 
     Example:
-        >>> override({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[""].physics.friction
+        >>> override_options({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[
+        ...     ""
+        ... ].physics.friction
         0.5
     """
     known = {path: prefix for prefix, record in records.items() for path in _field_paths(record, prefix)}

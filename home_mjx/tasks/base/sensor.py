@@ -18,7 +18,7 @@ class Sensor:
     `Task.num_acting`: `config` and `snapshot` are restricted to them.
 
     Attributes:
-        name: Name in `sensor_states=`.
+        name: Name in `sensors=`.
         casts_rays: True if the sensor casts rays. `AutoReset` then computes it for final observations only on request.
         state_owner: Sensor whose state it reads instead of its own, such as `audio` for spectra. That state is
             updated once for all its readers. The owner's observation is computed only if it is in `sensors=` as well.
@@ -69,7 +69,7 @@ _REGISTRY: dict[str, Sensor] = {}
 
 
 def register_sensor(sensor: Sensor) -> None:
-    """Register a sensor by its name, for `sensor_states=` of every environment made from now on.
+    """Register a sensor by its name, for `sensors=` of every environment made from now on.
 
     Raises:
         ConfigError: Not a `Sensor`, no name, or the name is taken.

@@ -128,7 +128,7 @@ def contact_semantics(scene: Scene, contacts: BodyContacts | PhysicsState) -> Co
         contacts: Contacts of each dynamic body.
 
     Example:
-        >>> meaning = touch_meaning(snapshot.scene, snapshot.touch)  # doctest: +SKIP
+        >>> meaning = contact_semantics(snapshot.scene, snapshot.touch)  # doctest: +SKIP
         >>> on_glass = meaning.other[:, Semantic.MATERIAL] == number_of(Semantic.MATERIAL, "glass")  # doctest: +SKIP
     """
     bank, house, moving = scene.bank, scene.house, scene.moving

@@ -24,13 +24,13 @@ class DiscreteActions:
     Attributes:
         forward_step_size: Distance of `move_forward` [m].
         turn_angle: Angle of `turn_left` and `turn_right` [degrees].
-        tilt_angle: Angle of `look_up` and `place_overhead_camera` [degrees].
+        tilt_angle: Angle of `look_up` and `look_down` [degrees].
 
     Raises:
         ConfigError: A value is invalid.
 
     Example:
-        >>> round(DiscreteActions(turn_angle=30).least_time(Body()), 3)  # [s], for a turn
+        >>> round(DiscreteActions(turn_angle=30).min_duration(AgentBody()), 3)  # [s], for a turn
         0.333
     """
 
@@ -78,7 +78,7 @@ class ArraySpec:
         """Return the spec of one agent; inverse of `for_agents`.
 
         Example:
-            >>> ArraySpec((2, 3)).of_one(2).shape
+            >>> ArraySpec((2, 3)).for_one_agent(2).shape
             (3,)
         """
         shape = self.shape if num_agents == 1 else self.shape[1:]

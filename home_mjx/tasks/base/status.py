@@ -53,7 +53,7 @@ def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
     """Return the flags whose condition holds anywhere.
 
     Example:
-        >>> int(flags(CONTACT_POINTS=jnp.array([False, True]), STATIC_BOXES=jnp.array(False)))
+        >>> int(status_flags(CONTACT_POINTS=jnp.array([False, True]), STATIC_BOXES=jnp.array(False)))
         8
     """
     bits = [jnp.where(jnp.any(on), jnp.int32(Status[name]), jnp.int32(0)) for name, on in conditions.items()]

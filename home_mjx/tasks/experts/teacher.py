@@ -35,7 +35,7 @@ class ExpertObservationEnv(HouseholdEnv):
         core: The environment.
 
     Example:
-        >>> core = WithExpert(env.core)  # doctest: +SKIP
+        >>> core = ExpertObservationEnv(env.core)  # doctest: +SKIP
         >>> state = core.reset(env.params, jax.random.key(0))  # doctest: +SKIP
         >>> state = core.step(env.params, state, state.obs["expert"])  # doctest: +SKIP
     """

@@ -66,9 +66,9 @@ def update_map_memory(snapshot: Snapshot, memory: MapMemory | None = None) -> Ma
         memory: Memory of the previous step; None if there is none.
 
     Example:
-        >>> memory = remember_map(core.snapshot(params, state))  # doctest: +SKIP
+        >>> memory = update_map_memory(core.snapshot(params, state))  # doctest: +SKIP
         >>> state = core.step(params, state, action)  # doctest: +SKIP
-        >>> memory = remember_map(core.snapshot(params, state), memory)  # doctest: +SKIP
+        >>> memory = update_map_memory(core.snapshot(params, state), memory)  # doctest: +SKIP
     """
     pos = snapshot.pose.pos
     if memory is None:
@@ -98,7 +98,7 @@ def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 
 
     Example:
         >>> found = top_down_map(core.snapshot(params, state), state.task, memory)  # doctest: +SKIP
-        >>> share_seen = found.seen[found.ground == Ground.FREE].mean()  # doctest: +SKIP
+        >>> share_seen = found.seen[found.ground == CellOccupancy.FREE].mean()  # doctest: +SKIP
     """
     if not 0 <= agent < memory.start.shape[0]:
         raise ConfigError(f"there are agents 0 to {memory.start.shape[0] - 1}, asked for the map of {agent}")

@@ -159,7 +159,7 @@ def definite_noun(thing: HouseObject) -> str:
     """Return a noun phrase for an object that is the only one of its category.
 
     Example:
-        >>> the(thing)  # doctest: +SKIP
+        >>> definite_noun(thing)  # doctest: +SKIP
         'the sofa'
     """
     return f"the {to_word(noun(thing))}"

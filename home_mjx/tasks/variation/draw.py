@@ -51,7 +51,7 @@ def sample_variation(variation: Variation | None, key: Array, num_lamps: int) ->
         num_lamps: Number of groups of lamps that switch together: one per room, and one for lamps outside rooms.
 
     Example:
-        >>> drawn = draw(Variation.of(volume=(0.5, 2.0)), jax.random.key(0), 1)
+        >>> drawn = sample_variation(Variation.of(volume=(0.5, 2.0)), jax.random.key(0), 1)
         >>> bool((drawn.volume >= 0.5) & (drawn.volume <= 2))
         True
     """

@@ -33,7 +33,7 @@ def add_move_noise(
 
     Example:
         >>> still = jnp.zeros((1, 3))
-        >>> bool((noisy_moves(jnp.float32(1.0), jax.random.key(0), still, still + 1) == still).all())
+        >>> bool((add_move_noise(jnp.float32(1.0), jax.random.key(0), still, still + 1) == still).all())
         True
     """
     turns = (drive[:, 2] != 0)[:, None]

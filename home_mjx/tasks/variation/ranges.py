@@ -117,7 +117,7 @@ class Variation(Pytree):
         """Return arguments of `of` for the same ranges as plain numbers, such as for JSON; on the host.
 
         Example:
-            >>> Variation.of(lamps=0.5, friction=(1, 2)).named()
+            >>> Variation.of(lamps=0.5, friction=(1, 2)).to_dict()
             {'lamps': 0.5, 'friction': [1.0, 2.0]}
         """
         given = {name: np.asarray(getattr(self, name)) for name in RANGE_NAMES if getattr(self, name) is not None}
@@ -134,7 +134,7 @@ def normalize_ranges(given: Any) -> dict[str, Any]:
     """Return ranges in any form that `make` accepts, validated, as plain numbers by name.
 
     Example:
-        >>> named({"lamps": 0.5, "volume": 2})
+        >>> normalize_ranges({"lamps": 0.5, "volume": 2})
         {'lamps': 0.5, 'volume': [2.0, 2.0]}
     """
     variation = to_variation(given)

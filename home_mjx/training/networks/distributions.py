@@ -164,8 +164,8 @@ def make_distribution(spec: ArraySpec) -> Gaussian | Categorical:
         ConfigError: The spec is neither discrete from 0 nor a float32 vector.
 
     Example:
-        >>> distribution_of(ArraySpec((), "int32", 0, 5))
-        Categorical(sizes=(6,), single=True, num_scales=0)
+        >>> make_distribution(ArraySpec((), "int32", 0, 5))
+        Categorical(sizes=(6,), is_single=True, num_scales=0)
     """
     low, high = spec.bounds()
     if spec.dtype == "int32" and len(spec.shape) <= 1 and not np.any(low):

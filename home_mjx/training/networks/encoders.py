@@ -40,9 +40,9 @@ def encoder_kind(name: str, spec: ArraySpec) -> str:
     - `none`: `camera/*`, the camera poses, and `expert`, the advice; neither is encoded.
 
     Example:
-        >>> kind_of("pixels/head_depth", ArraySpec((64, 64, 1)))
+        >>> encoder_kind("pixels/head_depth", ArraySpec((64, 64, 1)))
         'image'
-        >>> kind_of("goal", ArraySpec((3,)))
+        >>> encoder_kind("goal", ArraySpec((3,)))
         'vector'
     """
     rank, is_int = len(spec.shape), spec.dtype in ("int32", "int16")

@@ -26,7 +26,7 @@ class QueryAttention(nn.Module):
     Example:
         >>> import jax
         >>> x, marks, asked = jnp.ones((2, 8, 8, 5)), jnp.ones((2, 8, 8, 4)), jnp.ones((2, 16))
-        >>> glimpse = Glimpse(num=3, features=32)
+        >>> glimpse = QueryAttention(num_heads=3, features=32)
         >>> glimpse.apply(glimpse.init(jax.random.key(0), x, marks, asked), x, marks, asked).shape
         (2, 32)
     """

@@ -37,7 +37,7 @@ def id_column(observation: str) -> Semantic | None:
     """Return the vocabulary of an id observation; None if its ids have no names.
 
     Example:
-        >>> column_of("ids/head_coarse"), column_of("ids/head_instance")
+        >>> id_column("ids/head_coarse"), id_column("ids/head_instance")
         (<Semantic.COARSE: 2>, None)
     """
     found = [kind for kind in SEMANTIC_KINDS if observation.startswith("ids/") and observation.endswith(f"_{kind}")]
@@ -70,7 +70,7 @@ def mark_named_pixels(
     Example:
         >>> ids = jnp.array([[[0, 3, -1]]])  # tiny, large, a miss
         >>> said = jnp.array([tokenize("the large bed")])
-        >>> mentioned(ids, Semantic.SIZE, said)[0, 0, :, 0].tolist()
+        >>> mark_named_pixels(ids, Semantic.SIZE, said)[0, 0, :, 0].tolist()
         [0.0, 1.0, 0.0]
     """
     tokens = np.append(name_tokens(column), np.int32(NO_TOKEN - 1))  # a miss has a token that no text contains

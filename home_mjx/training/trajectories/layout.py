@@ -29,7 +29,7 @@ def space_to_json(space: gymnasium.Space) -> dict[str, Any]:
         ConfigError: The space is of a type that no environment here uses.
 
     Example:
-        >>> space_json(gymnasium.spaces.Discrete(6))
+        >>> space_to_json(gymnasium.spaces.Discrete(6))
         {'type': 'Discrete', 'dtype': 'int64', 'start': 0, 'n': 6}
     """
     if isinstance(space, gymnasium.spaces.Dict):
@@ -93,7 +93,7 @@ def count_complete_episodes(data: Path) -> int:
     """Count the complete episodes 0, 1, ... on disk; an episode's folder gets its number only when it is complete.
 
     Example:
-        >>> num_complete(Path("nowhere"))
+        >>> count_complete_episodes(Path("nowhere"))
         0
     """
     count = 0

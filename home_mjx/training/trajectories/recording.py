@@ -42,7 +42,7 @@ def record(
     episodes would be overrepresented. Each episode's metadata contain its task, instruction, house and metrics.
 
     Args:
-        env: The environment; its `sensor_states=` are recorded, including images, sound and tokens.
+        env: The environment; its `sensors=` are recorded, including images, sound and tokens.
         folder: Output folder.
         policy: Policy that acts; None: the expert, which needs an environment of `add_expert`. The expert's advice is
             recorded as observation `expert` if another policy acts.

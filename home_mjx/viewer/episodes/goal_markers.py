@@ -100,7 +100,7 @@ def format_utterances(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"
 
     Example:
         >>> from home_mjx.tasks.language.vocabulary import tokenize
-        >>> as_words(np.array([*tokenize("colour"), -1]), np.array([*tokenize("red"), -1]))
+        >>> format_utterances(np.array([*tokenize("colour"), -1]), np.array([*tokenize("red"), -1]))
         ('colour: red',)
     """
     pairs = zip(said.tolist(), replies.tolist(), strict=True)

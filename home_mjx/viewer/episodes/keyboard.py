@@ -143,7 +143,7 @@ def image_to_text(image: UInt8[np.ndarray, "h w 3"], columns: int = TERMINAL_COL
     r"""Format an image as coloured half blocks, two pixels a character, for a terminal with 24-bit colours.
 
     Example:
-        >>> as_text(np.zeros((2, 1, 3), np.uint8), 1)
+        >>> image_to_text(np.zeros((2, 1, 3), np.uint8), 1)
         '\x1b[38;2;0;0;0m\x1b[48;2;0;0;0m▀\x1b[0m'
     """
     height = max(1, round(columns * image.shape[0] / image.shape[1] / 2)) * 2

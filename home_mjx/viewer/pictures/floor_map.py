@@ -28,7 +28,7 @@ def draw_map(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
         size: Approximate length of the longer side [px]; cells have a whole number of pixels.
 
     Example:
-        >>> write_png("map.png", map_picture(found))  # doctest: +SKIP
+        >>> write_png("map.png", draw_map(found))  # doctest: +SKIP
     """
     ground = np.asarray(found.occupancy)
     inside = np.argwhere(ground != CellOccupancy.OUTSIDE)
@@ -96,7 +96,7 @@ def draw_sound_map(
 
     Example:
         >>> values, room = np.array([[1.0, 2.0], [3.0, np.nan]]), np.ones((2, 2), bool)
-        >>> sound_map(values, room, np.zeros(2), "T30 [s]", 64).shape
+        >>> draw_sound_map(values, room, np.zeros(2), "T30 [s]", 64).shape
         (78, 60, 3)
     """
     known = np.isfinite(values)

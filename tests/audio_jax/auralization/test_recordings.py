@@ -63,7 +63,7 @@ def test_files_that_are_no_sound_are_refused(tmp_path):
         (np.zeros(4000), "is silent"),
         (np.full(4000, 0.5), "is silent"),
         (np.where(np.arange(4000) == 99, np.nan, tone(16000, 0.25)), "not finite"),
-        (np.stack([tone(16000, 0.25), -tone(16000, 0.25)], axis=1), "opposite sign"),
+        (np.stack([tone(16000, 0.25), -tone(16000, 0.25)], axis=1), "opposite polarity"),
     ],
     ids=["nothing", "only an offset", "not a number", "channels that cancel out"],
 )

@@ -21,7 +21,7 @@ def test_rays_grow_old_by_the_way_that_they_flew(monkeypatch):
     found = {}
 
     def keep(tally, cells, *others):
-        found["went"] = cells.whole(lambda gave: gave.went).sum(axis=(0, 1, 2, 3))
+        found["went"] = cells.gather(lambda gave: gave.portal_energy).sum(axis=(0, 1, 2, 3))
         return fill_accumulator(tally, cells, *others)
 
     monkeypatch.setattr(baker, "fill_accumulator", keep)

@@ -62,7 +62,11 @@ def level(obstacles: BarrierBoxes, source, listener, within=False) -> np.ndarray
     source, listener = np.asarray(source, float), np.asarray(listener, float)
     found = find(obstacles, jnp.float32(source), jnp.float32(listener))
     there = np.isfinite(found.finite_edge_detour)
-    heard = there & ~blocked(obstacles, source, found.source_side_point) & ~blocked(obstacles, listener, found.listener_side_point)
+    heard = (
+        there
+        & ~blocked(obstacles, source, found.source_side_point)
+        & ~blocked(obstacles, listener, found.listener_side_point)
+    )
     clear = ~blocked(obstacles, source, listener)
     distance = np.linalg.norm(source - listener)
     nothing = jnp.full(len(BANDS), 1.0 if clear else 0.0)

@@ -179,7 +179,7 @@ def test_a_listener_has_its_head_in_a_room(coarse):
     (ours, envelope), (plain, expected) = hear(coarse), hear(None)
     np.testing.assert_allclose(*(10 * np.log10(np.sum(x**2, axis=1)) for x in (ours, plain)), atol=0.5)
     np.testing.assert_allclose(*(10 * np.log10(np.sum(x.energy, axis=0)) for x in (envelope, expected)), atol=0.5)
-    np.testing.assert_allclose(envelope.lead, expected.lead, atol=30e-6)
+    np.testing.assert_allclose(envelope.left_ear_lead, expected.left_ear_lead, atol=30e-6)
 
 
 def test_agents_hear_with_the_head_of_their_parameters(coarse):

@@ -26,7 +26,7 @@ houses = HouseCache(dataset)
 houses.load(dataset.house_ids[0])
 houses.notes(dataset.house_ids[0])
 names = [os.path.relpath(os.fsdecode(p), root) for p in opened if isinstance(p, str | bytes | os.PathLike)]
-print(houses.compiled, *sorted({name for name in names if not name.startswith("..")}))
+print(houses.num_compiled, *sorted({name for name in names if not name.startswith("..")}))
 """
 
 

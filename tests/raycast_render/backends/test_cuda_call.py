@@ -1,4 +1,4 @@
-"""How the `cuda` executor is called and its code kept, seen without a GPU; and on one, if there is one."""
+"""How the `cuda` backend is called and its code kept, seen without a GPU; and on one, if there is one."""
 
 import jax
 import jax.numpy as jnp
@@ -172,8 +172,8 @@ def batch():
     return bank, (house, moving, origin, f32(rng.normal(size=(E_, R, 3))))
 
 
-def rows(bank, house, moving, origin, direction, executor=None):
-    return cast(Scene(bank, house, moving), origin, direction, backend=executor)
+def rows(bank, house, moving, origin, direction, backend=None):
+    return cast(Scene(bank, house, moving), origin, direction, backend=backend)
 
 
 per_env = jax.vmap(rows, (None, 0, 0, 0, 0))
@@ -186,10 +186,10 @@ def assert_same(a, b):
 
 @pytest.fixture(scope="module")
 def expected(batch):
-    """What the `cpu` executor says."""
+    """What the `cpu` backend says."""
     bank, args = batch
     bank, args = jax.device_put((bank, args), jax.devices("cpu")[0])
-    look = jax.jit(jax.vmap(lambda *a: rows(*a, executor="cpu"), (None, 0, 0, 0, 0)))
+    look = jax.jit(jax.vmap(lambda *a: rows(*a, backend="cpu"), (None, 0, 0, 0, 0)))
     return jax.tree.map(np.asarray, look(bank, *args))
 
 

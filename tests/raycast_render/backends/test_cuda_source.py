@@ -138,17 +138,17 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
 
 
 def assert_same(library, scene, origin, direction, **options):
-    """The bits of the `cpu` executor, and what `xla` sees."""
+    """The bits of the `cpu` backend, and what `xla` sees."""
     found = run(library, scene, origin, direction, **options)
     kinds = {"t_min": f32, "t_max": f32, "exclude": i32, "mask": i32}
     given = {name: kinds[name](np.broadcast_to(x, len(origin))) for name, x in ({"mask": 7} | options).items()}
     args = scene, f32(origin), f32(direction)
 
-    def expected(function, executor):
+    def expected(function, backend):
         def look(s, o, d, options, backend):
             return function(s, o, d, **options, backend=backend)
 
-        return in_jit(look, *args, given, backend=executor)
+        return in_jit(look, *args, given, backend=backend)
 
     exact, reference = (expected(cast, name) for name in ("cpu", "xla"))
     found[0] = np.where(found[1] < 0, np.inf, found[0])

@@ -47,7 +47,7 @@ extern "C" void run(void** arrays, int warps, int environments, bool steps) {
 
 
 def assert_same(library, scene, rays, query):
-    """The bits of the `cpu` executor, of rays (e r) in environments that are alike."""
+    """The bits of the `cpu` backend, of rays (e r) in environments that are alike."""
     environments, count = rays.shape
     house, moving = jax.tree.map(lambda x: jnp.stack([x] * environments), (scene.house, scene.moving))
     inputs = [np.ascontiguousarray(x) for x in cuda.kernel_operands(scene.geometry, house, moving, rays, query)]

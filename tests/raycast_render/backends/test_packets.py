@@ -1,4 +1,4 @@
-"""The `cpu` executor's packets: hits do not depend on which rays are cast together, and lanes compute as NumPy does."""
+"""The `cpu` backend's packets: hits do not depend on which rays are cast together, and lanes compute as NumPy does."""
 
 from typing import Any, no_type_check
 

@@ -29,10 +29,10 @@ def bank():
 def look(bank):
     """Images of one environment whose camera stands at x and whose movable body is at `body`."""
 
-    def images(x, body, executor=None):
+    def images(x, body, backend=None):
         pos = bank.physics.body_pos[0].at[0].set(body)
         nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-        scene = make_scene(bank, jnp.int32(0), pos, bank.physics.body_quat[0], *nobody, backend=executor)
+        scene = make_scene(bank, jnp.int32(0), pos, bank.physics.body_quat[0], *nobody, backend=backend)
         eye = jnp.stack([x, jnp.float32(-1.0), jnp.float32(1.2)])
         camera = Camera(eye, LEVEL, jnp.float32(1.5))
         return render(scene, camera, Lens(8, 8), kinds=KINDS, depth_max=None)
@@ -72,11 +72,11 @@ def test_images_are_drawn_on_every_nth_step_only(look, batch):
         render_every(0, jnp.int32(0), dict, {})
 
 
-@pytest.mark.parametrize("executor", ["xla", "cpu"])
+@pytest.mark.parametrize("backend", ["xla", "cpu"])
 @pytest.mark.parametrize("broken", ["camera", "body"])
-def test_a_pose_that_is_no_number_is_flagged_and_leaves_its_neighbours_alone(look, batch, broken, executor):
+def test_a_pose_that_is_no_number_is_flagged_and_leaves_its_neighbours_alone(look, batch, broken, backend):
     x, body = batch
-    views = jax.jit(jax.vmap(functools.partial(look, executor=executor)))
+    views = jax.jit(jax.vmap(functools.partial(look, backend=backend)))
     good = views(x, body)
     bad = (x.at[1].set(jnp.nan), body) if broken == "camera" else (x, body.at[1, 2].set(jnp.nan))
     found = views(*bad)

@@ -1,12 +1,12 @@
-"""`cast` and `occluded` against brute force in float64, both executors, and what their arguments mean."""
+"""`cast` and `occluded` against brute force in float64, both backends, and what their arguments mean."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from soup import (
+    BACKENDS,
     CUDA,
-    EXECUTORS,
     Placed,
     Soup,
     brute_force,
@@ -32,15 +32,15 @@ def case():
     return soup, scene, *random_rays(rng, N)
 
 
-def run(scene, origin, direction, executor, t_min=0.0, t_max=np.inf, exclude=-1, mask=7):
+def run(scene, origin, direction, backend, t_min=0.0, t_max=np.inf, exclude=-1, mask=7):
     """Hits of N rays, options always one per ray, so that every test shares one compiled program."""
     options = [np.broadcast_to(x, len(origin)) for x in (t_min, t_max, exclude, mask)]
     args = scene, f32(origin), f32(direction), f32(options[0]), f32(options[1]), i32(options[2]), i32(options[3])
-    return in_jit(cast, *args, backend=executor), in_jit(occluded, *args, backend=executor)
+    return in_jit(cast, *args, backend=backend), in_jit(occluded, *args, backend=backend)
 
 
-def assert_equals_brute_force(soup, scene, origin, direction, executor, **options):
-    hit, hidden = run(scene, origin, direction, executor, **options)
+def assert_equals_brute_force(soup, scene, origin, direction, backend, **options):
+    hit, hidden = run(scene, origin, direction, backend, **options)
     truth = brute_force(soup, origin, direction, **options)
     row, nearest = np.arange(len(origin)), truth.t.argmin(axis=1)
     expected, clear = truth.t[row, nearest], ~truth.doubtful
@@ -64,13 +64,13 @@ def assert_equals_brute_force(soup, scene, origin, direction, executor, **option
     return found.mean()
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_closest_hits_equal_brute_force(case, executor):
-    assert 0.3 < assert_equals_brute_force(*case, executor) < 0.98
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_closest_hits_equal_brute_force(case, backend):
+    assert 0.3 < assert_equals_brute_force(*case, backend) < 0.98
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_range_exclusion_and_mask_of_each_ray(case, executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_range_exclusion_and_mask_of_each_ray(case, backend):
     rng = np.random.default_rng(1)
     options = {
         "t_min": rng.uniform(0, 0.5, N).astype(np.float32),
@@ -78,36 +78,36 @@ def test_range_exclusion_and_mask_of_each_ray(case, executor):
         "exclude": rng.integers(-1, 8, N),
         "mask": rng.choice([1, 2, 4], N),
     }
-    found = assert_equals_brute_force(*case, executor, **options)
+    found = assert_equals_brute_force(*case, backend, **options)
     assert 0.1 < found < 0.6
 
 
-@pytest.mark.parametrize("executor", ["cpu", CUDA])
-def test_executors_agree(case, executor):
+@pytest.mark.parametrize("backend", ["cpu", CUDA])
+def test_executors_agree(case, backend):
     _, scene, origin, direction = case
-    a, b = (run(scene, origin, direction, name)[0] for name in ("xla", executor))
+    a, b = (run(scene, origin, direction, name)[0] for name in ("xla", backend))
     same = a.triangle == b.triangle
     assert same.mean() > 0.999
     np.testing.assert_array_equal(a.instance[same], b.instance[same])
     np.testing.assert_allclose(a.t[same & (a.instance >= 0)], b.t[same & (a.instance >= 0)], rtol=1e-5, atol=1e-4)
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_rays_without_extent_hit_nothing(case, executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_rays_without_extent_hit_nothing(case, backend):
     _, scene, origin, direction = case
-    hit, hidden = run(scene, origin, direction, executor, t_min=1.0, t_max=0.999)
+    hit, hidden = run(scene, origin, direction, backend, t_min=1.0, t_max=0.999)
     assert (hit.instance == -1).all()
     assert not hidden.any()
-    hit, _ = run(scene, origin, direction, executor, t_min=np.nan)
+    hit, _ = run(scene, origin, direction, backend, t_min=np.nan)
     assert (hit.instance == -1).all()
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_ties_go_to_the_lower_instance_and_triangle(rng, executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_ties_go_to_the_lower_instance_and_triangle(rng, backend):
     triangles = np.repeat(random_triangles(rng, 40), 3, axis=0)  # each one three times
     soup = Soup([triangles], [Placed(0, np.eye(3, 4), i, moves=i == 2) for i in range(3)])
     origin, direction = random_rays(rng, N)
-    hit, _ = run(soup.scene(), origin * 0.5, direction, executor)
+    hit, _ = run(soup.scene(), origin * 0.5, direction, backend)
     assert (hit.instance <= 0).all()
     assert (hit.instance == 0).mean() > 0.2
     stored = triangles[soup.order[0]]
@@ -116,27 +116,27 @@ def test_ties_go_to_the_lower_instance_and_triangle(rng, executor):
         assert triangle == first[stored[triangle].tobytes()]
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_64_bit_mode_changes_nothing(case, executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_64_bit_mode_changes_nothing(case, backend):
     _, scene, origin, direction = case
-    expected, _ = run(scene, origin, direction, executor)
+    expected, _ = run(scene, origin, direction, backend)
     with jax.enable_x64(True):
-        hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, backend=executor)
+        hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, backend=backend)
         double = [jnp.asarray(x, jnp.float64) for x in (origin, direction)]
-        wide = in_jit(cast, scene, *double, mask=7, backend=executor)
+        wide = in_jit(cast, scene, *double, mask=7, backend=backend)
     for a, b, c in zip(*map(jax.tree.leaves, (hit, wide, expected)), strict=True):
         assert a.dtype == b.dtype == c.dtype
         np.testing.assert_array_equal(a, c)
         np.testing.assert_array_equal(b, c)
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_without_jit_nothing_changes(case, executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_without_jit_nothing_changes(case, backend):
     """As users look for their own mistakes."""
     _, scene, origin, direction = case
-    expected = in_jit(cast, scene, f32(origin[:2]), f32(direction[:2]), mask=7, backend=executor)
+    expected = in_jit(cast, scene, f32(origin[:2]), f32(direction[:2]), mask=7, backend=backend)
     with jax.disable_jit():
-        hit = cast(scene, f32(origin[:2]), f32(direction[:2]), mask=7, backend=executor)
+        hit = cast(scene, f32(origin[:2]), f32(direction[:2]), mask=7, backend=backend)
     np.testing.assert_array_equal(hit.instance, expected.instance)
     np.testing.assert_array_equal(hit.triangle, expected.triangle)
     np.testing.assert_allclose(hit.t, expected.t, rtol=1e-5)
@@ -163,11 +163,11 @@ def test_any_leading_shape_and_scalars(case):
     assert many.shape == (3, 0)
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_triangles_without_area_are_never_hit(executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_triangles_without_area_are_never_hit(backend):
     point, line = np.zeros((3, 3)), np.eye(3)[[0, 1, 1]]
     soup = Soup([np.stack([point, line]).astype(np.float32)], [Placed(0, np.eye(3, 4), 0)])
-    hit = in_jit(cast, soup.scene(), f32(-np.ones((4, 3))), f32(np.eye(4, 3) * 0.5 + 1), backend=executor)
+    hit = in_jit(cast, soup.scene(), f32(-np.ones((4, 3))), f32(np.eye(4, 3) * 0.5 + 1), backend=backend)
     assert (hit.instance == -1).all()
     assert np.isinf(hit.t).all()
 

@@ -136,26 +136,26 @@ def test_banks_of_their_own_go_one_by_one(bank, batch, expected):
     assert_same(hits, jax.tree.map(lambda x: x[:2], expected))
 
 
-@pytest.mark.parametrize("executor", ["xla", "cpu"])
-def test_shard_map(bank, batch, expected, executor):
+@pytest.mark.parametrize("backend", ["xla", "cpu"])
+def test_shard_map(bank, batch, expected, backend):
     mesh = Mesh(np.array(jax.devices("cpu")[:2]), ("envs",))
     spread, whole = PartitionSpec("envs"), PartitionSpec()
-    env = lambda b, h, m, o, d: cast(Scene(b, h, m), o, d, backend=executor)  # noqa: E731
+    env = lambda b, h, m, o, d: cast(Scene(b, h, m), o, d, backend=backend)  # noqa: E731
     mapped = jax.shard_map(
         jax.vmap(env, (None, 0, 0, 0, 0)), mesh=mesh, in_specs=(whole, *[spread] * 4), out_specs=spread
     )
     hits = jax.jit(mapped)(bank, *batch)
     np.testing.assert_allclose(hits.t, expected.t, rtol=1e-5)
-    if executor == "cpu":
+    if backend == "cpu":
         assert_same(hits, expected)
 
 
-@pytest.mark.parametrize("executor", ["xla", "cpu"])
-def test_jit_on_sharded_inputs_gathers_nothing(bank, batch, expected, executor):
+@pytest.mark.parametrize("backend", ["xla", "cpu"])
+def test_jit_on_sharded_inputs_gathers_nothing(bank, batch, expected, backend):
     mesh = Mesh(np.array(jax.devices("cpu")[:2]), ("envs",))
     spread, whole = NamedSharding(mesh, PartitionSpec("envs")), NamedSharding(mesh, PartitionSpec())
     args = jax.device_put(bank, whole), *jax.device_put(batch, spread)
-    env = lambda b, h, m, o, d: cast(Scene(b, h, m), o, d, backend=executor)  # noqa: E731
+    env = lambda b, h, m, o, d: cast(Scene(b, h, m), o, d, backend=backend)  # noqa: E731
     program = jax.jit(jax.vmap(env, (None, 0, 0, 0, 0))).lower(*args).compile()
     text = program.as_text()
     assert not [word for word in ("all-gather", "all-reduce", "all-to-all", "collective") if word in text]

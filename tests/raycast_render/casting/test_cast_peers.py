@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from handmade import Furniture, two_rooms
-from soup import EXECUTORS, Placed, Soup, f32, in_jit, random_pose
+from soup import BACKENDS, Placed, Soup, f32, in_jit, random_pose
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.casting.cast import cast
@@ -28,8 +28,8 @@ def mujoco_model(mesh, box_size, poses):
     return spec.compile()
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_mujoco_sees_the_same(executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_mujoco_sees_the_same(backend):
     rng = np.random.default_rng(5)
     mesh = trimesh.creation.icosphere(subdivisions=2)
     mesh.vertices *= [0.5, 1.0, 0.7]
@@ -49,7 +49,7 @@ def test_mujoco_sees_the_same(executor):
     aim = np.where(rng.uniform(size=(N, 1)) < 0.5, poses[0][:, 3], poses[1][:, 3]) + rng.normal(size=(N, 3)) * 0.6
     direction = aim - origin
     direction = (direction / np.linalg.norm(direction, axis=1, keepdims=True)).astype(np.float32)
-    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=executor)
+    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=backend)
 
     geom = np.zeros((1, 1), np.int32)
     expected, who = np.empty(N), np.empty(N, int)
@@ -102,7 +102,7 @@ def triangles_of(geometry, node):
     return rows
 
 
-def assert_equals_embree(scene, low, high, executor, count):
+def assert_equals_embree(scene, low, high, backend, count):
     embree = pytest.importorskip("embreex.rtcore_scene", reason="Embree is not installed")
     from embreex.mesh_construction import TriangleMesh
 
@@ -110,7 +110,7 @@ def assert_equals_embree(scene, low, high, executor, count):
     origin = rng.uniform(low, high, size=(count, 3)).astype(np.float32)
     direction = rng.normal(size=(count, 3))
     direction = (direction / np.linalg.norm(direction, axis=1, keepdims=True)).astype(np.float32)
-    hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, backend=executor)
+    hit = in_jit(cast, scene, f32(origin), f32(direction), mask=7, backend=backend)
     triangles, instance, row = world_triangles(scene)
     peer = embree.EmbreeScene()
     TriangleMesh(peer, triangles.astype(np.float32))
@@ -126,12 +126,12 @@ def assert_equals_embree(scene, low, high, executor, count):
     return met.mean(), np.unique(hit.instance)
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_embree_sees_the_same_in_a_house_by_hand(executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_embree_sees_the_same_in_a_house_by_hand(backend):
     furniture = [Furniture((-2.0, 1.0), mass=5.0), Furniture((2.0, -1.0), (0.4, 0.8, 1.0), yaw=0.5)]
     bank = HouseBank.from_compiled([two_rooms(furniture=furniture)])
     met, who = assert_equals_embree(
-        place(bank, jnp.array([0.3, 0.2, 0.1])), [-4, -2.4, 0], [4, 2.4, 2.9], executor, 4000
+        place(bank, jnp.array([0.3, 0.2, 0.1])), [-4, -2.4, 0], [4, 2.4, 2.9], backend, 4000
     )
     assert met > 0.97
     assert who.tolist()[-4:] == [0, 1, 2, bank.spec.num_instances]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from handmade import Furniture, shoebox, two_rooms
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
-from soup import EXECUTORS, f32, i32, in_jit, random_rays, random_soup
+from soup import BACKENDS, f32, i32, in_jit, random_rays, random_soup
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.casting.cast import cast, cast_multi_hit
@@ -18,14 +18,14 @@ N, E, R, STEPS, SKIN = 400, 4, 24, 6, 1e-4
 WHOLE, BY_ENV = PartitionSpec(), PartitionSpec("envs")
 
 
-def one_by_one(scene, origin, direction, executor, steps=STEPS, t_min=0.0, t_max=np.inf, exclude=-1, mask=7):
+def one_by_one(scene, origin, direction, backend, steps=STEPS, t_min=0.0, t_max=np.inf, exclude=-1, mask=7):
     """The same by `cast` alone."""
     count = origin.shape[0]
 
     def step(carry, _):
         start, skipped, goes_on = carry
         end = jnp.where(goes_on, t_max, -1)
-        hit = cast(scene, origin, direction, start, end, exclude=skipped, mask=mask, backend=executor)
+        hit = cast(scene, origin, direction, start, end, exclude=skipped, mask=mask, backend=backend)
         met, own = hit.instance >= 0, object_ids(scene, hit)
         start = jax.lax.stop_gradient(jnp.where(met, hit.t + jnp.float32(SKIN), start))
         return (start, jnp.where(met & (own >= 0), own, skipped), met), hit
@@ -36,8 +36,8 @@ def one_by_one(scene, origin, direction, executor, steps=STEPS, t_min=0.0, t_max
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, 1), hits)
 
 
-def through(scene, origin, direction, executor=None, steps=STEPS, **options):
-    return cast_multi_hit(scene, origin, direction, steps, SKIN, **{"mask": 7} | options, backend=executor)
+def through(scene, origin, direction, backend=None, steps=STEPS, **options):
+    return cast_multi_hit(scene, origin, direction, steps, SKIN, **{"mask": 7} | options, backend=backend)
 
 
 def assert_same(a, b):
@@ -45,9 +45,9 @@ def assert_same(a, b):
         np.testing.assert_array_equal(np.asarray(x).reshape(np.shape(y)), y)
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
+@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("steps", [1, STEPS])
-def test_one_cast_after_the_other(executor, steps):
+def test_one_cast_after_the_other(backend, steps):
     rng = np.random.default_rng(steps)
     scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, N)
     options = {
@@ -61,7 +61,7 @@ def test_one_cast_after_the_other(executor, steps):
         expected, found = (
             in_jit(lambda s, o, d, g, run, **more: run(s, o, d, **g, **more), *args, run=run, **static)
             for run in (one_by_one, through)
-            for static in [{"executor": executor, "steps": steps}]
+            for static in [{"backend": backend, "steps": steps}]
         )
         assert found.t.shape == (N, steps)
         assert_same(found, expected)

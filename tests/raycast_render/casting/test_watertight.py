@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import trimesh
-from soup import EXECUTORS, Placed, Soup, f32, in_jit, random_pose
+from soup import BACKENDS, Placed, Soup, f32, in_jit, random_pose
 
 from home_mjx.raycast_render.casting.cast import cast
 
-N = 9000  # more than the `xla` executor takes at once, and no multiple of it
+N = 9000  # more than the `xla` backend takes at once, and no multiple of it
 
 
 def closed_mesh():
@@ -16,9 +16,9 @@ def closed_mesh():
     return trimesh.PointCloud(points / np.linalg.norm(points, axis=1, keepdims=True)).convex_hull
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
+@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("kind", ["still", "turned", "mirrored", "stretched", "moving"])
-def test_rays_at_edges_and_corners_do_not_escape(executor, kind):
+def test_rays_at_edges_and_corners_do_not_escape(backend, kind):
     rng = np.random.default_rng(7)
     mesh = closed_mesh()
     pose = {
@@ -42,14 +42,14 @@ def test_rays_at_edges_and_corners_do_not_escape(executor, kind):
 
     origin = to_world(inside).astype(np.float32)
     direction = (to_world(targets) - origin).astype(np.float32)
-    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=executor)
+    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=backend)
     assert (hit.instance == 0).all()
     assert not hit.front.any(), "a ray got out and met the outside"
     np.testing.assert_allclose(hit.t, 1, atol=1e-3)
 
 
-@pytest.mark.parametrize("executor", EXECUTORS)
-def test_rays_along_the_axes_and_in_planes_of_a_box(executor):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_rays_along_the_axes_and_in_planes_of_a_box(backend):
     """Zero direction components, origins on slab planes, hits on diagonals, edges and corners."""
     box = trimesh.creation.box(extents=(2, 2, 2))
     soup = Soup([box.triangles.astype(np.float32)], [Placed(0, np.eye(3, 4), 0)])
@@ -63,5 +63,5 @@ def test_rays_along_the_axes_and_in_planes_of_a_box(executor):
             direction[:, axis] = sign
             cases.append((origin, direction))
     origin, direction = (np.concatenate(x) for x in zip(*cases, strict=True))
-    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=executor)
+    hit = in_jit(cast, soup.scene(), f32(origin), f32(direction), backend=backend)
     np.testing.assert_array_equal(hit.t, 1.0)

@@ -1,4 +1,4 @@
-"""Scenes carry their bank and executor through `vmap`: the bank is never copied."""
+"""Scenes carry their bank and backend through `vmap`: the bank is never copied."""
 
 import jax
 import jax.numpy as jnp
@@ -22,9 +22,9 @@ def bank():
     return HouseBank.from_compiled([shoebox(furniture=[Furniture((1.0, 1.0), mass=5.0)]), two_rooms()])
 
 
-def place(bank, house, executor=None):
+def place(bank, house, backend=None):
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-    return make_scene(bank, house, bank.physics.body_pos[house], bank.physics.body_quat[house], *nobody, executor)
+    return make_scene(bank, house, bank.physics.body_pos[house], bank.physics.body_quat[house], *nobody, backend)
 
 
 def see(scene, eye):
@@ -81,9 +81,9 @@ def test_no_program_copies_the_bank_for_each_environment(bank, batch, sense):
 
 
 def test_every_ray_of_a_scene_is_cast_by_its_executor(bank):
-    def lowered(sense, executor):
+    def lowered(sense, backend):
         eye = jnp.array([-1.0, -1, 1.5])
-        return jax.jit(lambda bank: sense(place(bank, jnp.int32(0), executor), eye)).lower(bank).as_text()
+        return jax.jit(lambda bank: sense(place(bank, jnp.int32(0), backend), eye)).lower(bank).as_text()
 
     for sense in (see, hear, lambda s, eye: cast(s, eye, LEVEL[:3]), lambda s, eye: occluded(s, eye, LEVEL[:3])):
         assert TARGET not in lowered(sense, "xla")

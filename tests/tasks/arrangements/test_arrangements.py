@@ -76,7 +76,7 @@ def test_most_things_are_elsewhere_and_every_one_is_counted(made):
         assert made.settled.moved[house, p] + made.settled.unmoved[house, p] == drawn.sum()
         assert moved.sum() >= 0.6 * drawn.sum() > 3
     assert not made.settled.shifted.any()
-    assert not made.settled.restless.any()
+    assert not made.settled.unsettled.any()
 
 
 def test_equal_keys_give_equal_bits_and_others_others(made, monkeypatch, tmp_path):
@@ -211,12 +211,12 @@ def test_agents_can_walk_between_all_goals_and_free_starts(made):
     for house, p in each(made):
         compiled, poses = made.houses[house], poses_of(made, house, p)
         n = compiled.navigation
-        grid = np.stack(np.meshgrid(*[np.arange(s) for s in n.free.shape[:0:-1]]), axis=-1)
+        grid = np.stack(np.meshgrid(*[np.arange(s) for s in n.home_mask.shape[:0:-1]]), axis=-1)
         points = np.concatenate([(grid + 0.5) * n.cell + n.origin, np.full((*grid.shape[:2], 1), n.floor[0])], axis=-1)
         near = np.zeros(grid.shape[:2], bool)
         for k in np.flatnonzero(moved_of(made, house, p)):
             near |= distance(points, poses[k], compiled.bodies.size[k]) < 0.15
-        label, _ = ndimage.label(n.free[0] & ~near)
+        label, _ = ndimage.label(n.home_mask[0] & ~near)
         cell = np.floor((n.goal[:, :2] - n.origin) / n.cell).astype(int)
         goals = label[cell[:, 1], cell[:, 0]]
         assert goals[0] > 0

@@ -99,7 +99,7 @@ def test_cameras_that_cannot_give_what_they_should_are_refused():
 WRONG_TYPES = """
 import tempfile
 from pathlib import Path
-from home_mjx import AutoReset, BoundEnv, HouseBank, HouseFilter, HouseholdEnv, HouseStream, make
+from home_mjx import AutoReset, Env, HouseBank, HouseFilter, HouseholdEnv, HouseStream, make
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, LitShader
@@ -138,12 +138,12 @@ calls |= {
     "rooms of letters": lambda: HouseFilter(rooms=("a", "b")),
     "half open rooms": lambda: HouseFilter(rooms=(None, 3)),
     "half a slot": lambda: HouseStream("nowhere", num_slots=2.5),
-    "no room": lambda: HouseStream("nowhere", headroom=0.0),
+    "no room": lambda: HouseStream("nowhere", capacity_factor=0.0),
     "seed": lambda: HouseStream("nowhere", seed=-1),
     "lens": lambda: AgentCamera("scanner", lens="lidar"),
     "no shader": lambda: AgentCamera("scanner", shader=None),
     "two numbers": lambda: AgentCamera("scanner", offset=(1.0, 2.0)),
-    "looks": lambda: AgentCamera("scanner", looks="no"),
+    "looks": lambda: AgentCamera("scanner", follow_pitch="no"),
     "stairs": lambda: NavigationOptions(use_stairs="no"),
     "half a body": lambda: MovableOptions(max_bodies=2.5),
     "all bodies": lambda: MovableOptions(max_bodies="all"),
@@ -160,7 +160,7 @@ calls |= {
     "category": lambda: HouseFilter(categories="bed"),
     "a bank as options": lambda: HouseholdEnv(HouseBank.__new__(HouseBank)),
     "a part in words": lambda: make("PointNav-v0", **{"compile.semantics.share": "half"}),
-    "a bound environment": lambda: AutoReset(BoundEnv.__new__(BoundEnv)),
+    "a bound environment": lambda: AutoReset(Env.__new__(Env)),
 }
 bank, path = HouseBank.__new__(HouseBank), Path(tempfile.mkdtemp()) / "tasks.jsonl"
 for name, call in {

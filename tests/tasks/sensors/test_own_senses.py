@@ -82,8 +82,8 @@ def test_what_the_hand_holds_is_told_in_words(env, steps):
 
 def test_spectra_are_those_of_the_sound_that_is_computed_once(env, steps):
     assert set(steps[1].obs) == {*SENSES, *SOUNDS}  # no `audio`: it is not asked for
-    assert set(steps[1].world.sensors) == {*SENSES, "audio"}
-    frame = steps[1].world.sensors["audio"].frame[:, 0]
+    assert set(steps[1].world.sensor_states) == {*SENSES, "audio"}
+    frame = steps[1].world.sensor_states["audio"].frame[:, 0]
     magnitude = stft_magnitude(frame, 16000)
     np.testing.assert_allclose(steps[1].obs["stft"], magnitude, atol=1e-6)
     np.testing.assert_allclose(steps[1].obs["log_mel"], log_mel(magnitude, 16000), atol=0.01)

@@ -26,7 +26,7 @@ def heard():
     perceive = jax.jit(functools.partial(core.observe, update=True))
 
     def hear(clips, gains=(1.0, 1.0), period=(jnp.inf, jnp.inf), duration=(jnp.inf, jnp.inf)):
-        numbers = {"gain": gains, "every": every, "lasts": lasts}
+        numbers = {"gain": gains, "period": period, "duration": duration}
         sounds = begun.world.sounds.replace(pos=apart, clip=jnp.array(clips, jnp.int32))
         sounds = sounds.replace(**{name: jnp.array(values, jnp.float32) for name, values in numbers.items()})
         state = perceive(env.params, begun.replace(world=begun.world.replace(sounds=sounds)))

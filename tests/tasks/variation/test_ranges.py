@@ -50,7 +50,7 @@ def drawn(program, keys):
 
 def numbers(drawn):
     """In the units of the ranges."""
-    look, mount = drawn.look, drawn.mount
+    look, mount = drawn.appearance, drawn.camera_offsets
     return {
         "daylight": look.daylight,
         "sun_azimuth": jnp.rad2deg(look.sun_azimuth),
@@ -58,8 +58,8 @@ def numbers(drawn):
         "colors": look.tint,
         "camera_height": mount.height,
         "camera_pitch": jnp.rad2deg(mount.pitch),
-        "friction": drawn.bodies.friction,
-        "mass": drawn.bodies.mass,
+        "friction": drawn.body_scale.friction,
+        "mass": drawn.body_scale.mass,
         "volume": drawn.volume,
         "contact_sound_volume": drawn.contact_sound_volume,
         "footstep_distance": drawn.footstep_distance,
@@ -76,7 +76,7 @@ def test_numbers_are_drawn_evenly_from_their_ranges(drawn):
 
 
 def test_lamps_of_rooms_are_on_by_chance_and_alike_in_an_episode(drawn):
-    lamps = np.asarray(drawn.look.lamps)
+    lamps = np.asarray(drawn.appearance.lamps)
     on = lamps > 0
     assert stats.binomtest(int(on.sum()), on.size, RANGES["lamps"]).pvalue > 0.01
     assert (lamps[on] >= 0.5).all() and (lamps[on] <= 2.0).all()  # noqa: PT018
@@ -98,9 +98,9 @@ def test_draws_do_not_depend_on_each_other(drawn, keys):
         Variation.of(volume=RANGES["volume"])
     )
     np.testing.assert_array_equal(alone.volume, drawn.volume)
-    assert alone.mount is None
-    assert alone.bodies is None
-    assert alone.look.lamps is None
+    assert alone.camera_offsets is None
+    assert alone.body_scale is None
+    assert alone.appearance.lamps is None
 
 
 def test_other_ranges_need_no_other_program_and_the_same_key_draws_the_same(program, drawn, keys):
@@ -110,7 +110,7 @@ def test_other_ranges_need_no_other_program_and_the_same_key_draws_the_same(prog
     other = program(Variation.of(**RANGES | {"volume": (5.0, 6.0)}), keys)
     assert program._cache_size() == before
     assert other.volume.min() >= 5
-    np.testing.assert_array_equal(other.mount.height, drawn.mount.height)
+    np.testing.assert_array_equal(other.camera_offsets.height, drawn.camera_offsets.height)
 
 
 def test_nothing_is_drawn_from_none():

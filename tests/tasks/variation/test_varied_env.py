@@ -117,16 +117,16 @@ def test_the_same_key_draws_the_same_and_environments_differ(played):
     one, other = (played(**ranges)[0] for _ in range(2))
     assert jax.tree.all(jax.tree.map(lambda a, b: bool(jnp.array_equal(a, b, equal_nan=True)), one, other))
     drawn = one.world.variation
-    for values in (drawn.look.exposure, drawn.mount.height, drawn.volume, drawn.look.seed):
+    for values in (drawn.appearance.exposure, drawn.camera_offsets.height, drawn.volume, drawn.appearance.seed):
         assert len(np.unique(values)) == NUM
-    assert drawn.mount.height.min() >= -0.3
-    assert drawn.mount.height.max() <= 0.3
+    assert drawn.camera_offsets.height.min() >= -0.3
+    assert drawn.camera_offsets.height.max() <= 0.3
 
 
 def test_what_was_drawn_holds_for_the_episode(played):
     first, second = played(lamps=0.5, friction=(0.5, 2.0), exposure=(0.5, 2.0))
     assert jax.tree.all(jax.tree.map(lambda a, b: bool((a == b).all()), first.world.variation, second.world.variation))
-    assert_array_equal(first.physics.scale.friction, first.world.variation.bodies.friction)
+    assert_array_equal(first.physics.scale.friction, first.world.variation.body_scale.friction)
 
 
 def test_a_dark_house_is_dark_and_as_deep(played, neutral):
@@ -190,7 +190,7 @@ def test_what_was_drawn_is_saved_with_the_state(env, played, tmp_path):
     path = tmp_path / "states.npz"
     assert save_states(path, states) == NUM
     loaded = load_states(path, env.with_variation(NEUTRAL))
-    assert_array_equal(loaded.world.variation.appearance.exposure, states.world.variation.look.exposure)
+    assert_array_equal(loaded.world.variation.appearance.exposure, states.world.variation.appearance.exposure)
 
 
 def test_resets_draw_anew():

@@ -64,7 +64,7 @@ def test_what_was_written_is_read(written):
         same(read, episode)
     assert [episode.notes["instruction"] for episode in data] == ["task 0", "task 1", "task 2"]
     same(data[-1], episodes[2])
-    with pytest.raises(IndexError, match="asked for 3"):
+    with pytest.raises(IndexError, match="got 3"):
         data[3]
 
 

@@ -41,7 +41,7 @@ class Location:
     """Location in a dataset: a file, and a line or an element path in it.
 
     Example:
-        >>> print(Place(Path("a.obj"), "line 7").error("expected 3 numbers, got `1 2`"))
+        >>> print(Location(Path("a.obj"), "line 7").error("expected 3 numbers, got `1 2`"))
         expected 3 numbers, got `1 2` (in a.obj, at line 7). Correct the line, or fetch or export the file again.
     """
 
@@ -66,7 +66,7 @@ class JsonValue(Location):
     """A JSON value with its location; absent and `null` are equivalent, as in the JavaScript that wrote SUNCG.
 
     Example:
-        >>> node = Value(Path("house.json"), "levels[0].nodes[2]", {"state": "open"})
+        >>> node = JsonValue(Path("house.json"), "levels[0].nodes[2]", {"state": "open"})
         >>> print(node.member("state").error("expected an integer", "Remove it."))
         expected an integer (in house.json, at levels[0].nodes[2].state). Remove it.
     """

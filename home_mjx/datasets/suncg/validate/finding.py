@@ -82,7 +82,7 @@ class ValidationFinding:
     """A fault of a house.
 
     Example:
-        >>> finding = Finding("house.json", "levels[0].nodes[3].bbox", "bbox-mismatch", "0.57 m off")
+        >>> finding = ValidationFinding("house.json", "levels[0].nodes[3].bbox", "bbox-mismatch", "0.57 m off")
         >>> print(finding.severity, finding)
         error house.json: levels[0].nodes[3].bbox: 0.57 m off [bbox-mismatch]
     """

@@ -1,1 +1,1 @@
-"""The CPU executor: loops compiled by Numba, called inside `jit`."""
+"""The CPU backend: loops compiled by Numba, called inside `jit`."""

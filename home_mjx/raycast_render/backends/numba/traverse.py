@@ -1,4 +1,4 @@
-"""Two-level traversal as a compiled loop over packets of rays: the inner part of the `cpu` executor.
+"""Two-level traversal as a compiled loop over packets of rays: the inner part of the `cpu` backend.
 
 The algorithm is that of `xla`, which names its sources. The rays of a packet, a tile of the image, traverse the trees
 together, one in each lane of a vector. A node is opened if any ray hits it; the stack stores each ray's entry distance.

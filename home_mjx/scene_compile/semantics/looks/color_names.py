@@ -57,7 +57,7 @@ def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
         level: One of `COLOR_LEVELS`.
 
     Example:
-        >>> names_by_look(srgb_to_lab(np.array([[0.95, 0.1, 0.1]])), "css")
+        >>> nearest_names(srgb_to_lab(np.array([[0.95, 0.1, 0.1]])), "css")
         ['red']
     """
     return [_name_by_look(color, level) for color in map(tuple, lab.round(1).tolist())]
