@@ -73,7 +73,7 @@ def drawn_actions(shape: tuple[int, ...]) -> list[jax.Array]:
 
 
 def drawn_moves(shape: tuple[int, ...], num: int) -> list[jax.Array]:
-    """Return random discrete actions for some steps, except the first one, `stopped`."""
+    """Return random discrete actions for some steps, except the first one, `stop`."""
     keys = jax.random.split(jax.random.key(0), NUM_ACTIONS)
     return [jax.random.randint(key, shape, 1, num) for key in keys]
 

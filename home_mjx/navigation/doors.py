@@ -16,14 +16,14 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
     Args:
         bank: The houses.
         house: Index of the house.
-        state: "open" (wide open), "closed", "placed" (the pose in the dataset, clipped to the range), or "random" (each
+        state: "open" (wide open), "closed", "initial" (pose of the dataset, clipped to the range), or "random" (each
             leaf open or closed).
         key: Random key; used by "random" only.
     """
     physics, house = bank.physics, bank.clip_house_index(house)
     wide, closed = physics.door_fully_open[house], physics.door_closed[house]
     shut = jax.random.bernoulli(key, 0.5, wide.shape)
-    known = {"open": wide, "closed": closed, "placed": jnp.zeros_like(wide), "random": jnp.where(shut, closed, wide)}
+    known = {"open": wide, "closed": closed, "initial": jnp.zeros_like(wide), "random": jnp.where(shut, closed, wide)}
     return jnp.clip(known[state], physics.door_low[house], physics.door_high[house])
 
 

@@ -52,7 +52,7 @@ def geodesic_distance(
         house: Index of the house.
         goal: Index or indices of goals; None: all goals.
         pos: The point [m], world frame.
-        field: Distances of all cells to other goals, stored as in `Navigation.field`; None: the bank's field.
+        field: Distances of all cells to other goals, stored as in `NavigationArrays.field`; None: the bank's field.
 
     Returns:
         Distances [m], in the shape of `goal`; finite, because all goals are in the home region.
@@ -105,19 +105,19 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
 
 
 def is_home_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
-    """Return whether entries of `Navigation.cell` are in the home region, where agents can walk."""
+    """Return whether entries of `NavigationArrays.cell` are in the home region, where agents can walk."""
     return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
 
 def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return the row of `field` and `cell_coords` for entries of `Navigation.cell`."""
+    """Return the row of `field` and `cell_coords` for entries of `NavigationArrays.cell`."""
     return jnp.where(cell >= 0, cell, ~cell)
 
 
 def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
-    """Return distances [m] from entries of `Navigation.cell` to one, several or all (None) goals of their house."""
+    """Return distances [m] from entries of `NavigationArrays.cell` to one, several or all (None) goals of a house."""
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)

@@ -39,7 +39,7 @@ class PPOConfig:
         clip_range: Maximum deviation of the probability ratio from 1 that counts.
         entropy_cost: Weight of the entropy bonus.
         value_cost: Weight of the value loss.
-        advice_cost: Initial weight of an expert's advice with algorithm "advised", see `Advised`.
+        advice_cost: Initial weight of an expert's advice with algorithm "advised", see `AdvisedPPO`.
         stagger: Start environments at random times of their first episode, so that they do not all end at once.
         final_obs: Bootstrap of returns after an episode that runs out of time. "cheap": the value of the last
             observation if it needs no rays, else the value of the step before. "all": the value of the last
@@ -143,7 +143,7 @@ class RunConfig:
         env: Spec of the environment: task, houses, sensors.
         ppo: Options of the training.
         seed: Seed of all random numbers.
-        algorithm: "ppo"; "clone": an expert's advice alone, see `BehaviorCloning`; "advised": both, see `Advised`.
+        algorithm: "ppo"; "clone": an expert's advice alone, see `BehaviorCloning`; "advised": both, see `AdvisedPPO`.
         start: Checkpoint whose network training starts from; None: a fresh one.
         clone_timesteps: Environment steps of cloning before PPO; 0: none.
         max_seconds: Time limit of training without compilation, checked after each update; learning rates do not depend

@@ -64,10 +64,10 @@ def strictly(function, *args):
         return np.asarray(jax.jit(function)(*args))
 
 
-@pytest.mark.parametrize("state", ["open", "closed", "placed", "random"])
+@pytest.mark.parametrize("state", ["open", "closed", "initial", "random"])
 def test_doors_stand_within_their_range(bank, state):
     found = strictly(lambda k: door_angles(bank, HOUSE, state, k), KEY)
-    wanted = {"open": LOW - 1, "closed": CLOSED - 1, "placed": HIGH - 1}
+    wanted = {"open": LOW - 1, "closed": CLOSED - 1, "initial": HIGH - 1}
     if state == "random":
         assert set(found[:3].round(5).tolist()) <= {np.float32(LOW - 1).round(5), np.float32(CLOSED - 1).round(5)}
     else:

@@ -30,7 +30,7 @@ def cast_cpu(
     shape = rays.shape
     float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))
-    # In the order of `numba.packet.Operands`, then of `Rays`.
+    # In the order that the Numba kernel expects: geometry, scene, then `Rays`.
     operands = (
         geometry.node_box,
         geometry.node_child,

@@ -50,7 +50,7 @@ MAX_SLOPE_STEP, AGENT_AXIS_DISTANCE = (
 Polygon = Float[np.ndarray, "_ 2"]
 SlopesTopWell = tuple[
     list[Slope], list[Polygon], list[Polygon]
-]  # slopes, remaining top tread and well, see `stairs.Stairs`
+]  # slopes, remaining top tread and well, see `StraightFlights`
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ def with_arrangements(
 
     Small objects (`furnished.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
     furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and
-    never disconnect the home region. The physics then settles all bodies for `rest.SECONDS`. Results are cached on
+    never disconnect the home region. Physics then settles all bodies for `rest.SETTLE_SECONDS`. Results are cached on
     disk.
 
     Args:

@@ -24,8 +24,8 @@ CAMERA_KINDS = ("intrinsics", "pose", "valid")
 ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", "room_type", "size", "color")
 VECTOR_SENSORS = ("audio", "state")
 VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
-DOOR_STATES = ("open", "closed", "placed", "random")
-ARRANGEMENTS = ("placed", "random")
+DOOR_STATES = ("open", "closed", "initial", "random")
+ARRANGEMENTS = ("initial", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 ACTION_KINDS = ("continuous", "discrete")
 MAX_SOURCES = 256  # maximum number of sound sources; each is traced for every agent
@@ -107,9 +107,9 @@ class EnvConfig:
             target nearest to the centre that can be reached and lifted, or placed on, is used. 0 uses the centre ray.
         speech: Further discrete actions that speak a word, in addition to the task's own. Each is `say:` or `answer:`
             and a word of the tasks' language, such as "say:yes". See `Snapshot.said`.
-        doors: Door angles at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
+        doors: Door angles at reset: "open" (wide), "closed", "initial" (as in the file) or "random" (each open or
             closed, by key). Agents can push every leaf, whatever is before it, or turn it with their hands.
-        arrangement: Poses of movable bodies at reset: "placed" (as in the file) or "random". Random
+        arrangement: Poses of movable bodies at reset: "initial" (as in the file) or "random". Random
             selects one of the bank's settled arrangements with room for the agents, by key; see
             `home_mjx.arrangements`.
         source_height: Height of the sound source above the floor [m].
@@ -145,7 +145,7 @@ class EnvConfig:
     max_aim_angle: float = 0.0
     speech: tuple[str, ...] = ()
     doors: str = "open"
-    arrangement: str = "placed"
+    arrangement: str = "initial"
     source_height: float = 1.0
     clip: str = "radio"
     num_sources: int = 1

@@ -40,7 +40,7 @@ class Snapshot(Pytree):
     key: UInt32[Array, "2"]  # of the episode
     pose: AgentPose
     velocity: Float[Array, "a 3"]  # forward and left [m/s], yaw rate [rad/s]
-    stopped: Bool[Array, " a"]  # has chosen the discrete action `stopped`, see `Task.stop_is_final`
+    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, see `Task.stop_is_final`
     spoken_token: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
     in_contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     held: Int[Array, " a"]  # movable body in each hand; -1 none

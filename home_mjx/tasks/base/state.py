@@ -86,7 +86,7 @@ class World(Pytree):
     episode: Int[Array, ""]  # row of `EnvParams.tasks`, increased by automatic resets; -1: sampled
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive
-    stopped: Bool[Array, " a"]  # has chosen the discrete action `stopped`
+    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
     spoken_token: Int[Array, " a"]  # token of the word spoken in the last step; -1 none
     sounds: SoundSources
     action: Float[Array, "a n"]  # the last action: numbers, or one-hot for discrete moves; 0 at the start

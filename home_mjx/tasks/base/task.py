@@ -40,7 +40,7 @@ class Task:
 
     @property
     def requires_stop(self) -> bool:
-        """True if agents must choose `stopped`, so that actions must be discrete."""
+        """True if agents must choose `stop`, so that actions must be discrete."""
         return False
 
     @property
@@ -82,7 +82,7 @@ class Task:
 
     @property
     def stop_is_final(self) -> bool:
-        """True if agents are idle after the discrete action `stopped`; False if `stopped` only skips one move."""
+        """True if agents are idle after the discrete action `stop`; False if `stop` only skips one move."""
         return True
 
     @property

@@ -167,7 +167,7 @@ def _pick_arrangement(
     key: Array,
 ) -> Int[Array, ""] | None:
     """Sample an arrangement whose bodies overlap neither agents nor the source; None: as in the file."""
-    if config.arrangement == "placed":
+    if config.arrangement == "initial":
         return None
     check_arrangements(bank)
     below = source.at[2].add(-jnp.float32(config.source_height))

@@ -23,7 +23,7 @@ from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.variation.draw import MOVE_NOISE
 from home_mjx.tasks.variation.noise import add_move_noise
 
-# Element of a continuous action that each discrete action sets, and its sign; `stopped` sets none.
+# Element of a continuous action that each discrete action sets, and its sign; `stop` sets none.
 CONTINUOUS_ELEMENTS = {
     "move_forward": ("forward", 1),
     "turn_left": ("turn_left", 1),

@@ -85,14 +85,14 @@ def check_task_options(config: EnvConfig, task: Task) -> None:
     """Raise if a task needs actions or agents that the environment does not have.
 
     Raises:
-        ConfigError: The task needs `stopped` or words but actions are continuous, or hands that are disabled. Or the
+        ConfigError: The task needs `stop` or words but actions are continuous, or hands that are disabled. Or the
             number of agents does not fit.
     """
     name, discrete = type(task).__name__, config.discrete is not None
     if task.requires_hands and not config.hands:
         raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
     if task.requires_stop and not discrete:
-        message = f"{name} needs `stopped`, which continuous actions do not have"
+        message = f"{name} needs `stop`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')
     if (task.speech or config.speech) and not discrete:
         message = f"agents of {name} speak, which continuous actions do not let them"

@@ -15,7 +15,7 @@ MAX_LOOK_AHEAD = 6  # [cells], maximum distance of a waypoint along the path
 NUM_SEGMENT_SAMPLES = 8  # number of points of a straight segment that are checked
 STEP_TOLERANCE, END_TOLERANCE = 0.2, 0.3  # tolerances, as fractions of a step, of a distance of one step and of zero
 
-# Distance of cells [m], from their (level, row, column) and their entries of `Navigation.cell`.
+# Distance of cells [m], from their (level, row, column) and their entries of `NavigationArrays.cell`.
 DistanceFunction = Callable[[Int[Array, "n 3"], Int[Array, " n"]], Float[Array, " n"]]
 
 

@@ -82,7 +82,7 @@ class CellGraph:
         return found
 
     def compute_fields(self, ends: Sequence[EndCells]) -> UInt16[np.ndarray, "c g"]:
-        """Compute the distances of all cells of the house to goals, ordered and quantized as in `Navigation.field`."""
+        """Compute the distances of all cells to goals, ordered and quantized as `NavigationArrays.field`."""
         home = self.compute_distances(ends)
         parts = [(np.argwhere(self._home), home)]
         around = [self._rank <= rank for rank in (1, 2)]

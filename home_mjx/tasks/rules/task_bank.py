@@ -41,7 +41,7 @@ class TaskBank(Pytree):
 
     Attributes:
         rows: House, start and yaw of each task; `columns` holds its program, tokens, length and so on.
-        field: Distances of all cells to the targets of their house's descriptors, stored as in `Navigation.field`.
+        field: Distances of all cells to the targets of their house's descriptors, stored as `NavigationArrays.field`.
         names: Names of the generators; `rows.columns["task"]` is an index into them.
         weights: Relative frequency at which each row is drawn. As a traced argument it lets a curriculum change the
             weights without recompiling. None: resets draw uniformly, and batches take the rows in order.

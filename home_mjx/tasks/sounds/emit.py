@@ -100,7 +100,7 @@ def move_along_field(
     Args:
         bank: The houses.
         house: Index of the house.
-        field: Distances of all cells to goals, stored as in `Navigation.field`.
+        field: Distances of all cells to goals, stored as in `NavigationArrays.field`.
         goal: Column of the field.
         pos: Position before the move [m].
         max_length: Maximum length of the move [m]; the part of it beyond `NUM_SUBSTEPS` cells is dropped.
