@@ -9,9 +9,9 @@ from scipy import stats
 pytest.importorskip("flax", reason="needs the extra `train`")
 
 from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
 from home_mjx.tasks.rules.words import Attribute

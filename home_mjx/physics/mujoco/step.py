@@ -21,8 +21,7 @@ from home_mjx.physics.mjx.slots import half_above_floor
 from home_mjx.physics.mjx.step import apply_state_limits
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.calls import call_host, check_platform
-from home_mjx.physics.mujoco.exported import ExportedTemplate
-from home_mjx.physics.mujoco.houses import MujocoHouses, shared_house_models
+from home_mjx.physics.mujoco.houses import MujocoHouses, PrebuiltHouses, shared_house_models
 from home_mjx.physics.mujoco.mjcf import HouseRows
 
 NUM_RESULTS = 9
@@ -73,15 +72,16 @@ def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
 
 def _houses(template: Template, physics: Physics) -> MujocoHouses:
     """Return the models that the template steps: exported houses, or models built from the bank."""
-    if not isinstance(template, ExportedTemplate):
+    exported = getattr(template, "houses", None)  # of an `ExportedTemplate`, which is not imported for the others
+    if not isinstance(exported, PrebuiltHouses):
         return shared_house_models(template.config, template.layout)
-    if len(template.houses) != physics.floor.shape[0]:
+    if len(exported) != physics.floor.shape[0]:
         raise ConfigError(
-            f"the template has {len(template.houses)} exported houses, the bank has {physics.floor.shape[0]}",
+            f"the template has {len(exported)} exported houses, the bank has {physics.floor.shape[0]}",
             element="ExportedTemplate",
             hint="Use the template's bank, `template.bank`.",
         )
-    return template.houses
+    return exported
 
 
 @functools.cache

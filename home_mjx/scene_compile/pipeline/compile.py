@@ -17,8 +17,8 @@ from home_mjx.scene_compile.objects.place import place_objects
 from home_mjx.scene_compile.pipeline.assemble import assemble, build_surfaces
 from home_mjx.scene_compile.pipeline.levels import build_levels
 from home_mjx.scene_compile.pipeline.limits import add_house_file, check_counts
+from home_mjx.scene_compile.semantics.appearance import SemanticOptions
 from home_mjx.scene_compile.semantics.engine import describe_house
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.scene_compile.semantics.table import build_semantic_rows
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import House, Metadata

@@ -10,15 +10,13 @@ from scipy.spatial.transform import Rotation
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry.boxes import BoxSet, penetration_depth
-from home_mjx.scene_compile.navigation.free_space import NavigationOptions
-from home_mjx.scene_compile.semantics.supports import SUPPORTS
-from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.agent import AGENT_MARGIN
+from home_mjx.schema.semantic import SUPPORTS, Semantic
 
 MAX_MASS, MAX_SIZE = 10.0, 0.7  # [kg], [m], maximum mass and horizontal size of objects that are moved
 MAX_SUPPORT_GAP = (
     0.03  # [m], maximum distance from the bottom of an object to the top of the one below that supports it
 )
-AGENT_MARGIN = NavigationOptions().margin  # [m], clearance of the home region beyond the agent's radius
 
 
 @dataclass(frozen=True)

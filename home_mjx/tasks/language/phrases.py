@@ -6,8 +6,8 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language.vocabulary import detokenize, to_word
 from home_mjx.tasks.rules.house_view import HouseObject
 from home_mjx.tasks.rules.words import ANY, Attribute, TargetKind

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.core.checks import check_number
-from home_mjx.scene_compile.semantics.supports import SUPPORTS
 from home_mjx.schema.categories import COARSE
-from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.semantic import SUPPORTS, Semantic
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN, attribute_text
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
 from home_mjx.tasks.questions.ask import gap_between

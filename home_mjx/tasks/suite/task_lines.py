@@ -14,7 +14,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_type
 from home_mjx.core.files import as_path, read_json_lines, write_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
-from home_mjx.scene_compile.semantics.vocabulary import encode_name, vocabularies
+from home_mjx.schema.vocabulary import encode_name, vocabularies
 from home_mjx.tasks.base.state import check_rows
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.language.vocabulary import all_words

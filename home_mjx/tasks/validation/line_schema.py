@@ -12,7 +12,7 @@ from typing import Any
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.errors import ConfigError, DatasetError, did_you_mean
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.rules.declaration import AXES, Column, row_columns
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition

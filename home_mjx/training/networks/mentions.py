@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.raycast_render.images.render import SEMANTIC_KINDS
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
 

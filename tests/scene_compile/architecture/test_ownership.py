@@ -17,9 +17,9 @@ from home_mjx.scene_compile.architecture import shell as shell_module
 from home_mjx.scene_compile.architecture.ownership import ClippedSurface, clip_surface
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.scene_compile.semantics.vocabulary import encode_name
 from home_mjx.schema.house import Material, Metadata
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import encode_name
 from home_procgen.v1.dataset import generate_dataset
 
 HALL = RoomOutline("Hall", [(0, 0), (8, 0), (8, 6), (0, 6)])

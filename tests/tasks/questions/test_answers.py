@@ -11,8 +11,8 @@ from spoken_words import number
 import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language import detokenize
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.language.vocabulary import to_word

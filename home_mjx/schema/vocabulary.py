@@ -7,12 +7,10 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.core.checks import check_known
-from home_mjx.scene_compile.semantics.looks.color_names import palettes
-from home_mjx.scene_compile.semantics.sizes import SIZES
-from home_mjx.scene_compile.semantics.supports import SUPPORTS
 from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
+from home_mjx.schema.color_names import palettes
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
-from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.semantic import SIZES, SUPPORTS, Semantic
 
 COLORS_PER_LEVEL = 3  # number of columns per level of colour names
 FIRST_COLOR = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}

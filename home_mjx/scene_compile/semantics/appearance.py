@@ -8,18 +8,47 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.color import decode_srgb, linear_to_lab
 from home_mjx.core.images import read_texture
+from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
-from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.schema.categories import texture_family
+from home_mjx.schema.color_names import COLOR_LEVELS, nearest_names
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
 
+MATERIAL_RULES = ("largest", "share")
 NUM_SAMPLES = 256  # number of sample points per textured slot
 IMAGE_SIDE = 32  # [px], size of downsampled textures, as seen from a distance: wood is brown, not a pattern of browns
 MAX_SHADE_DISTANCE = 20.0  # CIELAB units, maximum distance of shades that are grouped into one colour
 MIN_WEIGHT = 1e-9  # minimum opacity weight, so that fully transparent surfaces still have a colour
+
+
+@dataclass(frozen=True)
+class SemanticOptions:
+    """Rules for colours and materials; part of the cache key.
+
+    Colours are the dominant ones of a surface as rendered: texture times diffuse colour, by area and opacity, with the
+    nearest name by CIEDE2000. Sizes compare the volume as placed, on a logarithmic scale, with the fine category, or
+    with the coarse one if the fine one has too few models.
+
+    Attributes:
+        material: `largest`: the texture of the largest area, as in HoME's paper. `share`: every texture of at least
+            `share`, as in HoME's code.
+        share: Minimum share of the area of a colour or, by the rule `share`, of a material.
+
+    Raises:
+        ConfigError: A rule is unknown, or the share is not in (0, 1].
+    """
+
+    material: str = "largest"
+    share: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_known("material rule", (self.material,), MATERIAL_RULES)
+        check_number("share", self.share, 0, 1)
+        if not self.share:
+            raise ConfigError("`share` must be more than 0", hint="It is the minimum share of the area, such as 0.2.")
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.home2017.semantics import nearest_names_srgb
 from home_mjx.core.color import ciede2000, srgb_to_lab
-from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, nearest_names, palettes
+from home_mjx.schema.color_names import COLOR_LEVELS, nearest_names, palettes
 
 # Sharma, Wu, Dalal (2005), table 1: two CIELAB colours and their difference.
 SHARMA = np.array(

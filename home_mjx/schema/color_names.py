@@ -39,7 +39,7 @@ def palettes() -> Mapping[str, Palette]:
         >>> {level: len(palette.names) for level, palette in palettes().items()}
         {'basic': 16, 'css': 139, 'xkcd': 949}
     """
-    text = files("home_mjx.scene_compile.semantics.looks").joinpath("color_names.csv").read_text(encoding="utf-8")
+    text = files("home_mjx.schema").joinpath("color_names.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))
     return {level: _palette([row for row in rows if row["level"] == level]) for level in COLOR_LEVELS}
 
