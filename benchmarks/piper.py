@@ -21,7 +21,7 @@ from jaxtyping import Array
 import home_mjx
 from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
-from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.experts.explore import turns_to_nearest_cell
 from home_mjx.tasks.experts.teacher import EXPERT, ExpertObservationEnv

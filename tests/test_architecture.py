@@ -15,11 +15,8 @@ PACKAGES = ("home_mjx", "home_procgen")
 MAX_FILES = 15  # in a folder, besides its `__init__`
 MIN_FILES = 3
 FEW_FILES: Mapping[str, str] = {  # folders with fewer files, each with its reason
-    "home_mjx/core/array_store": "the format of arrays on disk is one thing of its own",
-    "home_mjx/physics/cuda": "most of it are CUDA files",
-    "home_mjx/physics/numba/shapes": "narrow phases are one stage of the step",
     "home_mjx/scene_compile/lighting": "a stage of the compiler; indirect light joins it",
-    "home_mjx/tasks/scripted_agents": "scripted agents are a kind of their own",
+    "home_mjx/tasks/scripted_agents": "tasks that use expert policies, which themselves use the suite",
     "home_procgen/plan/needs": "demands of rooms on plans",
 }
 MAX_SHORT_MODULES = 30
@@ -243,7 +240,6 @@ def test_no_folder_is_nearly_empty():
     assert few == set(FEW_FILES)
 
 
-@pytest.mark.xfail(strict=True, reason="38 modules are short, 30 are allowed")
 def test_few_modules_are_short():
     lines = {m: len((ROOT / Path(*m)).with_suffix(".py").read_text().splitlines()) for m in MODULES}
     short = [".".join(m) for m, n in lines.items() if n < SHORT and m[-1] not in ("__init__", "__main__")]
@@ -289,7 +285,7 @@ def test_host_packages_load_no_jax(part: str):
     program = f"""
 import importlib, pkgutil, sys
 import home_mjx.{part} as package
-for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+for module in pkgutil.walk_packages(getattr(package, "__path__", ()), package.__name__ + "."):
     importlib.import_module(module.name)
 assert not {{"jax", "jaxlib"}} & set(sys.modules), "JAX was loaded"
 """

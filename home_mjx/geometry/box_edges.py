@@ -1,13 +1,33 @@
-"""Detection of box edges that are exposed to air, for sound diffraction."""
+"""The twelve edges of a box: their numbering, and detection of those exposed to air, for sound diffraction."""
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.schema.edges import NUM_EDGES, edge_rows
-
 PROBE_DISTANCE = 0.02  # [m], distance of the probe points from an edge
 PROBE_POSITIONS = np.linspace(-0.9, 0.9, 5)  # probe positions along an edge, in half lengths
 MIN_FREE_PROBES = 2  # minimum number of positions surrounded by air
+NUM_EDGES = 12
+
+
+def edge_rows() -> np.ndarray:
+    """Return for each edge its axis and its side (-1 or 1) on the other two axes in ascending order: shape (12, 3).
+
+    Example:
+        >>> edge_rows()[[0, 11]].tolist()
+        [[0, -1, -1], [2, 1, 1]]
+    """
+    return np.array([(along, a, b) for along in range(3) for a in (-1, 1) for b in (-1, 1)])
+
+
+def edge_number(u: int, side_u: int, v: int, side_v: int) -> int:
+    """Return the number of the edge between the faces on the given sides of axes `u` and `v`.
+
+    Example:
+        >>> edge_number(1, 1, 0, 1) == edge_number(0, 1, 1, 1) == 11
+        True
+    """
+    first, second = (side_u, side_v) if u < v else (side_v, side_u)
+    return 4 * (3 - u - v) + 2 * (first > 0) + (second > 0)
 
 
 def find_exposed_edges(

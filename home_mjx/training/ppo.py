@@ -28,8 +28,7 @@ from home_mjx.sharding import (
     mean_over_devices,
     sum_over_devices,
 )
-from home_mjx.tasks.base.keys import to_raw_key
-from home_mjx.tasks.base.state import EnvParams
+from home_mjx.tasks.base.state import EnvParams, to_raw_key
 from home_mjx.tasks.env.autoreset import AutoReset
 from home_mjx.tasks.env.begin import is_sequential
 from home_mjx.tasks.env.household import HouseholdEnv

@@ -159,7 +159,7 @@ def compiled_entries() -> dict[str, str]:
 
 def look_at_compiled(folder: Path) -> None:
     """An entry that can be read is right."""
-    from home_mjx.core.array_store.entry import READ_ERRORS, read_entry
+    from home_mjx.core.array_store import READ_ERRORS, read_entry
 
     found = digests(folder / "cache")
     for path in (folder / "cache").glob("*/*/*.zip"):
@@ -173,7 +173,7 @@ def look_at_compiled(folder: Path) -> None:
 
 
 def compiled_result(folder: Path) -> str:
-    from home_mjx.core.array_store.flatten import flatten
+    from home_mjx.core.array_store import flatten
     from home_mjx.datasets.registry import open_dataset
     from home_mjx.houses.house_cache import HouseCache
     from home_mjx.houses.report import find_done_houses, read_report

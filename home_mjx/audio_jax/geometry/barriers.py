@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.audio_jax.geometry.wedge import WedgeGeometry
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import length3, sum3
-from home_mjx.schema.edges import edge_number
+from home_mjx.geometry.box_edges import edge_number
 
 MIN_EDGE_DISTANCE = 0.01  # [m], minimum distance from edges
 

@@ -16,9 +16,8 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.options import Baked, Binaural, NoLate, Omni, Traced
 from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
-from home_mjx.audio_jax.parameters.octaves import octave_responses
 from home_mjx.audio_jax.parameters.spatial import iacc, lateral_fraction
-from home_mjx.audio_jax.parameters.table import RoomParameters, measure_response
+from home_mjx.audio_jax.parameters.table import RoomParameters, measure_response, octave_responses
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths

@@ -21,10 +21,10 @@ from home_mjx.audio_jax.propagation.paths import (
     trace_straight_line,
 )
 from home_mjx.core.transforms import quat_matrix
+from home_mjx.geometry.box_edges import NUM_EDGES
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, RayKind
-from home_mjx.schema.edges import NUM_EDGES
 
 OCTAVE_SAMPLES = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, frequencies at which each octave is evaluated
 BOXES_PER_EDGE = 3  # candidate boxes per rendered edge

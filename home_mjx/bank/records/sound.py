@@ -7,9 +7,8 @@ from jaxtyping import Array, Bool, Float, Int, Int8, UInt8
 from home_mjx.bank.records.bodies import PADDING_POS
 from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.core.pytree import Pytree, array
-from home_mjx.geometry.box_edges import find_exposed_edges
+from home_mjx.geometry.box_edges import NUM_EDGES, find_exposed_edges
 from home_mjx.geometry.rotations import quat_matrix
-from home_mjx.schema.edges import NUM_EDGES
 
 
 def is_plane(at: HouseOwner) -> Bool[np.ndarray, " p"]:

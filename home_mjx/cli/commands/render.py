@@ -14,7 +14,7 @@ from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path, positive_int_type
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, place_head, place_overhead_camera
 from home_mjx.errors import ConfigError
-from home_mjx.schema.choices import CAMERA_MODELS
+from home_mjx.schema.categories import CAMERA_MODELS
 from home_mjx.viewer.pictures import pictures
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from home_mjx.core.files import is_file
 from home_mjx.core.paths import ROOT_VARIABLE
-from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, ReadOptions
 from home_mjx.datasets.seeds import GENERATED_MARKER, sort_house_ids
 from home_mjx.datasets.suncg.digests import SuncgDigests
 from home_mjx.datasets.suncg.fallbacks.known_models import add_builtin_categories

@@ -10,7 +10,7 @@ from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
-from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
+from home_mjx.mjcf import DOOR_DAMPING_RATE
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.physics.base.layout import Layout

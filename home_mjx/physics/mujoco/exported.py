@@ -11,8 +11,7 @@ import numpy as np
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Physics
 from home_mjx.errors import ConfigError
-from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, add_agent
-from home_mjx.mjcf.boxes import COLLIDES_WITH_LEAVES
+from home_mjx.mjcf import COLLIDES_WITH_LEAVES, FRICTIONLESS_CONTACT, add_agent
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mjx.template import Template

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
+from home_mjx.physics.base.state import FLOOR, NOTHING, STATIC
 from home_mjx.physics.mujoco.touched import ContactReport, collect_contacts
 
 OVERFLOW_WARNINGS = ("CONTACTFULL", "CNSTRFULL")  # MuJoCo's warnings about dropped contacts

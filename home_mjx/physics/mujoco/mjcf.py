@@ -7,8 +7,16 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import box_inertia
-from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, SOLREF, add_agent, solimp
-from home_mjx.mjcf.boxes import COLLIDES_WITH_LEAVES, add_leaf, body_contact_attributes, numbers
+from home_mjx.mjcf import (
+    COLLIDES_WITH_LEAVES,
+    FRICTIONLESS_CONTACT,
+    SOLREF,
+    add_agent,
+    add_leaf,
+    body_contact_attributes,
+    numbers,
+    solimp,
+)
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
 from home_mjx.schema.compiled import Doors

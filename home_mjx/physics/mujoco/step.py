@@ -20,9 +20,9 @@ from home_mjx.physics.mjx.push_limits import ContactImpulses, combine_substeps
 from home_mjx.physics.mjx.slots import half_above_floor
 from home_mjx.physics.mjx.step import apply_state_limits
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.mujoco.calls import call_host, check_platform
 from home_mjx.physics.mujoco.houses import MujocoHouses, PrebuiltHouses, shared_house_models
 from home_mjx.physics.mujoco.mjcf import HouseRows
+from home_mjx.physics.mujoco.model import call_host, check_platform
 
 NUM_RESULTS = 9
 MOTOR_DOFS = (0, 1, 3)  # actuated elements of an agent's x, y, z and yaw

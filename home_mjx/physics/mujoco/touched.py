@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.touch import FLOOR, NOTHING
+from home_mjx.physics.base.state import FLOOR, NOTHING
 
 
 class ContactReport(NamedTuple):

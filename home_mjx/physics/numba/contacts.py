@@ -7,18 +7,11 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
-from home_mjx.physics.numba.data.limits import (
-    AGENT_COLUMNS,
-    DOOR_COLUMNS,
-    FLOOR,
-    JOINT_LIMIT,
-    MAX_NEAR_BOXES,
-    SLEEPING_BODY,
-    STATIC,
-)
-from home_mjx.physics.numba.data.work import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
-from home_mjx.physics.numba.shapes.box_box import box_box
-from home_mjx.physics.numba.shapes.capsule import capsule_box, capsule_capsule
+from home_mjx.physics.base.state import FLOOR, STATIC
+from home_mjx.physics.numba.box_box import box_box
+from home_mjx.physics.numba.capsule import capsule_box, capsule_capsule
+from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, JOINT_LIMIT, MAX_NEAR_BOXES, SLEEPING_BODY
+from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
 
 NEAR_DISTANCE = 0.1  # [m], maximum distance of listed static boxes, and displacement after which the list is rebuilt
 

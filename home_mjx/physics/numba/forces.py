@@ -7,8 +7,8 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
-from home_mjx.physics.numba.data.limits import AGENT_COLUMNS, DOOR_COLUMNS, NOT_DRIVEN, RAMP_COLUMNS
-from home_mjx.physics.numba.data.numbers import FORCE_CONTROL
+from home_mjx.physics.base.servo import NOT_DRIVEN
+from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, FORCE_CONTROL, RAMP_COLUMNS
 
 compiled = njit(error_model="numpy")
 
@@ -20,7 +20,7 @@ def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
 
     Args:
         work: Arrays, see `work.Workspace`.
-        numbers: See `numbers.StepParams`.
+        numbers: See `params.StepParams`.
         control: Actions (a, 3), bodies held by the agents (a) or -1, grips (a, 7), goals of the doors (h).
         ramp: Ramps (num_ramps, RAMP_COLUMNS), see `bank.physics.ramp`.
         num_ramps: Number of ramps of the house.

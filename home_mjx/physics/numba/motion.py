@@ -7,7 +7,7 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
-from home_mjx.physics.numba.data.limits import DOOR_COLUMNS
+from home_mjx.physics.numba.params import DOOR_COLUMNS
 
 compiled = njit(error_model="numpy")
 

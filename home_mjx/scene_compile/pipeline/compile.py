@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import get_type_hints
 
 from home_mjx.core.checks import check_type
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.collision.colliders import ColliderOptions

@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float, Int
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
+from home_mjx.core.array_store import READ_ERRORS, read_entry, write_entry
 from home_mjx.core.checks import check_number
 from home_mjx.core.paths import cache_folder
 from home_mjx.geometry.rotations import yaw_quat

@@ -5,7 +5,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.contact_sounds.slots import TransientSounds
 from home_mjx.audio_jax.contact_sounds.synthesis import SUSTAINED, TRANSIENTS
-from home_mjx.physics.base.touch import FLOOR
+from home_mjx.physics.base.state import FLOOR
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot, contact_semantics

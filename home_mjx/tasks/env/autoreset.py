@@ -11,8 +11,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
-from home_mjx.tasks.base.keys import RENEW_TAG, fold_key
-from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.base.state import RENEW_TAG, EnvParams, State, fold_key
 from home_mjx.tasks.env.begin import is_sequential
 from home_mjx.tasks.env.bound import Env
 from home_mjx.tasks.env.household import HouseholdEnv

@@ -18,10 +18,18 @@ from home_mjx.navigation.spawn import random_arrangement, random_yaw, sample_sta
 from home_mjx.physics import PhysicsState
 from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import ARRANGEMENT_TAG, DOORS_TAG, VARIATION_TAG, fold_key, split_key, to_raw_key
-from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.base.snapshot import BodyContacts, Snapshot
-from home_mjx.tasks.base.state import EnvParams, Episodes, World
+from home_mjx.tasks.base.snapshot import AgentPose, BodyContacts, Snapshot
+from home_mjx.tasks.base.state import (
+    ARRANGEMENT_TAG,
+    DOORS_TAG,
+    VARIATION_TAG,
+    EnvParams,
+    Episodes,
+    World,
+    fold_key,
+    split_key,
+    to_raw_key,
+)
 from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.env.moves import NO_TOKEN, action_names
 from home_mjx.tasks.env.usable import check_arrangements

@@ -12,8 +12,7 @@ from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.surface import face_normals, object_ids
 from home_mjx.raycast_render.scene.types import Hit
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.snapshot import AgentPose, Snapshot
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.reaching import check_placement, obstacle_footprints, plan_radius
 

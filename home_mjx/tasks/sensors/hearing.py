@@ -37,11 +37,10 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.houses.bakes import Bake
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import SOUND_TAG, fold_key
-from home_mjx.tasks.base.pose import map_agents
 from home_mjx.tasks.base.sensor import Sensor
-from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.snapshot import Snapshot, map_agents
 from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.base.state import SOUND_TAG, fold_key
 from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.keys import to_raw_key
+from home_mjx.tasks.base.state import to_raw_key
 from home_mjx.tasks.env.usable import clip_action, validate_choice
 
 KEYS = [

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import (
     HOUSE_FIELDS,

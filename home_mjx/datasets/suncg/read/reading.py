@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, ParamSpec, TypeVar
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import JsonValue, Location, printable
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata

@@ -1,6 +1,6 @@
 """Validator that reports all faults of a house, like a linter, not only those that prevent reading it."""
 
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.datasets.suncg.formats.element import read_json
 from home_mjx.datasets.suncg.read.house_json import build_house, house_path

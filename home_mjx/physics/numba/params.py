@@ -1,14 +1,17 @@
-"""Scalar parameters of a template, shared by all environments and agents."""
+"""Operands, sizes and scalar parameters of the fused step, shared by the kernels for CPUs and GPUs and their caller.
+
+`cuda/base.cuh` repeats the sizes, and a test compares both.
+"""
 
 from typing import NamedTuple, TypeVar
 
 import jax
 import numpy as np
 
-from home_mjx.mjcf import agent
-from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
+from home_mjx.mjcf import DOOR_DAMPING_RATE, SOLIMP, TIME_CONSTANT
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsSetup
+from home_mjx.physics.base.state import NOTHING
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS
 
 Values = TypeVar("Values", jax.Array, np.ndarray)  # (*batch, 5)
@@ -16,6 +19,21 @@ MAX_NEWTON_ITERATIONS = 50  # maximum number of Newton iterations; most physics 
 FORCE_CONTROL = 1.0  # value of `control` for force control
 # Maximum speeds and acceleration of a body at rest; a body below them for a whole control step may fall asleep.
 MAX_REST_SPEED, MAX_REST_SPIN, MAX_REST_ACCELERATION = 2e-3, 1e-2, 0.1  # [m/s], [rad/s], [m/s^2]
+# Operands in order. Shared by all environments: arrays of houses, agents and template parameters.
+COLLIDER_POS, COLLIDER_QUAT, COLLIDER_HALF, BODY_VALID, BODY_SIZE, BODY_MASS, BODY_INERTIA, BODY_SURFACE = range(8)
+DOOR, RAMP, FLOOR, AGENT, PARAMS = range(8, 13)
+NUM_SHARED = 13
+# One row per environment.
+HOUSE, QPOS, QVEL, QACC, ACTION, HELD, GRIP, GOAL, SCALE = range(NUM_SHARED, 22)
+# Results.
+NEW_QPOS, NEW_QVEL, NEW_QACC, NUM_AGENT_CONTACTS, OVERFLOW, CONTACT_IMPULSE, CONTACT_PARTNER = range(7)
+NUM_RESULTS = 7
+AGENT_DOFS, BODY_DOFS, DOOR_DOFS = 3, 6, 1  # DoFs that contacts act on; an agent's yaw is independent of contacts
+JOINT_LIMIT = NOTHING  # code of a contact's second side if a door is at its joint limit
+SLEEPING_BODY = -1_000_000  # code of a contact's second body m if that sleeps: SLEEPING_BODY - m
+MAX_NEAR_BOXES = 24  # maximum number of listed static boxes per dynamic body
+POINTS_PER_BODY = 24  # contact points per dynamic body that the buffer holds
+AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 16, 8, 5
 
 
 class StepParams(NamedTuple):
@@ -58,7 +76,7 @@ class StepParams(NamedTuple):
 def step_params(config: PhysicsSetup) -> StepParams:
     """Return the parameters of a template."""
     dt = config.timing.sim_dt
-    constant = max(agent.TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
+    constant = max(TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
     return StepParams(
         sim_dt=dt,
         substeps=config.timing.substeps,
@@ -67,11 +85,11 @@ def step_params(config: PhysicsSetup) -> StepParams:
         response_time=config.response_time,
         max_body_speed=config.max_body_speed,
         max_body_spin=config.max_body_spin,
-        stiffness=1 / (agent.SOLIMP[1] * constant) ** 2,
-        damping=2 / (agent.SOLIMP[1] * constant),
-        impedance_low=agent.SOLIMP[0],
-        impedance_high=agent.SOLIMP[1],
-        impedance_width=agent.SOLIMP[2],
+        stiffness=1 / (SOLIMP[1] * constant) ** 2,
+        damping=2 / (SOLIMP[1] * constant),
+        impedance_low=SOLIMP[0],
+        impedance_high=SOLIMP[1],
+        impedance_width=SOLIMP[2],
         iterations=MAX_NEWTON_ITERATIONS,
         corner_radius=CORNER_RADIUS,
         sleep=float(config.sleep),
@@ -100,5 +118,5 @@ def reference_surfaces(surfaces: Values) -> Values:
 
     Stiffness becomes an acceleration per depth and impedance, damping one per velocity.
     """
-    factor = np.array([1, agent.SOLIMP[1] ** -2, 1 / agent.SOLIMP[1], 1, 1], surfaces.dtype)
+    factor = np.array([1, SOLIMP[1] ** -2, 1 / SOLIMP[1], 1, 1], surfaces.dtype)
     return surfaces * factor.reshape((1,) * (surfaces.ndim - 1) + (-1,))

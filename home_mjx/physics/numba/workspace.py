@@ -11,14 +11,14 @@ from numba import njit, types
 
 from home_mjx.core.native.ffi import WORD, allocate, release
 from home_mjx.core.native.memory import address_of, pointer_to
-from home_mjx.physics.numba.data.limits import (
+from home_mjx.physics.numba.box_box import MAX_PAIR_POINTS
+from home_mjx.physics.numba.params import (
     AGENT_COLUMNS,
     AGENT_DOFS,
     BODY_DOFS,
     DOOR_COLUMNS,
     DOOR_DOFS,
     MAX_NEAR_BOXES,
-    MAX_PAIR_POINTS,
     POINTS_PER_BODY,
     SURFACE_COLUMNS,
 )
@@ -56,7 +56,7 @@ class Workspace(NamedTuple):
     radius: Pointer  # (m) of the bounding sphere
     agent: Pointer  # (a, AGENT_COLUMNS), see `control.agent_table`
     door: Pointer  # (h, DOOR_COLUMNS), see `doors.door_table`
-    surface: Pointer  # (m, SURFACE_COLUMNS) see `numbers.reference_surfaces`; unused except for bodies
+    surface: Pointer  # (m, SURFACE_COLUMNS) see `params.reference_surfaces`; unused except for bodies
     push: Pointer  # (m, 2) contact impulses in a control step: sum, and maximum of one contact in a physics step
     static_pos: Pointer  # (c, 3)
     static_rot: Pointer  # (c, 3, 3)
