@@ -17,7 +17,7 @@ from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
-from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.appearance import (
     Appearance,
     SemanticOptions,

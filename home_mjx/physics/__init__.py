@@ -30,16 +30,16 @@ from home_mjx.physics.dynamics import (
     undo_where,
     with_agent_speed,
 )
-from home_mjx.physics.hands import HandCommands, apply_hand_commands, update_hands
+from home_mjx.physics.hand_control import HandCommands, apply_hand_commands, update_hands
 from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.mujoco.model import MujocoModel
+from home_mjx.physics.mujoco.mujoco_model import MujocoModel
 
 if TYPE_CHECKING:
-    from home_mjx.physics.mujoco.exported import ExportedTemplate
+    from home_mjx.physics.mujoco.exported_template import ExportedTemplate
     from home_mjx.physics.mujoco.robot import robot_in_house
 
-_EXPORTED = {"ExportedTemplate": "exported", "robot_in_house": "robot"}
+_EXPORTED = {"ExportedTemplate": "exported_template", "robot_in_house": "robot"}
 
 __all__ = [
     "BodyScale",

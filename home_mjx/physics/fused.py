@@ -21,9 +21,9 @@ from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves, door_table
 from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.base.surfaces import body_surfaces
+from home_mjx.physics.mjx.contact_slots import half_above_floor
+from home_mjx.physics.mjx.mjx_step import step_mjx
 from home_mjx.physics.mjx.overflow import Overflow
-from home_mjx.physics.mjx.slots import half_above_floor
-from home_mjx.physics.mjx.step import step_mjx
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.numba.params import (
     ACTION,

@@ -24,7 +24,7 @@ from home_mjx.physics.mjx.house_model import (
     with_slots,
     with_surfaces,
 )
-from home_mjx.physics.mjx.step import fill_contact_slots, padded_static_boxes
+from home_mjx.physics.mjx.mjx_step import fill_contact_slots, padded_static_boxes
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
 from home_mjx.schema import AgentBody, Timing

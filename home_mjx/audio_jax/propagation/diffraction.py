@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
-from home_mjx.audio_jax.geometry.barriers import BarrierBoxes, EdgePaths, find_edge_paths, select_nearest_barriers
+from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, EdgePaths, find_edge_paths, select_nearest_barriers
 from home_mjx.audio_jax.geometry.wedge import diffracted_pressure, second_edge_factor
 from home_mjx.audio_jax.propagation.paths import (
     MIN_PATH_LENGTH,
@@ -21,7 +21,7 @@ from home_mjx.audio_jax.propagation.paths import (
     trace_straight_line,
 )
 from home_mjx.core.transforms import quat_matrix
-from home_mjx.geometry.box_edges import NUM_EDGES
+from home_mjx.geometry.diffraction_edges import NUM_EDGES
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, RayKind

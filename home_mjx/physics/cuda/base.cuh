@@ -51,7 +51,7 @@ constexpr int STATIC_OVERFLOW = 0, POINT_OVERFLOW = 1;
 constexpr int MAX_LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 32;
 constexpr real ALIGNED_COSINE = 0.99, ALIGNED_OVERLAP_RATIO = 0.95;  // see numba/box_box.py
-constexpr real NEAR_DISTANCE = 0.1;  // [m], see numba/contacts.py
+constexpr real NEAR_DISTANCE = 0.1;  // [m], see numba/contact_detection.py
 
 struct Numbers {
   real sim_dt, substeps, gravity, control, response_time, max_body_speed, max_body_spin, stiffness, damping,

@@ -9,11 +9,11 @@ from numba import njit
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.base.state import FLOOR
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
-from home_mjx.physics.numba.contacts import find_contacts, invalidate_near_boxes
-from home_mjx.physics.numba.forces import compute_smooth_accelerations
-from home_mjx.physics.numba.motion import integrate, update_poses, write_rotation
+from home_mjx.physics.numba.contact_detection import find_contacts, invalidate_near_boxes
+from home_mjx.physics.numba.integration import integrate, update_poses, write_rotation
 from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
 from home_mjx.physics.numba.sleep import mark_moving, mark_sleeping, put_to_sleep, wake_near_bodies, wake_touched_bodies
+from home_mjx.physics.numba.smooth_acceleration import compute_smooth_accelerations
 from home_mjx.physics.numba.solver import solve
 from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
 

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
 from home_mjx.core.pytree import Pytree, static
-from home_mjx.raycast_render.scene.look import AppearanceOverrides
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 
 MISS = 3e38  # t of a miss, a finite replacement of infinity
 FAR_SLACK = 1 + 6e-7  # bound of the rounding error of a slab distance, as in Ize's paper (see `xla`)

@@ -30,8 +30,8 @@ from home_mjx.mjcf import (
 from home_mjx.scene_compile.architecture.rooms import ground_floor_height
 from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, safe_name
+from home_mjx.scene_compile.mjcf.initial_overlaps import resolve_overlaps
 from home_mjx.scene_compile.mjcf.lights import add_lamps
-from home_mjx.scene_compile.mjcf.overlaps import resolve_overlaps
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.categories import COARSE, COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse

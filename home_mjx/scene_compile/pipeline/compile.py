@@ -13,7 +13,7 @@ from home_mjx.scene_compile.lighting.lights import LightOptions, build_lights
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.objects.doorways import shut_outer_doors
-from home_mjx.scene_compile.objects.place import place_objects
+from home_mjx.scene_compile.objects.placed_objects import place_objects
 from home_mjx.scene_compile.pipeline.assemble import assemble, build_surfaces
 from home_mjx.scene_compile.pipeline.levels import build_levels
 from home_mjx.scene_compile.pipeline.limits import add_house_file, check_counts

@@ -10,7 +10,7 @@ from home_mjx.geometry.meshes import surface_areas
 from home_mjx.geometry.polygons import polygon_area
 from home_mjx.scene_compile.architecture.rooms import HouseFrame, find_frame, house_rooms
 from home_mjx.scene_compile.architecture.shell import BuildingShell, build_shell, inner_normal
-from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.appearance import (
     Appearance,
     SemanticOptions,

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint_distance
 from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import RoomTable
 
 MAX_CONTACT_GAP = 0.05  # [m], maximum gap or penetration of a contact; SUNCG's furniture hovers or sinks by this much

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.scene_compile.architecture.shell import BuildingShell
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.semantic import Semantic, semantic_row

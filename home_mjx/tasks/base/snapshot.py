@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.audio_jax.base.endpoints import MeasuredHead, SoundSources
-from home_mjx.audio_jax.contact_sounds.slots import ContactSounds
+from home_mjx.audio_jax.contact_sounds.sound_slots import ContactSounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.navigation import room_of
@@ -16,7 +16,7 @@ from home_mjx.physics import BodyScale, PhysicsState
 from home_mjx.physics.base.state import FLOOR, STATIC
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.variation.draw import CameraOffsets, VariationSample
+from home_mjx.tasks.variation.sample import CameraOffsets, VariationSample
 
 MAX_FLOOR_BOX_HEIGHT = (
     0.15  # [m], maximum height of a static box's top above a body's bottom for the box to count as floor

@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.audio_jax.base.endpoints import MeasuredHead, SoundSources
-from home_mjx.audio_jax.contact_sounds.slots import ContactSounds
+from home_mjx.audio_jax.contact_sounds.sound_slots import ContactSounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError, OutOfRangeError
-from home_mjx.tasks.variation.draw import VariationSample
 from home_mjx.tasks.variation.ranges import Variation
+from home_mjx.tasks.variation.sample import VariationSample
 
 MAX_FLOOR_OFFSET = 0.3  # [m], maximum height difference between an episode's start and the floor
 SOUND_TAG, RENEW_TAG, DOORS_TAG, ARRANGEMENT_TAG, VARIATION_TAG = 1, 2, 3, 4, 5  # tags of `fold_key`, one per use

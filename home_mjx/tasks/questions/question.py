@@ -8,9 +8,9 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language.phrases import DISTINGUISHING_ATTRIBUTES, SEMANTIC_COLUMN, minimal_identifying_words
 from home_mjx.tasks.language.vocabulary import to_word
+from home_mjx.tasks.rules.enums import Attribute
 from home_mjx.tasks.rules.house_view import HouseObject
 from home_mjx.tasks.rules.program import Selector
-from home_mjx.tasks.rules.words import Attribute
 from home_mjx.tasks.suite.navigation import EXCLUDED_CATEGORIES
 
 YES_NO = ("yes", "no")

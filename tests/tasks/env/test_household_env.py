@@ -19,7 +19,7 @@ from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.sensors.cameras import agent_ids, render_images
 
