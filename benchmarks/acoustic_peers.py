@@ -22,9 +22,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpe
 import acoustic_rooms as rooms
 
 from home_mjx.audio_jax import Listener, SoundSource, audio_preset
-from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.moving_sources.frame import render_frame
-from home_mjx.audio_jax.moving_sources.reception import render_receiver_state
+from home_mjx.audio_jax.auralization.clips import clip_samples
+from home_mjx.audio_jax.moving_sources.frames import render_frame
+from home_mjx.audio_jax.moving_sources.receiver_state import render_receiver_state
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.profiling import calls_per_second, compiled, device_name
 from home_mjx.core.workers import usable_cores

@@ -41,7 +41,7 @@ from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.splits import split_of
 from home_mjx.houses import load_bank
 from home_mjx.tasks import add_expert
-from home_mjx.tasks.env.moves import spoken_tokens
+from home_mjx.tasks.env.actions import spoken_tokens
 from home_mjx.training import Policy, evaluate, expert_policy, random_policy, summarize
 from home_mjx.training.evaluation import with_episodes
 from home_procgen import generate_dataset

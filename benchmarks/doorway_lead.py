@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpe
 import acoustic_rooms as rooms
 from decay_oracle import SPEED, _meet, _turn
 
-from home_mjx.audio_jax.receivers.hrtf import sphere_spectrum
+from home_mjx.audio_jax.receivers.spherical_head import sphere_spectrum
 
 RADIUS, WINDOW, BALL = 0.0875, 0.025, 0.25  # [m] of the head, [s] of the reflections, [m] of the receiver sphere
 RATE, SIZE, FINER = 64000, 8192, 16

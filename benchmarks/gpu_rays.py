@@ -28,7 +28,7 @@ from benchmarks.cases.record import make_measurement
 from home_mjx.core.native import nvrtc
 from home_mjx.core.native.platforms import local_devices
 from home_mjx.raycast_render.backends import cuda
-from home_mjx.raycast_render.backends.choose import KERNEL
+from home_mjx.raycast_render.backends.registry import KERNEL
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.images.render import render

@@ -26,7 +26,7 @@ from home_mjx.geometry.slabs import signed_area
 from home_mjx.scene_compile import compile_house
 from home_mjx.scene_compile.architecture.rooms import extract_rooms
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.overlaps import measure_rest_drift
+from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.schema.categories import ROOM_TYPES
 
 RADII = (0.10, 0.25)  # [m] radii of walkers

@@ -22,7 +22,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.cli.learning.named import parse_assignments
+from home_mjx.cli.learning.arguments import parse_assignments
 from home_mjx.core.profiling import device_name
 from home_mjx.registry import find_spec
 from home_mjx.tasks.base.options import override_options
@@ -39,7 +39,7 @@ from home_mjx.training import (
     train,
 )
 from home_mjx.training.checkpoint import CHECKPOINT_FILE, CLONED_FILE
-from home_mjx.training.records import read_lines
+from home_mjx.training.metrics_log import read_lines
 
 EYES = ("depth", "coarse", "prev_action")
 WORDS = (*EYES, "color", "size", "room_type")  # sensors of the properties in sentences and questions

@@ -21,11 +21,11 @@ from jaxtyping import Array
 import home_mjx
 from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
-from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.env.bound import Env
-from home_mjx.tasks.experts.explore import turns_to_nearest_cell
-from home_mjx.tasks.experts.teacher import EXPERT, ExpertObservationEnv
-from home_mjx.tasks.experts.walk import to_actions
+from home_mjx.tasks.base.snapshot import AgentPose
+from home_mjx.tasks.env.env import Env
+from home_mjx.tasks.experts.cell_search import turns_to_nearest_cell
+from home_mjx.tasks.experts.expert_observation import EXPERT, ExpertObservationEnv
+from home_mjx.tasks.experts.path_follower import to_actions
 from home_mjx.tasks.scripted_agents.pied_piper import FOLLOWER, MIN_PIPER_DISTANCE
 from home_mjx.training import evaluate, expert_policy
 from home_mjx.training.rollout import Policy

@@ -17,8 +17,8 @@ from home_mjx.datasets.registry import open_dataset
 from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.mjcf.export import OVERLAPS_FILE, to_mjcf
-from home_mjx.scene_compile.mjcf.overlaps import measure_rest_drift
-from home_mjx.schema.choices import COLLISIONS
+from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
+from home_mjx.schema.categories import COLLISIONS
 from home_mjx.schema.compiled import CompiledHouse
 
 LIMIT = 0.02  # [m] maximum drift of a stable object

@@ -20,8 +20,8 @@ import numpy as np
 import home_mjx
 from home_mjx import physics
 from home_mjx.physics import PhysicsSetup, Template
-from home_mjx.physics.mjx.slots import half_above_floor
-from home_mjx.physics.mujoco.mjcf import HouseRows, house_mjcf
+from home_mjx.physics.mjx.contact_slots import half_above_floor
+from home_mjx.physics.mujoco.house_mjcf import HouseRows, house_mjcf
 from home_mjx.schema.timing import Timing
 
 STEPS, CALLS, SUBSTEPS = 20, 5, Timing().substeps

@@ -4,9 +4,9 @@ import functools
 
 import home_mjx
 from home_mjx.adapters.brax import BraxEnv, wrap_for_training
-from home_mjx.training import shim
+from home_mjx.training import brax_compat
 
-shim.install()  # restores a function that brax 0.14.2 calls and JAX 0.10 removed
+brax_compat.install()  # restores a function that brax 0.14.2 calls and JAX 0.10 removed
 from brax.training.agents.ppo import networks  # noqa: E402
 from brax.training.agents.ppo import train as ppo  # noqa: E402
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.houses.selection import HouseFilter
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
-    from home_mjx.tasks.env.bound import Env
+    from home_mjx.tasks.env.env import Env
     from home_mjx.tasks.env.household import HouseholdEnv
 
 NUM_ARRANGEMENTS = 8  # poses of movable objects per house for `arrangement="random"`

@@ -18,7 +18,7 @@ import numpy as np
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 GROUP = "home_mjx.observers"

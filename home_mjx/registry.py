@@ -15,7 +15,7 @@ from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from home_mjx.houses.selection import HouseFilter
-    from home_mjx.tasks.env.bound import Env
+    from home_mjx.tasks.env.env import Env
     from home_mjx.tasks.env.household import HouseholdEnv
     from home_mjx.tasks.env.memory import MemoryEstimate
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
+from home_mjx.geometry.mesh_pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import slab
 from home_mjx.geometry.wall_prisms import Hole, WallSegment
 from home_mjx.schema.house import Material, Mesh

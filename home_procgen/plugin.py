@@ -14,8 +14,7 @@ from jaxtyping import Float
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.paths import cache_folder
-from home_mjx.datasets.base import DEFAULT_OPTIONS
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
 from home_mjx.datasets.seeds import MAX_LOOKUP_SEED, find_seeds, house_id
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.errors import ConfigError, UnknownIdError

@@ -22,8 +22,8 @@ from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.tasks.arrangements import with_arrangements
-from home_mjx.tasks.variation.draw import CameraOffsets, sample_variation
 from home_mjx.tasks.variation.ranges import Variation
+from home_mjx.tasks.variation.sample import CameraOffsets, sample_variation
 from home_mjx.viewer.pictures import pictures
 from home_procgen.v1.dataset import generate_dataset
 

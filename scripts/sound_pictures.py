@@ -38,9 +38,9 @@ from home_mjx.audio_jax import (
     stft_magnitude,
 )
 from home_mjx.audio_jax.base.options import Baked, EarlyPaths, Omni
-from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
+from home_mjx.audio_jax.late_reverb.lookup.lookup import lookup_late_sound
 from home_mjx.bank.bank import HouseBank
-from home_mjx.cli.floors import draw_storey_maps
+from home_mjx.cli.storey_maps import draw_storey_maps
 from home_mjx.core.transforms import camera_quat
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet

@@ -24,10 +24,10 @@ from home_mjx.tasks import add_expert
 from home_mjx.training.evaluation import with_episodes
 from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
 from home_mjx.viewer.episodes.episode import EpisodeRunner
-from home_mjx.viewer.episodes.film import compose_frame
 from home_mjx.viewer.episodes.goal_markers import get_goal_markers, get_instruction, get_utterances
 from home_mjx.viewer.episodes.overlay import TopDownOverlay
 from home_mjx.viewer.episodes.policies import PolicyPlayer, make_policy
+from home_mjx.viewer.episodes.video import compose_frame
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "docs" / "images" / "tasks"

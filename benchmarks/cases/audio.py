@@ -11,17 +11,17 @@ import numpy as np
 
 from benchmarks.cases.batch import eye_pose, houses_and_starts, make_scene_at, own_body_id, rate_per_environment
 from benchmarks.cases.record import BenchSettings, Measurement, make_measurement
+from home_mjx.audio_jax.auralization.clips import clip_samples
+from home_mjx.audio_jax.auralization.convolution import convolve_frame
 from home_mjx.audio_jax.auralization.envelope import clip_power, energy_envelope, mean_band_power
 from home_mjx.audio_jax.auralization.response import impulse_response
-from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.auralization.stream import convolve_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.options import Baked
 from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions, bake_house
-from home_mjx.audio_jax.moving_sources.frame import render_early, render_frame, render_frames, render_late
-from home_mjx.audio_jax.moving_sources.reception import render_receiver_state
+from home_mjx.audio_jax.moving_sources.frames import render_early, render_frame, render_frames, render_late
+from home_mjx.audio_jax.moving_sources.receiver_state import render_receiver_state
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core import profiling
 

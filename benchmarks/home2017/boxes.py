@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
-from home_mjx.audio_jax.geometry.images import Mirrors
+from home_mjx.audio_jax.geometry.image_sources import Mirrors
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.categories import coarse_index

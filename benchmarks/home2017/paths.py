@@ -22,9 +22,9 @@ from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.options import Air, EarlyPaths, NoLate, Omni
-from home_mjx.audio_jax.geometry.images import ImageSources, find_image_sources, select_nearest_mirrors
+from home_mjx.audio_jax.geometry.image_sources import ImageSources, find_image_sources, select_nearest_mirrors
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.mirrored import (
+from home_mjx.audio_jax.propagation.image_source_paths import (
     MAX_MIRROR_DISTANCE,
     MIN_LEG_LENGTH,
     find_duplicates,

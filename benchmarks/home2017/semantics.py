@@ -17,15 +17,20 @@ from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
-from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
+from home_mjx.scene_compile.semantics.appearance import (
+    Appearance,
+    SemanticOptions,
+    TexturedTriangles,
+    surface_materials,
+)
 from home_mjx.scene_compile.semantics.describe import short_text
 from home_mjx.scene_compile.semantics.engine import describe_house
-from home_mjx.scene_compile.semantics.looks.appearance import Appearance, TexturedTriangles, surface_materials
-from home_mjx.scene_compile.semantics.looks.color_names import COLOR_LEVELS, palettes
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
-from home_mjx.scene_compile.semantics.sizes import NORMAL, SIZE_LIMITS, SIZES
+from home_mjx.scene_compile.semantics.sizes import NORMAL, SIZE_LIMITS
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
+from home_mjx.schema.color_names import COLOR_LEVELS, palettes
 from home_mjx.schema.house import House, Metadata, ModelInfo, ObjectNode
+from home_mjx.schema.semantic import SIZES
 
 HOME2017 = SemanticOptions(material="share")  # HoME's rule of materials
 FRONT = (0.0, 0.0, 1.0)  # front of the models whose sizes HoME compared

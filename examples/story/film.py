@@ -9,7 +9,7 @@ from jaxtyping import UInt8
 
 from examples.story.play import Step
 from examples.story.script import CARRIER, WATCHER
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.viewer.episodes.camera import scene_without_agents
 from home_mjx.viewer.pictures import media, pictures

@@ -15,7 +15,7 @@ from examples.story.script import CARRIER, WATCHER, Script, Stage
 from home_mjx.env_factory import make
 from home_mjx.errors import HomeMjxError
 from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 TRIED = 1 << 14  # keys, of which the first that gives a suitable start is taken

@@ -21,7 +21,7 @@ from home_mjx.errors import ConfigError, install_hint
 from home_mjx.registry import list_envs
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 try:

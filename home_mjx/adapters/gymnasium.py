@@ -17,7 +17,7 @@ from home_mjx.core.native.fork_guard import forbid_after_fork
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.env.autoreset import AutoReset, select_envs
-from home_mjx.tasks.env.begin import is_sequential
+from home_mjx.tasks.env.reset import is_sequential
 
 
 class GymEnv(gymnasium.Env, EzPickle):

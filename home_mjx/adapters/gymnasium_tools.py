@@ -18,7 +18,7 @@ from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.base.state import Episodes, State, World
 from home_mjx.tasks.base.status import status_report
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.episodes import load_episodes_or_tasks
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras

@@ -14,14 +14,13 @@ from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
 from home_mjx.adapters.base.agents import join_vectors, vector_observations, vector_spec
-from home_mjx.adapters.base.single import as_single_env, strip_observations
+from home_mjx.adapters.base.single_env import as_single_env, strip_observations
 from home_mjx.adapters.base.spaces import BoxSpace, DictSpace, DiscreteSpace, make_jax_space
 from home_mjx.core.checks import check_type
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.keys import to_raw_key
-from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.base.state import EnvParams, State, to_raw_key
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 GymnaxObs = Array | dict[str, Array]

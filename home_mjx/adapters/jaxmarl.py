@@ -15,13 +15,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from home_mjx.adapters.base.agents import join_vectors, ordered_values, split_by_agent, vector_observations, vector_spec
-from home_mjx.adapters.base.single import as_single_env, strip_observations
+from home_mjx.adapters.base.single_env import as_single_env, strip_observations
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.tasks.base.keys import to_raw_key
 from home_mjx.tasks.base.specs import ArraySpec
-from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.state import State, to_raw_key
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
 try:

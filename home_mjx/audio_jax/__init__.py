@@ -1,10 +1,10 @@
 """Room acoustics: ray-traced and baked impulse responses, and their auralization for several receivers."""
 
+from home_mjx.audio_jax.auralization.clips import CLIPS, clip_samples
+from home_mjx.audio_jax.auralization.convolution import convolve_clip_frame, convolve_frame, emitted_signal
+from home_mjx.audio_jax.auralization.features import gcc_leads, gcc_phat, log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.recordings import read_clip
 from home_mjx.audio_jax.auralization.response import impulse_response
-from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
-from home_mjx.audio_jax.auralization.spectra import gcc_leads, gcc_phat, log_mel, stft_magnitude
-from home_mjx.audio_jax.auralization.stream import convolve_clip_frame, convolve_frame, emitted_signal
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.directivity import first_order_directivity, tabulated_directivity, talker_directivity
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, SoundSources
@@ -23,9 +23,9 @@ from home_mjx.audio_jax.base.options import (
 from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
 from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions
-from home_mjx.audio_jax.late_reverb.bake.store import LateReverbBake
-from home_mjx.audio_jax.moving_sources.frame import render_frame
-from home_mjx.audio_jax.moving_sources.reception import render_receiver_state
+from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
+from home_mjx.audio_jax.moving_sources.frames import render_frame
+from home_mjx.audio_jax.moving_sources.receiver_state import render_receiver_state
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import PathProducer, Paths
 from home_mjx.audio_jax.propagation.surfaces import sound_materials

@@ -11,8 +11,7 @@ from home_mjx.errors import ConfigError
 DEFAULT_DATASET = "procedural:1"  # where no dataset is named
 
 if TYPE_CHECKING:
-    from home_mjx.datasets.base import Dataset
-    from home_mjx.datasets.options import ReadOptions
+    from home_mjx.datasets.base import Dataset, ReadOptions
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.schema.compiled import CompiledHouse
@@ -48,7 +47,7 @@ def add_strict_option(parser: argparse.ArgumentParser) -> None:
 
 def read_options(args: argparse.Namespace) -> "ReadOptions":
     """Return the read options: strict with `--strict`, else the dataset's default."""
-    from home_mjx.datasets.options import ReadOptions
+    from home_mjx.datasets.base import ReadOptions
 
     return ReadOptions(strict=True if getattr(args, "strict", False) else None)
 

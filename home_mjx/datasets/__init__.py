@@ -3,8 +3,7 @@
 Host only: no module here imports JAX.
 """
 
-from home_mjx.datasets.base import Dataset, FileDigests, InputDigests
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import Dataset, FileDigests, InputDigests, ReadOptions
 from home_mjx.datasets.outlines import RoomOutline, WallOpening, outline_house
 from home_mjx.datasets.registry import dataset_schemes, open_dataset, register_dataset
 from home_mjx.datasets.seeds import house_id

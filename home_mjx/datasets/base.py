@@ -7,18 +7,52 @@ import hashlib
 import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Protocol, runtime_checkable
 
+from home_mjx.core.checks import check_flag
 from home_mjx.core.files import resolve_below
-from home_mjx.datasets.options import ReadOptions
 from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
 from home_mjx.schema.categories import COARSE, FINE, NYU40
 from home_mjx.schema.house import Fallback, House, Joints, Metadata, ModelInfo
 
 log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """Selection of the parts of a house to read.
+
+    Args:
+        people: Keep models of the coarse category `person`: dense, static meshes.
+        plants: Keep models of the coarse category `plant`: foliage of many thousand triangles.
+        backdrops: Keep boxes of 20 m and more uncut. By default they are cut to the extent of the level.
+        strict: Reject a house with a missing texture, model, room mesh or metadata row, instead of using fallbacks.
+            None: strict for generated datasets, tolerant for all others.
+
+    Example:
+        >>> ReadOptions(people=False).excluded_categories
+        ('person',)
+    """
+
+    people: bool = True
+    plants: bool = True
+    backdrops: bool = False
+    strict: bool | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("people", "plants", "backdrops"):
+            check_flag(name, getattr(self, name))
+        if self.strict is not None:
+            check_flag("strict", self.strict)
+
+    @property
+    def excluded_categories(self) -> tuple[str, ...]:
+        """Coarse categories of the objects to leave out."""
+        return ("person",) * (not self.people) + ("plant",) * (not self.plants)
+
 
 DEFAULT_OPTIONS = ReadOptions()
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.errors import ConfigError
-from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
+from home_mjx.geometry.mesh_pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import simplify, slab
 from home_mjx.geometry.wall_prisms import WALL_DEPTH, Hole, WallSegment
 from home_mjx.schema.house import BoxNode, House, Level, Material, Mesh, RoomNode

@@ -1,9 +1,12 @@
-"""Polygons of the floor plan."""
+"""Polygons of the floor plan, and outlines of slabs."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from home_mjx.geometry.slabs import signed_area
 from home_mjx.schema.compiled import RoomTable
+
+MERGE_DISTANCE = 1e-4  # [m], distance below which corners are merged
 
 
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
@@ -41,3 +44,78 @@ def find_smallest_room(
     for room in sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r])):
         found[is_inside_polygon(rooms.polygon[room], points)] = room
     return found
+
+
+def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "4 2"]:
+    """Return the axis-aligned rectangle around triangles in plan, counter-clockwise.
+
+    Args:
+        triangles: Corners, Z up [m].
+    """
+    (x0, y0), (x1, y1) = triangles[..., :2].min(axis=(0, 1)), triangles[..., :2].max(axis=(0, 1))
+    return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+
+
+def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
+    """Return the outer edge of a slab's upper side, counter-clockwise.
+
+    Args:
+        slab: Triangles of the slab, Z up [m].
+    """
+    normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])
+    upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
+    if not upper.any():
+        return bounding_outline(slab)
+    points = np.round(slab[upper, :, :2] / MERGE_DISTANCE).astype(np.int64).reshape(-1, 2)
+    corners, index = np.unique(points, axis=0, return_inverse=True)
+    loops = _boundary_loops(index.reshape(-1, 3))
+    polygons = [_straighten(corners[loop] * MERGE_DISTANCE) for loop in loops]
+    largest = max(polygons, key=_area, default=np.zeros((0, 2)))
+    area = np.linalg.norm(normal[upper], axis=1).sum() / 2
+    # Triangles that do not share corners yield several loops, none of which is the outline.
+    return largest if _area(largest) > 0.9 * area else bounding_outline(slab)
+
+
+def _boundary_loops(triangles: Int[np.ndarray, "t 3"]) -> list[list[int]]:
+    """Return closed loops of edges that belong to only one triangle."""
+    edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
+    following: dict[int, list[int]] = {}
+    for a, b in edges:
+        if a != b and (b, a) not in edges:
+            following.setdefault(a, []).append(b)
+    loops = []
+    while following:
+        loop = _walk(following)
+        if len(loop) >= 3:
+            loops.append(loop)
+    return loops
+
+
+def _walk(following: dict[int, list[int]]) -> list[int]:
+    first = corner = next(iter(following))
+    loop = []
+    while corner in following:
+        loop.append(corner)
+        step = following[corner].pop()
+        if not following[corner]:
+            del following[corner]
+        corner = step
+        if corner == first:
+            return loop
+    return []
+
+
+def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = 1e-3) -> Float[np.ndarray, "_ 2"]:
+    """Remove corners within `bend` [m] of the line between their neighbours."""
+    keep = []
+    for i in range(len(polygon)):
+        before, here, after = polygon[i - 1], polygon[i], polygon[(i + 1) % len(polygon)]
+        way = after - before
+        away = abs(way[0] * (here - before)[1] - way[1] * (here - before)[0]) / max(np.hypot(*way), MERGE_DISTANCE)
+        if away > bend:
+            keep.append(i)
+    return polygon[keep] if len(keep) >= 3 else polygon
+
+
+def _area(polygon: Float[np.ndarray, "n 2"]) -> float:
+    return abs(signed_area(polygon)) if len(polygon) else 0.0

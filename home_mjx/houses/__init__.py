@@ -1,24 +1,36 @@
 """From the name of a dataset to a bank: sets of houses, the cache of compiled houses, streams and bakes.
 
-`load_bank` is the way in. Engines know compiled houses and banks only; this package alone knows folders on disk.
+`load_bank` is the entry point. Engines use compiled houses and banks only; this package alone reads folders on disk.
+Names are imported on first use: processes that compile houses load no JAX, and tasks load no compiler.
 """
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from home_mjx.houses.house_cache import HouseCache, load_compiled
-from home_mjx.houses.house_set import HouseSet
-from home_mjx.houses.job import compile_dataset
-from home_mjx.houses.report import CompileOutcome, CompileSummary
-from home_mjx.houses.selection import HouseFilter
+if TYPE_CHECKING:
+    from home_mjx.houses.bakes import Bake, add_bakes, register_bake
+    from home_mjx.houses.house_cache import HouseCache, load_compiled
+    from home_mjx.houses.house_set import HouseSet
+    from home_mjx.houses.job import compile_dataset
+    from home_mjx.houses.load import DEFAULT_DATASET, load_bank
+    from home_mjx.houses.report import CompileOutcome, CompileSummary
+    from home_mjx.houses.selection import HouseFilter
+    from home_mjx.houses.stream import HouseStream
 
-_WITH_JAX = {  # imported on first use, so that processes that compile houses load no JAX
-    "DEFAULT_DATASET": "home_mjx.houses.load",
-    "Bake": "home_mjx.houses.bakes",
-    "HouseStream": "home_mjx.houses.stream",
-    "add_bakes": "home_mjx.houses.bakes",
-    "load_bank": "home_mjx.houses.load",
-    "register_bake": "home_mjx.houses.bakes",
+_MODULES = {
+    "DEFAULT_DATASET": "load",
+    "Bake": "bakes",
+    "CompileOutcome": "report",
+    "CompileSummary": "report",
+    "HouseCache": "house_cache",
+    "HouseFilter": "selection",
+    "HouseSet": "house_set",
+    "HouseStream": "stream",
+    "add_bakes": "bakes",
+    "compile_dataset": "job",
+    "load_bank": "load",
+    "load_compiled": "house_cache",
+    "register_bake": "bakes",
 }
 
 __all__ = [
@@ -39,6 +51,6 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _WITH_JAX:
+    if name not in _MODULES:
         raise AttributeError(f"module 'home_mjx.houses' has no attribute {name!r}")
-    return getattr(importlib.import_module(_WITH_JAX[name]), name)
+    return getattr(importlib.import_module(f"home_mjx.houses.{_MODULES[name]}"), name)

@@ -18,8 +18,7 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
-from home_mjx.core.array_store.flatten import flatten, rebuild
+from home_mjx.core.array_store import READ_ERRORS, flatten, read_entry, rebuild, write_entry
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.schema.compiled import CompiledHouse

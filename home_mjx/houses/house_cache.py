@@ -12,8 +12,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from home_mjx.core.array_store.entry import ENTRY_SUFFIX, READ_ERRORS, read_entry, read_notes, write_entry
-from home_mjx.core.array_store.flatten import JsonFields, flatten, rebuild
+from home_mjx.core.array_store import (
+    ENTRY_SUFFIX,
+    READ_ERRORS,
+    JsonFields,
+    flatten,
+    read_entry,
+    read_notes,
+    rebuild,
+    write_entry,
+)
 from home_mjx.core.files import resolve_below
 from home_mjx.datasets.base import Dataset
 from home_mjx.houses.integrity import check_house, check_models

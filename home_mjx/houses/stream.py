@@ -15,14 +15,13 @@ from jaxtyping import Array, Bool, Int
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank, to_bank
-from home_mjx.bank.packing.agent_model import agent_model
 from home_mjx.bank.packing.capacity import capacity_of, slot_stride
-from home_mjx.bank.packing.library import Library
+from home_mjx.bank.packing.library import Library, agent_model
 from home_mjx.bank.packing.pack import pack_house_slot, pack_house_slots
 from home_mjx.bank.records.bank_arrays import get_array, replace_arrays
 from home_mjx.bank.records.declaration import Key
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
-from home_mjx.core.array_store.entry import READ_ERRORS
+from home_mjx.core.array_store import READ_ERRORS
 from home_mjx.core.checks import check_number
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError, HomeMjxError

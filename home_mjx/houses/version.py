@@ -17,13 +17,13 @@ FORMAT = 8
 PACKAGE_ROOT = Path(__file__).parents[1]
 # Code that determines an entry; changing any of it recompiles all houses. A test compares this list with the imports.
 COMPILER_PATHS = (
-    "core/array_store/flatten.py",
+    "core/array_store.py",
     "core/color.py",
     "core/files.py",
     "core/images.py",
     "core/native/numba_cache.py",
     "datasets/base.py",
-    "datasets/options.py",
+    "datasets/base.py",
     "datasets/seeds.py",
     "datasets/suncg/dataset.py",
     "datasets/suncg/digests.py",

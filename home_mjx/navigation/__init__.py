@@ -1,7 +1,7 @@
 """Navigation grids, geodesic distances, rooms and free positions on the device; a path follower on the host."""
 
+from home_mjx.navigation.distance_fields import distance_field, goal_fields
 from home_mjx.navigation.doors import connected_rooms, door_angles, passable_portals
-from home_mjx.navigation.fields import distance_field, goal_fields
 from home_mjx.navigation.grid import (
     cell_of,
     geodesic_distance,

@@ -7,7 +7,12 @@ Standalone use:
     template = Template(PhysicsConfig(), bank.spec)
     state = reset(template, bank, house, agent_pos, agent_yaw)
     state = step(template, bank, house, state, action)
+
+Exported houses are imported on first use, because they need the compiler of houses.
 """
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.state import BodyScale, PhysicsState
@@ -25,12 +30,16 @@ from home_mjx.physics.dynamics import (
     undo_where,
     with_agent_speed,
 )
-from home_mjx.physics.hands import HandCommands, apply_hand_commands, update_hands
+from home_mjx.physics.hand_control import HandCommands, apply_hand_commands, update_hands
 from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.mujoco.exported import ExportedTemplate
-from home_mjx.physics.mujoco.model import MujocoModel
-from home_mjx.physics.mujoco.robot import robot_in_house
+from home_mjx.physics.mujoco.mujoco_model import MujocoModel
+
+if TYPE_CHECKING:
+    from home_mjx.physics.mujoco.exported_template import ExportedTemplate
+    from home_mjx.physics.mujoco.robot import robot_in_house
+
+_EXPORTED = {"ExportedTemplate": "exported_template", "robot_in_house": "robot"}
 
 __all__ = [
     "BodyScale",
@@ -58,3 +67,9 @@ __all__ = [
     "update_hands",
     "with_agent_speed",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _EXPORTED:
+        raise AttributeError(f"module 'home_mjx.physics' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"home_mjx.physics.mujoco.{_EXPORTED[name]}"), name)

@@ -10,13 +10,12 @@ from home_mjx.core.transforms import quat_matrix
 from home_mjx.physics.base.control import FORWARD_SPEED, TURN_RATE
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import GRAVITY, NOT_DRIVEN
-from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION, BodyScale, PhysicsState
-from home_mjx.physics.base.touch import NOTHING
+from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION, NOTHING, BodyScale, PhysicsState
 from home_mjx.physics.fused import step_fused
-from home_mjx.physics.kinematic.step import step_kinematic
+from home_mjx.physics.kinematic.kinematic_step import step_kinematic
 from home_mjx.physics.mjx.house_model import movable_bodies
+from home_mjx.physics.mjx.mjx_step import step_mjx
 from home_mjx.physics.mjx.overflow import Overflow
-from home_mjx.physics.mjx.step import step_mjx
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.step import step_mujoco
 

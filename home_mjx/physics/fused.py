@@ -6,6 +6,7 @@ convergence. On platforms without a kernel, MJX steps.
 
 import functools
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -14,21 +15,63 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.native.fork_guard import check_not_forked
-from home_mjx.core.native.kernel import Kernel, call_native
-from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient
+from home_mjx.core.native.kernel import Kernel, call_native, compile_sources, launch_ptx
+from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient, traced_constant
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves, door_table
 from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.base.surfaces import body_surfaces
-from home_mjx.physics.cuda.launch import compile_kernel, step_cuda
+from home_mjx.physics.mjx.contact_slots import half_above_floor
+from home_mjx.physics.mjx.mjx_step import step_mjx
 from home_mjx.physics.mjx.overflow import Overflow
-from home_mjx.physics.mjx.slots import half_above_floor
-from home_mjx.physics.mjx.step import step_mjx
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.numba.data.numbers import reference_surfaces, step_params
-from home_mjx.physics.numba.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
+from home_mjx.physics.numba.params import (
+    ACTION,
+    BODY_DOFS,
+    BODY_VALID,
+    COLLIDER_POS,
+    DOOR,
+    MAX_NEAR_BOXES,
+    NUM_RESULTS,
+    NUM_SHARED,
+    POINTS_PER_BODY,
+    RAMP,
+    reference_surfaces,
+    step_params,
+)
 
 NUM_OVERFLOWS = 2  # overflow flags: static boxes, contact points
+FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "sleep.cuh", "step.cu")
+SOURCES = tuple(Path(__file__).with_name("cuda") / name for name in FILES)
+WARP = 32
+CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
+PAIRS_PER_BODY = 16  # as in base.cuh
+SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_BODY  # words of shared memory per dynamic body, as in step.cu
+
+
+def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
+    """Step environments (e ...) by one control step; operands and results are ordered as in `numba.params`."""
+    houses, statics = operands[COLLIDER_POS].shape[:2]
+    bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
+    envs, agents = operands[ACTION].shape[:2]
+    mobiles = agents + bodies + doors
+    words = (MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * POINTS_PER_BODY) * mobiles + _newton_words(mobiles)
+    scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
+    sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
+    shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + _newton_words(SMALL_ISLAND) + 2)
+    given = *operands, traced_constant(sizes)
+    return launch_ptx("step_physics", compile_kernel(), (envs,), WARP, shared, given, (*results, scratch))[:-1]
+
+
+def _newton_words(mobiles: int) -> int:
+    """Return the words of memory for an island: lower triangle of its Hessian, gradient and search direction."""
+    size = BODY_DOFS * mobiles
+    return size * (size + 1) // 2 + 2 * size
+
+
+def compile_kernel() -> str:
+    """Compile PTX that all GPUs of this process can run."""
+    return compile_sources(*SOURCES)
 
 
 def _compile_chunks() -> tuple[Any, Any]:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 
+AGENT_MARGIN = 0.05  # [m], default clearance of free space beyond the agent's radius
+
 
 @dataclass(frozen=True)
 class AgentBody:

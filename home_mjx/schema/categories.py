@@ -1,4 +1,4 @@
-"""SUNCG's fixed vocabularies and the index of a name in them.
+"""SUNCG's fixed vocabularies and the index of a name in them; names of option values that packages share.
 
 Ids on the device are indices into these tuples. Names that only v2 has come last, so that v1's ids are unchanged.
 """
@@ -17,6 +17,8 @@ FINE: tuple[str, ...] = (*_LISTS["fine"], *_LISTS["fine_v2"])  # 187 + 52, each 
 COARSE: tuple[str, ...] = (*_LISTS["coarse"], *_LISTS["coarse_v2"])  # 90 + 4, each sorted by code point
 NYU40: tuple[str, ...] = tuple(_LISTS["nyu40"])  # 41 in the order of NYUv2-40; 0 is void
 ROOM_TYPES: tuple[str, ...] = tuple(_LISTS["room_types"])  # 25
+CAMERA_MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
+COLLISIONS = ("box", "exact")  # collision geometry of objects in an exported house
 
 
 @cache

@@ -7,6 +7,9 @@ from jaxtyping import Int
 
 from home_mjx.schema.categories import coarse_index, fine_index, nyu40_index
 
+SIZES = ("tiny", "small", "normal", "large", "huge")  # size classes within a category
+SUPPORTS = ("floor", "wall", "ceiling", "object")
+
 
 class Semantic(IntEnum):
     """Columns of the semantic table; -1 means none."""

@@ -12,16 +12,16 @@ from home_mjx.tasks.base.state import EnvParams, Episodes, State
 from home_mjx.tasks.base.status import Status, StatusError, check_status
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.episodes import load_episodes, sample_episodes, save_episodes
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.memory import estimate_memory
-from home_mjx.tasks.env.saved import dump_flagged, load_flagged, load_states, save_states
-from home_mjx.tasks.experts.teacher import ExpertObservationEnv, add_expert
-from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.env.state_io import dump_flagged, load_flagged, load_states, save_states
+from home_mjx.tasks.experts.expert_observation import ExpertObservationEnv, add_expert
+from home_mjx.tasks.experts.path_follower import expert_action
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
+from home_mjx.tasks.suite.task_io import load_tasks, save_tasks
 from home_mjx.tasks.variation.ranges import Variation
 
 __all__ = [

@@ -1,6 +1,6 @@
-"""Training on the environments: recurrent PPO in plain JAX. `shim` patches brax 0.14.2 for JAX >= 0.10.
+"""Training on the environments: recurrent PPO in plain JAX. `brax_compat` patches brax 0.14.2 for JAX >= 0.10.
 
-Names are imported on first use, because they need the extra `train` and `shim` does not.
+Names are imported on first use, because they need the extra `train` and `brax_compat` does not.
 """
 
 import importlib
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
         save_checkpoint,
         save_net,
     )
-    from home_mjx.training.cloning import AdvisedPPO, BehaviorCloning
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
     from home_mjx.training.evaluation import evaluate, evaluation_spec, expert_policy, random_policy, summarize
+    from home_mjx.training.imitation import AdvisedPPO, BehaviorCloning
     from home_mjx.training.networks import NetworkConfig, RecurrentAgent
     from home_mjx.training.ppo import PPO, TrainState
     from home_mjx.training.rollout import Policy
@@ -63,7 +63,7 @@ _MODULES = {
         "save_checkpoint",
         "save_net",
     ),
-    "cloning": ("AdvisedPPO", "BehaviorCloning"),
+    "imitation": ("AdvisedPPO", "BehaviorCloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
     "evaluation": ("evaluate", "expert_policy", "evaluation_spec", "random_policy", "summarize"),
     "networks": ("NetworkConfig", "RecurrentAgent"),

@@ -16,10 +16,10 @@ from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.base.task import path_scores
 from home_mjx.tasks.env.autoreset import select_envs
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.episodes import sample_episodes
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.experts.teacher import EXPERT
+from home_mjx.tasks.experts.expert_observation import EXPERT
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 
 MAX_EPISODES = 1_000_000  # maximum episodes of one evaluation; their rows are sampled in advance, all at once

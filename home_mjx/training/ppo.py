@@ -28,11 +28,10 @@ from home_mjx.sharding import (
     mean_over_devices,
     sum_over_devices,
 )
-from home_mjx.tasks.base.keys import to_raw_key
-from home_mjx.tasks.base.state import EnvParams
+from home_mjx.tasks.base.state import EnvParams, to_raw_key
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.begin import is_sequential
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.reset import is_sequential
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
 from home_mjx.training.rollout import Policy, RolloutState, Transitions, compute_advantages, rollout, to_rows

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.observers import Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.checkpoint import (
     AGENT_FILE,
@@ -31,12 +31,12 @@ from home_mjx.training.checkpoint import (
     save_checkpoint,
     save_net,
 )
-from home_mjx.training.cloning import AdvisedPPO, BehaviorCloning
 from home_mjx.training.config import RunConfig
 from home_mjx.training.evaluation import check_episodes, evaluate, evaluation_spec, random_policy, summarize
+from home_mjx.training.imitation import AdvisedPPO, BehaviorCloning
+from home_mjx.training.metrics_log import CurvesPlot, MetricsLog, TensorBoardLog
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import MetricMeans, ProgressBar, RunClock
-from home_mjx.training.records import CurvesPlot, MetricsLog, TensorBoardLog
 
 LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": AdvisedPPO, "clone": BehaviorCloning}
 MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter stages have one per update

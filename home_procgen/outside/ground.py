@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.geometry.pieces import MeshPiece, join_pieces
+from home_mjx.geometry.mesh_pieces import MeshPiece, join_pieces
 from home_mjx.geometry.slabs import slab
 from home_mjx.schema.house import GroundNode, Material
 from home_procgen.floor_plan.rooms import Rect

@@ -19,7 +19,7 @@ from home_mjx import registry
 from home_mjx.adapters.brax import BraxEnv, register, wrap_for_training
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import check_status
-from home_mjx.training import shim
+from home_mjx.training import brax_compat
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_observation_sizes(brax_env):
 
 @pytest.mark.slow
 def test_ppo_trains_from_pixels(brax_env):
-    shim.install()
+    brax_compat.install()
     records, policies = [], []
     make_networks = functools.partial(
         networks_vision.make_ppo_networks_vision,
@@ -108,7 +108,7 @@ def test_sums_of_metrics_are_those_of_the_end(generated_bank):
 
 def test_braxs_checkpoints_load_by_default_arguments(tmp_path):
     """As its trainer saves them; without the shim: KeyError None."""
-    shim.install()
+    brax_compat.install()
     size = {"state": specs.Array((13,), jnp.dtype("float32"))}
     network = networks.make_ppo_networks({"state": (13,)}, 4, preprocess_observations_fn=running_statistics.normalize)
     one, other = jax.random.split(jax.random.PRNGKey(0))
@@ -158,6 +158,6 @@ def test_both_kinds_of_key_and_two_devices(generated_bank):
 
 def test_shim_is_what_jax_had():
     devices = jax.devices()[:2]
-    out = shim.device_put_replicated({"a": np.arange(3)}, devices)["a"]
+    out = brax_compat.device_put_replicated({"a": np.arange(3)}, devices)["a"]
     assert out.shape == (2, 3)
     assert {shard.device for shard in out.addressable_shards} == set(devices)

@@ -18,7 +18,7 @@ import home_mjx
 from home_mjx.adapters.brax import BraxEnv
 from home_mjx.adapters.playground import PlaygroundEnv, default_config, register, wrap_for_training
 from home_mjx.errors import ConfigError
-from home_mjx.training import shim
+from home_mjx.training import brax_compat
 
 
 def test_every_id_is_in_the_registry():
@@ -105,7 +105,7 @@ def test_pictures(env):
 @pytest.mark.slow
 @pytest.mark.parametrize("wrap", [playground_wrapper.wrap_for_brax_training, wrap_for_training])
 def test_ppo_trains(env, wrap):
-    shim.install()
+    brax_compat.install()
     from brax.training.agents.ppo import networks, train
 
     small = {"policy_hidden_layer_sizes": (8,), "value_hidden_layer_sizes": (8,)}

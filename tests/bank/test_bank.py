@@ -8,8 +8,8 @@ from handmade import Furniture, shoebox, two_rooms
 from PIL import Image
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS, agent_model
 from home_mjx.bank.packing.capacity import ragged_class, size_class
+from home_mjx.bank.packing.library import HEIGHT, RADIUS, agent_model
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.geometry.boxes import box_inertia
 from home_mjx.geometry.meshes import FACE_NORMALS, box_triangles

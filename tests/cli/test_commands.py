@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from home_mjx.audio_jax.parameters.survey import SURVEY_CONFIG
+from home_mjx.audio_jax.parameters.room_survey import SURVEY_CONFIG
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.commands.render import CUT_WALL_GREY, STOREY_MARGIN
-from home_mjx.cli.floors import reduce_rays
+from home_mjx.cli.storey_maps import reduce_rays
 from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_free_direction
 from home_mjx.houses import house_cache, load_bank
 from home_mjx.houses.house_set import HouseSet

@@ -15,7 +15,7 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 from home_mjx import registry
 from home_mjx.cli import main
 from home_mjx.cli.learning import evaluate, play, record, train
-from home_mjx.cli.learning.named import find_checkpoint, import_modules, parse_checkpoint_path, task_spec
+from home_mjx.cli.learning.arguments import find_checkpoint, import_modules, parse_checkpoint_path, task_spec
 from home_mjx.errors import ConfigError
 from home_mjx.training import CPU_CONFIG, RunConfig, read_config, save_net
 

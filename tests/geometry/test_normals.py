@@ -7,7 +7,7 @@ import trimesh
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.geometry.meshes import box_triangles, crease_normals
-from home_mjx.scene_compile.objects.place import library_model
+from home_mjx.scene_compile.objects.placed_objects import library_model
 
 
 def flat(triangles):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.scene_compile.architecture.rooms import HouseFrame
-from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import BoxNode, House, Level, Metadata, ModelInfo
 

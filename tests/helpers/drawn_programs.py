@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from home_mjx.tasks.rules.enums import FAILURE, NUM_CONDITIONS, NUM_DESCRIPTORS, NUM_STAGES, NUM_TRANSITIONS, Feature
 from home_mjx.tasks.rules.program import Condition, TaskStage, Transition
-from home_mjx.tasks.rules.words import FAILURE, NUM_CONDITIONS, NUM_DESCRIPTORS, NUM_STAGES, NUM_TRANSITIONS, Feature
 
 AGENTS = 3
 

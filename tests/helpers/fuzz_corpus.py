@@ -18,7 +18,7 @@ from tiny_arch import arch_document, arch_path
 from tiny_dataset import DOOR, HOUSE_ID, TABLE, house_document, write_json, write_tiny_dataset
 
 from home_mjx.core.images import open_texture
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.errors import HomeMjxError

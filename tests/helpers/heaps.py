@@ -3,7 +3,7 @@
 import numpy as np
 from c_oracle import Boxes, Leaves, Oracle
 
-from home_mjx.mjcf.contact import contact_parameters
+from home_mjx.mjcf import contact_parameters
 from home_mjx.physics import PhysicsSetup
 from home_mjx.schema.contact_materials import damping_ratio
 

@@ -6,14 +6,14 @@ import numpy as np
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.options import Ambisonics, Motion
-from home_mjx.audio_jax.kernels import tail
-from home_mjx.audio_jax.kernels.first import max_path_change
-from home_mjx.audio_jax.kernels.reads import DelayReads
+from home_mjx.audio_jax.kernels import late_tail
+from home_mjx.audio_jax.kernels.delay_reads import DelayReads
+from home_mjx.audio_jax.kernels.direct_filter import max_path_change
 from home_mjx.audio_jax.moving_sources import early
-from home_mjx.audio_jax.moving_sources.pairs import match_paths
+from home_mjx.audio_jax.moving_sources.path_matching import match_paths
 from home_mjx.audio_jax.propagation.paths import Paths
-from home_mjx.audio_jax.receivers.diffuse import num_noises
-from home_mjx.audio_jax.receivers.shares import NoiseGains
+from home_mjx.audio_jax.receivers.diffuse_noise import num_noises
+from home_mjx.audio_jax.receivers.noise_gains import NoiseGains
 from home_mjx.core.variants import override_fields
 from home_mjx.schema.timing import Timing
 
@@ -63,7 +63,7 @@ def some_late(rng, envs: int, sources: int, config: AudioConfig):
     shares = (config.num_bins, channels, bands), (channels, num_noises(config), bands), (config.num_bins, common, bands)
     power, mix, shared = (jnp.float32(rng.normal(size=(*ends, *shape))) for shape in shares)
     start = jnp.int32(rng.integers(0, config.num_bins, ends))
-    sound = tail.LateResponse(
+    sound = late_tail.LateResponse(
         shares=NoiseGains(jnp.abs(power), mix, shared, start),
         onset=jnp.int32(rng.integers(-100, config.response_length // 2, ends)),
         tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail_repeats, 7))),

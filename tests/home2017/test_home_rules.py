@@ -19,8 +19,8 @@ from benchmarks.home2017.semantics import (
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
+from home_mjx.scene_compile.semantics.appearance import TexturedTriangles
 from home_mjx.scene_compile.semantics.engine import house_semantics
-from home_mjx.scene_compile.semantics.looks.appearance import TexturedTriangles
 from home_mjx.schema.house import Metadata, ModelInfo
 
 QUAD = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)  # texture coordinates of a whole image

@@ -8,10 +8,9 @@ from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.geometry.meshes import surface_areas
 from home_mjx.scene_compile.materials.surface import surface_material
-from home_mjx.scene_compile.objects.place import library_model
+from home_mjx.scene_compile.objects.placed_objects import library_model
+from home_mjx.scene_compile.semantics.appearance import SemanticOptions, TexturedTriangles
 from home_mjx.scene_compile.semantics.engine import house_semantics
-from home_mjx.scene_compile.semantics.looks.appearance import TexturedTriangles
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 
 pytestmark = pytest.mark.real
 

@@ -17,7 +17,7 @@ from home_mjx.datasets.suncg.write.house import write_house
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile import CompileOptions, compile_house
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.overlaps import measure_rest_drift
+from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_procgen import generate_dataset
 from home_procgen.v1 import dataset as machinery

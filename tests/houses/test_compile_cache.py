@@ -11,8 +11,7 @@ from PIL import Image
 from tiny_arch import arch_path, write_tiny_v2
 from tiny_dataset import DOOR, HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
-from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, read_notes, write_entry
-from home_mjx.core.array_store.flatten import flatten
+from home_mjx.core.array_store import READ_ERRORS, flatten, read_entry, read_notes, write_entry
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.digests import SuncgDigests

@@ -15,7 +15,7 @@ from processes import processes_of, wait_for
 from tiny_dataset import edit_house, write_tiny_dataset
 
 from home_mjx.cli import main
-from home_mjx.core.array_store.entry import read_entry
+from home_mjx.core.array_store import read_entry
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.houses import pools as executors

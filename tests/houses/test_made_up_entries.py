@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from test_compile_cache import assert_equal, compiles, entries, load, root  # noqa: F401
 
-from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
+from home_mjx.core.array_store import READ_ERRORS, read_entry, write_entry
 from home_mjx.geometry.bvh import build_tree
 from home_mjx.houses.integrity import check_trees
 from home_mjx.schema.compiled import BVH, MAX_DEPTH

@@ -15,7 +15,7 @@ from home_mjx.houses import load_bank
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.navigation import geodesic_distance, is_near_home_region
 from home_mjx.schema.compiled import CompiledHouse
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 
 NUM_HOUSES, NUM_STEPS, NUM_ENVS = 4, 500, 32
 MOVED = 0.05  # [m], between the points of a pair

@@ -8,7 +8,7 @@ from handmade import Furniture, shoebox
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry import geodesic as host
-from home_mjx.navigation.fields import distance_field, goal_fields
+from home_mjx.navigation.distance_fields import distance_field, goal_fields
 
 
 def on_device(free: np.ndarray, sources: np.ndarray, cell: float = 0.1) -> np.ndarray:

@@ -13,7 +13,7 @@ from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.base.servo import NOT_DRIVEN
-from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
+from home_mjx.physics.base.state import FLOOR, NOTHING, STATIC
 
 SCENES = [
     TinyHouse(doors=[Door((0.4, 0.5), yaw=-np.pi / 2, low=0.0, high=1.4)]),

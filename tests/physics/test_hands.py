@@ -15,7 +15,7 @@ from home_mjx import physics
 from home_mjx.geometry.boxes import make_boxes, penetration_depth
 from home_mjx.physics import PhysicsConfig, PhysicsSetup, Template
 from home_mjx.physics.base.servo import NOT_DRIVEN
-from home_mjx.physics.hands import (
+from home_mjx.physics.hand_control import (
     MAX_HOLD_DISTANCE,
     MAX_PLACE_STEPS,
     MAX_THROW_SPEED,

@@ -18,7 +18,7 @@ from home_mjx import HouseBank, physics
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig, PhysicsSetup, Template
 from home_mjx.physics.kinematic.footprints import MAX_PENETRATION, Footprints
-from home_mjx.physics.mjx.slots import OrientedBoxes
+from home_mjx.physics.mjx.contact_slots import OrientedBoxes
 from home_mjx.schema import AgentBody
 
 CONFIG = PhysicsSetup(impl="kinematic")

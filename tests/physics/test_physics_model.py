@@ -12,8 +12,7 @@ from mujoco import mjx
 from numpy.testing import assert_allclose
 from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
-from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
-from home_mjx.mjcf.contact import contact_parameters
+from home_mjx.mjcf import DOOR_DAMPING_RATE, contact_parameters
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.dynamics import reset
 from home_mjx.physics.mjx.house_model import (
@@ -25,7 +24,7 @@ from home_mjx.physics.mjx.house_model import (
     with_slots,
     with_surfaces,
 )
-from home_mjx.physics.mjx.step import fill_contact_slots, padded_static_boxes
+from home_mjx.physics.mjx.mjx_step import fill_contact_slots, padded_static_boxes
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
 from home_mjx.schema import AgentBody, Timing

@@ -9,7 +9,7 @@ from rollouts import ACTIONS, LENGTH, SCENES
 from test_physics_model import host_spec
 from tiny_houses import TinyHouse
 
-from home_mjx.physics.mjx.slots import MIN_HEIGHT_ABOVE_FLOOR, OrientedBoxes
+from home_mjx.physics.mjx.contact_slots import MIN_HEIGHT_ABOVE_FLOOR, OrientedBoxes
 
 
 def _control(config, yaw_inertia, action, data):

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from home_mjx.physics.mjx.slots import MAX_SLOT_DISTANCE, OrientedBoxes, fill_slots, separation
+from home_mjx.physics.mjx.contact_slots import MAX_SLOT_DISTANCE, OrientedBoxes, fill_slots, separation
 
 
 def _random_boxes(rng, count, spread, upright=False):

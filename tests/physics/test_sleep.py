@@ -9,8 +9,8 @@ from tiny_houses import Box, Door, TinyHouse, make_bank
 
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
-from home_mjx.physics.base.touch import FLOOR, STATIC
-from home_mjx.physics.hands import HandCommands, apply_hand_commands
+from home_mjx.physics.base.state import FLOOR, STATIC
+from home_mjx.physics.hand_control import HandCommands, apply_hand_commands
 
 TABLE, CUP, CHEST, LAMP = range(4)
 HOUSE = TinyHouse(

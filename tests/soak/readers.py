@@ -281,7 +281,7 @@ def options(folder: Path) -> tuple[list[bytes], Read]:
 
 
 def metrics(path: Path) -> object:
-    from home_mjx.training.records import read_lines
+    from home_mjx.training.metrics_log import read_lines
 
     return read_lines(path)
 
@@ -303,12 +303,12 @@ REPORT = b"".join(
 
 
 def states(folder: Path) -> tuple[list[bytes], Read]:
-    from home_mjx.tasks.env import saved
+    from home_mjx.tasks.env import state_io
 
     path = folder / "states.npz"
     arrays = {".qpos": np.zeros((3, 5), np.float32), ".step": np.arange(3, dtype=np.int32)}
-    saved._write(path, arrays)
-    return [path.read_bytes()], file_reader(path, lambda: saved._read(path, list(arrays)))
+    state_io._write(path, arrays)
+    return [path.read_bytes()], file_reader(path, lambda: state_io._read(path, list(arrays)))
 
 
 # Recordings
@@ -333,12 +333,12 @@ def recording(name: str) -> Callable[[Path], tuple[list[bytes], Read]]:
 def task_lines(folder: Path) -> tuple[list[bytes], Read]:
     """Lines as far as no house is needed."""
     from home_mjx.core.files import read_json_lines
-    from home_mjx.tasks.suite import task_lines
+    from home_mjx.tasks.suite import task_io
 
     path = folder / "tasks.jsonl"
     known = {"h": 0}
     return [RICH_LINE], file_reader(
-        path, lambda: list(read_json_lines(path, "task", lambda line: task_lines._parse_row(line, known, {})))
+        path, lambda: list(read_json_lines(path, "task", lambda line: task_io._parse_row(line, known, {})))
     )
 
 
@@ -374,7 +374,7 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
         from home_mjx.houses import load_bank
         from home_mjx.physics import PhysicsConfig
         from home_mjx.tasks.rules.house_view import house_views
-        from home_mjx.tasks.suite import RoomNav, task_lines
+        from home_mjx.tasks.suite import RoomNav, task_io
         from home_procgen.v1.dataset import generate_dataset
 
         os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
@@ -389,7 +389,7 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
         env = tasks.HouseholdEnv(config, RoomNav(num_tasks=2)).bind(bank)
         tasks.save_tasks(path, bank, env.params.tasks)
         views = house_views(bank)
-        task_lines.house_views = lambda _: views  # what a house is like does not change
+        task_io.house_views = lambda _: views  # what a house is like does not change
         return [b"\n".join(path.read_bytes().splitlines()[:3])], file_reader(path, lambda: tasks.load_tasks(path, bank))
 
     return prepare
@@ -423,7 +423,7 @@ TARGETS = {
     "states": Target(states, ARCHIVE),
     "recording": Target(recording("0/part-0.arrow"), (of_bytes,)),
     "notes": Target(recording("metadata.json"), JSON),
-    "task-lines": Target(task_lines, LINES),
+    "task-lines": Target(task_io, LINES),
     "episodes": Target(with_bank("episodes"), LINES, quick=False),
     "tasks": Target(with_bank("tasks"), LINES, quick=False),
 }

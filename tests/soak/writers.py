@@ -159,7 +159,7 @@ def compiled_entries() -> dict[str, str]:
 
 def look_at_compiled(folder: Path) -> None:
     """An entry that can be read is right."""
-    from home_mjx.core.array_store.entry import READ_ERRORS, read_entry
+    from home_mjx.core.array_store import READ_ERRORS, read_entry
 
     found = digests(folder / "cache")
     for path in (folder / "cache").glob("*/*/*.zip"):
@@ -173,7 +173,7 @@ def look_at_compiled(folder: Path) -> None:
 
 
 def compiled_result(folder: Path) -> str:
-    from home_mjx.core.array_store.flatten import flatten
+    from home_mjx.core.array_store import flatten
     from home_mjx.datasets.registry import open_dataset
     from home_mjx.houses.house_cache import HouseCache
     from home_mjx.houses.report import find_done_houses, read_report
@@ -296,7 +296,7 @@ def train(folder: Path) -> None:
     """As `training.run.train`, without the learning: lines, checkpoints, curves, at last the agent."""
     from home_mjx.observers import ObserverGroup, RunStart
     from home_mjx.training.checkpoint import AGENT_FILE, CHECKPOINT_FILE, read_updates, save_checkpoint, save_net
-    from home_mjx.training.records import CurvesPlot, MetricsLog, TensorBoardLog
+    from home_mjx.training.metrics_log import CurvesPlot, MetricsLog, TensorBoardLog
 
     path, config = folder / CHECKPOINT_FILE, run_config()
     done = read_updates(path) if path.exists() else 0
@@ -323,7 +323,7 @@ def begun_training(folder: Path) -> None:
 def look_at_training(folder: Path) -> None:
     """The checkpoint is whole, and all lines up to it are there."""
     from home_mjx.training.checkpoint import CHECKPOINT_FILE, load_checkpoint, read_updates
-    from home_mjx.training.records import read_lines
+    from home_mjx.training.metrics_log import read_lines
 
     done = read_updates(folder / CHECKPOINT_FILE)
     found, right = load_checkpoint(folder / CHECKPOINT_FILE, state_after(0), run_config()), state_after(done)
@@ -334,7 +334,7 @@ def look_at_training(folder: Path) -> None:
 
 def training_result(folder: Path) -> str:
     from home_mjx.training.checkpoint import load_net
-    from home_mjx.training.records import read_lines
+    from home_mjx.training.metrics_log import read_lines
 
     look_at_training(folder)
     net = load_net(folder / "agent.npz", state_after(0).net)
@@ -347,15 +347,15 @@ def training_result(folder: Path) -> str:
 
 
 def write_states(folder: Path, seed: int = 1) -> None:
-    from home_mjx.tasks.env import saved
+    from home_mjx.tasks.env import state_io
 
-    saved._write(folder / "states.npz", {".qpos": np.random.default_rng(seed).normal(size=(30, 40))})
+    state_io._write(folder / "states.npz", {".qpos": np.random.default_rng(seed).normal(size=(30, 40))})
 
 
 def read_states(folder: Path) -> np.ndarray:
-    from home_mjx.tasks.env import saved
+    from home_mjx.tasks.env import state_io
 
-    return saved._read(folder / "states.npz", [".qpos"])[0]
+    return state_io._read(folder / "states.npz", [".qpos"])[0]
 
 
 def states_result(folder: Path) -> str:
@@ -482,7 +482,7 @@ TRAINING = (
     *(f"home_mjx.{name}" for name in ("training.checkpoint", "training.records", "tasks.suite.point_nav")),
     *("matplotlib.figure", "matplotlib.ticker", "matplotlib.backends.backend_agg", "tensorboardX.record_writer"),
 )
-STATES = loaded("home_mjx.tasks.env.saved")
+STATES = loaded("home_mjx.tasks.env.state_io")
 WRITERS = {
     "compiled": Writer(compile_houses, compiled_result, look_at_compiled, warm=compiled_entries),
     "training": Writer(train, training_result, look_at_training, begun_training, loaded(*TRAINING)),

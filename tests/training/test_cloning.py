@@ -28,8 +28,8 @@ from home_mjx.training import (
 )
 from home_mjx.training import run as run_module
 from home_mjx.training.checkpoint import AGENT_FILE, CHECKPOINT_FILE, read_updates
+from home_mjx.training.metrics_log import read_lines
 from home_mjx.training.ppo import TrainBatch, TrainState
-from home_mjx.training.records import read_lines
 from home_mjx.training.rollout import Transitions
 
 ONE = jax.devices()[:1]
@@ -101,7 +101,7 @@ def test_advice_beside_rewards_falls_to_nothing(generated_bank, monkeypatch: pyt
     assert {"loss/clone", "loss/agreement", "loss/policy", "loss/entropy"} <= set(metrics)
     monkeypatch.setattr(advised, "apply_net", lambda net, batch: (None, None))
     monkeypatch.setattr(advised, "clipped_loss", lambda *read: (jnp.float32(2.0), {}))
-    monkeypatch.setattr(home_mjx.training.cloning, "advice_loss", lambda *read: (jnp.float32(3.0), {}))
+    monkeypatch.setattr(home_mjx.training.imitation, "advice_loss", lambda *read: (jnp.float32(3.0), {}))
     steps = SimpleNamespace(obs={"expert": None})
     told = TrainBatch.build_unchecked(steps=steps, memory=None, advantage=None, target=None)
     for updates, weight in ((0, 0.25), (3.5, 0.125), (7, 0.0), (10, 0.0)):

@@ -9,18 +9,18 @@ from scipy import stats
 pytest.importorskip("flax", reason="needs the extra `train`")
 
 from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
-from home_mjx.tasks.rules.words import Attribute
+from home_mjx.tasks.rules.enums import Attribute
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, make_distribution
 from home_mjx.training.networks.encoders import Encoder, encoder_kind, id_codes
-from home_mjx.training.networks.glimpse import NAMED_LOGIT, NULL_WEIGHT, QueryAttention
+from home_mjx.training.networks.goal_mask import id_column, mark_named_pixels, observed_tokens
 from home_mjx.training.networks.images import QueryMaps
-from home_mjx.training.networks.mentions import id_column, mark_named_pixels, observed_tokens
-from home_mjx.training.networks.senses import ScanEncoder, SpectraEncoder, WordEncoder, squash
+from home_mjx.training.networks.query_attention import NAMED_LOGIT, NULL_WEIGHT, QueryAttention
+from home_mjx.training.networks.sensor_encoders import ScanEncoder, SpectraEncoder, WordEncoder, squash
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),

@@ -24,9 +24,9 @@ from home_mjx.sharding import REPLICATED, EnvSharding, make_mesh
 from home_mjx.training import run
 from home_mjx.training.checkpoint import load_net, read_updates, save_checkpoint, save_net
 from home_mjx.training.config import PPOConfig, RunConfig
+from home_mjx.training.metrics_log import TensorBoardLog, read_lines
 from home_mjx.training.networks import NetworkConfig
 from home_mjx.training.ppo import PPO, TrainState
-from home_mjx.training.records import TensorBoardLog, read_lines
 
 SMALL = PPOConfig(num_envs=8, unroll_length=8, num_timesteps=640, network=NetworkConfig(8, 8, (4,)))
 CONFIG = RunConfig(find_spec("PointNav-v0"), SMALL)

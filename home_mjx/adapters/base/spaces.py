@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from home_mjx.tasks.base.specs import ArraySpec
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from home_mjx.audio_jax.auralization.clips import clip_samples
 from home_mjx.audio_jax.auralization.response import baked_energy, traced_energy
-from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.filters import octave_gains
@@ -16,8 +16,8 @@ from home_mjx.audio_jax.base.options import Baked, Binaural, NoLate
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.audio_jax.receivers.channels import channel_gains
-from home_mjx.audio_jax.receivers.heads import interpolate_directions
-from home_mjx.audio_jax.receivers.hrtf import ear_angles, ear_spectrum, ear_table, world_to_head
+from home_mjx.audio_jax.receivers.hrtf_interpolation import interpolate_directions
+from home_mjx.audio_jax.receivers.spherical_head import ear_angles, ear_spectrum, ear_table, world_to_head
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from scipy.io import wavfile
 from scipy.signal import resample_poly
 
-from home_mjx.audio_jax.auralization.sources import CLIP_RMS
+from home_mjx.audio_jax.auralization.clips import CLIP_RMS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.errors import ConfigError, MissingFileError
 

@@ -11,18 +11,18 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, KERNEL_WIDTH, delay_kernel
 from home_mjx.audio_jax.base.directivity import mean_energy
 from home_mjx.audio_jax.base.endpoints import Listener, MeasuredHead, SoundSource, emission_gains
+from home_mjx.audio_jax.base.filter_basis import filter_basis, num_basis_taps, octave_filters_at_knots, octave_spectra
 from home_mjx.audio_jax.base.filters import MAX_RINGING_SECONDS
 from home_mjx.audio_jax.base.options import Baked, NoLate
-from home_mjx.audio_jax.base.shapes import filter_basis, num_basis_taps, octave_filters_at_knots, octave_spectra
-from home_mjx.audio_jax.late_reverb.lookup.reading import LateArrivals, lookup_late_sound
+from home_mjx.audio_jax.late_reverb.lookup.lookup import LateArrivals, lookup_late_sound
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import Trace, fibonacci_directions, trace
 from home_mjx.audio_jax.receivers.channels import channel_delays, channel_filters, late_channel_gains
-from home_mjx.audio_jax.receivers.diffuse import NoiseDraw, draw_noise, noise_bin_table
-from home_mjx.audio_jax.receivers.hrtf import world_to_head
-from home_mjx.audio_jax.receivers.shares import noise_gains
+from home_mjx.audio_jax.receivers.diffuse_noise import NoiseDraw, draw_noise, noise_bin_table
+from home_mjx.audio_jax.receivers.noise_gains import noise_gains
+from home_mjx.audio_jax.receivers.spherical_head import world_to_head
 from home_mjx.core.transforms import is_unit_quat
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS

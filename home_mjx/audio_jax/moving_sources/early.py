@@ -1,7 +1,7 @@
 """Early sound of one frame, with a time-varying delay per path.
 
-Paths are read from the source through delay lines, see `reads.py`, and mixed into a few buses per channel. Only these
-buses are filtered, see `base/shapes.py`. The result for a static path is an exact convolution.
+Paths are read from the source through delay lines (`delay_reads.py`) and mixed into a few buses per channel. Only these
+buses are filtered, see `base/filter_basis.py`. The result for a static path is an exact convolution.
 """
 
 import jax
@@ -12,12 +12,12 @@ from jaxtyping import Array, Float
 from home_mjx.audio_jax.auralization.response import path_basis_weights
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import MeasuredHead
-from home_mjx.audio_jax.kernels.first import delay_margin
-from home_mjx.audio_jax.kernels.reads import DelayReads, PathDelays, filter_history, read_margin
-from home_mjx.audio_jax.moving_sources.pairs import PathPairs
-from home_mjx.audio_jax.moving_sources.synthesis import filter_direct, render_early_frame
+from home_mjx.audio_jax.kernels.delay_reads import DelayReads, PathDelays, filter_history, read_margin
+from home_mjx.audio_jax.kernels.direct_filter import delay_margin
+from home_mjx.audio_jax.moving_sources.dispatch import filter_direct, render_early_frame
+from home_mjx.audio_jax.moving_sources.path_matching import PathPairs
 from home_mjx.audio_jax.receivers.channels import channel_delays
-from home_mjx.audio_jax.receivers.hrtf import world_to_head
+from home_mjx.audio_jax.receivers.spherical_head import world_to_head
 
 
 def render_early_paths(

@@ -2,11 +2,10 @@
 
 from home_mjx.audio_jax.parameters.clarity import c50, c80, centre_time, d50, drr, strength
 from home_mjx.audio_jax.parameters.decay import decay_curve, decay_time, edt, t20, t30
-from home_mjx.audio_jax.parameters.floor import FloorSurvey, survey_floor
-from home_mjx.audio_jax.parameters.octaves import octave_responses
+from home_mjx.audio_jax.parameters.floor_survey import FloorSurvey, survey_floor
+from home_mjx.audio_jax.parameters.parameters import RoomParameters, measure_energy, measure_response, octave_responses
+from home_mjx.audio_jax.parameters.room_survey import Survey, survey_room
 from home_mjx.audio_jax.parameters.spatial import iacc, lateral_fraction
-from home_mjx.audio_jax.parameters.survey import Survey, survey_room
-from home_mjx.audio_jax.parameters.table import RoomParameters, measure_energy, measure_response
 
 __all__ = [
     "FloorSurvey",

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
-from home_mjx.audio_jax.geometry.barriers import BarrierBoxes, EdgePaths, find_edge_paths, select_nearest_barriers
+from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, EdgePaths, find_edge_paths, select_nearest_barriers
 from home_mjx.audio_jax.geometry.wedge import diffracted_pressure, second_edge_factor
 from home_mjx.audio_jax.propagation.paths import (
     MIN_PATH_LENGTH,
@@ -21,10 +21,10 @@ from home_mjx.audio_jax.propagation.paths import (
     trace_straight_line,
 )
 from home_mjx.core.transforms import quat_matrix
+from home_mjx.geometry.diffraction_edges import NUM_EDGES
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, RayKind
-from home_mjx.schema.edges import NUM_EDGES
 
 OCTAVE_SAMPLES = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, frequencies at which each octave is evaluated
 BOXES_PER_EDGE = 3  # candidate boxes per rendered edge

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, check_listener, check_source, emission_gains
 from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
-from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.image_source_paths import image_source_reflections
 from home_mjx.audio_jax.propagation.paths import (
     MAX_PATH_NAMES,
     PathProducer,

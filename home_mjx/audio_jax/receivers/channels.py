@@ -10,10 +10,11 @@ from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import MeasuredHead
+from home_mjx.audio_jax.base.filter_basis import filter_basis
 from home_mjx.audio_jax.base.options import Ambisonics, Binaural, MicrophoneArray, Omni
-from home_mjx.audio_jax.base.shapes import filter_basis
-from home_mjx.audio_jax.receivers.heads import check_head, interpolate_directions
-from home_mjx.audio_jax.receivers.hrtf import (
+from home_mjx.audio_jax.receivers.hrtf_interpolation import check_head, interpolate_directions
+from home_mjx.audio_jax.receivers.pinna import add_echoes, pinna_energy
+from home_mjx.audio_jax.receivers.spherical_head import (
     NEARNESS_KNOTS,
     ear_angles,
     ear_energy,
@@ -24,7 +25,6 @@ from home_mjx.audio_jax.receivers.hrtf import (
     interpolate_ear_filters,
     world_to_head,
 )
-from home_mjx.audio_jax.receivers.pinna import add_echoes, pinna_energy
 from home_mjx.schema.compiled import BANDS
 
 EAR_TABLE_TAPS = 1024  # samples of the transform whose frequencies ear energies are averaged over

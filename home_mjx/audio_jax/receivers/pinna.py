@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from home_mjx.audio_jax.base.shapes import filter_basis
-from home_mjx.audio_jax.receivers.hrtf import basis_responses, fit_basis_weights
+from home_mjx.audio_jax.base.filter_basis import filter_basis
+from home_mjx.audio_jax.receivers.spherical_head import basis_responses, fit_basis_weights
 from home_mjx.schema.compiled import BANDS
 
 # Brown and Duda, A structural model for binaural sound synthesis, IEEE Trans. Speech and Audio Processing 6 (1998),

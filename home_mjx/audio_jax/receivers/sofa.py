@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import MeasuredHead
-from home_mjx.audio_jax.receivers.measured import make_measured_head
+from home_mjx.audio_jax.receivers.measured_hrtf import make_measured_head
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, install_hint
 
 CONVENTION = "SimpleFreeFieldHRIR"

@@ -1,5 +1,6 @@
 """Arrays of a bank, grouped by the engine that reads them; each is declared once, at its field (`declaration`)."""
 
+from home_mjx.bank.records.acoustics import Acoustics
 from home_mjx.bank.records.bank_arrays import (
     BankArrays,
     BankSpec,
@@ -8,14 +9,13 @@ from home_mjx.bank.records.bank_arrays import (
     group_by_record,
     replace_arrays,
 )
-from home_mjx.bank.records.bodies import Physics
 from home_mjx.bank.records.declaration import Declaration
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import GpuGeometry
-from home_mjx.bank.records.light import Lights
-from home_mjx.bank.records.places import NavigationArrays
-from home_mjx.bank.records.sound import Acoustics
-from home_mjx.bank.records.surfaces import Finish, Materials
+from home_mjx.bank.records.lights import Lights
+from home_mjx.bank.records.materials import Finish, Materials
+from home_mjx.bank.records.navigation import NavigationArrays
+from home_mjx.bank.records.physics import Physics
 
 __all__ = [
     "Acoustics",

@@ -8,14 +8,14 @@ from typing import Any, TypeVar
 import numpy as np
 from jaxtyping import Array, Int, UInt8
 
-from home_mjx.bank.records.bodies import Physics
+from home_mjx.bank.records.acoustics import Acoustics
 from home_mjx.bank.records.declaration import Declaration, Key
 from home_mjx.bank.records.geometry import Geometry
-from home_mjx.bank.records.light import Lights
+from home_mjx.bank.records.lights import Lights
+from home_mjx.bank.records.materials import Finish, Materials
+from home_mjx.bank.records.navigation import NavigationArrays
 from home_mjx.bank.records.owners import HouseOwner
-from home_mjx.bank.records.places import NavigationArrays
-from home_mjx.bank.records.sound import Acoustics
-from home_mjx.bank.records.surfaces import Finish, Materials
+from home_mjx.bank.records.physics import Physics
 from home_mjx.core.pytree import Pytree, array, declared_arrays, static
 from home_mjx.errors import ConfigError
 

@@ -16,7 +16,7 @@ from home_mjx.cli.houses import (
 from home_mjx.cli.parsing import MAX_WORKERS, parse_path, whole_number_type
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
-from home_mjx.schema.choices import COLLISIONS
+from home_mjx.schema.categories import COLLISIONS
 
 if TYPE_CHECKING:
     from home_mjx.houses.report import CompileSummary

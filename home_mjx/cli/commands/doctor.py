@@ -81,7 +81,7 @@ def _known_bad_pairs() -> Iterator[CheckResult]:
     brax, flax = _version("brax"), _version("flax")
     if brax and _version_numbers(brax) <= (0, 14, 2) and not hasattr(jax, "device_put_replicated"):
         text = f"brax {brax} calls jax.device_put_replicated, which jax {jax.__version__} lacks: before "
-        yield CheckResult("brax", NOTE, text + "brax.training, call home_mjx.training.shim.install()")
+        yield CheckResult("brax", NOTE, text + "brax.training, call home_mjx.training.brax_compat.install()")
     if flax and _version_numbers(flax) >= (0, 12, 7) and _version_numbers(jax.__version__) < (0, 10):
         yield CheckResult(
             "flax", BROKEN, f"flax {flax} needs jax >= 0.10, found {jax.__version__}. Install flax==0.12.6"
@@ -100,7 +100,7 @@ def _devices() -> Iterator[CheckResult]:
 
 def _backends() -> Iterator[CheckResult]:
     """Report the backends for ray casting that run here."""
-    from home_mjx.raycast_render.backends.choose import KERNEL
+    from home_mjx.raycast_render.backends.registry import KERNEL
 
     yield CheckResult("backend xla", OK, "the reference, runs everywhere")
     problem = KERNEL.find_problem("cpu")
@@ -112,7 +112,7 @@ def _backends() -> Iterator[CheckResult]:
 def _cuda_backend() -> CheckResult:
     from home_mjx.core.native import nvrtc
     from home_mjx.core.native.platforms import local_devices
-    from home_mjx.raycast_render.backends.choose import KERNEL
+    from home_mjx.raycast_render.backends.registry import KERNEL
 
     if not local_devices("cuda"):
         return CheckResult("backend cuda", NOTE, "JAX has no NVIDIA GPU here")

@@ -5,17 +5,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.floors import draw_storey_maps
 from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path
+from home_mjx.cli.storey_maps import draw_storey_maps
 from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, place_head
 from home_mjx.core.variants import override_fields
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 
 if TYPE_CHECKING:
-    from home_mjx.audio_jax.parameters.survey import Survey
+    from home_mjx.audio_jax.parameters.room_survey import Survey
     from home_mjx.raycast_render.scene.types import Scene
 
 PARAMETERS = (  # field of `RoomParameters`, title, format
@@ -61,9 +61,9 @@ def run(args: argparse.Namespace) -> int:
     import numpy as np
     import scipy.signal
 
-    from home_mjx.audio_jax.auralization.sources import clip_samples
+    from home_mjx.audio_jax.auralization.clips import clip_samples
     from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, is_indoors
-    from home_mjx.audio_jax.parameters.survey import SURVEY_CONFIG, survey_room
+    from home_mjx.audio_jax.parameters.room_survey import SURVEY_CONFIG, survey_room
     from home_mjx.viewer.pictures.media import write_png, write_wav
 
     config = override_fields(SURVEY_CONFIG, {"late": args.late})

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from home_mjx.cli.houses import load_compiled_house
-from home_mjx.cli.learning.named import add_import_option, import_modules
+from home_mjx.cli.learning.arguments import add_import_option, import_modules
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path, positive_int_type
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, place_head, place_overhead_camera
 from home_mjx.errors import ConfigError
-from home_mjx.schema.choices import CAMERA_MODELS
+from home_mjx.schema.categories import CAMERA_MODELS
 from home_mjx.viewer.pictures import pictures
 
 if TYPE_CHECKING:

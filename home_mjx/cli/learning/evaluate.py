@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from home_mjx.cli.learning.named import (
+from home_mjx.cli.learning.arguments import (
     CHECKPOINT_HELP,
     PACKAGED_AGENT,
     add_episode_option,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.learning.named import (
+from home_mjx.cli.learning.arguments import (
     CHECKPOINT_HELP,
     TASK_HELP,
     add_episode_option,

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.learning.named import (
+from home_mjx.cli.learning.arguments import (
     CHECKPOINT_HELP,
     TASK_HELP,
     add_episode_option,

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.learning.evaluate import format_evaluation
-from home_mjx.cli.learning.named import (
+from home_mjx.cli.learning.arguments import (
     CHECKPOINT_HELP,
     TASK_HELP,
     add_import_option,
@@ -19,6 +18,7 @@ from home_mjx.cli.learning.named import (
     parse_checkpoint_path,
     task_spec,
 )
+from home_mjx.cli.learning.evaluate import format_evaluation
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type, whole_number_type
 

@@ -9,15 +9,14 @@ from pathlib import Path
 
 from home_mjx.core.files import is_file
 from home_mjx.core.paths import ROOT_VARIABLE
-from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, ReadOptions
 from home_mjx.datasets.seeds import GENERATED_MARKER, sort_house_ids
 from home_mjx.datasets.suncg.digests import SuncgDigests
-from home_mjx.datasets.suncg.fallbacks.known_models import add_builtin_categories
-from home_mjx.datasets.suncg.fallbacks.listing import describe_fallbacks
+from home_mjx.datasets.suncg.fallbacks.builtin_categories import add_builtin_categories
 from home_mjx.datasets.suncg.fallbacks.models import fallback_version
+from home_mjx.datasets.suncg.fallbacks.summary import describe_fallbacks
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.joints import read_joints

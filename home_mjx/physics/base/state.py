@@ -1,4 +1,4 @@
-"""State of the dynamic bodies between two control steps."""
+"""State of the dynamic bodies between two control steps, and codes of contact partners."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -6,6 +6,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.core.pytree import Pytree
 
 MIN_AWAKE_ACCELERATION = 1e-6  # [m/s^2], [rad/s^2], minimum acceleration of an awake body
+NOTHING, FLOOR, STATIC = -1, -2, -3  # static box c is STATIC - c
 
 
 class BodyScale(Pytree):

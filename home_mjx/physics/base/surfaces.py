@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.bank.records import Physics
-from home_mjx.mjcf.contact import contact_parameters
+from home_mjx.mjcf import contact_parameters
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 

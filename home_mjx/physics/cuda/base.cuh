@@ -41,7 +41,7 @@ constexpr int CONTACT_WORDS = 52;  // words of memory per contact, as in launch.
 constexpr int SMALL_ISLAND = 6;  // maximum dynamic bodies of an island solved in shared memory, as in launch.py
 // Codes of a contact's second side if that is no dynamic body; static box c is STATIC - c.
 constexpr int JOINT_LIMIT = -1, FLOOR = -2, STATIC = -3;
-// Columns of the tables, see numba/data/limits.py
+// Columns of the tables, see numba/params.py
 constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;
 constexpr int NOT_DRIVEN = 1000000000;  // goal of a door that is not driven
 constexpr real WAKE_DISTANCE = 0.01;  // [m], see numba/sleep.py
@@ -50,8 +50,8 @@ constexpr real HEAVY = 1e20;  // mass of a door's unused DoFs
 constexpr int STATIC_OVERFLOW = 0, POINT_OVERFLOW = 1;
 constexpr int MAX_LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 32;
-constexpr real ALIGNED_COSINE = 0.99, ALIGNED_OVERLAP_RATIO = 0.95;  // see numba/shapes/box_box.py
-constexpr real NEAR_DISTANCE = 0.1;  // [m], see numba/contacts.py
+constexpr real ALIGNED_COSINE = 0.99, ALIGNED_OVERLAP_RATIO = 0.95;  // see numba/box_box.py
+constexpr real NEAR_DISTANCE = 0.1;  // [m], see numba/contact_detection.py
 
 struct Numbers {
   real sim_dt, substeps, gravity, control, response_time, max_body_speed, max_body_spin, stiffness, damping,

@@ -1,4 +1,4 @@
-// Contact detection; counterpart of numba/contacts.py.
+// Contact detection; counterpart of numba/contact_detection.py.
 
 // Writes the contacts of the lanes' pairs in lane order; returns the new number of contacts.
 __device__ int write_contacts(const Env& e, int count, int first, int second, const Points& points) {

@@ -1,4 +1,4 @@
-// Accelerations without contact, and integration; counterpart of numba/forces.py and numba/motion.py.
+// Accelerations without contact, and integration; counterpart of numba/smooth_acceleration.py and numba/integration.py.
 
 // Control inputs of an environment's agents and doors.
 struct Control {

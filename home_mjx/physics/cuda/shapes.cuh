@@ -1,4 +1,4 @@
-// Contact points of pairs of shapes, in the order of numba/shapes/box_box.py and numba/shapes/capsule.py.
+// Contact points of pairs of shapes, in the order of numba/box_box.py and numba/capsule.py.
 
 struct Vec {
   real x, y, z;

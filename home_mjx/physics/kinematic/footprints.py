@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.mjx.slots import OrientedBoxes
+from home_mjx.physics.mjx.contact_slots import OrientedBoxes
 
 DEPENETRATION_ITERATIONS = 3  # depenetration iterations, one obstacle each: a wall, a second one in a corner, a box
 MAX_PENETRATION = 1e-3  # [m], maximum penetration after all iterations

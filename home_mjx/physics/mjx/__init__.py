@@ -1,3 +1,10 @@
-"""Reference physics: MJX on one template model, and the insertion of a house's numbers into it."""
+"""Reference physics: MJX on one template model, and the insertion of a house's numbers into it.
 
-from home_mjx.physics.mjx import silence_mjx_import as _first  # noqa: F401  (before anything imports MJX)
+MJX is imported here first, silently: without Warp, it prints a message to stdout.
+"""
+
+import contextlib
+import io
+
+with contextlib.redirect_stdout(io.StringIO()):
+    from mujoco import mjx as _mjx  # noqa: F401

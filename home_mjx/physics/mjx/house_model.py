@@ -10,13 +10,13 @@ from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
-from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
+from home_mjx.mjcf import DOOR_DAMPING_RATE
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import BodyScale
 from home_mjx.physics.base.surfaces import FRICTION, IMPEDANCE_LOW, body_surfaces, default_surface
-from home_mjx.physics.mjx.slots import OrientedBoxes
+from home_mjx.physics.mjx.contact_slots import OrientedBoxes
 from home_mjx.physics.mjx.template_mjcf import (
     CORNER_RADIUS,
     CORNERS,

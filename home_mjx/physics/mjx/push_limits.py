@@ -6,7 +6,7 @@ from jaxtyping import Array, Float, Int
 from mujoco import mjx
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
+from home_mjx.physics.base.state import FLOOR, NOTHING, STATIC
 from home_mjx.physics.mjx.template import Template
 
 

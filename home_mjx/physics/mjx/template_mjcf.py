@@ -6,8 +6,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 
-from home_mjx.mjcf.agent import SOLREF, add_agent, add_motors, solimp
-from home_mjx.mjcf.boxes import DOOR_DAMPING_RATE
+from home_mjx.mjcf import DOOR_DAMPING_RATE, SOLREF, add_agent, add_motors, solimp
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.surfaces import default_surface

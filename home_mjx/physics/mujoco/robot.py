@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from home_mjx.errors import ConfigError
-from home_mjx.mjcf.boxes import COLLIDES_WITH_MOVABLES
+from home_mjx.mjcf import COLLIDES_WITH_MOVABLES
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.schema.compiled import CompiledHouse
 

@@ -13,17 +13,16 @@ from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import PhysicsState
-from home_mjx.physics.mjx.applied import applied_forces
+from home_mjx.physics.mjx.applied_forces import applied_forces
+from home_mjx.physics.mjx.contact_slots import half_above_floor
 from home_mjx.physics.mjx.house_model import house_doors, movable_bodies
+from home_mjx.physics.mjx.mjx_step import apply_state_limits
 from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.push_limits import ContactImpulses, combine_substeps
-from home_mjx.physics.mjx.slots import half_above_floor
-from home_mjx.physics.mjx.step import apply_state_limits
 from home_mjx.physics.mjx.template import Template
-from home_mjx.physics.mujoco.calls import call_host, check_platform
-from home_mjx.physics.mujoco.exported import ExportedTemplate
-from home_mjx.physics.mujoco.houses import MujocoHouses, shared_house_models
-from home_mjx.physics.mujoco.mjcf import HouseRows
+from home_mjx.physics.mujoco.house_mjcf import HouseRows
+from home_mjx.physics.mujoco.house_models import MujocoHouses, PrebuiltHouses, shared_house_models
+from home_mjx.physics.mujoco.mujoco_model import call_host, check_platform
 
 NUM_RESULTS = 9
 MOTOR_DOFS = (0, 1, 3)  # actuated elements of an agent's x, y, z and yaw
@@ -73,15 +72,16 @@ def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
 
 def _houses(template: Template, physics: Physics) -> MujocoHouses:
     """Return the models that the template steps: exported houses, or models built from the bank."""
-    if not isinstance(template, ExportedTemplate):
+    exported = getattr(template, "houses", None)  # of an `ExportedTemplate`, which is not imported for the others
+    if not isinstance(exported, PrebuiltHouses):
         return shared_house_models(template.config, template.layout)
-    if len(template.houses) != physics.floor.shape[0]:
+    if len(exported) != physics.floor.shape[0]:
         raise ConfigError(
-            f"the template has {len(template.houses)} exported houses, the bank has {physics.floor.shape[0]}",
+            f"the template has {len(exported)} exported houses, the bank has {physics.floor.shape[0]}",
             element="ExportedTemplate",
             hint="Use the template's bank, `template.bank`.",
         )
-    return template.houses
+    return exported
 
 
 @functools.cache

@@ -11,12 +11,21 @@ from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.handler import WORD_FUNCTION
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.numba_cache import verify_cache
-from home_mjx.physics.base import servo, state, touch
-from home_mjx.physics.numba import constraint, contacts, forces, motion, sleep, solver, step
-from home_mjx.physics.numba.data import limits, numbers, operands
-from home_mjx.physics.numba.data import work as native_work
-from home_mjx.physics.numba.data.numbers import StepParams
-from home_mjx.physics.numba.data.operands import (
+from home_mjx.physics.base import servo, state
+from home_mjx.physics.numba import (
+    box_box,
+    capsule,
+    constraint,
+    contact_detection,
+    integration,
+    params,
+    sleep,
+    smooth_acceleration,
+    solver,
+    step,
+    workspace,
+)
+from home_mjx.physics.numba.params import (
     ACTION,
     AGENT,
     BODY_INERTIA,
@@ -46,10 +55,10 @@ from home_mjx.physics.numba.data.operands import (
     QVEL,
     RAMP,
     SCALE,
+    StepParams,
 )
-from home_mjx.physics.numba.data.work import allocate_workspace, free_workspace
-from home_mjx.physics.numba.shapes import box_box, capsule
 from home_mjx.physics.numba.step import load_agents, load_house, scale_bodies, step_env
+from home_mjx.physics.numba.workspace import allocate_workspace, free_workspace
 
 CHUNK = 16  # environments per chunk of work
 NUM_NUMBERS = len(StepParams._fields)
@@ -70,19 +79,16 @@ def sources_digest() -> int:
         box_box,
         capsule,
         constraint,
-        contacts,
-        forces,
-        limits,
-        motion,
-        numbers,
-        operands,
+        contact_detection,
+        smooth_acceleration,
+        integration,
+        params,
         sleep,
         solver,
         step,
-        native_work,
+        workspace,
         servo,
         state,
-        touch,
     )
     return ffi.hash_sources(*(part.__file__ for part in parts))
 

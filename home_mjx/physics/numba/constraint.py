@@ -11,8 +11,8 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
-from home_mjx.physics.numba.data.limits import DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
-from home_mjx.physics.numba.data.work import NUM_CONTACTS
+from home_mjx.physics.numba.params import DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
+from home_mjx.physics.numba.workspace import NUM_CONTACTS
 
 TINY = 1e-15  # MuJoCo's mjMINVAL
 

@@ -12,10 +12,10 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION
-from home_mjx.physics.numba.contacts import are_boxes_apart, do_spheres_overlap
-from home_mjx.physics.numba.data.limits import NOT_DRIVEN
-from home_mjx.physics.numba.data.work import num_contact_dofs
+from home_mjx.physics.numba.contact_detection import are_boxes_apart, do_spheres_overlap
+from home_mjx.physics.numba.workspace import num_contact_dofs
 
 WAKE_DISTANCE = 0.01  # [m], distance within which agents and moving bodies wake others, at zero speed
 

@@ -17,7 +17,7 @@ from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, num_rows
-from home_mjx.physics.numba.data.work import NEWTON_STEPS, NUM_CONTACTS, num_contact_dofs
+from home_mjx.physics.numba.workspace import NEWTON_STEPS, NUM_CONTACTS, num_contact_dofs
 
 LINE_SEARCH_TOLERANCE = 1e-9  # line-search tolerance: final slope of the cost over that at its start
 MAX_LINE_STEPS = 40  # maximum number of line-search iterations

@@ -7,21 +7,15 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.base.state import FLOOR
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
-from home_mjx.physics.numba.contacts import find_contacts, invalidate_near_boxes
-from home_mjx.physics.numba.data.limits import (
-    AGENT_COLUMNS,
-    DOOR_COLUMNS,
-    FLOOR,
-    JOINT_LIMIT,
-    SLEEPING_BODY,
-    SURFACE_COLUMNS,
-)
-from home_mjx.physics.numba.data.work import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
-from home_mjx.physics.numba.forces import compute_smooth_accelerations
-from home_mjx.physics.numba.motion import integrate, update_poses, write_rotation
+from home_mjx.physics.numba.contact_detection import find_contacts, invalidate_near_boxes
+from home_mjx.physics.numba.integration import integrate, update_poses, write_rotation
+from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
 from home_mjx.physics.numba.sleep import mark_moving, mark_sleeping, put_to_sleep, wake_near_bodies, wake_touched_bodies
+from home_mjx.physics.numba.smooth_acceleration import compute_smooth_accelerations
 from home_mjx.physics.numba.solver import solve
+from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
 
 compiled = njit(error_model="numpy")
 
@@ -117,7 +111,7 @@ def step_env(work, numbers, ground, state, control, result, report):
 
     Args:
         work: Arrays, see `work.Workspace`.
-        numbers: See `numbers.StepParams`.
+        numbers: See `params.StepParams`.
         ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and their number.
         state: qpos, qvel and the last accelerations, flat as in the template.
         control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).

@@ -22,7 +22,7 @@ constexpr int TILE_HEIGHT = 4;
 constexpr int EMPTY = -1;          // code of an empty leaf; on the stack, the bottom of a tree
 constexpr int MAX_DEPTH = 32;      // maximum depth of a tree, as in bvh.py
 constexpr int STACK = 2 * MAX_DEPTH + 4;  // entries for the deferred nodes of two trees and their bottoms
-constexpr float MISS = 3e38f;      // as in scene/constants.py, like the next two
+constexpr float MISS = 3e38f;      // as in scene/types.py, like the next two
 constexpr float FAR_SLACK = 1 + 6e-7f;
 constexpr float TINY = 1e-20f;
 #define INF __int_as_float(0x7f800000)

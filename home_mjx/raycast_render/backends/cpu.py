@@ -8,7 +8,7 @@ from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.native.kernel import call_native
-from home_mjx.raycast_render.backends.step_by_step import cast_multi_hit_by_loop
+from home_mjx.raycast_render.backends.multi_hit_loop import cast_multi_hit_by_loop
 from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
 
 TARGET = "home_mjx_cast"
@@ -24,7 +24,7 @@ def compile_chunks() -> tuple[Any, Any]:
 def cast_cpu(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment) where `choose.KERNEL` works; see `choose.RayBackend`."""
+    """Cast rays of shape (environments, rays per environment) where `KERNEL` works; see `registry.RayBackend`."""
     if query.num_hits:
         return cast_multi_hit_by_loop(cast_cpu, geometry, house, moving, rays, query)
     shape = rays.shape

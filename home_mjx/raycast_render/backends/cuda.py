@@ -11,8 +11,7 @@ from home_mjx.bank.records import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry, pack_instances, to_center_half
 from home_mjx.core.native.kernel import compile_sources, launch_ptx
 from home_mjx.core.native.vmap_call import traced_constant
-from home_mjx.raycast_render.scene.constants import MISS
-from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, RawHit, RayQuery, Rays
+from home_mjx.raycast_render.scene.types import CLOSEST_HIT, MISS, DynamicInstances, RawHit, RayQuery, Rays
 from home_mjx.sharding import varying_as
 
 SOURCE = Path(__file__).with_name("cast.cu")
@@ -25,7 +24,7 @@ MAX_GRID = 65535  # maximum blocks along the second and third axis
 def cast_cuda(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment) where `choose.KERNEL` works; see `choose.RayBackend`."""
+    """Cast rays of shape (environments, rays per environment) where `KERNEL` works; see `registry.RayBackend`."""
     shape = (*rays.shape, query.num_hits) if query.num_hits else rays.shape
     floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (ints,) if query.any_hit else (floats, ints, ints, floats, floats, jax.ShapeDtypeStruct(shape, jnp.bool_))

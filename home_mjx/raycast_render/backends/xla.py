@@ -16,9 +16,8 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
-from home_mjx.raycast_render.backends.step_by_step import cast_multi_hit_by_loop
-from home_mjx.raycast_render.scene.constants import FAR_SLACK, MISS, TINY
-from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
+from home_mjx.raycast_render.backends.multi_hit_loop import cast_multi_hit_by_loop
+from home_mjx.raycast_render.scene.types import FAR_SLACK, MISS, TINY, DynamicInstances, RawHit, RayQuery, Rays
 from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH
 from home_mjx.sharding import varying_false
 

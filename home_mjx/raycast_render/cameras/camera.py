@@ -13,7 +13,7 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import UNIT_QUAT_TOLERANCE, is_unit_quat, quat_matrix
 from home_mjx.errors import ConfigError
-from home_mjx.schema.choices import CAMERA_MODELS
+from home_mjx.schema.categories import CAMERA_MODELS
 
 MAX_PIXELS = 2**26  # maximum pixels of an image: more is a mistake, and kernels count rays in 32 bits
 MAX_SAMPLES = 1 << 16  # maximum rays per pixel

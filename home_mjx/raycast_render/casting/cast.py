@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.native.fork_guard import check_not_forked
-from home_mjx.raycast_render.casting.flat import flat_cast
+from home_mjx.raycast_render.casting.batching import flat_cast
 from home_mjx.raycast_render.casting.hit_gradient import attach_gradient
 from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, Hit, RayQuery, Rays, Scene
 from home_mjx.schema.compiled import RayKind

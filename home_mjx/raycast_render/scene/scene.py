@@ -8,10 +8,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS
+from home_mjx.bank.packing.library import HEIGHT, RADIUS
 from home_mjx.bank.records import Geometry
 from home_mjx.core.transforms import compose, invert, is_unit_quat, rigid_transform, transform_bounds
-from home_mjx.raycast_render.scene.look import AppearanceOverrides
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.types import DynamicInstances, Scene
 from home_mjx.schema.agent import AgentBody
 

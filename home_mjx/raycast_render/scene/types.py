@@ -9,7 +9,11 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
 from home_mjx.core.pytree import Pytree, static
-from home_mjx.raycast_render.scene.look import AppearanceOverrides
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
+
+MISS = 3e38  # t of a miss, a finite replacement of infinity
+FAR_SLACK = 1 + 6e-7  # bound of the rounding error of a slab distance, as in Ize's paper (see `xla`)
+TINY = 1e-20  # minimum magnitude of a direction component in a division
 
 
 class DynamicInstances(Pytree):

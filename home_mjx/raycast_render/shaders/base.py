@@ -17,7 +17,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_frozen_dataclass, shorten
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
-from home_mjx.raycast_render.scene.look import scale_exposure
+from home_mjx.raycast_render.scene.appearance import scale_exposure
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec
 

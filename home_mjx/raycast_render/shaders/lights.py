@@ -9,11 +9,11 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
-from home_mjx.raycast_render.scene.look import AppearanceOverrides, scale_daylight, scale_lamps
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides, scale_daylight, scale_lamps
 from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
-from home_mjx.raycast_render.shaders.daytime import sun_redness
+from home_mjx.raycast_render.shaders.sun_and_sky import sun_redness
 from home_mjx.schema.compiled import ARCHITECTURE
 
 SHADOW_BIAS = 5e-4  # [m], offset of shadow rays above the surface at their origin

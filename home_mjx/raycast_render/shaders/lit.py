@@ -16,7 +16,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras.camera import pixel_footprint
 from home_mjx.raycast_render.cameras.sampling import sample_points
 from home_mjx.raycast_render.casting.cast import occluded
-from home_mjx.raycast_render.scene.look import (
+from home_mjx.raycast_render.scene.appearance import (
     scale_daylight,
     scale_exposure,
     scale_lamps,
@@ -35,8 +35,8 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import lights, texture
 from home_mjx.raycast_render.shaders.base import CameraRays, Shader, register_shader
-from home_mjx.raycast_render.shaders.daytime import sky_share, sun_position, sun_redness, sun_share
-from home_mjx.raycast_render.shaders.optics import PathState, start_path, trace_specular
+from home_mjx.raycast_render.shaders.specular import PathState, start_path, trace_specular
+from home_mjx.raycast_render.shaders.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
 from home_mjx.schema.lighting import MEAN_REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int, UInt8, UInt32
 
 from home_mjx.core.color import decode_srgb
-from home_mjx.raycast_render.scene.look import swap_textures, tint_materials
+from home_mjx.raycast_render.scene.appearance import swap_textures, tint_materials
 from home_mjx.raycast_render.scene.surface import material_rows, texture_coordinates
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from home_mjx.errors import DatasetError
 from home_mjx.geometry.meshes import to_z_up
-from home_mjx.geometry.outline import bounding_outline, outline
+from home_mjx.geometry.polygons import bounding_outline, outline
 from home_mjx.schema.categories import room_type_index
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import House, Mesh, RoomNode

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.meshes import bounds, make_model
 from home_mjx.geometry.polygons import is_inside_polygon
-from home_mjx.scene_compile.architecture.ownership import ClippedSurface, clip_surface, find_owner_outlines
+from home_mjx.scene_compile.architecture.floor_assignment import ClippedSurface, clip_surface, find_owner_outlines
 from home_mjx.scene_compile.architecture.rooms import HouseFrame, house_rooms, world_triangles
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, is_same_wall
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes
 from home_mjx.geometry.meshes import facing_axis
-from home_mjx.geometry.rectangles import (
+from home_mjx.geometry.rectangle_cover import (
     cell_centers,
     cover_with_rectangles,
     is_in_triangles,

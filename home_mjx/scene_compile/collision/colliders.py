@@ -15,7 +15,7 @@ from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import BuildingShell, WallPart
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
 from home_mjx.scene_compile.objects.doorways import PORTAL_CATEGORIES
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 
 PASSABLE_CATEGORIES = ("curtain", "rug")  # categories without colliders: agents walk through or over them
 MAX_FITTING_SIZE = 0.2  # [m], parts of a door up to this size are handles or hinges and get no box

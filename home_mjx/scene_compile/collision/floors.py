@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_distance
-from home_mjx.geometry.rectangles import cell_centers, cover_with_rectangles, merge_close_values
+from home_mjx.geometry.rectangle_cover import cell_centers, cover_with_rectangles, merge_close_values
 from home_mjx.geometry.rotations import plane_matrix, yaw_matrix
 from home_mjx.scene_compile.objects.stairs import Staircase
 from home_mjx.schema.compiled import RoomTable

@@ -10,7 +10,7 @@ from home_mjx.geometry.boxes import BoxSet, concat_boxes
 from home_mjx.geometry.meshes import bounds, compose, invert
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.objects.masses import object_contact
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.house import ObjectNode
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
-from home_mjx.scene_compile.collision.edges import BARRIER_HEIGHT, BARRIER_THICKNESS
+from home_mjx.scene_compile.collision.drop_barriers import BARRIER_HEIGHT, BARRIER_THICKNESS
 from home_mjx.scene_compile.collision.floors import FLOOR_THICKNESS
 from home_mjx.scene_compile.objects.slopes import Slope
 from home_mjx.scene_compile.objects.stairs import Staircase

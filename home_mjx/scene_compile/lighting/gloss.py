@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.house import BoxNode, Material, Mesh
 from home_mjx.schema.lighting import Gloss
 

@@ -10,7 +10,7 @@ from home_mjx.core.checks import check_number
 from home_mjx.core.color import decode_srgb
 from home_mjx.geometry.meshes import bounds, to_z_up, transform
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_area
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import ARCHITECTURE, RoomTable
 from home_mjx.schema.house import BoxNode, Light
 from home_mjx.schema.lighting import MEAN_REFLECTANCE, LightTable

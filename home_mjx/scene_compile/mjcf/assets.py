@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.core.images import open_texture
-from home_mjx.mjcf.boxes import numbers
+from home_mjx.mjcf import numbers
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.schema.compiled import CompiledHouse, Model
 

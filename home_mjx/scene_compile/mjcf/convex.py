@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
+from home_mjx.core.array_store import READ_ERRORS, read_entry, write_entry
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.geometry.meshes import bounds

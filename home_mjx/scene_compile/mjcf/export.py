@@ -13,24 +13,27 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.geometry.boxes import box_inertia
-from home_mjx.mjcf.agent import FRICTIONLESS_CONTACT, SOLREF, add_agent, add_motors, solimp
-from home_mjx.mjcf.boxes import (
+from home_mjx.mjcf import (
     COLLIDER_GROUP,
     COLLIDES_WITH_LEAVES,
+    FRICTIONLESS_CONTACT,
+    SOLREF,
+    add_agent,
     add_box,
     add_leaf,
+    add_motors,
     add_piece,
     body_contact_attributes,
     numbers,
+    solimp,
 )
 from home_mjx.scene_compile.architecture.rooms import ground_floor_height
 from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, safe_name
+from home_mjx.scene_compile.mjcf.initial_overlaps import resolve_overlaps
 from home_mjx.scene_compile.mjcf.lights import add_lamps
-from home_mjx.scene_compile.mjcf.overlaps import resolve_overlaps
 from home_mjx.schema.agent import AgentBody
-from home_mjx.schema.categories import COARSE
-from home_mjx.schema.choices import COLLISIONS
+from home_mjx.schema.categories import COARSE, COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 from home_mjx.schema.semantic import Semantic

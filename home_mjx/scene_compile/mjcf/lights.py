@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.geometry.meshes import transform
-from home_mjx.mjcf.boxes import numbers
+from home_mjx.mjcf import numbers
 from home_mjx.schema.compiled import CompiledHouse
 
 MAX_LAMPS = 64  # maximum number of lamps, strongest first; MuJoCo renders at most 100 lights

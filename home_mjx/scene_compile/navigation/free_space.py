@@ -13,6 +13,7 @@ from home_mjx.errors import DatasetError
 from home_mjx.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon
 from home_mjx.scene_compile.objects.stairs import Staircase
+from home_mjx.schema.agent import AGENT_MARGIN
 from home_mjx.schema.compiled import RoomTable
 
 NO_SPACE_HINTS = {
@@ -41,7 +42,7 @@ class NavigationOptions:
     cell: float = 0.1
     agent_radius: float = 0.1
     agent_height: float = 1.6
-    margin: float = 0.05
+    margin: float = AGENT_MARGIN
     max_step_height: float = 0.03
     num_starts: int = 256
     num_goals: int = 32

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.geometry.polygons import find_smallest_room
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import RoomTable
 
 PORTAL_CATEGORIES = ("door", "garage_door", "arch")

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.geometry.meshes import surface_areas
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.contact_materials import ContactProperties, contact_properties
 
 # Mass per visible surface area [kg/m^2]: density times thickness; boards have two sides, so half their thickness.

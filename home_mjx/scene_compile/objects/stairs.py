@@ -9,10 +9,10 @@ from jaxtyping import Bool, Float
 
 from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.objects.box_flights import find_box_stairs
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.box_stairs import find_box_stairs
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.objects.slopes import Slope
-from home_mjx.scene_compile.objects.treads import find_stair_path, tread_triangles
+from home_mjx.scene_compile.objects.stair_detection import find_stair_path, tread_triangles
 from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR, RoomTable
 
 STAIRS_CATEGORY = "stairs"

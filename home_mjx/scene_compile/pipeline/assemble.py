@@ -7,13 +7,13 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.geometry.meshes import build_instance_tree, instance_box
-from home_mjx.scene_compile.architecture.mirror_planes import build_reflection_planes
+from home_mjx.scene_compile.architecture.reflection_planes import build_reflection_planes
 from home_mjx.scene_compile.architecture.rooms import HouseFrame, ground_floor_height
 from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.lighting.gloss import gloss_table
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, SurfaceRows, material_table
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.pipeline.levels import LevelGeometry
 from home_mjx.schema.compiled import Bodies, CompiledHouse, HouseNavigation, Instances, MaterialTable, Model, Planes
 from home_mjx.schema.lighting import Gloss, LightTable

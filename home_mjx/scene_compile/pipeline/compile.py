@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import get_type_hints
 
 from home_mjx.core.checks import check_type
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
@@ -13,12 +13,12 @@ from home_mjx.scene_compile.lighting.lights import LightOptions, build_lights
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.objects.doorways import shut_outer_doors
-from home_mjx.scene_compile.objects.place import place_objects
+from home_mjx.scene_compile.objects.placed_objects import place_objects
 from home_mjx.scene_compile.pipeline.assemble import assemble, build_surfaces
 from home_mjx.scene_compile.pipeline.levels import build_levels
 from home_mjx.scene_compile.pipeline.limits import add_house_file, check_counts
+from home_mjx.scene_compile.semantics.appearance import SemanticOptions
 from home_mjx.scene_compile.semantics.engine import describe_house
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.scene_compile.semantics.table import build_semantic_rows
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import House, Metadata

@@ -11,11 +11,10 @@ from home_mjx.geometry.meshes import bounds
 from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.collision.barriers import build_fence, find_barriers, is_within_lot
-from home_mjx.scene_compile.collision.choose import select_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, wall_colliders
-from home_mjx.scene_compile.collision.edges import build_drop_barriers
+from home_mjx.scene_compile.collision.drop_barriers import build_drop_barriers
 from home_mjx.scene_compile.collision.floors import FloorPlan, plan_floors
-from home_mjx.scene_compile.collision.level import (
+from home_mjx.scene_compile.collision.level_colliders import (
     LevelBoxes,
     Obstacles,
     find_obstacles,
@@ -23,6 +22,7 @@ from home_mjx.scene_compile.collision.level import (
     merge_by_object,
     static_colliders,
 )
+from home_mjx.scene_compile.collision.movable_selection import select_movables
 from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions, make_bodies
 from home_mjx.scene_compile.collision.ramps import append_ramps, build_guards, build_sills, make_ramps
 from home_mjx.scene_compile.navigation.free_space import (
@@ -33,7 +33,7 @@ from home_mjx.scene_compile.navigation.free_space import (
 )
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways
 from home_mjx.scene_compile.objects.leaves import find_blocking_leaves, make_doors
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.objects.stairs import STAIRS_CATEGORY, Staircase, find_stairs
 from home_mjx.scene_compile.pipeline.limits import check_levels
 from home_mjx.schema.compiled import Bodies, Colliders, Doors, Ramps, RoomTable

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from home_mjx.errors import UnknownNameError
-from home_mjx.scene_compile.semantics.looks.appearance import Appearance
+from home_mjx.scene_compile.semantics.appearance import Appearance
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
 
 UNNAMED_CATEGORIES = ("empty", "unknown")  # fine categories that are replaced by "object"

@@ -10,10 +10,14 @@ from home_mjx.geometry.meshes import surface_areas
 from home_mjx.geometry.polygons import polygon_area
 from home_mjx.scene_compile.architecture.rooms import HouseFrame, find_frame, house_rooms
 from home_mjx.scene_compile.architecture.shell import BuildingShell, build_shell, inner_normal
-from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
+from home_mjx.scene_compile.semantics.appearance import (
+    Appearance,
+    SemanticOptions,
+    TexturedTriangles,
+    compute_appearance,
+)
 from home_mjx.scene_compile.semantics.describe import short_text
-from home_mjx.scene_compile.semantics.looks.appearance import Appearance, TexturedTriangles, compute_appearance
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.scene_compile.semantics.sizes import SizeTable, size_table
 from home_mjx.scene_compile.semantics.supports import Support, find_supports
 from home_mjx.scene_compile.semantics.types import (

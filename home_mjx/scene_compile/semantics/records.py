@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from home_mjx.scene_compile.semantics.appearance import Appearance
 from home_mjx.scene_compile.semantics.describe import describe_object
-from home_mjx.scene_compile.semantics.looks.appearance import Appearance
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
 
 Record = dict[str, Any]

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.schema.house import Metadata, ModelInfo
+from home_mjx.schema.semantic import SIZES
 
-SIZES = ("tiny", "small", "normal", "large", "huge")
 SIZE_LIMITS = (-2.0, -1.0, 1.0, 2.0)  # [standard deviations], limits between size classes, as in HoME
 NORMAL = SIZES.index("normal")
 MIN_PEERS = 5  # minimum number of models of a category for a comparison

@@ -9,10 +9,9 @@ from jaxtyping import Bool, Float
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint_distance
 from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import RoomTable
 
-SUPPORTS = ("floor", "wall", "ceiling", "object")
 MAX_CONTACT_GAP = 0.05  # [m], maximum gap or penetration of a contact; SUNCG's furniture hovers or sinks by this much
 SOLE_HEIGHT = 0.02  # [m], points up to this above the lowest one touch the support
 MIN_SUPPORT_SHARE = 0.5  # minimum share of these points that the supporting object carries

@@ -6,11 +6,11 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.scene_compile.architecture.shell import BuildingShell
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
-from home_mjx.scene_compile.semantics.vocabulary import COLORS_PER_LEVEL, FIRST_COLOR, encode_name
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.semantic import Semantic, semantic_row
+from home_mjx.schema.vocabulary import COLORS_PER_LEVEL, FIRST_COLOR, encode_name
 
 
 def build_semantic_rows(

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes
-from home_mjx.scene_compile.semantics.looks.appearance import Appearance
+from home_mjx.scene_compile.semantics.appearance import Appearance
 from home_mjx.scene_compile.semantics.relations import ObserverPose, Relation, observer_relations, static_relations
 from home_mjx.scene_compile.semantics.supports import Support
 

@@ -14,15 +14,15 @@ from jaxtyping import Array, Bool, Float, Int
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.array_store.entry import READ_ERRORS, read_entry, write_entry
+from home_mjx.core.array_store import READ_ERRORS, read_entry, write_entry
 from home_mjx.core.checks import check_number
 from home_mjx.core.paths import cache_folder
 from home_mjx.geometry.rotations import yaw_quat
 from home_mjx.tasks.arrangements.candidates import sample_candidates
-from home_mjx.tasks.arrangements.choose import choose_candidates
-from home_mjx.tasks.arrangements.furnished import HouseLayout
-from home_mjx.tasks.arrangements.rest import has_moved, settle_bodies
-from home_mjx.tasks.arrangements.seen import find_level_candidates
+from home_mjx.tasks.arrangements.house_layout import HouseLayout
+from home_mjx.tasks.arrangements.placement import choose_candidates
+from home_mjx.tasks.arrangements.settling import has_moved, settle_bodies
+from home_mjx.tasks.arrangements.visual_check import find_level_candidates
 
 VERSION = 1  # of the cache entries; increment it whenever the same bank and key yield other arrangements
 MAX_SETTLING_ROUNDS = (
@@ -39,8 +39,8 @@ class ArrangementCounts:
     Attributes:
         moved: Objects at a new pose.
         unmoved: Selected objects at their initial pose: no candidate was free, or they did not come to rest there.
-        shifted: Other bodies that settling moved by more than `rest.MAX_SHIFT`, or turned by more than
-            `rest.MAX_TURN`.
+        shifted: Other bodies that settling moved by more than `settling.MAX_SHIFT`, or turned by more than
+            `settling.MAX_TURN`.
         unsettled: Bodies of any size that are still moving after the last round.
     """
 
@@ -55,9 +55,9 @@ def with_arrangements(
 ) -> tuple[HouseBank, ArrangementCounts]:
     """Add arrangements of the bodies of its houses to a bank, all at rest; on the host, once per bank.
 
-    Small objects (`furnished.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
+    Small objects (`house_layout.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
     furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and
-    never disconnect the home region. Physics then settles all bodies for `rest.SETTLE_SECONDS`. Results are cached on
+    never disconnect the home region. Physics then settles all bodies for `settling.SETTLE_SECONDS`. Results are cached on
     disk.
 
     Args:

@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.tasks.arrangements.furnished import HouseLayout
+from home_mjx.tasks.arrangements.house_layout import HouseLayout
 
 NUM_CANDIDATES = 48  # candidates per object and arrangement
 MIN_EDGE_MARGIN = 0.015  # [m], minimum distance from an object to the edge of its supporting surface

@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
 from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type, names_hint
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
-from home_mjx.raycast_render.backends.choose import find_backend
+from home_mjx.raycast_render.backends.registry import find_backend
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
 from home_mjx.raycast_render.shaders.base import Shader, ShaderSpec, resolve_shader
 from home_mjx.schema.agent import AgentBody

@@ -10,7 +10,7 @@ from home_mjx.core.checks import check_number
 from home_mjx.schema.agent import AgentBody
 
 ACTION_NAMES = ("forward", "left", "turn_left", "look_up")
-HAND_NAMES = ("pick", "throw", "turn_door")  # see `handling.decode_hand_commands`
+HAND_NAMES = ("pick", "throw", "turn_door")  # see `hand_actions.decode_hand_commands`
 MOVE_NAMES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")  # Habitat's, in its order
 HAND_MOVE_NAMES = ("pick", "drop", "throw", "open", "close")
 

@@ -3,13 +3,13 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.audio_jax.contact_sounds.slots import TransientSounds
-from home_mjx.audio_jax.contact_sounds.synthesis import SUSTAINED, TRANSIENTS
-from home_mjx.physics.base.touch import FLOOR
+from home_mjx.audio_jax.contact_sounds.sound_bank import SUSTAINED, TRANSIENTS
+from home_mjx.audio_jax.contact_sounds.sound_slots import TransientSounds
+from home_mjx.physics.base.state import FLOOR
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot, contact_semantics
-from home_mjx.tasks.contact_sounds.steps import stuff_classes
+from home_mjx.tasks.contact_sounds.footsteps import stuff_classes
 
 GRAVITY = 9.81  # [m/s²]
 MIN_IMPULSE = 0.05  # [N s] minimum impulse of an impact sound

@@ -11,11 +11,10 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
-from home_mjx.tasks.base.keys import RENEW_TAG, fold_key
-from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.env.begin import is_sequential
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.base.state import RENEW_TAG, EnvParams, State, fold_key
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.reset import is_sequential
 
 FINAL_OBS_CHOICES = ("cheap", "all", "none")
 MAX_SEPARATE_RENDERS = 32  # maximum number of ended environments whose last images are rendered separately

@@ -16,9 +16,9 @@ from home_mjx.tasks.base.state import Episodes, check_rows
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.suite.goals import OTHER_BANK_HINT
+from home_mjx.tasks.suite.point_goals import OTHER_BANK_HINT
 from home_mjx.tasks.suite.point_nav import PointNav
-from home_mjx.tasks.suite.task_lines import load_tasks
+from home_mjx.tasks.suite.task_io import load_tasks
 
 MAX_EPISODE_FILE_BYTES = 1 << 28  # [bytes], maximum size of an episode file; about a million episodes
 MAX_FILE_BYTES = 1 << 30  # [bytes], maximum size of a file of episodes or tasks

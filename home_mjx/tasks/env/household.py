@@ -12,18 +12,15 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.houses.bakes import Bake, find_bake
 from home_mjx.physics import PhysicsState
-from home_mjx.physics.hands import apply_hand_commands, update_hands
+from home_mjx.physics.hand_control import apply_hand_commands, update_hands
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import EnvParams, State, World
 from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.contact_sounds.happen import update_contact_sounds
-from home_mjx.tasks.env.begin import build_snapshot, init_physics_and_world, physics_template, weights_flag
-from home_mjx.tasks.env.bound import Env
-from home_mjx.tasks.env.handling import decode_hand_commands
-from home_mjx.tasks.env.moves import (
+from home_mjx.tasks.contact_sounds.update import update_contact_sounds
+from home_mjx.tasks.env.actions import (
     DecodedActions,
     action_names,
     action_spec,
@@ -33,8 +30,11 @@ from home_mjx.tasks.env.moves import (
     spoken_tokens,
     update_pitch,
 )
-from home_mjx.tasks.env.usable import check_metrics, check_observations, check_task, check_task_options
-from home_mjx.tasks.sensors.choose import resolve_sensor_names, select_sensors, state_owners
+from home_mjx.tasks.env.checks import check_metrics, check_observations, check_task, check_task_options
+from home_mjx.tasks.env.env import Env
+from home_mjx.tasks.env.hand_actions import decode_hand_commands
+from home_mjx.tasks.env.reset import build_snapshot, init_physics_and_world, physics_template, weights_flag
+from home_mjx.tasks.sensors.selection import resolve_sensor_names, select_sensors, state_owners
 from home_mjx.tasks.suite.point_nav import PointNav
 
 

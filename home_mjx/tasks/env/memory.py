@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from home_mjx.bank.usage import bank_bytes
 from home_mjx.core.checks import check_number
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language.vocabulary import detokenize, to_word
+from home_mjx.tasks.rules.enums import ANY, Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import HouseObject
-from home_mjx.tasks.rules.words import ANY, Attribute, TargetKind
 
 # Words that distinguish objects of a category, in the order of people's preference: Dale and Reiter, "Computational
 # Interpretations of the Gricean Maxims in the Generation of Referring Expressions", Cognitive Science 19, 1995.

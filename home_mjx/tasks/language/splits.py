@@ -13,8 +13,8 @@ from jaxtyping import Bool, Int
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.rules.enums import ANY, Attribute
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.rules.words import ANY, Attribute
 
 SEED_RANGE = (-(2**63), 2**63 - 1)
 COMBINED_ATTRIBUTES = (

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Array, Int
 
 from home_mjx.errors import ConfigError, did_you_mean
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 
 PAD = 0
 # Words other than names of objects and their properties. Append new ones to `LATER_WORDS`: tokens must not change.

@@ -18,7 +18,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import cell_of, is_home_cell
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.metrics.aims import goal_cells
+from home_mjx.tasks.metrics.goal_cells import goal_cells
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 
 NUM_RAYS = 64  # number of rays across the horizontal field of view

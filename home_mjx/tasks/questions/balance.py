@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.build import FeasibleRow
+from home_mjx.tasks.rules.build_bank import FeasibleRow
 
 Block = list[FeasibleRow]  # rows of one question, one for each of its answers
 

@@ -12,11 +12,11 @@ import numpy as np
 from home_mjx.core.checks import check_known
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
-from home_mjx.tasks.rules.build import TaskRow
+from home_mjx.tasks.rules.build_bank import TaskRow
+from home_mjx.tasks.rules.enums import Feature
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import Condition, Selector
-from home_mjx.tasks.rules.words import Feature
-from home_mjx.tasks.sounds.row import VOICE_CLIP, SoundEvent
+from home_mjx.tasks.sounds.sound_events import VOICE_CLIP, SoundEvent
 from home_mjx.tasks.suite.navigation import NavigationTask, arrival_stage
 
 LISTENER, SPEAKER = 0, 1

@@ -6,17 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.core.checks import check_number
-from home_mjx.scene_compile.semantics.supports import SUPPORTS
 from home_mjx.schema.categories import COARSE
-from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.semantic import SUPPORTS, Semantic
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN, attribute_text
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
-from home_mjx.tasks.questions.ask import gap_between
 from home_mjx.tasks.questions.question import askable_objects, identifying_words, noun
-from home_mjx.tasks.rules.build import TaskRow
+from home_mjx.tasks.questions.question_kinds import gap_between
+from home_mjx.tasks.rules.build_bank import TaskRow
+from home_mjx.tasks.rules.enums import Attribute, Feature
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView
 from home_mjx.tasks.rules.program import Condition, Selector
-from home_mjx.tasks.rules.words import Attribute, Feature
 from home_mjx.tasks.suite.navigation import NavigationTask, arrival_stage
 
 QUESTION_WORDS = {

@@ -12,14 +12,14 @@ import numpy as np
 from home_mjx.core.checks import check_names, check_number
 from home_mjx.errors import ConfigError, did_you_mean
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.questions.ask import QUESTION_GENERATORS
 from home_mjx.tasks.questions.balance import balance_rows
 from home_mjx.tasks.questions.question import Question, answers_to
-from home_mjx.tasks.rules.build import FeasibleRow, TaskGenerator, TaskRow
+from home_mjx.tasks.questions.question_kinds import QUESTION_GENERATORS
+from home_mjx.tasks.rules.build_bank import FeasibleRow, TaskGenerator, TaskRow
+from home_mjx.tasks.rules.enums import FAILURE, SUCCESS, Feature, TargetKind
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.row_task import RowTask
-from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature, TargetKind
 
 KINDS = tuple(QUESTION_GENERATORS)
 MAX_CANDIDATES = 256  # maximum number of questions of each kind per house before balancing

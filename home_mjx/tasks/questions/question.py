@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.categories import COARSE, ROOM_TYPES
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language.phrases import DISTINGUISHING_ATTRIBUTES, SEMANTIC_COLUMN, minimal_identifying_words
 from home_mjx.tasks.language.vocabulary import to_word
+from home_mjx.tasks.rules.enums import Attribute
 from home_mjx.tasks.rules.house_view import HouseObject
 from home_mjx.tasks.rules.program import Selector
-from home_mjx.tasks.rules.words import Attribute
 from home_mjx.tasks.suite.navigation import EXCLUDED_CATEGORIES
 
 YES_NO = ("yes", "no")

@@ -11,13 +11,13 @@ import numpy as np
 
 from home_mjx.core.checks import check_number
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
-from home_mjx.tasks.questions.ask import attribute_questions
 from home_mjx.tasks.questions.house_qa import QuestionTask, answer_transitions
 from home_mjx.tasks.questions.question import MAX_COUNT, YES_NO, Question, askable_objects, indefinite_noun, noun
-from home_mjx.tasks.rules.build import TaskRow
+from home_mjx.tasks.questions.question_kinds import attribute_questions
+from home_mjx.tasks.rules.build_bank import TaskRow
+from home_mjx.tasks.rules.enums import FAILURE, Feature
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
-from home_mjx.tasks.rules.words import FAILURE, Feature
 
 KINDS = ("existence", "count", "colour", "material", "size")
 ATTRIBUTE_KINDS = ("colour", "material", "size")

@@ -15,7 +15,7 @@ from jaxtyping import Array
 
 from home_mjx.core.pytree import Pytree, declared_arrays
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.words import (
+from home_mjx.tasks.rules.enums import (
     NUM_CONDITIONS,
     NUM_DESCRIPTORS,
     NUM_REPLIES,
@@ -24,7 +24,7 @@ from home_mjx.tasks.rules.words import (
     NUM_TRANSITIONS,
     Attribute,
 )
-from home_mjx.tasks.sounds.row import NUM_SOUNDS
+from home_mjx.tasks.sounds.sound_events import NUM_SOUNDS
 
 R = TypeVar("R", bound=Pytree)
 

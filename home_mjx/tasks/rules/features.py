@@ -8,11 +8,11 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import transform_bounds
 from home_mjx.navigation import geodesic_distance, room_of
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.rules.meaning import ResolvedTargets
+from home_mjx.tasks.rules.enums import Attribute, Feature, TargetKind
 from home_mjx.tasks.rules.program import TaskProgram
-from home_mjx.tasks.rules.words import Attribute, Feature, TargetKind
+from home_mjx.tasks.rules.resolve import ResolvedTargets
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
-from home_mjx.tasks.sensors.sight import is_unobstructed, look_points
+from home_mjx.tasks.sensors.visibility import is_unobstructed, look_points
 
 UNREACHABLE_DISTANCE = 1000.0  # [m] distance to a target that does not exist or is on another storey
 MAX_SUPPORT_GAP = 0.03  # [m] maximum gap between an object's underside and the top of its support

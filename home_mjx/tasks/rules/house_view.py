@@ -11,13 +11,13 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import transform_bounds
-from home_mjx.physics.hands import CARRY_CLEARANCE
+from home_mjx.physics.hand_control import CARRY_CLEARANCE
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.rules.fields import CellGraph, EndCells
-from home_mjx.tasks.rules.words import Purpose, TargetKind
-from home_mjx.tasks.sensors.reaching import can_pick_from, can_place_from, carry_gaps, plan_radius
-from home_mjx.tasks.sensors.sight import is_visible_from, visible_ids
+from home_mjx.tasks.rules.cell_graph import CellGraph, EndCells
+from home_mjx.tasks.rules.enums import Purpose, TargetKind
+from home_mjx.tasks.sensors.reachability import can_pick_from, can_place_from, carry_gaps, plan_radius
+from home_mjx.tasks.sensors.visibility import is_visible_from, visible_ids
 
 MAX_HAND_REACH = 0.93  # [m] maximum reach from a cell centre: below `AgentBody.reach`, as agents stop beside the centre
 NUM_CELLS = 64  # number of cells tested per instance, nearest first
@@ -239,7 +239,7 @@ class HouseView:
     def view_cells(self, instance: int) -> EndCells:
         """Return the cells with a robust view of an instance: the nearest, and up to `MAX_EXTRA_DISTANCE` farther.
 
-        Robust: visible from the cell's centre and from all positions of `sight.EYE_OFFSETS` around it. Empty if none of
+        Robust: visible from the cell's centre and from all `visibility.EYE_OFFSETS` around it. Empty if none of
         the `NUM_CELLS` nearest cells qualifies, as for an object behind a wall or in a chest.
         """
         if instance not in self._beside:

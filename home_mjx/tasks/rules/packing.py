@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.rules.declaration import check_count, columns_of, pack, pack_items
+from home_mjx.tasks.rules.enums import ALL_AGENTS, ANY, FAILURE, MAX_AGENTS, NO_WORD, NUM_STAGES, Attribute, Feature
 from home_mjx.tasks.rules.program import (
     FIRST_DESCRIPTOR_FEATURES,
     SECOND_DESCRIPTOR_FEATURES,
@@ -18,8 +19,14 @@ from home_mjx.tasks.rules.program import (
     Transition,
 )
 from home_mjx.tasks.rules.speech import SpeechColumns
-from home_mjx.tasks.rules.words import ALL_AGENTS, ANY, FAILURE, MAX_AGENTS, NO_WORD, NUM_STAGES, Attribute, Feature
-from home_mjx.tasks.sounds.row import NO_DESCRIPTOR, VOICE_CLIP, VOICE_CLIP_NUMBER, SoundEvent, SoundEvents, clip_name
+from home_mjx.tasks.sounds.sound_events import (
+    NO_DESCRIPTOR,
+    VOICE_CLIP,
+    VOICE_CLIP_NUMBER,
+    SoundEvent,
+    SoundEvents,
+    clip_name,
+)
 
 Columns = Mapping[str, np.ndarray | np.generic]  # of one row; numbers are scalars
 

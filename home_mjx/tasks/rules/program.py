@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree, array
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.words import ANY, NUM_CONDITIONS, SUCCESS, Attribute, Feature, TargetKind
+from home_mjx.tasks.rules.enums import ANY, NUM_CONDITIONS, SUCCESS, Attribute, Feature, TargetKind
 
 NO_PLACE = (np.inf, np.inf, np.inf)
 SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON)

@@ -14,16 +14,16 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task, path_scores
-from home_mjx.tasks.rules.build import TaskGenerator, build_task_bank
+from home_mjx.tasks.rules.build_bank import TaskGenerator, build_task_bank
 from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.enums import ANY, FAILURE, NO_WORD, NUM_TOKENS, SUCCESS, Attribute, Feature
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, sound_positions
-from home_mjx.tasks.rules.meaning import ResolvedTargets, resolve_targets
 from home_mjx.tasks.rules.program import TaskProgram, evaluate_conditions, take_transition
+from home_mjx.tasks.rules.resolve import ResolvedTargets, resolve_targets
 from home_mjx.tasks.rules.speech import SpeechColumns, is_instructed, observe_words, oracle_replies, words_of_others
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.rules.words import ANY, FAILURE, NO_WORD, NUM_TOKENS, SUCCESS, Attribute, Feature
-from home_mjx.tasks.sounds.emit import row_sources
-from home_mjx.tasks.sounds.row import SoundEvents, has_voices
+from home_mjx.tasks.sounds.sound_events import SoundEvents, has_voices
+from home_mjx.tasks.sounds.sources import row_sources
 
 MAX_DISTANCE = 1000.0  # [m] upper bound of distances; no house is larger
 MAX_STEP_PROGRESS = 2.0  # [m] maximum progress per step: distances jump when a target changes storey or appears

@@ -5,7 +5,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from home_mjx.core.pytree import Pytree, array
-from home_mjx.tasks.rules.words import ALL_AGENTS, NO_WORD
+from home_mjx.tasks.rules.enums import ALL_AGENTS, NO_WORD
 
 
 class SpeechColumns(Pytree):

@@ -12,7 +12,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.rules.program import TaskProgram
 from home_mjx.tasks.rules.speech import SpeechColumns
-from home_mjx.tasks.sounds.row import SoundEvents
+from home_mjx.tasks.sounds.sound_events import SoundEvents
 
 WEIGHT_UNITS = 2**30  # integer units in the sum of all weights
 MIN_WEIGHT, MAX_WEIGHT = 1e-30, 1e30  # smaller weights count as 0, larger ones are clipped, so that sums stay finite

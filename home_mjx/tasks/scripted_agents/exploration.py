@@ -17,7 +17,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.navigation.grid import cell_of, is_home_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.experts.explore import seek_nearest_cell
+from home_mjx.tasks.experts.cell_search import seek_nearest_cell
 
 TILE_EDGE = 0.5  # [m] edge length of a tile
 MIN_COVER_RADIUS = 0.5  # [m] minimum cover radius: below it, a tile may not be coverable from any position

@@ -12,15 +12,15 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.navigation.grid import geodesic_distance, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
-from home_mjx.tasks.experts.descent import descend_field, is_free
-from home_mjx.tasks.experts.walk import IDLE_TURN, to_actions, turn_towards
+from home_mjx.tasks.experts.field_descent import descend_field, is_free
+from home_mjx.tasks.experts.path_follower import IDLE_TURN, to_actions, turn_towards
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.rules.build import TaskRow
+from home_mjx.tasks.rules.build_bank import TaskRow
+from home_mjx.tasks.rules.enums import SUCCESS, Feature
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.row_task import RowState
-from home_mjx.tasks.rules.words import SUCCESS, Feature
-from home_mjx.tasks.sounds.row import SoundEvent
+from home_mjx.tasks.sounds.sound_events import SoundEvent
 from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, NUM_PLACES, SPLITS
 from home_mjx.tasks.suite.navigation import NavigationTask
 

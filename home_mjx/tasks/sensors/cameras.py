@@ -19,12 +19,11 @@ from home_mjx.raycast_render.cameras.camera import Camera, intrinsics, world_fro
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import CAMERA_KINDS, PIXEL_KINDS, AgentCamera, EnvConfig
-from home_mjx.tasks.base.pose import AgentPose, map_agents
 from home_mjx.tasks.base.sensor import Sensor
-from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.snapshot import AgentPose, Snapshot, map_agents
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.variation.draw import IMAGE_NOISE, CameraOffsets, VariationSample
 from home_mjx.tasks.variation.noise import add_depth_noise, add_rgb_noise
+from home_mjx.tasks.variation.sample import IMAGE_NOISE, CameraOffsets, VariationSample
 
 MAX_ID = float(np.iinfo(np.int32).max)
 

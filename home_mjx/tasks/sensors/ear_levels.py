@@ -5,12 +5,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.auralization.convolution import schedule_gain
 from home_mjx.audio_jax.auralization.envelope import clip_power, energy_envelope, mean_band_power
-from home_mjx.audio_jax.auralization.spectra import MAX_MEL_LEVEL, MIN_MEL_LEVEL
-from home_mjx.audio_jax.auralization.stream import schedule_gain
+from home_mjx.audio_jax.auralization.features import MAX_MEL_LEVEL, MIN_MEL_LEVEL
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.options import Binaural, Omni
-from home_mjx.audio_jax.contact_sounds.slots import emitted_power
+from home_mjx.audio_jax.contact_sounds.sound_slots import emitted_power
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
@@ -30,7 +30,7 @@ from home_mjx.tasks.sensors.hearing import (
     trace_responses,
     update_history,
 )
-from home_mjx.tasks.sounds.voice import voice_power
+from home_mjx.tasks.sounds.word_sounds import voice_power
 
 MAX_EAR_DELAY = 1.0  # [ms], maximum delay between the ears; larger than that of any head
 MS_PER_SECOND = 1000.0

@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.auralization.response import impulse_response
-from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
-from home_mjx.audio_jax.auralization.spectra import (
+from home_mjx.audio_jax.auralization.clips import CLIPS, clip_samples
+from home_mjx.audio_jax.auralization.convolution import convolve_frame, emitted_signal
+from home_mjx.audio_jax.auralization.features import (
     MAX_MEL_LEVEL,
     MIN_MEL_LEVEL,
     NUM_MELS,
@@ -18,14 +18,14 @@ from home_mjx.audio_jax.auralization.spectra import (
     spectrum_shape,
     stft_magnitude,
 )
-from home_mjx.audio_jax.auralization.stream import convolve_frame, emitted_signal
+from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, SoundSources
 from home_mjx.audio_jax.base.options import Ambisonics, Baked, MicrophoneArray
-from home_mjx.audio_jax.contact_sounds.slots import ContactSounds, emitted_signals, has_sound, sound_positions
-from home_mjx.audio_jax.late_reverb.bake.store import LateReverbBake
-from home_mjx.audio_jax.moving_sources.frame import render_frames
-from home_mjx.audio_jax.moving_sources.reception import (
+from home_mjx.audio_jax.contact_sounds.sound_slots import ContactSounds, emitted_signals, has_sound, sound_positions
+from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
+from home_mjx.audio_jax.moving_sources.frames import render_frames
+from home_mjx.audio_jax.moving_sources.receiver_state import (
     MIN_DECAY_RATIO,
     ReceiverState,
     is_truncated,
@@ -37,15 +37,14 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.houses.bakes import Bake
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import SOUND_TAG, fold_key
-from home_mjx.tasks.base.pose import map_agents
 from home_mjx.tasks.base.sensor import Sensor
-from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.snapshot import Snapshot, map_agents
 from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.base.state import SOUND_TAG, fold_key
 from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
-from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
-from home_mjx.tasks.sounds.voice import NO_WORD, num_audible_frames, synthesize_voices
+from home_mjx.tasks.sounds.sound_events import VOICE_CLIP_NUMBER
+from home_mjx.tasks.sounds.word_sounds import NO_WORD, num_audible_frames, synthesize_voices
 
 MAX_PRESSURE = 1e6  # [pressure re the source at 1 m], bound of the observation
 MIN_AUDIBLE_ENERGY = (

@@ -7,10 +7,10 @@ from home_mjx.tasks.questions.vqa import VQA
 from home_mjx.tasks.scripted_agents.exploration import Exploration
 from home_mjx.tasks.scripted_agents.pied_piper import PiedPiper
 from home_mjx.tasks.suite.audio_nav import AudioNav
-from home_mjx.tasks.suite.handling import Fetch, Rearrange
-from home_mjx.tasks.suite.instructions import InstructionFollowing
+from home_mjx.tasks.suite.instruction_following import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, NavigationTask, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav
+from home_mjx.tasks.suite.rearrangement import Fetch, Rearrange
 
 __all__ = [
     "VQA",

@@ -16,12 +16,12 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.language.vocabulary import tokenize
-from home_mjx.tasks.rules.build import TaskRow
+from home_mjx.tasks.rules.build_bank import TaskRow
+from home_mjx.tasks.rules.enums import Feature
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import Condition, Selector
 from home_mjx.tasks.rules.row_task import RowState
-from home_mjx.tasks.rules.words import Feature
-from home_mjx.tasks.sounds.row import SoundEvent
+from home_mjx.tasks.sounds.sound_events import SoundEvent
 from home_mjx.tasks.suite.navigation import EXCLUDED_CATEGORIES, NavigationTask, arrival_stage
 
 SPLITS = {

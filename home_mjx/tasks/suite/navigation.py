@@ -14,11 +14,11 @@ from home_mjx.core.checks import check_flag, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.rules.build import TaskGenerator, TaskRow
+from home_mjx.tasks.rules.build_bank import TaskGenerator, TaskRow
+from home_mjx.tasks.rules.enums import FAILURE, SUCCESS, Feature
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.row_task import RowTask
-from home_mjx.tasks.rules.words import FAILURE, SUCCESS, Feature
 
 STOP_CONDITION = Condition(Feature.STOPPED, minimum=1)
 # Coarse categories that are never goals: part of the house, above the view, or unknown.

@@ -18,7 +18,7 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task, path_scores
-from home_mjx.tasks.suite import goals
+from home_mjx.tasks.suite import point_goals
 
 MAX_DISTANCE = 1000.0  # [m], bound of distances; larger than any house
 
@@ -84,7 +84,7 @@ class PointNav(Task):
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PointNavState:
         """Return the initial state, with the goal of `columns` or a random one, if possible beyond `min_distance`."""
         if columns is None:
-            goal = goals.pick_goal(snapshot, key, self.min_distance)
+            goal = point_goals.pick_goal(snapshot, key, self.min_distance)
         else:
             goal = columns["goal"]
         distance = self._distance(snapshot, goal)
@@ -150,20 +150,20 @@ class PointNav(Task):
         return {name: jnp.mean(figure) for name, figure in figures.items()}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
-        """Sample an episode with `goals.sample_goal`; limits are `min_length` and `max_length` of the path [m]."""
-        return goals.sample_goal(bank, house, key, **limits)
+        """Sample an episode by `point_goals.sample_goal`; limits are `min_length` and `max_length` of the path [m]."""
+        return point_goals.sample_goal(bank, house, key, **limits)
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
         """Return the goal's position, so that any bank of the houses can load it, and the path length."""
-        return goals.to_json(bank, house, columns)
+        return point_goals.to_json(bank, house, columns)
 
     def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
         """Return the goal of the bank at the line's position, and the path length."""
-        return goals.from_json(bank, house, line)
+        return point_goals.from_json(bank, house, line)
 
     def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
         """Return whether the start is on a floor, in or beside a cell with a path to the goal."""
-        return goals.is_solvable(bank, episode)
+        return point_goals.is_solvable(bank, episode)
 
     def _distance(self, snapshot: Snapshot, goal: Int[Array, ""]) -> Float[Array, " a"]:
         return jax.vmap(lambda p: geodesic_distance(snapshot.bank, snapshot.house, goal, p))(snapshot.pose.pos)

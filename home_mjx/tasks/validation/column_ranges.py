@@ -9,15 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
+from home_mjx.audio_jax.auralization.clips import CLIPS
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.language.vocabulary import all_words
 from home_mjx.tasks.rules.declaration import row_columns
-from home_mjx.tasks.rules.features import UNREACHABLE_DISTANCE
-from home_mjx.tasks.rules.task_bank import RECORDS
-from home_mjx.tasks.rules.words import (
+from home_mjx.tasks.rules.enums import (
     FAILURE,
     MAX_AGENTS,
     NUM_CONDITIONS,
@@ -28,7 +26,9 @@ from home_mjx.tasks.rules.words import (
     Feature,
     TargetKind,
 )
-from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
+from home_mjx.tasks.rules.features import UNREACHABLE_DISTANCE
+from home_mjx.tasks.rules.task_bank import RECORDS
+from home_mjx.tasks.sounds.sound_events import VOICE_CLIP_NUMBER
 
 INF = float("inf")
 MAX_MAGNITUDE = 1e6  # maximum of a reward, a length [m] or a limit of a condition

@@ -10,15 +10,15 @@ from enum import IntEnum
 from types import UnionType
 from typing import Any
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.errors import ConfigError, DatasetError, did_you_mean
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.rules.declaration import AXES, Column, row_columns
+from home_mjx.tasks.rules.enums import FAILURE, MAX_AGENTS, NUM_REPLIES, NUM_STAGES, SUCCESS, Attribute, TargetKind
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 from home_mjx.tasks.rules.task_bank import RECORDS
-from home_mjx.tasks.rules.words import FAILURE, MAX_AGENTS, NUM_REPLIES, NUM_STAGES, SUCCESS, Attribute, TargetKind
-from home_mjx.tasks.sounds.row import VOICE_CLIP, SoundEvent
+from home_mjx.tasks.sounds.sound_events import VOICE_CLIP, SoundEvent
 from home_mjx.tasks.validation.column_ranges import DESCRIPTOR_COLUMN, Range, column_ranges, index_range, values_range
 
 OUTCOMES = {SUCCESS: "success", FAILURE: "failure"}  # names of final stages

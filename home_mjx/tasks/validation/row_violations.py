@@ -9,9 +9,9 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.base.state import MAX_FLOOR_OFFSET, Episodes
+from home_mjx.tasks.rules.enums import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Attribute, Feature, TargetKind
 from home_mjx.tasks.rules.program import FIRST_DESCRIPTOR_FEATURES, SECOND_DESCRIPTOR_FEATURES
-from home_mjx.tasks.rules.words import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Attribute, Feature, TargetKind
-from home_mjx.tasks.sounds.row import VOICE_CLIP_NUMBER
+from home_mjx.tasks.sounds.sound_events import VOICE_CLIP_NUMBER
 from home_mjx.tasks.validation.column_ranges import DESCRIPTOR_COLUMN, Range
 
 MAX_START_HEIGHT = 4.0  # [m] maximum height of a start above the highest floor

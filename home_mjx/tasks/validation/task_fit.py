@@ -12,13 +12,13 @@ from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.rules.build import is_feasible
+from home_mjx.tasks.rules.build_bank import is_feasible
 from home_mjx.tasks.rules.declaration import row_columns
+from home_mjx.tasks.rules.enums import Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import HouseView
-from home_mjx.tasks.rules.meaning import resolve_targets_on_host
+from home_mjx.tasks.rules.resolve import resolve_targets_on_host
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.task_bank import RECORDS, RowStart, TaskBank
-from home_mjx.tasks.rules.words import Attribute, TargetKind
 from home_mjx.tasks.validation.column_ranges import (
     MAX_INT16,
     Range,

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.audio_jax.contact_sounds.options import STEP_LENGTH_RANGE
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree

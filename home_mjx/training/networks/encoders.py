@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.tasks.base.specs import ArraySpec
-from home_mjx.tasks.experts.teacher import EXPERT
-from home_mjx.training.networks.glimpse import QueryAttention
+from home_mjx.tasks.experts.expert_observation import EXPERT
+from home_mjx.training.networks.goal_mask import id_column, mark_named_pixels, observed_tokens
 from home_mjx.training.networks.images import ImageEncoder
-from home_mjx.training.networks.mentions import id_column, mark_named_pixels, observed_tokens
-from home_mjx.training.networks.senses import (
+from home_mjx.training.networks.query_attention import QueryAttention
+from home_mjx.training.networks.sensor_encoders import (
     NUM_EMBEDDINGS,
     ScanEncoder,
     SoundEncoder,

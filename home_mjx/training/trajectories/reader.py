@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from home_mjx.errors import DatasetError, HomeMjxError
-from home_mjx.training.trajectories.layout import (
+from home_mjx.training.trajectories.minari_format import (
     DATA_FOLDER,
     METADATA_FILE,
     PART_FILE,

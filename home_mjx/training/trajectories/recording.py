@@ -12,10 +12,10 @@ from tqdm import tqdm
 from home_mjx.core.checks import check_number
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.begin import is_sequential
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.experts.teacher import EXPERT, ExpertObservationEnv
+from home_mjx.tasks.env.reset import is_sequential
+from home_mjx.tasks.experts.expert_observation import EXPERT, ExpertObservationEnv
 from home_mjx.tasks.language.phrases import describe_goal
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.training.evaluation import expert_policy

@@ -8,7 +8,7 @@ import numpy as np
 
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.viewer.pictures import media, pictures
 from home_mjx.viewer.pictures.top_view import TopView

@@ -19,7 +19,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.navigation.path_follower import PathFollower, make_path_follower
 from home_mjx.observers import Observer, ObserverGroup, RunStart
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.progress import ProgressBar
 from home_mjx.viewer.demo.drawing import WalkRecord, write_contact_sheet

@@ -14,7 +14,7 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.state import EnvParams, State
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.rules.features import current_boxes
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras

@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.base.state import Episodes, State
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.language.phrases import describe_goal
 from home_mjx.tasks.language.vocabulary import detokenize

@@ -11,7 +11,7 @@ from PIL import Image
 
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.moves import action_names
+from home_mjx.tasks.env.actions import action_names
 
 QUIT_KEYS = ("q", "\x03", "\x04")  # also Ctrl-C and Ctrl-D, which a terminal in cbreak mode passes on
 # Keys of discrete actions; other actions get the next unused key of `SPARE_KEYS`.

@@ -10,15 +10,15 @@ import numpy as np
 
 from home_mjx.core.files import write_json_lines
 from home_mjx.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart, register_observer
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.sensors.choose import state_owners
+from home_mjx.tasks.sensors.selection import state_owners
 from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
 from home_mjx.viewer.episodes.episode import format_status
-from home_mjx.viewer.episodes.film import VideoWriter, compose_frame
 from home_mjx.viewer.episodes.goal_markers import get_goal_markers, get_utterances
 from home_mjx.viewer.episodes.keyboard import image_to_text, key_help
 from home_mjx.viewer.episodes.overlay import TopDownOverlay
+from home_mjx.viewer.episodes.video import VideoWriter, compose_frame
 
 SOUND_STATE = "audio"  # sensor state with the sound frame, for observations as waveforms or spectra
 DEFAULT_WIDTH, DEFAULT_HEIGHT = 480, 360  # [px] size of the agent's view

@@ -11,7 +11,7 @@ import numpy as np
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.evaluation import expert_policy, random_policy
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows

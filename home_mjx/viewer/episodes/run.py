@@ -11,9 +11,9 @@ from tqdm import tqdm
 from home_mjx.core.files import write_all_or_none
 from home_mjx.observers import EpisodeResult, Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.experts.teacher import add_expert
+from home_mjx.tasks.experts.expert_observation import add_expert
 from home_mjx.training.evaluation import check_episodes, with_episodes
 from home_mjx.training.progress import ProgressBar
 from home_mjx.viewer.episodes.episode import run_episodes

@@ -8,9 +8,9 @@ from handmade import Furniture, shoebox, two_rooms
 from numpy_measures import octave_energies, t30
 from scenes import HEAD, open_air, scene_of
 
+from home_mjx.audio_jax.auralization.clips import clip_samples
+from home_mjx.audio_jax.auralization.convolution import convolve_clip_frame
 from home_mjx.audio_jax.auralization.response import impulse_response
-from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.auralization.stream import convolve_clip_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, is_indoors
 from home_mjx.audio_jax.base.options import Omni

@@ -7,7 +7,7 @@ from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, gcc_leads, gcc_phat
 from home_mjx.audio_jax.auralization.response import early_response
-from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
+from home_mjx.audio_jax.receivers.spherical_head import near_sphere_spectrum
 
 CONFIG = AudioConfig(response_seconds=0.1)
 RATE, DISTANCE = CONFIG.sample_rate, 3.0

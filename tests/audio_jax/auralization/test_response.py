@@ -11,7 +11,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.base.options import Omni
 from home_mjx.audio_jax.propagation.paths import Paths
-from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence, near_sphere_spectrum
+from home_mjx.audio_jax.receivers.spherical_head import diffuse_coherence, near_sphere_spectrum
 from home_mjx.core.transforms import camera_quat
 from home_mjx.schema.compiled import BANDS
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax import AudioConfig, SoundSources, convolve_clip_frame, convolve_frame, emitted_signal
-from home_mjx.audio_jax.auralization.stream import schedule_gain
+from home_mjx.audio_jax.auralization.convolution import schedule_gain
 
 RATE = 16000
 CONFIG = AudioConfig(response_seconds=0.1)

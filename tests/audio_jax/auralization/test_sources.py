@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
+from home_mjx.audio_jax.auralization.clips import CLIPS, clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.options import Traced
 from home_mjx.errors import ConfigError

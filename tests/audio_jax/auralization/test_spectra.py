@@ -8,7 +8,7 @@ import pytest
 import scipy.signal
 
 from home_mjx.audio_jax import log_mel, stft_magnitude
-from home_mjx.audio_jax.auralization.spectra import MIN_MEL_LEVEL, NUM_MELS, mel_filters, spectrum_shape
+from home_mjx.audio_jax.auralization.features import MIN_MEL_LEVEL, NUM_MELS, mel_filters, spectrum_shape
 from home_mjx.errors import ConfigError
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from home_mjx.audio_jax.auralization.sources import clip_samples
-from home_mjx.audio_jax.auralization.stream import convolve_clip_frame
+from home_mjx.audio_jax.auralization.clips import clip_samples
+from home_mjx.audio_jax.auralization.convolution import convolve_clip_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 
 CONFIG = AudioConfig(response_seconds=0.2)

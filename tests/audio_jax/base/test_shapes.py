@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, delay_kernel, upsample_twice, windowed_sinc
-from home_mjx.audio_jax.base.shapes import filter_basis, octave_filters_at_knots
+from home_mjx.audio_jax.base.filter_basis import filter_basis, octave_filters_at_knots
 from home_mjx.schema.compiled import BANDS
 
 RATE = 16000

@@ -9,7 +9,15 @@ import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
-from home_mjx.audio_jax.contact_sounds.slots import (
+from home_mjx.audio_jax.contact_sounds.sound_bank import (
+    FLOORS,
+    IMPACT_MATERIALS,
+    SUSTAINED,
+    TRANSIENTS,
+    sustained_bank,
+    transient_bank,
+)
+from home_mjx.audio_jax.contact_sounds.sound_slots import (
     TransientSounds,
     add_transients,
     emitted_power,
@@ -17,14 +25,6 @@ from home_mjx.audio_jax.contact_sounds.slots import (
     empty_contact_sounds,
     num_stored_frames,
     update_sustained,
-)
-from home_mjx.audio_jax.contact_sounds.synthesis import (
-    FLOORS,
-    IMPACT_MATERIALS,
-    SUSTAINED,
-    TRANSIENTS,
-    sustained_bank,
-    transient_bank,
 )
 from home_mjx.errors import ConfigError
 

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.geometry.images import Mirrors, find_image_sources, select_nearest_mirrors
-from home_mjx.audio_jax.propagation.mirrored import path_names
+from home_mjx.audio_jax.geometry.image_sources import Mirrors, find_image_sources, select_nearest_mirrors
+from home_mjx.audio_jax.propagation.image_source_paths import path_names
 
 
 def mirrors(center, normal, u, v) -> Mirrors:

@@ -25,9 +25,9 @@ from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.base.options import Baked, Omni
 from home_mjx.audio_jax.late_reverb.bake.bake import bake_house, make_open_scene
-from home_mjx.audio_jax.late_reverb.bake.fit import Accumulator
+from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator
 from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stack_fields
-from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
+from home_mjx.audio_jax.late_reverb.lookup.lookup import lookup_late_sound
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.audio_jax.parameters import survey_room
 from home_mjx.bank.bank import HouseBank

@@ -9,9 +9,9 @@ import pytest
 from acoustic_rooms import coupled
 from handmade import shoebox
 
-from home_mjx.audio_jax.late_reverb.bake.fit import Accumulator, factor_hidden_pairs, smooth_octaves, weigh_cells
-from home_mjx.audio_jax.late_reverb.lookup.reading import _delay
-from home_mjx.audio_jax.late_reverb.lookup.spans import (
+from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator, factor_hidden_pairs, smooth_octaves, weigh_cells
+from home_mjx.audio_jax.late_reverb.lookup.lookup import _delay
+from home_mjx.audio_jax.late_reverb.lookup.time_grid import (
     FINE_BINS,
     KNOT_BINS,
     NUM_BINS,
@@ -21,7 +21,7 @@ from home_mjx.audio_jax.late_reverb.lookup.spans import (
     span_index,
 )
 from home_mjx.audio_jax.late_reverb.trace.cells import CELL_CEILING_GAP, CELL_FLOOR_GAP, MAX_CELLS, divide_rooms
-from home_mjx.audio_jax.late_reverb.trace.split import resample_rays
+from home_mjx.audio_jax.late_reverb.trace.resampling import resample_rays
 
 
 def test_cells_fill_the_rooms():

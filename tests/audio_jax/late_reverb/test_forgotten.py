@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.late_reverb.bake.forgotten import INTERVAL_EDGES, RECORDED_BINS, portal_ratio
+from home_mjx.audio_jax.late_reverb.bake.portal_correction import INTERVAL_EDGES, RECORDED_BINS, portal_ratio
 
 ROOM = np.array([0, 0, 0, 1, 1])
 OCTAVES, GATES, BINS = 7, 2, 200

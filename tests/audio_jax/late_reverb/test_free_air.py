@@ -4,7 +4,7 @@ import numpy as np
 from handmade import Furniture, shoebox
 
 from home_mjx.audio_jax.late_reverb.bake.bake import make_open_scene
-from home_mjx.audio_jax.late_reverb.bake.places import sample_free_points
+from home_mjx.audio_jax.late_reverb.bake.cell_points import sample_free_points
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.bank.bank import HouseBank
 

@@ -4,15 +4,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.audio_jax.late_reverb.bake.renewal import (
+from home_mjx.audio_jax.late_reverb.bake.portal_transfer import (
     build_portal_states,
     build_second_states,
     solve_renewal,
     sum_transfer,
     total_flux,
 )
-from home_mjx.audio_jax.late_reverb.trace.flight import PortalRays, RayBatch, _add_transfer, _distance_in_bin
-from home_mjx.audio_jax.late_reverb.trace.pool import RayPool
+from home_mjx.audio_jax.late_reverb.trace.ray_pool import RayPool
+from home_mjx.audio_jax.late_reverb.trace.trace_cells import PortalRays, RayBatch, _add_transfer, _distance_in_bin
 from home_mjx.schema.compiled import BANDS
 
 BINS = 200

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from home_mjx.audio_jax.late_reverb.bake.flow import _route_exchange
-from home_mjx.audio_jax.late_reverb.lookup.balance import _open_share, _rate_matrix
-from home_mjx.audio_jax.late_reverb.lookup.rooms import decay_in_rooms
+from home_mjx.audio_jax.late_reverb.bake.room_exchange import _route_exchange
+from home_mjx.audio_jax.late_reverb.lookup.coupled_decay import decay_in_rooms
+from home_mjx.audio_jax.late_reverb.lookup.energy_balance import _open_share, _rate_matrix
 
 
 def test_energies_over_time_are_those_of_the_matrix_exponential():

@@ -9,7 +9,7 @@ import pytest
 from compiled_kernels import block_program, blocks_instead, shared_library
 from scipy.linalg import expm
 
-from home_mjx.audio_jax.late_reverb.lookup import rooms
+from home_mjx.audio_jax.late_reverb.lookup import coupled_decay
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
 
@@ -22,10 +22,10 @@ def here(tmp_path, monkeypatch):
 
     def compiled(name, given, threads):
         size = given[1].shape[1]
-        defines = {"SIZE": size, "LANES": rooms.threads_per_matrix(size)}
-        return shared_library(tmp_path, block_program([rooms.SOURCE], defines, name, ARGUMENTS))
+        defines = {"SIZE": size, "LANES": coupled_decay.threads_per_matrix(size)}
+        return shared_library(tmp_path, block_program([coupled_decay.SOURCE], defines, name, ARGUMENTS))
 
-    monkeypatch.setattr(rooms, "ptx_of", lambda size: "")
+    monkeypatch.setattr(coupled_decay, "ptx_of", lambda size: "")
     monkeypatch.setattr(jax.ffi, "ffi_call", blocks_instead(compiled))
 
 
@@ -40,7 +40,7 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
     own = exchange.sum(axis=-1) + rng.uniform(0.01, 0.5, (2, states, octaves, size))
     rates = own[..., None] * np.eye(size) - exchange
     start, listener = rng.uniform(0, 1, (2, 2, size))
-    (got,) = rooms.launch_decay(bins, *(jnp.float32(x) for x in (rates, start, listener)))
+    (got,) = coupled_decay.launch_decay(bins, *(jnp.float32(x) for x in (rates, start, listener)))
     assert got.shape == (2, states, bins, octaves)
     for env, state, octave in np.ndindex(2, states, octaves):
         wanted = [listener[env] @ expm(-n * rates[env, state, octave]) @ start[env] for n in range(bins)]
@@ -49,11 +49,11 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
 
 def test_it_gives_what_xla_does(here, rng, monkeypatch):
     """In the same order of states, bins and octaves."""
-    monkeypatch.setattr(rooms, "_op", lambda bins: functools.partial(rooms.launch_decay, bins))
+    monkeypatch.setattr(coupled_decay, "_op", lambda bins: functools.partial(coupled_decay.launch_decay, bins))
     rates = jnp.float32(np.eye(4) * rng.uniform(0.1, 0.4, (2, 3, 7, 1, 4)))
     start, listener = (jnp.float32(rng.uniform(0, 1, (2, 4))) for _ in range(2))
-    wanted = jax.vmap(lambda *one: rooms.decay_in_rooms_by_xla(*one, 125))(rates, start, listener)
-    got = jnp.stack([rooms._decay_by_cuda(*one, 125) for one in zip(rates, start, listener, strict=True)])
+    wanted = jax.vmap(lambda *one: coupled_decay.decay_in_rooms_by_xla(*one, 125))(rates, start, listener)
+    got = jnp.stack([coupled_decay._decay_by_cuda(*one, 125) for one in zip(rates, start, listener, strict=True)])
     np.testing.assert_allclose(got, wanted, rtol=2e-4, atol=1e-9)
 
 
@@ -64,4 +64,6 @@ def test_nvrtc_compiles_it():
     except BackendError:
         pytest.skip("there is no NVRTC here")
     for size in (1, 8, 32):
-        assert ".entry" in nvrtc.compile_ptx(rooms.SOURCE, 90, {"SIZE": size, "LANES": rooms.threads_per_matrix(size)})
+        assert ".entry" in nvrtc.compile_ptx(
+            coupled_decay.SOURCE, 90, {"SIZE": size, "LANES": coupled_decay.threads_per_matrix(size)}
+        )

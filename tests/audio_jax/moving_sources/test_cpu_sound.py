@@ -9,12 +9,12 @@ from numba import njit
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.base.options import Ambisonics, Motion
-from home_mjx.audio_jax.kernels.cpu.calls import supports_late
 from home_mjx.audio_jax.kernels.cpu.fft import fast_size, transform
 from home_mjx.audio_jax.kernels.cpu.operands import float_pointer
-from home_mjx.audio_jax.kernels.passes import RADICES
-from home_mjx.audio_jax.kernels.tail import render_late_by_xla
-from home_mjx.audio_jax.moving_sources.synthesis import (
+from home_mjx.audio_jax.kernels.cpu.xla_calls import supports_late
+from home_mjx.audio_jax.kernels.fft_plan import RADICES
+from home_mjx.audio_jax.kernels.late_tail import render_late_by_xla
+from home_mjx.audio_jax.moving_sources.dispatch import (
     KERNEL,
     render_early_frame,
     render_early_xla,

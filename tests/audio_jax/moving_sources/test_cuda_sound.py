@@ -14,37 +14,37 @@ from sanitized import Program
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.base import delays
+from home_mjx.audio_jax.base.filter_basis import filter_basis, octave_levels, octave_spectra
 from home_mjx.audio_jax.base.options import Motion
-from home_mjx.audio_jax.base.shapes import filter_basis, octave_levels, octave_spectra
-from home_mjx.audio_jax.kernels import first, tail
-from home_mjx.audio_jax.kernels.cuda import early as sums
-from home_mjx.audio_jax.kernels.cuda import first as cuda_first
-from home_mjx.audio_jax.kernels.cuda import kernels, late
-from home_mjx.audio_jax.kernels.reads import frame_begin, mix_paths
+from home_mjx.audio_jax.kernels import direct_filter, late_tail
+from home_mjx.audio_jax.kernels.cuda import launch_direct_filter as cuda_first
+from home_mjx.audio_jax.kernels.cuda import launch_early as sums
+from home_mjx.audio_jax.kernels.cuda import launch_late, ptx
+from home_mjx.audio_jax.kernels.delay_reads import frame_begin, mix_paths
 from home_mjx.core.native import nvrtc
 from home_mjx.core.native.platforms import local_devices
 from home_mjx.errors import BackendError
 
 KERNELS = {
     "filter_direct": (
-        kernels.DIRECT_SOURCES,
+        ptx.DIRECT_SOURCES,
         "(float*)p[0], (int*)p[1], (float*)p[2], (float*)p[3], (float2*)p[4], (float2*)p[5], (int*)p[6], (float*)p[7]",
     ),
     "mix_paths": (
-        kernels.MIX_SOURCES,
+        ptx.MIX_SOURCES,
         "(float*)p[0], (float*)p[1], (int*)p[2], (float*)p[3], (float2*)p[4], (float*)p[5], (float*)p[6], (int*)p[7], "
         "(float*)p[8]",
     ),
     "filter_buses": (
-        kernels.FILTER_SOURCES,
+        ptx.FILTER_SOURCES,
         "(float*)p[0], (float2*)p[1], (float2*)p[2], (int*)p[3], (float*)p[4]",
     ),
     "shape_noise": (
-        kernels.NOISE_SOURCES,
+        ptx.NOISE_SOURCES,
         "(float*)p[0], (float*)p[1], (float*)p[2], (float*)p[3], (int*)p[4], (int*)p[5], (float*)p[6]",
     ),
     "late_frames": (
-        kernels.LATE_SOURCES,
+        ptx.LATE_SOURCES,
         "(float*)p[0], (float*)p[1], (int*)p[2], (int*)p[3], (float*)p[4], (float*)p[5], (float2*)p[6], (int*)p[7], "
         "(float*)p[8]",
     ),
@@ -65,7 +65,7 @@ def library(tmp_path_factory):
 
 def compiled_for(name, given, threads):
     """What a kernel's SIZE is: how many noises there are, or values of a transform."""
-    return given[0].shape[1] if name == "shape_noise" else threads * kernels.PER_THREAD
+    return given[0].shape[1] if name == "shape_noise" else threads * ptx.PER_THREAD
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def here(library, monkeypatch):
     """Calls of XLA run those functions instead."""
     if local_devices("cuda"):
         pytest.skip("a GPU runs them itself")
-    monkeypatch.setattr(kernels, "ptx_of", lambda sources, size: "")
+    monkeypatch.setattr(ptx, "ptx_of", lambda sources, size: "")
     monkeypatch.setattr(
         jax.ffi,
         "ffi_call",
@@ -102,17 +102,19 @@ def test_the_first_path_is_filtered_as_by_convolution(here, rng):
     config = AudioConfig(response_seconds=0.2, motion=Motion(tail_seconds=0.0))
     source = jnp.float32(rng.normal(size=(5, 6000)))
     gain = jnp.float32(10 ** rng.uniform(-1.5, 0, (5, 2, 7))).at[1, 0].set(0.0).at[2].set(0.0)
-    begin = jnp.int32([-first.delay_margin(config), 300, 1000, 5000, 6000])
+    begin = jnp.int32([-direct_filter.delay_margin(config), 300, 1000, 5000, 6000])
     levels = jax.vmap(octave_levels)(gain)
     (got,) = cuda_first.launch_direct(config, *cuda_first.first_tables(config), source, begin, *levels)
-    by_xla = jax.vmap(lambda *one: first.filter_direct_by_xla(*one, config))(source, begin, gain)
+    by_xla = jax.vmap(lambda *one: direct_filter.filter_direct_by_xla(*one, config))(source, begin, gain)
     size, ahead, (*_, made) = 1 << 15, 1 << 14, got.shape
     filters = np.fft.irfft(octave_spectra(gain.reshape(10, 7), size, config.sample_rate), size).reshape(5, 2, size)
     wanted = np.zeros(got.shape)
     for i, signal in enumerate(np.pad(source, [(0, 0), (ahead, ahead)])):
-        part = signal[ahead + begin[i] - first.num_filter_samples(config) :][: first.num_filter_samples(config) + made]
+        part = signal[ahead + begin[i] - direct_filter.num_filter_samples(config) :][
+            : direct_filter.num_filter_samples(config) + made
+        ]
         for end in range(2):
-            wanted[i, end] = np.convolve(part, filters[i, end])[first.num_filter_samples(config) :][:made]
+            wanted[i, end] = np.convolve(part, filters[i, end])[direct_filter.num_filter_samples(config) :][:made]
     for each, most in ((got, 1e-5), (by_xla, 1e-3)):  # filters ring out within what XLA transforms, but for that much
         np.testing.assert_allclose(each, wanted, rtol=0, atol=most * np.std(wanted))
     assert not np.any(got[2])
@@ -121,10 +123,10 @@ def test_the_first_path_is_filtered_as_by_convolution(here, rng):
 def check_late_sound(rng, sources, config):
     """Against XLA's."""
     signals, sound = some_late(rng, 2, sources, config)
-    wanted = jax.vmap(lambda *one: tail.render_late_by_xla(*one, config))(signals, sound)
+    wanted = jax.vmap(lambda *one: late_tail.render_late_by_xla(*one, config))(signals, sound)
     share = sound.shares
     given = signals, share.power, share.mix, share.shared_power, share.start_bin, sound.onset, sound.tail
-    (got,) = late.launch_late_frames(config, *late.late_tables(config), *given)
+    (got,) = launch_late.launch_late_frames(config, *launch_late.late_tables(config), *given)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 
 
@@ -182,7 +184,7 @@ def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeyp
 
         return call
 
-    monkeypatch.setattr(kernels, "ptx_of", lambda sources, size: "")
+    monkeypatch.setattr(ptx, "ptx_of", lambda sources, size: "")
     monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
     ends = 1, 2, 2
     for _ in range(3):
@@ -204,15 +206,15 @@ def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeyp
             whole = [jnp.int32(rng.integers(0, config.response_length, ends)) for _ in range(2)]
             levels = jnp.float32(rng.normal(size=(*ends, config.num_tail_repeats, 7)))
             given = signal, *share, *whole, levels
-            late.launch_late_frames(config, *late.late_tables(config), *(spoilt(rng, x) for x in given))
+            launch_late.launch_late_frames(config, *launch_late.late_tables(config), *(spoilt(rng, x) for x in given))
     program[0].run()
 
 
 def test_sizes_of_transforms_have_all_radices():
     """So the test above has seen each of them."""
-    sizes = [kernels.transform_size(count) for count in (2143, 250, 700, 1000, 4500)]
+    sizes = [ptx.transform_size(count) for count in (2143, 250, 700, 1000, 4500)]
     assert sizes == [2560, 256, 768, 1024, 4608]
-    assert kernels.transform_size(7000) is None
+    assert ptx.transform_size(7000) is None
 
 
 def test_filters_of_the_engine_ring_out_before_the_frame():
@@ -223,7 +225,7 @@ def test_filters_of_the_engine_ring_out_before_the_frame():
 
 def test_weights_in_cuda_are_those_of_python():
     """Sixty rounded numbers that nobody compares by eye."""
-    text = kernels.MIX_SOURCES[0].read_text()
+    text = ptx.MIX_SOURCES[0].read_text()
     rows = re.findall(r"^ +\{(-?\d.*)\},$", text, re.MULTILINE)
     table = np.array([[np.float32(x.strip("f ")) for x in row.split(",")] for row in rows], np.float32)
     np.testing.assert_array_equal(table, delays.interpolation_polynomials())

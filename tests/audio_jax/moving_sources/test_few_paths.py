@@ -12,8 +12,8 @@ from scenes import HEAD, scene_of
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.options import EarlyPaths, Motion, NoLate, Omni
-from home_mjx.audio_jax.moving_sources.frame import render_frame
-from home_mjx.audio_jax.moving_sources.reception import pad_paths, render_receiver_state
+from home_mjx.audio_jax.moving_sources.frames import render_frame
+from home_mjx.audio_jax.moving_sources.receiver_state import pad_paths, render_receiver_state
 from home_mjx.audio_jax.propagation.paths import Paths
 
 ALL = AudioConfig(

@@ -9,9 +9,9 @@ from scipy.signal import fftconvolve
 from home_mjx.audio_jax import AudioConfig, Paths
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.options import Motion, Omni
-from home_mjx.audio_jax.moving_sources.frame import render_frame, render_frames
-from home_mjx.audio_jax.moving_sources.reception import pad_paths, silent_state
-from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
+from home_mjx.audio_jax.moving_sources.frames import render_frame, render_frames
+from home_mjx.audio_jax.moving_sources.receiver_state import pad_paths, silent_state
+from home_mjx.audio_jax.receivers.spherical_head import near_sphere_spectrum
 
 OMNI = AudioConfig(response_seconds=0.1, receiver=Omni(), motion=Motion(tail_seconds=0.0))
 EARS = AudioConfig(response_seconds=0.1, motion=Motion(tail_seconds=0.0))

@@ -9,7 +9,7 @@ from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, render_frame
 from home_mjx.audio_jax.base.options import Motion, Omni
-from home_mjx.audio_jax.moving_sources.reception import is_truncated, pack_receiver_state
+from home_mjx.audio_jax.moving_sources.receiver_state import is_truncated, pack_receiver_state
 from home_mjx.schema.compiled import BANDS
 
 OMNI = AudioConfig(receiver=Omni(), motion=Motion(tail_seconds=2.5))

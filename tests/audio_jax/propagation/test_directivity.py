@@ -25,7 +25,7 @@ from home_mjx.audio_jax.base.directivity import (
 )
 from home_mjx.audio_jax.base.options import EarlyPaths, Omni, Traced
 from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
-from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.image_source_paths import image_source_reflections
 from home_mjx.audio_jax.propagation.paths import direct_path, first_order_reflections
 from home_mjx.core.transforms import camera_quat
 from home_mjx.errors import ConfigError

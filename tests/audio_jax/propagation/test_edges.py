@@ -7,10 +7,10 @@ import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.options import Omni
-from home_mjx.audio_jax.geometry.barriers import BarrierBoxes, find_edge_paths, select_nearest_barriers
+from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, find_edge_paths, select_nearest_barriers
 from home_mjx.audio_jax.propagation.diffraction import assemble_paths
 from home_mjx.audio_jax.propagation.paths import StraightLine, air_attenuation
-from home_mjx.geometry.box_edges import find_exposed_edges
+from home_mjx.geometry.diffraction_edges import find_exposed_edges
 from home_mjx.schema.compiled import BANDS
 
 CONFIG = AudioConfig(receiver=Omni())

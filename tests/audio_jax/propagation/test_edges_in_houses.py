@@ -12,7 +12,7 @@ from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.options import EarlyPaths, Omni
 from home_mjx.audio_jax.propagation.diffraction import diffracted_paths
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.image_source_paths import image_source_reflections
 from home_mjx.audio_jax.propagation.paths import air_attenuation, direct_path
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene

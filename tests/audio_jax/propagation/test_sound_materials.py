@@ -9,7 +9,7 @@ from scenes import HEAD, scene_of
 from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, early_paths, sound_materials
 from home_mjx.audio_jax.base.options import Air, EarlyPaths, Omni, Traced
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.mirrored import image_source_reflections
+from home_mjx.audio_jax.propagation.image_source_paths import image_source_reflections
 from home_mjx.audio_jax.propagation.tracing import trace
 
 SIZE = (6.0, 5.0, 3.0)

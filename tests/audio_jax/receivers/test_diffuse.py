@@ -10,8 +10,8 @@ from scipy.special import spherical_jn, spherical_yn
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.auralization.response import late_response
-from home_mjx.audio_jax.receivers.diffuse import noise_levels, noise_mix
-from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence, sphere_spectrum
+from home_mjx.audio_jax.receivers.diffuse_noise import noise_levels, noise_mix
+from home_mjx.audio_jax.receivers.spherical_head import diffuse_coherence, sphere_spectrum
 from home_mjx.core.transforms import camera_quat
 
 CONFIG = AudioConfig()

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.receivers.hrtf import (
+from home_mjx.audio_jax.receivers.spherical_head import (
     ear_angles,
     ear_energy,
     ear_spectrum,

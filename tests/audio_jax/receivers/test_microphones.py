@@ -17,8 +17,8 @@ from home_mjx.audio_jax import AudioConfig, Listener, Paths, SoundSource, impuls
 from home_mjx.audio_jax.auralization.envelope import energy_envelope
 from home_mjx.audio_jax.auralization.response import early_response, late_response
 from home_mjx.audio_jax.base.options import Ambisonics, MicrophoneArray, Motion, NoLate, Omni
-from home_mjx.audio_jax.moving_sources.frame import render_frame
-from home_mjx.audio_jax.moving_sources.reception import is_truncated, late_state, silent_state
+from home_mjx.audio_jax.moving_sources.frames import render_frame
+from home_mjx.audio_jax.moving_sources.receiver_state import is_truncated, late_state, silent_state
 from home_mjx.audio_jax.parameters import survey_room
 from home_mjx.audio_jax.receivers.channels import late_channel_gains
 from home_mjx.core.transforms import camera_quat, quat_matrix

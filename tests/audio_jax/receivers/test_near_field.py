@@ -8,7 +8,7 @@ import pytest
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.paths import Paths
-from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum, sphere_spectrum
+from home_mjx.audio_jax.receivers.spherical_head import near_sphere_spectrum, sphere_spectrum
 
 CONFIG = AudioConfig()
 RADIUS, SPEED, RATE = CONFIG.receiver_radius, CONFIG.speed_of_sound, CONFIG.sample_rate

@@ -16,14 +16,14 @@ from home_mjx.audio_jax import AudioConfig, Listener, Paths, SoundSource, impuls
 from home_mjx.audio_jax.auralization.envelope import energy_envelope
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.options import Binaural, Motion, Omni, Traced
-from home_mjx.audio_jax.moving_sources.frame import render_frame
-from home_mjx.audio_jax.moving_sources.reception import silent_state
+from home_mjx.audio_jax.moving_sources.frames import render_frame
+from home_mjx.audio_jax.moving_sources.receiver_state import silent_state
 from home_mjx.audio_jax.receivers.channels import channel_gains
-from home_mjx.audio_jax.receivers.grid import grid_directions
-from home_mjx.audio_jax.receivers.heads import interpolate_directions
-from home_mjx.audio_jax.receivers.hrtf import ear_table, sphere_spectrum
-from home_mjx.audio_jax.receivers.measured import make_measured_head
+from home_mjx.audio_jax.receivers.direction_grid import grid_directions
+from home_mjx.audio_jax.receivers.hrtf_interpolation import interpolate_directions
+from home_mjx.audio_jax.receivers.measured_hrtf import make_measured_head
 from home_mjx.audio_jax.receivers.sofa import read_measurements
+from home_mjx.audio_jax.receivers.spherical_head import ear_table, sphere_spectrum
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.schema.timing import Timing
 from home_mjx.tasks import make_config

@@ -12,11 +12,13 @@ from heaps import AGENTS, BODIES, DOORS, RAMPS, heap
 from odd_numbers import garbled
 from sanitized import Program
 
-from home_mjx.physics.cuda import launch
-from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_BODY, SMALL_ISLAND, SOURCES
-from home_mjx.physics.numba.data import limits
-from home_mjx.physics.numba.data.numbers import StepParams, reference_surfaces
-from home_mjx.physics.numba.data.operands import HELD
+from home_mjx.physics import fused
+from home_mjx.physics.base.servo import NOT_DRIVEN
+from home_mjx.physics.base.state import FLOOR, STATIC
+from home_mjx.physics.fused import CONTACT_WORDS, PAIRS_PER_BODY, SMALL_ISLAND, SOURCES
+from home_mjx.physics.numba import params
+from home_mjx.physics.numba.box_box import MAX_PAIR_POINTS
+from home_mjx.physics.numba.params import HELD, StepParams, reference_surfaces
 
 WHOLE = 3, 13, 18, 22  # operands of whole numbers
 CHECKED = 11, 12  # agents and options
@@ -74,8 +76,8 @@ def operands(oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)
     mobiles = agents + bodies + len(doors)
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
     outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros((mobiles, 4), np.float32)]
-    words = (limits.MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * limits.POINTS_PER_BODY) * mobiles
-    words += launch._newton_words(mobiles)
+    words = (params.MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * params.POINTS_PER_BODY) * mobiles
+    words += fused._newton_words(mobiles)
     return inputs, [*outputs, np.zeros(mobiles, np.int32), np.zeros(words)]  # here its numbers have 64 bits
 
 
@@ -154,11 +156,10 @@ def test_what_sleeps_wakes_as_on_a_cpu(library):
 def test_sizes_and_numbers_are_those_of_the_other_step():
     text = SOURCES[0].read_text()
     found = {name: int(value) for name, value in re.findall(r"(\w+) = (-?\d+)[,;]", text)}
-    own = {
-        name: value
-        for name, value in vars(limits).items()
-        if name.isupper() and not name.endswith(("_DOFS", "NOTHING"))
-    }
+    columns = ("AGENT_COLUMNS", "DOOR_COLUMNS", "RAMP_COLUMNS", "SURFACE_COLUMNS")
+    sizes = ("JOINT_LIMIT", "SLEEPING_BODY", "MAX_NEAR_BOXES", "POINTS_PER_BODY", *columns)
+    own = {name: getattr(params, name) for name in sizes}
+    own |= {"FLOOR": FLOOR, "STATIC": STATIC, "NOT_DRIVEN": NOT_DRIVEN, "MAX_PAIR_POINTS": MAX_PAIR_POINTS}
     own |= {
         "CONTACT_WORDS": CONTACT_WORDS,
         "SMALL_ISLAND": SMALL_ISLAND,

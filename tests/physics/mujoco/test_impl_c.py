@@ -14,10 +14,10 @@ from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.physics import ExportedTemplate, PhysicsConfig, Template
-from home_mjx.physics.mujoco import houses as c_houses
-from home_mjx.physics.mujoco.calls import check_platform
-from home_mjx.physics.mujoco.houses import build_house_model
-from home_mjx.physics.mujoco.mjcf import HouseRows
+from home_mjx.physics.mujoco import house_models as c_houses
+from home_mjx.physics.mujoco.house_mjcf import HouseRows
+from home_mjx.physics.mujoco.house_models import build_house_model
+from home_mjx.physics.mujoco.mujoco_model import check_platform
 
 STEPS = 20
 HOUSES = [

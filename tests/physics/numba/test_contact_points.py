@@ -6,9 +6,8 @@ from c_oracle import contacts_of, floats, ordered, place, two_geoms
 from mujoco import mj_forward
 from numba import njit
 
-from home_mjx.physics.numba.data.limits import MAX_PAIR_POINTS
-from home_mjx.physics.numba.shapes.box_box import box_box
-from home_mjx.physics.numba.shapes.capsule import capsule_box, capsule_capsule
+from home_mjx.physics.numba.box_box import MAX_PAIR_POINTS, box_box
+from home_mjx.physics.numba.capsule import capsule_box, capsule_capsule
 
 RADIUS, LENGTH = 0.1, 0.7
 CASES = 1500

@@ -20,7 +20,7 @@ from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.casting.cast import cast, occluded
-from home_mjx.raycast_render.scene import constants as limits
+from home_mjx.raycast_render.scene import types as scene_types
 from home_mjx.raycast_render.scene.types import RayQuery, Rays
 from home_mjx.schema import compiled
 
@@ -259,7 +259,7 @@ def test_constants_are_those_of_the_other_executors():
     assert int(told["MAX_DEPTH"]) == compiled.MAX_DEPTH
     assert int(told["EMPTY"]) == compiled.EMPTY_LEAF
     for name in ("MISS", "TINY", "FAR_SLACK"):
-        assert sum(float(part.rstrip("f")) for part in told[name].split("+")) == getattr(limits, name)
+        assert sum(float(part.rstrip("f")) for part in told[name].split("+")) == getattr(scene_types, name)
 
 
 @pytest.mark.parametrize("capability", [80, 90, 120])

@@ -12,7 +12,7 @@ from compiled_kernels import shared_library
 from soup import Placed, Soup, f32, i32, random_pose, random_rays, random_soup
 
 from home_mjx.raycast_render.backends import cuda
-from home_mjx.raycast_render.backends.choose import find_backend
+from home_mjx.raycast_render.backends.registry import find_backend
 from home_mjx.raycast_render.scene.types import CLOSEST_HIT, RayQuery, Rays
 
 STEPS = 7

@@ -13,7 +13,7 @@ from scipy import stats
 
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.render import render
-from home_mjx.raycast_render.scene.look import LAYER, RED, SWAP, AppearanceOverrides, hash_uniform, swap_textures
+from home_mjx.raycast_render.scene.appearance import LAYER, RED, SWAP, AppearanceOverrides, hash_uniform, swap_textures
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lights
 from home_mjx.raycast_render.shaders.lit import LitShader

@@ -20,7 +20,7 @@ from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.images.view import View
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import lit, optics, texture
+from home_mjx.raycast_render.shaders import lit, specular, texture
 from home_mjx.raycast_render.shaders.base import resolve_shader
 from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.schema.lighting import Gloss
@@ -42,7 +42,9 @@ def seen(bank, camera, options=NIGHT, lens=LENS):
     def look(scene, camera):
         view = View(scene, camera, lens, options, -1)
         growth = pixel_footprint(camera, lens)[1]
-        end = optics.trace_specular(scene, optics.start_path(view.center_rays), growth, options.max_specular_depth, -1)
+        end = specular.trace_specular(
+            scene, specular.start_path(view.center_rays), growth, options.max_specular_depth, -1
+        )
         return end.replace(**{name: getattr(end, name).pack() for name in ("origin", "direction", "throughput")})
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
@@ -151,7 +153,7 @@ def test_a_ball_is_shaded_as_a_ball(mirror):
     assert hits.sum() > 50
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         none, way = Vec.unpack(jnp.zeros_like(aim)), Vec.unpack(jnp.asarray(aim))
-        corner = lit._hit_frame(scene_of(bank), optics.PathState(none, way, hit, none.x, none))
+        corner = lit._hit_frame(scene_of(bank), specular.PathState(none, way, hit, none.x, none))
         corner = jax.tree.map(lambda v: v.pack(), corner, is_leaf=lambda v: isinstance(v, Vec))
     points = start + np.asarray(hit.t)[:, None] * aim
     outward = (points - [0, 1.0, 1.5]) / np.diag(scale) ** 2
@@ -183,7 +185,7 @@ def test_far_textures_are_filtered():
         camera = camera_at(0.3, 0.2, height, quat=[1, 0, 0, 0], fovy=1.0)
         lens = Lens(16, 16)
         view = View(scene_of(bank), camera, lens, NIGHT, -1)
-        sight = optics.start_path(view.center_rays)
+        sight = specular.start_path(view.center_rays)
         corner_ = lit._hit_frame(view.scene, sight)
         color = lit._diffuse_reflectance(
             view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_footprint(camera, lens)[1]

@@ -14,12 +14,12 @@ from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, po
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene import surface
 from home_mjx.scene_compile.architecture import shell as shell_module
-from home_mjx.scene_compile.architecture.ownership import ClippedSurface, clip_surface
+from home_mjx.scene_compile.architecture.floor_assignment import ClippedSurface, clip_surface
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.scene_compile.semantics.vocabulary import encode_name
 from home_mjx.schema.house import Material, Metadata
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import encode_name
 from home_procgen.v1.dataset import generate_dataset
 
 HALL = RoomOutline("Hall", [(0, 0), (8, 0), (8, 6), (0, 6)])

@@ -11,11 +11,11 @@ from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError
 from home_mjx.geometry.boxes import empty_boxes, make_boxes
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.scene_compile.collision.choose import select_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, object_colliders
+from home_mjx.scene_compile.collision.movable_selection import select_movables
 from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.overlaps import measure_rest_drift
+from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import ObjectNode

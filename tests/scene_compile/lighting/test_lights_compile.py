@@ -14,7 +14,7 @@ from home_mjx.scene_compile.lighting.lights import (
     find_innermost_point,
     find_lamp_sources,
 )
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.house import Light, Material, ModelInfo, ObjectNode
 
 PLAIN = (Material("a"),)

@@ -16,7 +16,7 @@ from home_mjx.geometry.meshes import bounds, box_triangles, make_model
 from home_mjx.scene_compile.mjcf import convex
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.overlaps import measure_rest_drift
+from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 
 pytest.importorskip("coacd", reason="the extra `exact` is not installed")
 

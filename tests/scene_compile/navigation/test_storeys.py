@@ -16,7 +16,7 @@ from home_mjx.scene_compile.navigation.free_space import NavigationOptions, find
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.objects.doorways import Doorway
-from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.objects.stairs import find_stairs
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import COARSE

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from home_mjx.scene_compile.objects.place import unit_cube
+from home_mjx.scene_compile.objects.placed_objects import unit_cube
 
 
 def test_textures_stand_upright_on_walls_and_are_not_mirrored():

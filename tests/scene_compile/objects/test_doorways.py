@@ -10,7 +10,7 @@ from home_mjx.geometry.box_fit import sample_surface
 from home_mjx.geometry.meshes import transform, triangles_z_up
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.objects.doorways import find_doorways, shut_outer_doors
-from home_mjx.scene_compile.objects.place import place_objects
+from home_mjx.scene_compile.objects.placed_objects import place_objects
 from home_procgen.v1.dataset import generate_dataset
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from home_mjx.geometry.polygons import is_inside_polygon, polygon_distance
 from home_mjx.scene_compile.architecture.rooms import HouseFrame
-from home_mjx.scene_compile.objects.place import MAX_ROOM_DISTANCE, place_objects
+from home_mjx.scene_compile.objects.placed_objects import MAX_ROOM_DISTANCE, place_objects
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import House, Level, Metadata, RoomNode
 

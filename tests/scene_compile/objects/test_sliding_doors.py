@@ -17,7 +17,7 @@ from home_mjx.datasets.suncg.read.hinges import find_hinges
 from home_mjx.geometry.meshes import triangles_z_up
 from home_mjx.navigation import door_angles, passable_portals
 from home_mjx.physics import PhysicsConfig, Template
-from home_mjx.physics.hands import HandCommands, apply_hand_commands, update_hands
+from home_mjx.physics.hand_control import HandCommands, apply_hand_commands, update_hands
 from home_mjx.raycast_render import cast, make_scene
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.pipeline.compile import compile_house

@@ -19,7 +19,7 @@ from home_mjx.geometry.box_fit import (
 )
 from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes, footprint, footprint_distance, make_boxes
 from home_mjx.geometry.polygons import polygon_area
-from home_mjx.geometry.rectangles import (
+from home_mjx.geometry.rectangle_cover import (
     cell_centers,
     cover_with_rectangles,
     is_in_triangles,

@@ -10,7 +10,7 @@ import pytest
 from tiny_arch import arch_path, write_tiny_v2
 from tiny_dataset import DEPTH, HOUSE_ID, WIDTH, edit_house, write_tiny_dataset
 
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError
 from home_mjx.houses.house_cache import HouseCache

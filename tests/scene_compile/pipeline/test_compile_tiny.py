@@ -7,7 +7,7 @@ import pytest
 from house_checks import mujoco_contacts, name_of, row_of, world_triangles
 from tiny_dataset import DEPTH, DOOR, DOOR_AT, HOUSE_ID, TABLE, TABLE_AT, WIDTH, edit_house, write_tiny_dataset
 
-from home_mjx.core.array_store.flatten import flatten
+from home_mjx.core.array_store import flatten
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.collision.colliders import _fit_shape

@@ -9,14 +9,14 @@ from PIL import Image
 from home_mjx.core.color import srgb_to_lab
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
-from home_mjx.scene_compile.semantics.looks.appearance import (
+from home_mjx.scene_compile.semantics.appearance import (
     MAX_SHADE_DISTANCE,
+    SemanticOptions,
     TexturedTriangles,
     compute_appearance,
     dominant_colors,
     surface_colors,
 )
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.schema.material_kinds import CATEGORY_KINDS, HOME_TEXTURE_KINDS, MATERIAL_KINDS, TEXTURE_KINDS
 
 QUAD = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)  # texture coordinates of a whole image

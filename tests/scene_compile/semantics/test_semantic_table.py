@@ -16,9 +16,9 @@ from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.scene_compile.semantics.records import house_record
 from home_mjx.scene_compile.semantics.relations import ObserverPose
-from home_mjx.scene_compile.semantics.vocabulary import decode_row, encode_name, vocabularies
 from home_mjx.schema.categories import NYU40
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import decode_row, encode_name, vocabularies
 from home_procgen.v1.dataset import generate_dataset
 
 FIRST = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}

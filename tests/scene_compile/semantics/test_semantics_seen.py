@@ -8,9 +8,9 @@ from home_mjx.core.color import ciede2000, linear_to_lab
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.scene_compile.semantics.looks.color_names import palettes
-from home_mjx.scene_compile.semantics.vocabulary import encode_name
+from home_mjx.schema.color_names import palettes
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import encode_name
 
 EYE = np.array([0, 0, 1.4])  # [m]
 ENOUGH, SAMPLE = 150, 100  # pixels

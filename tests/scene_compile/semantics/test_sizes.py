@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from home_mjx.datasets.suncg.read.metadata import read_metadata
-from home_mjx.scene_compile.semantics.sizes import MIN_PEERS, SIZES, size_table
+from home_mjx.scene_compile.semantics.sizes import MIN_PEERS, size_table
 from home_mjx.schema.house import Metadata, ModelInfo
+from home_mjx.schema.semantic import SIZES
 
 
 def metadata(edges: list[float], fine: str = "chair", coarse: str = "chair") -> Metadata:

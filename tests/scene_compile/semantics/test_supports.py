@@ -8,7 +8,7 @@ from block_houses import CEILING, FLOOR, ROOM, block, place
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.meshes import bounds
 from home_mjx.scene_compile.architecture.rooms import find_frame
-from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.supports import MAX_CONTACT_GAP, WALL_HUNG, WALL_OPENINGS, Support, find_supports
 from home_procgen.v1.dataset import generate_dataset
 

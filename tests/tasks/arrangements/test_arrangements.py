@@ -19,10 +19,10 @@ from home_mjx.navigation.doors import door_angles
 from home_mjx.navigation.spawn import random_arrangement
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.mjcf.overlaps import measure_rest_drift
+from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.arrangements import build, with_arrangements
-from home_mjx.tasks.arrangements.furnished import HouseLayout
+from home_mjx.tasks.arrangements.house_layout import HouseLayout
 from home_procgen.v1.dataset import generate_dataset
 
 NUM = 3

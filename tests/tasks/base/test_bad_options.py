@@ -17,7 +17,7 @@ from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
-from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
+from home_mjx.scene_compile.semantics.appearance import SemanticOptions
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.status import Status

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.keys import to_raw_key
-from home_mjx.tasks.env.usable import clip_action, validate_choice
+from home_mjx.tasks.base.state import to_raw_key
+from home_mjx.tasks.env.checks import clip_action, validate_choice
 
 KEYS = [
     *(jnp.zeros(2), jnp.zeros(2, bool), jnp.zeros(2, complex), jnp.zeros((), jnp.uint32)),

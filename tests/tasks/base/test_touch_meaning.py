@@ -8,7 +8,7 @@ import pytest
 from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
+from home_mjx.physics.base.state import FLOOR, NOTHING, STATIC
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.schema.categories import coarse_index

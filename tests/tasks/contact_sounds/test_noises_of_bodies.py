@@ -10,7 +10,7 @@ from handmade import Furniture, shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import ContactSoundConfig
-from home_mjx.audio_jax.contact_sounds.synthesis import SUSTAINED, TRANSIENTS
+from home_mjx.audio_jax.contact_sounds.sound_bank import SUSTAINED, TRANSIENTS
 from home_mjx.tasks import Status, Variation, make_config
 
 RATE, FRAME = 16000, 1600

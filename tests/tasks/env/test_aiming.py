@@ -10,7 +10,7 @@ from handmade import Furniture, shoebox
 
 import home_mjx
 from home_mjx import HouseBank
-from home_mjx.tasks.env.handling import aim_directions, decode_hand_commands
+from home_mjx.tasks.env.hand_actions import aim_directions, decode_hand_commands
 
 CRATE = Furniture((0.7, 0.0), size=(0.2, 0.2, 1.7), mass=5.0)
 HEAVY = Furniture((1.2, 0.0), size=(0.3, 3.0, 1.7), mass=50.0)  # a wall of a thing behind it

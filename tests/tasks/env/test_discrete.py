@@ -18,7 +18,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema import AgentBody
 from home_mjx.tasks import DiscreteActions, Status, make_config
-from home_mjx.tasks.env.moves import decode_actions
+from home_mjx.tasks.env.actions import decode_actions
 
 MOVES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")
 NAMES = (*MOVES, "pick", "drop", "throw", "open", "close")

@@ -21,7 +21,7 @@ from home_mjx.raycast_render.shaders import base
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks import AgentCamera, EnvConfig, HouseholdEnv
 from home_mjx.tasks.base.options import make_config
-from home_mjx.tasks.env.usable import check_variation
+from home_mjx.tasks.env.checks import check_variation
 from home_mjx.tasks.variation.ranges import Variation
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "own_shader.py"

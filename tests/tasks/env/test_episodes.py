@@ -17,7 +17,7 @@ from home_mjx.navigation.grid import geodesic_distance
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.episodes import (
     load_episodes,
     load_episodes_or_tasks,
@@ -29,7 +29,7 @@ from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.suite.navigation import RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav
-from home_mjx.tasks.suite.task_lines import save_tasks
+from home_mjx.tasks.suite.task_io import save_tasks
 from home_procgen import generate_dataset
 
 

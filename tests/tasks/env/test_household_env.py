@@ -16,10 +16,10 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.categories import fine_index
 from home_mjx.tasks import Status
 from home_mjx.tasks.base.options import make_config
-from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.env.autoreset import AutoReset
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.sensors.cameras import agent_ids, render_images
 

@@ -9,7 +9,7 @@ from handmade import shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.tasks import estimate_memory, make_config
-from home_mjx.tasks.env import bound
+from home_mjx.tasks.env import env as bound
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ from handmade import shoebox
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
 from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks import AutoReset, HouseholdEnv, make_config
-from home_mjx.tasks.env import begin
-from home_mjx.tasks.env.handling import decode_hand_commands
+from home_mjx.tasks.env import reset
+from home_mjx.tasks.env.hand_actions import decode_hand_commands
 from home_mjx.tasks.suite import PointNav
 
 KEYS = jax.ShapeDtypeStruct((2, 2), np.uint32)
@@ -33,13 +33,13 @@ def bank():
 @pytest.fixture
 def builds(monkeypatch):
     """Scenes built since the last clearing; there is one per snapshot."""
-    found, make_scene = [], begin.make_scene
+    found, make_scene = [], reset.make_scene
 
     def counted(*args, **options):
         found.append(args)
         return make_scene(*args, **options)
 
-    monkeypatch.setattr(begin, "make_scene", counted)
+    monkeypatch.setattr(reset, "make_scene", counted)
     return found
 
 

@@ -14,7 +14,7 @@ from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config
 from home_mjx.tasks.base.specs import MOVE_NAMES
-from home_mjx.tasks.env.moves import action_names, decode_actions
+from home_mjx.tasks.env.actions import action_names, decode_actions
 from home_mjx.tasks.language import tokenize
 
 WORDS = ("say:yes", "answer:red", "say:kitchen")

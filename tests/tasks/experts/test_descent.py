@@ -9,9 +9,9 @@ from scipy.spatial import distance_matrix
 
 import home_mjx
 from home_mjx.navigation.grid import cell_of, cell_position, stored_distance
-from home_mjx.tasks.experts.descent import END_TOLERANCE, descend_field, step_aside
-from home_mjx.tasks.experts.leaves import cell_cost_factors, is_near_leaf, leaf_distances
-from home_mjx.tasks.rules.fields import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, CellGraph
+from home_mjx.tasks.experts.door_avoidance import cell_cost_factors, is_near_leaf, leaf_distances
+from home_mjx.tasks.experts.field_descent import END_TOLERANCE, descend_field, step_aside
+from home_mjx.tasks.rules.cell_graph import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, CellGraph
 
 STEP = 0.25
 

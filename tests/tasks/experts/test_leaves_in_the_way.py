@@ -7,7 +7,7 @@ import pytest
 
 import home_mjx
 from home_mjx.physics.base.doors import DoorLeaves
-from home_mjx.tasks.experts.leaves import is_shut, is_swept, plan_opening
+from home_mjx.tasks.experts.door_avoidance import is_shut, is_swept, plan_opening
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ import pytest
 import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import AutoReset, ExpertObservationEnv, Task, add_expert, expert_action
-from home_mjx.tasks.experts.walk import should_wait
+from home_mjx.tasks.experts.path_follower import should_wait
+from home_mjx.tasks.rules.enums import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
-from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.training.evaluation import evaluate, expert_policy, random_policy
 
 

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.tasks.experts.carrying import resolve_turns
+from home_mjx.tasks.experts.carry_clearance import resolve_turns
 
 STEP = np.radians(10)
 

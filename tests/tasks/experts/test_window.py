@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from home_mjx.tasks.experts.window import HALF_WIDTH, WIDTH, descend_window, nearest_walkable, window_distances
+from home_mjx.tasks.experts.local_planner import HALF_WIDTH, WIDTH, descend_window, nearest_walkable, window_distances
 
 CELL = 0.1
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from home_mjx.tasks.language import tokenize
 from home_mjx.tasks.language.phrases import describe_goal
-from home_mjx.tasks.rules.words import Attribute, TargetKind
+from home_mjx.tasks.rules.enums import Attribute, TargetKind
 
 NO_TOKENS = np.zeros(32, int)
 

@@ -10,8 +10,8 @@ from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.language import mask_new_combinations, mask_words, tokenize
 from home_mjx.tasks.language.splits import COMBINED_ATTRIBUTES
 from home_mjx.tasks.rules.declaration import columns_of
+from home_mjx.tasks.rules.enums import ANY, NUM_DESCRIPTORS, Attribute
 from home_mjx.tasks.rules.task_bank import RowStart
-from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Attribute
 
 
 def tasks_of(descriptors, texts):

@@ -11,16 +11,16 @@ from spoken_words import number
 import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
-from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.vocabulary import vocabularies
 from home_mjx.tasks.language import detokenize
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN
 from home_mjx.tasks.language.vocabulary import to_word
 from home_mjx.tasks.metrics import chance_accuracy, prior_accuracy
-from home_mjx.tasks.questions.ask import MAX_GAP_NEXT_TO
+from home_mjx.tasks.questions.question_kinds import MAX_GAP_NEXT_TO
+from home_mjx.tasks.rules.enums import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.meaning import resolve_targets_on_host
-from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
+from home_mjx.tasks.rules.resolve import resolve_targets_on_host
 from home_mjx.tasks.suite import VQA, HouseQA
 
 THE = r"the (?:\w+ )*?\w+(?: in the \w+)?"

@@ -11,7 +11,7 @@ from home_mjx.tasks import TaskBank
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.metrics import chance_accuracy, prior_accuracy
 from home_mjx.tasks.questions.balance import balance_rows
-from home_mjx.tasks.rules.build import FeasibleRow, TaskRow
+from home_mjx.tasks.rules.build_bank import FeasibleRow, TaskRow
 from home_mjx.tasks.rules.declaration import columns_of
 from home_mjx.tasks.rules.task_bank import RowStart
 

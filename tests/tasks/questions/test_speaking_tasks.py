@@ -16,11 +16,11 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action, load_tasks, save_tasks
 from home_mjx.tasks.language import detokenize, tokenize
 from home_mjx.tasks.questions.dialogue import QUESTION_WORDS, UNKNOWN
+from home_mjx.tasks.rules.enums import ANY, NUM_DESCRIPTORS, NUM_REPLIES, Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.meaning import resolve_targets_on_host
 from home_mjx.tasks.rules.packing import pack_speech
+from home_mjx.tasks.rules.resolve import resolve_targets_on_host
 from home_mjx.tasks.rules.speech import words_of_others
-from home_mjx.tasks.rules.words import ANY, NUM_DESCRIPTORS, NUM_REPLIES, Attribute, TargetKind
 from home_mjx.tasks.suite import VQA, Communication, Dialogue, HouseQA, HouseTasks, ObjectNav
 
 STOPS = {"stop": True}

@@ -12,6 +12,7 @@ from home_mjx.core.pytree import Pytree, array
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.rules import SUCCESS, Condition, Feature, Selector, SoundEvent, TaskStage, Transition
 from home_mjx.tasks.rules.declaration import AXES, columns_of, extract, pack, pack_items, row_columns
+from home_mjx.tasks.rules.enums import NUM_STAGES, NUM_TRANSITIONS
 from home_mjx.tasks.rules.packing import (
     pack_program,
     pack_sounds,
@@ -21,8 +22,7 @@ from home_mjx.tasks.rules.packing import (
     unpack_speech,
 )
 from home_mjx.tasks.rules.task_bank import RECORDS
-from home_mjx.tasks.rules.words import NUM_STAGES, NUM_TRANSITIONS
-from home_mjx.tasks.suite.task_lines import decode, encode
+from home_mjx.tasks.suite.task_io import decode, encode
 from home_mjx.tasks.validation.column_ranges import column_ranges, column_values, index_range, values_range
 from home_mjx.tasks.validation.line_schema import ITEMS, TaskLine, schema_of
 

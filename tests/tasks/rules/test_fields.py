@@ -7,7 +7,7 @@ import pytest
 from home_mjx.houses import load_bank
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
-from home_mjx.tasks.rules.fields import (
+from home_mjx.tasks.rules.cell_graph import (
     BRUSH_COST_FACTOR,
     MAX_HEIGHT_ON_STOREY,
     MAX_TURN_DISTANCE,

@@ -7,9 +7,9 @@ import pytest
 
 from home_mjx.houses import load_bank
 from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rules.enums import TargetKind
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView, house_views
-from home_mjx.tasks.rules.words import TargetKind
-from home_mjx.tasks.sensors.sight import initial_scene, is_unobstructed, look_points
+from home_mjx.tasks.sensors.visibility import initial_scene, is_unobstructed, look_points
 
 WITHIN = 0.075  # [m], from the middle of a cell: there walks in steps of 0.25 m end
 EYES = 1.5  # [m], above the floor

@@ -8,6 +8,14 @@ from drawn_programs import AGENTS, drawn_stages
 
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.enums import (
+    FAILURE,
+    NUM_DESCRIPTORS,
+    NUM_STAGES,
+    NUM_TRANSITIONS,
+    SUCCESS,
+    Feature,
+)
 from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import (
     Condition,
@@ -18,14 +26,6 @@ from home_mjx.tasks.rules.program import (
     check_success,
     evaluate_conditions,
     take_transition,
-)
-from home_mjx.tasks.rules.words import (
-    FAILURE,
-    NUM_DESCRIPTORS,
-    NUM_STAGES,
-    NUM_TRANSITIONS,
-    SUCCESS,
-    Feature,
 )
 
 

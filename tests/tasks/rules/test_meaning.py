@@ -5,11 +5,11 @@ import pytest
 
 from home_mjx.houses import load_bank
 from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rules.enums import NUM_DESCRIPTORS, Attribute
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.rules.meaning import SEMANTIC_COLUMNS, resolve_targets_on_host
 from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import Selector, TaskStage
-from home_mjx.tasks.rules.words import NUM_DESCRIPTORS, Attribute
+from home_mjx.tasks.rules.resolve import SEMANTIC_COLUMNS, resolve_targets_on_host
 
 
 @pytest.fixture(scope="module")

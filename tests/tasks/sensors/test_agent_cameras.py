@@ -13,7 +13,7 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
-from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.sensors.cameras import render_images
 
 CAMERAS = (

@@ -8,7 +8,7 @@ from handmade import shoebox
 
 import home_mjx
 from home_mjx import HouseBank
-from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS, agent_model
+from home_mjx.bank.packing.library import HEIGHT, RADIUS, agent_model
 from home_mjx.physics import PhysicsConfig
 from home_mjx.raycast_render import Lens
 from home_mjx.raycast_render.scene.scene import agent_sizes

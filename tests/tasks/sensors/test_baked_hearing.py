@@ -13,15 +13,15 @@ from home_mjx.audio_jax import AudioConfig, BakeOptions, LateReverbBake, Listene
 from home_mjx.audio_jax.auralization.envelope import energy_envelope
 from home_mjx.audio_jax.base.options import Baked, Traced
 from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
-from home_mjx.audio_jax.late_reverb.lookup.balance import effective_openings
-from home_mjx.audio_jax.late_reverb.lookup.reading import lookup_late_sound
+from home_mjx.audio_jax.late_reverb.lookup.energy_balance import effective_openings
+from home_mjx.audio_jax.late_reverb.lookup.lookup import lookup_late_sound
 from home_mjx.errors import ConfigError
 from home_mjx.houses import add_bakes
 from home_mjx.houses.bakes import bake_entry
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.tasks import make_config
-from home_mjx.tasks.env.usable import check_bank
+from home_mjx.tasks.env.checks import check_bank
 from home_procgen.v1.dataset import generate_dataset
 
 FEW = BakeOptions(cell_size=2.0, rays=40, max_bounces=40)
@@ -64,7 +64,9 @@ def test_a_step_hears_baked_sound(bank):
 
 def test_it_is_baked_once(bank, room, monkeypatch):
     assert bake_entry(LateReverbBake(FEW), room).is_file()
-    monkeypatch.setattr("home_mjx.audio_jax.late_reverb.bake.store.bake_house", lambda *_: pytest.fail("baked again"))
+    monkeypatch.setattr(
+        "home_mjx.audio_jax.late_reverb.bake.field_cache.bake_house", lambda *_: pytest.fail("baked again")
+    )
     again = add_bakes(HouseBank.from_compiled([room]), [room], LateReverbBake(FEW))
     assert all(
         map(np.array_equal, jax.tree.leaves(again.bakes["late_reverb"]), jax.tree.leaves(bank.bakes["late_reverb"]))
@@ -82,7 +84,7 @@ def test_wrong_banks_are_refused(bank, room):
 
 def test_furniture_that_is_moved_before_every_episode_is_told(bank, monkeypatch, caplog):
     """What has been baked does not know of it; whatever else an environment does to a house is no such matter."""
-    monkeypatch.setattr("home_mjx.tasks.env.usable.check_arrangements", lambda _: None)
+    monkeypatch.setattr("home_mjx.tasks.env.checks.check_arrangements", lambda _: None)
     check_bank(make_config(audio=BAKED, arrangement="random", **OPTIONS), bank, (LateReverbBake(FEW),))
     assert "furniture as in the files" in caplog.text
     caplog.clear()

@@ -13,7 +13,7 @@ from home_mjx.audio_jax import log_mel, stft_magnitude
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COARSE, FINE
 from home_mjx.tasks import make_config
-from home_mjx.tasks.env.moves import decode_actions
+from home_mjx.tasks.env.actions import decode_actions
 
 SENSES = ("prev_action", "prev_reward", "held_object")
 SOUNDS = ("log_mel", "stft")

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.physics.kinematic.footprints import Footprints
-from home_mjx.tasks.sensors.reaching import check_placement
+from home_mjx.tasks.sensors.reachability import check_placement
 
 HALF, TOP, TURN = (0.17, 0.6), 1.35, 0.5  # a narrow shelf [m], turned [rad]
 RADIUS = 0.1  # [m]

@@ -18,9 +18,9 @@ from home_mjx.physics import PhysicsConfig
 from home_mjx.tasks import EnvConfig, EnvParams, HouseholdEnv, expert_action, load_tasks, save_tasks
 from home_mjx.tasks.rules import SoundEvent
 from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.enums import Attribute, TargetKind
 from home_mjx.tasks.rules.packing import pack_sounds, unpack_sounds
-from home_mjx.tasks.rules.words import Attribute, TargetKind
-from home_mjx.tasks.sounds.row import NUM_SOUNDS, SoundEvents
+from home_mjx.tasks.sounds.sound_events import NUM_SOUNDS, SoundEvents
 from home_mjx.tasks.suite import AudioNav, HouseTasks, RoomNav
 from home_mjx.tasks.suite.audio_nav import DISTRACTOR_CLIPS, SPLITS
 

@@ -18,8 +18,14 @@ from home_mjx.tasks.language import tokenize
 from home_mjx.tasks.language.vocabulary import all_words
 from home_mjx.tasks.rules import SoundEvent
 from home_mjx.tasks.rules.packing import pack_sounds
-from home_mjx.tasks.sounds.row import VOICE_CLIP, VOICE_CLIP_NUMBER
-from home_mjx.tasks.sounds.voice import NUM_WORDS, num_audible_frames, synthesize_voices, synthesize_word, word_tones
+from home_mjx.tasks.sounds.sound_events import VOICE_CLIP, VOICE_CLIP_NUMBER
+from home_mjx.tasks.sounds.word_sounds import (
+    NUM_WORDS,
+    num_audible_frames,
+    synthesize_voices,
+    synthesize_word,
+    word_tones,
+)
 from home_mjx.tasks.suite import Communication, HouseTasks
 
 RATE, LISTENER, SPEAKER, LOOK_UP, LOOK_DOWN = 16000, 0, 1, 4, 5

@@ -22,12 +22,12 @@ from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action, load_tasks, s
 from home_mjx.tasks.language import detokenize
 from home_mjx.tasks.rules import SUCCESS, Feature
 from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.enums import NUM_CONDITIONS, Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import house_views
 from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import Selector, TaskProgram, take_transition
-from home_mjx.tasks.rules.words import NUM_CONDITIONS, Attribute, TargetKind
 from home_mjx.tasks.suite import Fetch, HouseTasks, Rearrange
-from home_mjx.tasks.suite.carried import find_portable_objects
+from home_mjx.tasks.suite.portable_objects import find_portable_objects
 
 HANDS = {"hands": True, "max_aim_angle": 10.0, "max_pitch": 1.05}
 TASKS = HouseTasks(tasks=(Fetch(stop=True), Rearrange(stop=True, max_objects=2)), num_tasks=5)

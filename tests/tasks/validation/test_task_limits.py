@@ -26,7 +26,7 @@ from home_mjx.tasks import (
 from home_mjx.tasks.base.state import check_rows
 from home_mjx.tasks.language import mask_new_combinations, mask_words
 from home_mjx.tasks.rules import Feature
-from home_mjx.tasks.rules.fields import CellGraph
+from home_mjx.tasks.rules.cell_graph import CellGraph
 from home_mjx.tasks.suite import HouseTasks, InstructionFollowing, PiedPiper, PointNav, RoomNav
 from home_mjx.tasks.suite.navigation import check_mix
 from home_mjx.tasks.validation.row_violations import is_standable, min_steps

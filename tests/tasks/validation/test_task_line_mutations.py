@@ -15,7 +15,7 @@ from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.schema.compiled import FIELD_UNREACHABLE
 from home_mjx.tasks import EnvParams, Status, load_tasks
 from home_mjx.tasks.rules.house_view import house_views
-from home_mjx.tasks.suite import task_lines
+from home_mjx.tasks.suite import task_io
 
 FIELDS = 16  # columns of distances, so that all banks run one program
 UNKNOWN = "bogus"
@@ -26,7 +26,7 @@ EPISODE = ("house", "start", "yaw")
 def quick(env, monkeypatch):
     """One view of each house for all files: what a house is like does not change."""
     views = house_views(env.bank)
-    monkeypatch.setattr(task_lines, "house_views", lambda _: views)
+    monkeypatch.setattr(task_io, "house_views", lambda _: views)
 
 
 @pytest.fixture(scope="module")

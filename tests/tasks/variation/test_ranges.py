@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.errors import ConfigError, UnknownNameError
 from home_mjx.tasks import EnvConfig, Variation
-from home_mjx.tasks.env.usable import check_variation
-from home_mjx.tasks.variation.draw import sample_variation
+from home_mjx.tasks.env.checks import check_variation
 from home_mjx.tasks.variation.noise import ERROR_MEAN, ERROR_VARIANCE, add_depth_noise, add_move_noise, add_rgb_noise
 from home_mjx.tasks.variation.ranges import to_variation
+from home_mjx.tasks.variation.sample import sample_variation
 
 NUM, LAMPS = 20_000, 3
 RANGES = {

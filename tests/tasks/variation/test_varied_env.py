@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import home_mjx
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
-from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.errors import ConfigError, UnknownNameError
 from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.registry import EnvSpec, find_spec

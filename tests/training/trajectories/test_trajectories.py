@@ -13,9 +13,9 @@ pytest.importorskip("pyarrow", reason="needs the extra `data`")
 import home_mjx
 from home_mjx.cli import main
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
-from home_mjx.tasks.env.bound import Env
+from home_mjx.tasks.env.env import Env
 from home_mjx.training.trajectories import Trajectories
-from home_mjx.training.trajectories.layout import count_complete_episodes
+from home_mjx.training.trajectories.minari_format import count_complete_episodes
 from home_mjx.training.trajectories.writer import TrajectoryWriter
 from home_procgen import generate_dataset
 

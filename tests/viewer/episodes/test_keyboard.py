@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.tasks import EnvConfig, make_config
-from home_mjx.tasks.env.moves import action_names
+from home_mjx.tasks.env.actions import action_names
 from home_mjx.viewer.episodes.keyboard import KeyboardPlayer, image_to_text, key_actions, key_help, read_keys
 
 

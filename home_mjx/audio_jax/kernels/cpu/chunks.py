@@ -6,11 +6,11 @@ from typing import Any, no_type_check
 from numba import cfunc, njit
 
 from home_mjx.audio_jax.base import delays
-from home_mjx.audio_jax.kernels import reads
-from home_mjx.audio_jax.kernels.cpu import early, fft, late, operands, paths
-from home_mjx.audio_jax.kernels.cpu.early import render_early_chunk
-from home_mjx.audio_jax.kernels.cpu.late import render_late_chunk
+from home_mjx.audio_jax.kernels import delay_reads
+from home_mjx.audio_jax.kernels.cpu import fft, operands, path_mixing, render_early, render_late
 from home_mjx.audio_jax.kernels.cpu.operands import EARLY, ENVS_PER_CHUNK, KIND, constant
+from home_mjx.audio_jax.kernels.cpu.render_early import render_early_chunk
+from home_mjx.audio_jax.kernels.cpu.render_late import render_late_chunk
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native import simd as lanes
 from home_mjx.core.native.handler import WORD_FUNCTION
@@ -23,7 +23,18 @@ compiled = njit(error_model="numpy")
 def compile_chunks() -> tuple[Any, Any]:
     """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
     # Numba's cache tracks this file only. The digest in each function invalidates it when another module changes.
-    parts: tuple[Any, ...] = (ffi, lanes, memory, delays, early, fft, late, operands, paths, reads)
+    parts: tuple[Any, ...] = (
+        ffi,
+        lanes,
+        memory,
+        delays,
+        render_early,
+        fft,
+        render_late,
+        operands,
+        path_mixing,
+        delay_reads,
+    )
     digest = ffi.hash_sources(*(part.__file__ for part in parts))
 
     @cfunc(WORD_FUNCTION, cache=True)

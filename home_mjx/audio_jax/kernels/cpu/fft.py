@@ -11,7 +11,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from home_mjx.audio_jax.kernels.passes import num_passes
+from home_mjx.audio_jax.kernels.fft_plan import num_passes
 from home_mjx.core.native.simd import LANES, load, multiply_add, store
 
 HALF = np.float32(np.sqrt(0.5))

@@ -1,4 +1,4 @@
-// Filters a source with the causal octave filters of both ends of a frame, see `frames/first.py`; one block per source.
+// Filters a source with the causal octave filters of both ends of a frame (`kernels/direct_filter.py`); one block per source.
 //
 // SIZE, the transform size, is a compile-time definition. Both filters are real, so their outputs are the real and the
 // imaginary part of one signal.

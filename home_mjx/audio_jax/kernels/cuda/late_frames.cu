@@ -1,5 +1,5 @@
 // Late sound of a frame: sources convolved with responses and their tails; one block per environment and pair of channels.
-// Computes `tail.late_spectra` and the end of `tail.frame_by_xla`, with one transform for both channels of a pair.
+// Computes `late_tail.late_spectra` and the end of `late_tail.frame_by_xla`, with one transform for both channels of a pair.
 
 constexpr int BANDS = 7, ENDS = 2;  // octaves; start and end of the frame
 constexpr int HALF = SIZE / 2 + 1;  // values of a real signal's spectrum

@@ -1,5 +1,5 @@
 // Noise responses: octaves of a few noises are mixed for each channel and scaled to the energy of bins, with amplitudes
-// that are linear between knots. The result equals `shares.Shares` times `noise_bins`, but octaves are mixed before they
+// that are linear between knots. The result equals `noise_gains.Shares` times `noise_bins`, but octaves are mixed before they
 // are scaled. One block per RUN bins of the noise, or parts of these bins, and ROWS frame ends in one channel. A thread
 // keeps two samples of all noises, half a bin apart.
 //
@@ -13,7 +13,7 @@ constexpr float TINY = 1e-36f;
 
 __device__ __forceinline__ float at(float4 x, int i) { return i == 0 ? x.x : i == 1 ? x.y : i == 2 ? x.z : x.w; }
 
-// Computes the amplitudes of a bin from its power and those of its neighbours, as `shares.amplitudes`.
+// Computes the amplitudes of a bin from its power and those of its neighbours, as `noise_gains.amplitudes`.
 __device__ __forceinline__ void put_knots(float* loud, float before, float power, float after) {
   const float low = sqrtf((before + power) / 2), mid = sqrtf(power), high = sqrtf((power + after) / 2);
   const float here = (low * low + low * mid + 2 * mid * mid + mid * high + high * high) / 6;

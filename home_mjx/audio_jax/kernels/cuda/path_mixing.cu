@@ -1,6 +1,6 @@
 // Reads the paths of a frame at their delays and mixes them into buses; one block per environment.
 //
-// Computes `reads.sums_of` in shared memory and registers: upsampled source and filtered signals of the first path, an
+// Computes `delay_reads.sums_of` in shared memory and registers: upsampled source and filtered signals of the first path, an
 // interpolated value per path, channel and sample, and its gain into each bus.
 
 constexpr int SUMS = 20;      // buses per thread at a time

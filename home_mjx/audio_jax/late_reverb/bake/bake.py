@@ -7,21 +7,21 @@ import numpy as np
 from jaxtyping import Bool
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.late_reverb.bake.baker import Baker
-from home_mjx.audio_jax.late_reverb.bake.fit import Accumulator
-from home_mjx.audio_jax.late_reverb.bake.flow import estimate_exchange
-from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, pack_field
-from home_mjx.audio_jax.late_reverb.bake.places import (
+from home_mjx.audio_jax.late_reverb.bake.cell_points import (
     choose_points,
     compute_visibility,
     launch_lattice,
     sample_free_points,
     shortest_paths,
 )
-from home_mjx.audio_jax.late_reverb.lookup.spans import NUM_BINS, fit_knots
+from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator
+from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, pack_field
+from home_mjx.audio_jax.late_reverb.bake.room_exchange import estimate_exchange
+from home_mjx.audio_jax.late_reverb.bake.stages import Baker
+from home_mjx.audio_jax.late_reverb.lookup.time_grid import NUM_BINS, fit_knots
+from home_mjx.audio_jax.late_reverb.trace.batches import FlightTracer
+from home_mjx.audio_jax.late_reverb.trace.cell_grid import make_grid
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
-from home_mjx.audio_jax.late_reverb.trace.grid import make_grid
-from home_mjx.audio_jax.late_reverb.trace.stage import FlightTracer
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.raycast_render.scene.scene import make_scene

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int, Int8, UInt8
 
-from home_mjx.audio_jax.late_reverb.lookup.spans import MIN_ENERGY
-from home_mjx.bank.records.sound import LateReverb
+from home_mjx.audio_jax.late_reverb.lookup.time_grid import MIN_ENERGY
+from home_mjx.bank.records.acoustics import LateReverb
 
 # Multiples to which the first axes of each field are padded; other axes have equal lengths in all houses.
 AXIS_PADDING: dict[str, tuple[int, ...]] = {
@@ -35,7 +35,7 @@ PAD_VALUES: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class LateField:
-    """Baked late reverberation of one house; see `bank.records.sound.LateReverb` for its fields."""
+    """Baked late reverberation of one house; see `bank.records.acoustics.LateReverb` for its fields."""
 
     arrival: UInt8[np.ndarray, "n n"]
     level: Float[np.ndarray, "n n spans bands"]

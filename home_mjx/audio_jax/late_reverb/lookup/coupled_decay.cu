@@ -1,4 +1,4 @@
-// Energy decay in the coupled rooms of a house, see `rooms.py`; LANES threads per matrix.
+// Energy decay in the coupled rooms of a house, see `coupled_decay.py`; LANES threads per matrix.
 //
 // SIZE (number of rooms) and LANES are compile-time definitions. A matrix in shared memory is multiplied in place by a
 // matrix of which each thread holds some columns in registers. Energy after a n + b bins is the product of a row, the
@@ -8,8 +8,8 @@
 constexpr int THREADS = 64, SLOTS = THREADS / LANES;  // matrices per block
 constexpr int PITCH = SLOTS + 1;                      // stride between elements of a matrix; odd, against bank conflicts
 constexpr int OWN = (SIZE + LANES - 1) / LANES;       // columns per thread
-constexpr int TERMS = 6, HALVINGS = 3;                // as in rooms.py: terms of the exponential series, halvings of its step
-constexpr int DOUBLINGS = 3, RUN = 1 << DOUBLINGS;    // as in rooms.py
+constexpr int TERMS = 6, HALVINGS = 3;                // as in coupled_decay.py: terms of the exponential series, halvings of its step
+constexpr int DOUBLINGS = 3, RUN = 1 << DOUBLINGS;    // as in coupled_decay.py
 
 // Makes writes visible to all threads of a matrix, which belong to one warp.
 __device__ __forceinline__ void together() {

@@ -14,12 +14,16 @@ from jaxtyping import Float
 
 from home_mjx.datasets.suncg.fallbacks.rooms import slab_mesh
 from home_mjx.errors import ConfigError
-from home_mjx.schema.house import Material, Mesh
+from home_mjx.schema.house import Material, Mesh, ModelInfo
 
 GROUP = "home_mjx.fallback_models"
 Bounds = Float[np.ndarray, "2 3"]
 UNKNOWN_BOX = np.array([[-0.25, 0.0, -0.25], [0.25, 0.5, 0.25]])  # [m], of a model without any metadata
 GREY = Material("material_0", (0.7, 0.7, 0.7), None, 1.0)
+SQUARE_WEIGHT = 1e-3  # weight of "length = width", which decides for objects at 45 degrees, where both are undetermined
+MIN_EDGE = 0.005  # [m], minimum length of an edge
+
+Bounds = Float[np.ndarray, "2 3"]
 
 
 @runtime_checkable
@@ -82,3 +86,32 @@ def fallback_model(path: Path, fine: str, bounds: Bounds | None, closed: bool) -
         ('a box of 0.60 x 1.00 x 0.60 m', [0.6, 1.0, 0.6])
     """
     return _provider()(path, fine, bounds, closed)
+
+
+def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds | None) -> Bounds | None:
+    """Return the box of a model in its own frame [m, Y up]; None if it is unknown.
+
+    Args:
+        info: Row of the model in the metadata tables.
+        transform: Scene from model, of an object with this model.
+        bbox: Bounding box of that object in the scene [m].
+    """
+    if info.low is not None and info.dims is not None:
+        low = np.array(info.low)
+        return np.stack([low, low + np.maximum(info.dims, MIN_EDGE)])
+    return None if bbox is None else _turned_back(transform, bbox)
+
+
+def _turned_back(transform: Float[np.ndarray, "4 4"], bbox: Bounds) -> Bounds:
+    """Return the box whose image under the transform has the bounding box `bbox`.
+
+    Half edges h of the model yield half edges |A| h of the object. If that hardly distinguishes two edges, they are
+    taken as equal.
+    """
+    linear = transform[:3, :3]
+    size = np.linalg.norm(linear, axis=0)
+    middle = np.linalg.solve(linear, bbox.mean(axis=0) - transform[:3, 3])
+    even = SQUARE_WEIGHT * np.array([[size[0], 0.0, -size[2]]])
+    rows, wanted = np.concatenate([abs(linear), even]), np.append(np.ptp(bbox, axis=0) / 2, 0.0)
+    half = np.maximum(np.linalg.lstsq(rows, wanted, rcond=None)[0], MIN_EDGE / 2)
+    return np.stack([middle - half, middle + half])

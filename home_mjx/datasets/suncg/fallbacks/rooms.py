@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.geometry.mesh_pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.meshes import facing_axis
-from home_mjx.geometry.outline import outline
-from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
+from home_mjx.geometry.polygons import outline
 from home_mjx.geometry.slabs import offset_outwards, simplify, slab, triangulate
 from home_mjx.geometry.wall_prisms import WALL_DEPTH, WALL_EXTRA_HEIGHT, Hole, WallSegment
 from home_mjx.schema.house import Material, Mesh, RoomNode

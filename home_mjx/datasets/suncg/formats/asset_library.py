@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from home_mjx.core.files import is_file, is_folder
-from home_mjx.datasets.suncg.formats.element import Location
+from home_mjx.datasets.suncg.formats.json_value import Location
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.datasets.suncg.formats.variants import base_model

@@ -1,6 +1,6 @@
 """Reader of material overrides in house.json and arch.json."""
 
-from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.schema.house import Material
 

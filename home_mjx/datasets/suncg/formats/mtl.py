@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 from home_mjx.core.files import read_text
-from home_mjx.datasets.suncg.formats.element import Location
+from home_mjx.datasets.suncg.formats.json_value import Location
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.schema.house import Material
 

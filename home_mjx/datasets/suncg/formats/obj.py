@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.core.files import read_text, resolve_below
-from home_mjx.datasets.suncg.formats.element import MAX_COORDINATE, Location
+from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
-from home_mjx.datasets.suncg.formats.polygons import Rows, line_numbers, read_corners, smooth_normals, triangulate_fans
+from home_mjx.datasets.suncg.formats.obj_faces import Rows, line_numbers, read_corners, smooth_normals, triangulate_fans
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup, escape_error
 from home_mjx.errors import DatasetError, did_you_mean
 from home_mjx.schema.house import Material, Mesh

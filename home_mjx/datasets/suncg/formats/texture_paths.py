@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from home_mjx.core.files import is_file, resolve_below
-from home_mjx.datasets.suncg.formats.element import Location
+from home_mjx.datasets.suncg.formats.json_value import Location
 from home_mjx.errors import MissingFileError
 
 EXTENSIONS = (".png", ".jpg")

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.suncg.formats.element import JsonValue, Location, read_json
+from home_mjx.datasets.suncg.formats.json_value import JsonValue, Location, read_json
 from home_mjx.datasets.suncg.formats.materials import read_material
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
-from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
+from home_mjx.geometry.mesh_pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import slab
 from home_mjx.geometry.wall_prisms import WALL_DEPTH, WALL_EXTRA_HEIGHT, Hole, WallSegment
 from home_mjx.schema.house import Material, Mesh

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.suncg.formats.element import Location
-from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.formats.json_value import Location
+from home_mjx.datasets.suncg.read.reader_state import ReaderState
 from home_mjx.schema.house import BoxNode, GroundNode, Node, ObjectNode, RoomNode
 
 MAX_BOX_EDGE = 20.0  # [m], maximum edge of ordinary boxes; longer ones may be backdrops

@@ -7,10 +7,10 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.datasets.suncg.fallbacks.known_models import add_builtin_categories
+from home_mjx.datasets.suncg.fallbacks.builtin_categories import add_builtin_categories
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata, other_variant
 from home_mjx.datasets.suncg.read.hinges import Hinge, find_hinges
-from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.read.reader_state import ReaderState
 from home_mjx.geometry.meshes import tree_order, triangles_z_up
 from home_mjx.schema.house import House, Joint, Mesh, ObjectNode
 

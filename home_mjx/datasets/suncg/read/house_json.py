@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_mjx.datasets.suncg.formats.element import (
+from home_mjx.datasets.suncg.formats.json_value import (
     HOUSE_FIELDS,
     LEVEL_FIELDS,
     NODE_FIELDS,
@@ -21,7 +21,7 @@ from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
 from home_mjx.datasets.suncg.read.door_joints import attach_parts
 from home_mjx.datasets.suncg.read.missing_parts import add_part_fallbacks, collect_fallbacks
 from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
-from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.read.reader_state import ReaderState
 from home_mjx.schema.house import BoxNode, GroundNode, House, Level, Node, ObjectNode, RoomNode, UnknownNode
 
 MAX_NODES = 10_000  # maximum nodes of one level; SUNCG's largest houses have about two thousand

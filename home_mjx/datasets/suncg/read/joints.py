@@ -7,8 +7,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.suncg.formats.element import MAX_COORDINATE, Location
-from home_mjx.datasets.suncg.formats.polygons import MAX_CORNERS
+from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location
+from home_mjx.datasets.suncg.formats.obj_faces import MAX_CORNERS
 from home_mjx.datasets.suncg.read.metadata import parse_triple, read_rows
 from home_mjx.schema.house import JOINT_KINDS, Joint, Joints, Vector
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from home_mjx.core.files import is_file, read_text
-from home_mjx.datasets.suncg.formats.element import JsonValue, Location, read_json
+from home_mjx.datasets.suncg.formats.json_value import JsonValue, Location, read_json
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata
 from home_mjx.schema.house import Light, LightKind, ModelInfo
 

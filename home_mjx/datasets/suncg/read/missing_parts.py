@@ -7,15 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.suncg.fallbacks.extent import model_box
-from home_mjx.datasets.suncg.fallbacks.known_models import add_builtin_categories, has_category
-from home_mjx.datasets.suncg.fallbacks.listing import list_missing_materials
-from home_mjx.datasets.suncg.fallbacks.models import fallback_model
+from home_mjx.datasets.suncg.fallbacks.builtin_categories import add_builtin_categories, has_category
+from home_mjx.datasets.suncg.fallbacks.models import fallback_model, model_box
 from home_mjx.datasets.suncg.fallbacks.rooms import OpeningSpan, build_fallback_part, find_room_shape, slab_mesh
-from home_mjx.datasets.suncg.formats.element import Location
+from home_mjx.datasets.suncg.fallbacks.summary import list_missing_materials
+from home_mjx.datasets.suncg.formats.json_value import Location
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata, other_variant
-from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.read.reader_state import ReaderState
 from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.schema.house import Fallback, GroundNode, House, Material, ModelInfo, Node, ObjectNode, RoomNode
 

@@ -12,12 +12,12 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.datasets.suncg.formats.materials import read_materials
 from home_mjx.datasets.suncg.formats.variants import other_variant, variant_key
 from home_mjx.datasets.suncg.read.missing_parts import add_model_fallback
-from home_mjx.datasets.suncg.read.parts import read_part
-from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.read.reader_state import ReaderState
+from home_mjx.datasets.suncg.read.room_meshes import read_part
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.schema.house import BoxNode, GroundNode, Material, Mesh, Node, ObjectNode, RoomNode

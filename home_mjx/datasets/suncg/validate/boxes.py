@@ -3,10 +3,10 @@
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.suncg.formats.element import JsonValue
+from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.datasets.suncg.read.backdrops import MAX_BOX_EDGE
 from home_mjx.datasets.suncg.read.nodes import read_bbox
-from home_mjx.datasets.suncg.validate.subject import ValidationContext, level_nodes
+from home_mjx.datasets.suncg.validate.context import ValidationContext, level_nodes
 from home_mjx.schema.house import BoxNode, Node, ObjectNode
 
 BOX_TOLERANCE = 1e-3  # [m]; SUNCG's numbers were rounded to float32

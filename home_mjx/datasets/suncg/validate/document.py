@@ -2,9 +2,15 @@
 
 from collections import defaultdict
 
-from home_mjx.datasets.suncg.formats.element import HOUSE_FIELDS, LEVEL_FIELDS, NODE_FIELDS, JsonValue, unknown_fields
+from home_mjx.datasets.suncg.formats.json_value import (
+    HOUSE_FIELDS,
+    LEVEL_FIELDS,
+    NODE_FIELDS,
+    JsonValue,
+    unknown_fields,
+)
 from home_mjx.datasets.suncg.read.nodes import TEXT_INDEX
-from home_mjx.datasets.suncg.validate.subject import ValidationContext
+from home_mjx.datasets.suncg.validate.context import ValidationContext
 
 
 def check_document(subject: ValidationContext) -> None:

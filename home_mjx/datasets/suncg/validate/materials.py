@@ -8,7 +8,7 @@ import numpy as np
 from home_mjx.core.files import read_bytes
 from home_mjx.core.images import open_texture
 from home_mjx.datasets.suncg.formats.obj import DEFAULT_MATERIAL
-from home_mjx.datasets.suncg.validate.subject import ValidationContext
+from home_mjx.datasets.suncg.validate.context import ValidationContext
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Material, Mesh
 

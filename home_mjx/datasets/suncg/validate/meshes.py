@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.datasets.suncg.read.joints import JOINTS
-from home_mjx.datasets.suncg.validate.subject import ValidationContext
+from home_mjx.datasets.suncg.validate.context import ValidationContext
 from home_mjx.geometry.meshes import facing_axis
 from home_mjx.schema.house import Joint, Mesh
 

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy import ndimage
 
+from home_mjx.datasets.suncg.validate.context import ValidationContext
 from home_mjx.datasets.suncg.validate.footprint import FootprintGrid, upward_faces
-from home_mjx.datasets.suncg.validate.subject import ValidationContext
 from home_mjx.schema.house import GroundNode, Level, Mesh, ObjectNode, RoomNode
 
 MAX_WALL_DISTANCE = 0.15  # [m], maximum distance: one and a half wall thicknesses

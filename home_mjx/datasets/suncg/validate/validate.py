@@ -1,17 +1,17 @@
 """Validator that reports all faults of a house, like a linter, not only those that prevent reading it."""
 
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.suncg.dataset import SuncgDataset
-from home_mjx.datasets.suncg.formats.element import read_json
+from home_mjx.datasets.suncg.formats.json_value import read_json
 from home_mjx.datasets.suncg.read.house_json import build_house, house_path
-from home_mjx.datasets.suncg.read.reading import ReaderState
+from home_mjx.datasets.suncg.read.reader_state import ReaderState
 from home_mjx.datasets.suncg.validate.boxes import check_boxes
+from home_mjx.datasets.suncg.validate.context import ValidationContext
 from home_mjx.datasets.suncg.validate.document import check_document
 from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
 from home_mjx.datasets.suncg.validate.materials import check_materials
 from home_mjx.datasets.suncg.validate.meshes import check_joints, check_meshes
 from home_mjx.datasets.suncg.validate.rooms import check_rooms
-from home_mjx.datasets.suncg.validate.subject import ValidationContext
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Mesh, Metadata, RoomNode
 

@@ -15,7 +15,7 @@ from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.raycast_render.backends.numba import intersect as native_intersect
 from home_mjx.raycast_render.backends.numba import packet as native_packet
 from home_mjx.raycast_render.backends.numba import traverse as native
-from home_mjx.raycast_render.scene import constants as limits
+from home_mjx.raycast_render.scene import types as scene_types
 
 ANY_HIT, WIDTH = 0, 1  # indices of attributes, which are sorted by name
 NUM_OPERANDS, NUM_RESULTS = 24, 6
@@ -33,7 +33,7 @@ compiled = njit(error_model="numpy")
 def compile_chunks() -> tuple[Any, Any]:
     """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
     # The cache checks this file only. The functions refer to the digest, so that a change of the others invalidates it.
-    parts: tuple[Any, ...] = (ffi, lanes, limits, native, native_intersect, native_memory, native_packet)
+    parts: tuple[Any, ...] = (ffi, lanes, native, native_intersect, native_memory, native_packet, scene_types)
     digest = ffi.hash_sources(*(part.__file__ for part in parts))
 
     @cfunc(WORD_FUNCTION, cache=True)

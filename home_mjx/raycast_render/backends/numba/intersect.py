@@ -7,10 +7,10 @@ import numpy as np
 from numba import njit
 
 from home_mjx.core.native.simd import absolute, any_lane, broadcast, maximum, minimum, select
-from home_mjx.raycast_render.scene import constants as limits
+from home_mjx.raycast_render.scene import types as scene_types
 
 # As float32, since Numba would otherwise compute in float64.
-FAR_SLACK, TINY = np.float32(limits.FAR_SLACK), np.float32(limits.TINY)
+FAR_SLACK, TINY = np.float32(scene_types.FAR_SLACK), np.float32(scene_types.TINY)
 ZERO, ONE, INF = np.float32(0), np.float32(1), np.float32(np.inf)
 
 Lane = Any  # a SIMD vector of `LANES` items

@@ -9,12 +9,12 @@ from numba import njit, types
 from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.core.native.simd import LANES, broadcast, load, select, store
 from home_mjx.raycast_render.backends.numba.intersect import INF, ONE, ZERO, Lane
-from home_mjx.raycast_render.scene import constants as limits
+from home_mjx.raycast_render.scene import types as scene_types
 
 TILE_WIDTH = 4  # [px], width of the image tile of a packet
 FIRST_RAY_OPERAND = 18  # index of the first operand that is a field of `types.Rays`
 
-MISS = np.float32(limits.MISS)
+MISS = np.float32(scene_types.MISS)
 float_pointer, int_pointer, byte_pointer = map(pointer_to, (types.float32, types.int32, types.uint8))
 lane_floats, lane_ints = stack_of(types.float32, 8 * LANES), stack_of(types.int32, 2 * LANES)
 lane_rows = stack_of(types.int64, LANES)

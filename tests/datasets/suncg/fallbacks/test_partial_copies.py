@@ -12,7 +12,7 @@ import pytest
 from tiny_dataset import DEPTH, DOOR, HOUSE_ID, TABLE, WIDTH, edit_house, write_tiny_dataset
 
 from home_mjx.cli import main
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError
 from home_mjx.houses.house_cache import HouseCache

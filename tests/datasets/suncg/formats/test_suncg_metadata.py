@@ -9,10 +9,10 @@ from tiny_dataset import DOOR, TABLE, write_tiny_dataset
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.metadata import CATEGORIES, LIGHTS, SIZES, read_metadata
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.semantics.vocabulary import decode_row
 from home_mjx.schema import categories
 from home_mjx.schema.house import Light
 from home_mjx.schema.semantic import semantic_row
+from home_mjx.schema.vocabulary import decode_row
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ from tiny_dataset import HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
 from home_mjx.core import files
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.datasets.suncg.formats import element as place
-from home_mjx.datasets.suncg.formats import polygons
+from home_mjx.datasets.suncg.formats import json_value as place
+from home_mjx.datasets.suncg.formats import obj_faces
 from home_mjx.datasets.suncg.read import arch_json, house_json
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.errors import DatasetError, did_you_mean
@@ -240,7 +240,7 @@ def test_members_beyond_the_level_are_one_problem(root):
         (place, "MAX_ENTRIES", 4),
         (house_json, "MAX_NODES", 4),
         (house_json, "MAX_LEVELS", 0),
-        (polygons, "MAX_CORNERS", 40),
+        (obj_faces, "MAX_CORNERS", 40),
     ],
 )
 def test_every_bound_is_a_typed_error(root, monkeypatch, module, limit, value):

@@ -27,7 +27,7 @@ from tiny_dataset import (
     write_tiny_dataset,
 )
 
-from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.validate.rooms import footprint
 from home_mjx.datasets.suncg.validate.validate import validate_house

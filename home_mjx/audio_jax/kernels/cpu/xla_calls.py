@@ -1,0 +1,105 @@
+"""JAX calls of the CPU kernels for moving frames, compiled on first use."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.filter_basis import filter_basis
+from home_mjx.audio_jax.kernels.cpu.fft import fast_size
+from home_mjx.audio_jax.kernels.cpu.operands import EARLY, LATE
+from home_mjx.audio_jax.kernels.delay_reads import DelayReads, filter_history, frame_begin, pack_paths, sample_times
+from home_mjx.audio_jax.kernels.late_tail import LateResponse, octave_table, source_window_width
+from home_mjx.audio_jax.kernels.late_tail import late_frame_begin as late_begin
+from home_mjx.audio_jax.receivers.diffuse_noise import knot_weights, octave_noise
+from home_mjx.core.native.kernel import call_native
+from home_mjx.core.native.simd import LANES
+from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+from home_mjx.schema.compiled import BANDS
+
+TARGET = "home_mjx_frames"
+NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all environments
+
+
+def compile_chunks() -> tuple[Any, Any]:
+    """Import and compile the Numba code; see `chunks.compile_chunks`."""
+    from home_mjx.audio_jax.kernels.cpu import chunks
+
+    return chunks.compile_chunks()
+
+
+def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
+    """Render `moving_sources.dispatch.early_frame` with the same arguments."""
+    share = jnp.moveaxis(reads.gain, -1, -2)
+    share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
+    given = reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
+    return _early_op(config)(*_early_tables(config), *(x[None] for x in given))[0][0]
+
+
+def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Float[Array, "two size"]]:
+    """Return the spectra of the bus filters, padded to at least `LANES` buses, and the FFT twiddle factors."""
+    kernels, size = filter_basis(config.sample_rate).kernel.astype(np.float64), fast_size(sample_times(config).shape[0])
+    spectra = np.fft.fft(kernels, size).T / size
+    spectra = np.pad(spectra, [(0, 0), (0, max(LANES - spectra.shape[1], 0))])
+    return _parts(spectra), _twiddles(size)
+
+
+def _twiddles(size: int) -> Array:
+    return _parts(np.exp(-2j * np.pi * np.arange(size) / size))
+
+
+def _parts(values: np.ndarray) -> Array:
+    return jnp.asarray(np.stack([np.real(values), np.imag(values)]), jnp.float32)
+
+
+@functools.cache
+def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    def run(spectra: Array, turns: Array, *given: Array) -> tuple[Array, ...]:
+        sizes = traced_constant((EARLY, frame_begin(config), filter_history(config), sample_times(config).shape[0]))
+        rate = traced_constant([config.sample_rate / config.speed_of_sound], jnp.float32)
+        return _call(config, sizes, spectra, turns, rate, *given)
+
+    return batch_kernel(run, NUM_EARLY_TABLES, 1)
+
+
+def supports_late(late: LateResponse, config: AudioConfig) -> bool:
+    """Return whether the compiled code supports this late sound: no common noise, and bins of at least `LANES`."""
+    return late.shares.shared_power.shape[-2] == 0 and config.bin_samples >= LANES
+
+
+def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
+    """Render `moving_sources.dispatch.late_frame` with the same arguments."""
+    share = late.shares
+    given = sources, share.amplitude(), share.mix, share.start_bin, late.onset, late.tail
+    return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]
+
+
+def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
+    """Return the noise, the weights of its amplitude knots, octave gains and FFT twiddle factors."""
+    size = fast_size(source_window_width(config))
+    gains = octave_table(config, size) if config.num_tail_repeats else np.zeros((len(BANDS), size // 2 + 1))
+    tables = (jnp.asarray(x, jnp.float32) for x in (octave_noise(config), knot_weights(config), gains))
+    return *tables, _twiddles(size)
+
+
+@functools.cache
+def _late_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    first, half = config.response_length - config.tail_period, config.tail_period
+    start = config.memory_length - first - config.num_tail_ringing
+    sizes = (LATE, first, half, config.num_tail_repeats, start, source_window_width(config), late_begin(config))
+
+    def run(*given: Array) -> tuple[Array, ...]:
+        return _call(config, traced_constant(sizes), *given)
+
+    return batch_kernel(run, NUM_LATE_TABLES, 1)
+
+
+def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:
+    envs, channels = operands[-1].shape[0], config.num_channels
+    result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
+    return call_native(TARGET, operands, (result,))

@@ -1,0 +1,65 @@
+"""Octave filters of the first path on GPUs."""
+
+import functools
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.filter_basis import octave_levels
+from home_mjx.audio_jax.base.filters import causal_octave_log_spectra
+from home_mjx.audio_jax.kernels.cuda import ptx as cuda
+from home_mjx.audio_jax.kernels.direct_filter import num_filter_samples, num_output_samples
+from home_mjx.core.native.kernel import launch_ptx
+from home_mjx.core.native.platforms import max_shared_bytes
+from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+
+NUM_TABLES, ENDS = 2, 2
+
+
+def supports_direct(config: AudioConfig) -> bool:
+    """Return whether the shared memory of all GPUs is sufficient."""
+    size = _size(config)
+    return size is not None and _bytes(size) <= max_shared_bytes()
+
+
+def filter_direct(
+    source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
+) -> Float[Array, "ends m"]:
+    """Compute `direct_filter.filter_direct_by_xla` with a kernel."""
+    given = source, begin, *octave_levels(gain)
+    return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
+
+
+def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "turns two"]]:
+    """Return the log spectra of the octave filters and the twiddle factors of the transform."""
+    size = _size(config)
+    assert size is not None
+    return cuda.as_pairs(causal_octave_log_spectra(size, config.sample_rate)), cuda.twiddle_factors(size)
+
+
+@functools.cache
+def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    return batch_kernel(functools.partial(launch_direct, config), NUM_TABLES, 1)
+
+
+def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
+    """Launch the kernel for sources (e ...); they share the first operands, see `first_tables`."""
+    octaves, turns, source, begin, level, sounds = given
+    (count, length), size = source.shape, 2 * (octaves.shape[1] - 1)
+    sizes = traced_constant((length, num_filter_samples(config), num_output_samples(config)))
+    operands = source, begin, level, sounds, octaves, turns, sizes
+    result = jax.ShapeDtypeStruct((count, ENDS, num_output_samples(config)), jnp.float32)
+    ptx, threads = cuda.ptx_of(cuda.DIRECT_SOURCES, size), size // cuda.PER_THREAD
+    return launch_ptx("filter_direct", ptx, (count,), threads, _bytes(size), operands, (result,))
+
+
+def _size(config: AudioConfig) -> int | None:
+    return cuda.transform_size(num_filter_samples(config) + num_output_samples(config))
+
+
+def _bytes(size: int) -> int:
+    """Return the shared memory of a block [bytes]: a transform, and the spectra of two real filters."""
+    return cuda.transform_bytes(size) + ENDS * 8 * (size // 2 + 1)

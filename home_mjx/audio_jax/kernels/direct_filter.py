@@ -1,0 +1,58 @@
+"""Octave filters of the first path, for both ends of a frame.
+
+The first path may pass through walls, whose spectra the shared filters of all other paths approximate poorly.
+"""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+from scipy.fft import next_fast_len
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.filter_basis import octave_spectra
+from home_mjx.audio_jax.base.filters import MAX_RINGING_SECONDS
+from home_mjx.audio_jax.kernels.delay_reads import read_margin, sample_times
+
+MAX_PATH_SPEED = 10.0  # [m/s], maximum rate of change of a path length; faster paths are faded
+MIN_SPEED_OF_SOUND = 250.0  # [m/s], lower bound of the speed of sound over all options
+
+
+def max_path_change(config: AudioConfig) -> float:
+    """Return the maximum change of a path length in a frame [m]."""
+    return MAX_PATH_SPEED * config.frame / config.sample_rate
+
+
+def delay_margin(config: AudioConfig) -> int:
+    """Return the margin of samples for delay differences in a frame: by motion, between ears, by turns of the head."""
+    grown = sample_times(config).shape[0] / config.frame * max_path_change(config) / MIN_SPEED_OF_SOUND
+    return math.ceil((grown + 2 * config.max_lead_seconds) * config.sample_rate)
+
+
+def num_output_samples(config: AudioConfig) -> int:
+    """Return the number of samples that the filters compute."""
+    return sample_times(config).shape[0] + 2 * delay_margin(config) + 2 * read_margin(config)
+
+
+def num_filter_samples(config: AudioConfig) -> int:
+    """Return the length of the filters [samples], which are read before the computed samples."""
+    return math.ceil(MAX_RINGING_SECONDS * config.sample_rate)
+
+
+def filter_direct_by_xla(
+    source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
+) -> Float[Array, "ends m"]:
+    """Filter a source with causal octave filters from sample `begin` on; it is zero outside its samples.
+
+    Args:
+        source: Emitted signal.
+        begin: First sample, from -`delay_margin` to the signal's length.
+        gain: Gains of octaves at both ends of the frame.
+        config: Options for the lengths.
+    """
+    ringing, length, before = num_filter_samples(config), num_output_samples(config), delay_margin(config)
+    size = int(next_fast_len(length + ringing, real=True) or 0)
+    window = jax.lax.dynamic_slice_in_dim(jnp.pad(source, (ringing + before, size)), begin + before, size)
+    filters = octave_spectra(gain, size, config.sample_rate)
+    return jnp.fft.irfft(jnp.fft.rfft(window, size)[None] * filters, size)[:, ringing : ringing + length]

@@ -1,0 +1,160 @@
+"""Points in cells and visibility between them; on the host, except for the rays."""
+
+from collections.abc import Callable
+
+import jax
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+from scipy.sparse.csgraph import dijkstra
+
+from home_mjx.audio_jax.late_reverb.bake.decay_fit import weigh_cells
+from home_mjx.audio_jax.late_reverb.trace.cells import Cells
+from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import CompiledHouse, RayKind
+
+CELLS_PER_PLACE = 4  # maximum cells per lattice point
+CELL_REACH = 1.7  # [cell sizes], distance at which a cell's weight becomes zero
+LATTICE_STEP = 0.2  # [m], spacing of the lattice on which weights are stored
+EAR_HEIGHT = 1.4  # [m], height of lattice points above the floor
+NUM_WITNESS_CELLS = 5  # nearest cells whose centres are tested for a view of a cell's points
+NUM_WITNESS_POINTS = 6  # free points per such cell that are tested next, for points hidden from the centres
+MAX_ROUNDS = 4  # maximum rounds of that search, and so of corners on the way
+RAYS_PER_BATCH = 1 << 15  # rays per batch
+NUM_CANDIDATES = 8  # points of a cell among which an unobstructed one is chosen
+
+
+def choose_points(scene: Scene, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
+    """Choose an unobstructed point of each cell: the candidate that sees most others of its room."""
+    tried = np.stack([sample_points(cells, cell, NUM_CANDIDATES, rng) for cell in range(len(cells.room))])
+    tried[:, 0] = cells.center
+    flat = tried.reshape(-1, 3)
+    room = np.repeat(cells.room, NUM_CANDIDATES)
+    score = (compute_visibility(scene, flat, flat) & (room[:, None] == room[None])).sum(axis=1)
+    return tried[np.arange(len(tried)), np.argmax(score.reshape(tried.shape[:2]), axis=1)]
+
+
+def sample_free_points(
+    scene: Scene, cells: Cells, count: int, rng: np.random.Generator
+) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
+    """Sample random points in the free part of each cell; return them and the free fraction of its volume.
+
+    A point is free if it is visible from the centre of its cell or of a nearby cell of its room, or from free points.
+    So air behind a screen and above a cupboard is included.
+    """
+    points, free = [], []
+    tried = np.stack([sample_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])
+    apart = np.linalg.norm(cells.center[:, None] - cells.center[None], axis=2)
+    apart[cells.room[:, None] != cells.room[None]] = np.inf
+    nearest = np.argsort(apart, axis=1, kind="stable")[:, :NUM_WITNESS_CELLS]
+    nearest = np.where(np.isfinite(np.take_along_axis(apart, nearest, 1)), nearest, np.arange(len(apart))[:, None])
+    free_points = np.zeros(tried.shape[:2], bool)
+    for column in nearest.T:
+        cell, point = np.nonzero(~free_points)
+        free_points[cell, point] = _is_visible(scene, cells.center[column][cell], tried[cell, point])
+    free_points = _extend_free(scene, tried, free_points, nearest, rng)
+    for seen, some in zip(free_points, tried, strict=True):
+        good = some[seen] if seen.any() else some
+        points.append(good[np.arange(count) % len(good)])
+        free.append(max(seen.mean(), 0.1))
+    return np.stack(points), np.array(free)
+
+
+def _extend_free(
+    scene: Scene,
+    points: Float[np.ndarray, "n r 3"],
+    free: Bool[np.ndarray, "n r"],
+    nearest: Int[np.ndarray, "n w"],
+    rng: np.random.Generator,
+) -> Bool[np.ndarray, "n r"]:
+    """Extend the free points of cells by those visible from free points of the nearest cells, repeatedly."""
+    free, own = free.copy(), np.arange(len(free))[:, None]
+    for _ in range(MAX_ROUNDS):
+        chance = np.where(free, rng.random(free.shape, np.float32), 0.0)
+        drawn = np.argpartition(chance, -NUM_WITNESS_POINTS, axis=1)[:, -NUM_WITNESS_POINTS:]
+        witness = points[own, drawn][nearest].reshape(len(points), -1, 3)
+        known = free[own, drawn][nearest].reshape(len(points), -1)
+        cell, hidden = np.nonzero(~free)
+        seen = (_is_visible(scene, witness[cell], points[cell, hidden][:, None]) & known[cell]).any(axis=1)
+        if not seen.any():
+            break
+        free[cell[seen], hidden[seen]] = True
+    return free
+
+
+def sample_points(cells: Cells, cell: int, count: int, rng: np.random.Generator) -> Float[np.ndarray, "r 3"]:
+    """Sample random points of a cell."""
+    _, row, column = np.nonzero(cells.lookup == cell)
+    pick = rng.integers(len(row), size=count)
+    plan = cells.origin + (np.stack([column[pick], row[pick]], 1) + rng.random((count, 2))) * cells.step
+    return np.concatenate([plan, cells.low[cell] + rng.random((count, 1)) * (cells.high - cells.low)[cell]], axis=1)
+
+
+def compute_visibility(
+    scene: Scene, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]
+) -> Bool[np.ndarray, "p n"]:
+    """Test the visibility between all pairs of points."""
+    return _is_visible(scene, start[:, None], end[None])
+
+
+def shortest_paths(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+    """Compute shortest paths between cells over mutually visible cells [m]; the straight line if there is no path."""
+    straight = np.linalg.norm(center[:, None] - center[None], axis=2)
+    found = dijkstra(np.where(seen | seen.T, straight, 0), directed=False)
+    return np.where(np.isfinite(found), found, straight)
+
+
+def launch_lattice(
+    house: CompiledHouse, scene: Scene, cells: Cells, size: float
+) -> Callable[[], dict[str, np.ndarray]]:
+    """Launch rays from lattice points to cells; return a function that computes the lattice fields of a `LateField`.
+
+    The fields are the cells around each lattice point and their weights. A GPU can do other work until that call.
+    """
+    stride = max(round(LATTICE_STEP / cells.step), 1)
+    levels, rows, columns = cells.lookup.shape
+    down, across = np.arange(stride // 2, rows, stride), np.arange(stride // 2, columns, stride)
+    x, y = cells.origin[0] + (across + 0.5) * cells.step, cells.origin[1] + (down + 0.5) * cells.step
+    floor = house.navigation.floor[:levels]
+    place = np.stack(np.broadcast_arrays(x[None, None], y[None, :, None], floor[:, None, None] + EAR_HEIGHT), -1)
+    flat = place.reshape(-1, 3)
+    seen = _launch_visibility(scene, flat[:, None], cells.center[None])
+
+    def fields() -> dict[str, np.ndarray]:
+        near, weight = weigh_cells(cells.center, flat, seen(), CELL_REACH * size, CELLS_PER_PLACE)
+        return {
+            "near": near.reshape(*place.shape[:3], -1).astype(np.uint8),
+            "weight": weight.reshape(*place.shape[:3], -1),
+            "floor": floor,
+            "origin": np.array([x[0], y[0]]) - stride * cells.step / 2,
+            "step": np.asarray(stride * cells.step),
+        }
+
+    return fields
+
+
+def _is_visible(
+    scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
+) -> Bool[np.ndarray, "..."]:
+    """Test for unobstructed lines between points."""
+    return _launch_visibility(scene, start, end)()
+
+
+def _launch_visibility(
+    scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
+) -> Callable[[], Bool[np.ndarray, "..."]]:
+    """Launch rays between points; return a function that waits for them and returns the visibility.
+
+    Batches have a fixed size, so houses of all sizes share one program.
+    """
+    start, end = np.broadcast_arrays(np.asarray(start, np.float32), np.asarray(end, np.float32))
+    rays = np.stack([start.reshape(-1, 3), end.reshape(-1, 3)])
+    chunks = np.pad(rays, ((0, 0), (0, -rays.shape[1] % RAYS_PER_BATCH), (0, 0))).reshape(2, -1, RAYS_PER_BATCH, 3)
+    hidden = [_hidden(scene, a, b) for a, b in zip(*chunks, strict=True)]
+    shape, count = start.shape[:-1], rays.shape[1]
+    return lambda: ~np.concatenate([*map(np.asarray, hidden), np.zeros(0, bool)])[:count].reshape(shape)
+
+
+@jax.jit
+def _hidden(scene: Scene, start: Float[Array, "n 3"], end: Float[Array, "n 3"]) -> Bool[Array, " n"]:
+    return occluded(scene, start, end - start, t_max=1.0, mask=int(RayKind.SOUND))

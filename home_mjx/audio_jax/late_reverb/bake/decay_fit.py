@@ -1,0 +1,215 @@
+"""Decay fit of received energies: time spans, decay shapes, and extrapolation beyond the traced time."""
+
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.audio_jax.late_reverb.lookup.time_grid import FINE_BINS, MIN_ENERGY, SPAN_STARTS
+
+GAP_BLOCK = 10  # [bins], resolution of the search for gaps in a decay
+ROOM_PRIOR = 0.05  # weight of the rooms' distribution over spans in that of each pair of cells
+
+
+class Accumulator:
+    """Accumulator of the energy between cells and between rooms; one call of `add` per octave.
+
+    Args:
+        room: Room of each cell.
+        distance: Shortest path between cells [m].
+        bands: Number of octaves.
+        bins: Number of time bins.
+        metres: Distance that sound travels in one bin [m].
+    """
+
+    def __init__(
+        self, room: Int[np.ndarray, " n"], distance: Float[np.ndarray, "n n"], bands: int, bins: int, metres: float
+    ) -> None:
+        self.room, self.distance, self.metres, self.bins = room, distance, metres, bins
+        self.arrival = np.floor(distance / metres).astype(int)  # bin of the first possible arrival
+        count, rooms = len(room), room.max() + 1
+        self.pair = np.zeros((count, count, len(SPAN_STARTS), bands))
+        self.shape = np.zeros((rooms, rooms, bands, bins))
+        self.valid: list[int] = []
+
+    def add(self, octave: int, heard: Float[Array | np.ndarray, "m m k"], flown: float) -> None:
+        """Add an octave: energy between cells, zero-padded, and the path length that most rays travelled [m]."""
+        self.valid.append(int((flown - self.distance.max()) / self.metres))
+        count, rooms = len(self.room), len(self.shape)
+        member = np.zeros((heard.shape[0], rooms + -rooms % 8), np.float32)
+        member[np.arange(count), self.room] = 1
+        pair, shape = _sums(heard, self._first(heard.shape[0]), member)
+        self.pair[..., octave] = pair[:count, :count]
+        self.shape[:, :, octave] = shape[:rooms, :rooms]
+
+    def spans(self, heard: Float[Array | np.ndarray, "m m k"]) -> Float[np.ndarray, "n n s"]:
+        """Sum the energy between cells over each span."""
+        count = len(self.room)
+        return np.asarray(_sums_of_spans(heard, self._first(heard.shape[0])))[:count, :count]
+
+    def _first(self, size: int) -> Int[np.ndarray, "m m"]:
+        count = len(self.room)
+        out = np.zeros((size, size), np.int32)
+        out[:count, :count] = np.minimum(self.arrival, self.bins)
+        return out
+
+    def finish(
+        self, seen: Bool[np.ndarray, "n n"] | None = None
+    ) -> tuple[Float[np.ndarray, "n n s b"], Float[np.ndarray, "r r b k"]]:
+        """Return the log energy per pair, span and octave, and the decay shapes per pair of rooms.
+
+        Args:
+            seen: Visibility between cells. Pairs of rooms without any visible pair of cells are smoothed, see
+                `factor_hidden_pairs`. None: all cells are visible.
+        """
+        shape = self.shape + np.swapaxes(self.shape, 0, 1)
+        valid = int(np.clip(np.median(self.valid), 3 * FINE_BINS, shape.shape[3]))
+        rooms = np.arange(len(shape))
+        slowest = [_decay_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
+        found = np.add.reduceat(shape, SPAN_STARTS, axis=3)
+        for index in np.ndindex(*shape.shape[:3]):
+            _extrapolate(shape[index], valid, slowest[index[2]])
+        spans = np.add.reduceat(shape, SPAN_STARTS, axis=3)  # (r, r, bands, spans)
+        longer = np.moveaxis(np.where(found > 0, spans / np.maximum(found, MIN_ENERGY**2), 1.0), 3, 2)
+        pair = smooth_octaves((self.pair + np.swapaxes(self.pair, 0, 1)) / 2, self.room)
+        pair = factor_hidden_pairs(pair, self.room, seen) if seen is not None else pair
+        a, b = self.room[:, None], self.room[None]
+        pair *= longer[a, b]
+        form = np.moveaxis(spans / np.maximum(spans.sum(axis=3, keepdims=True), MIN_ENERGY), 3, 2)[a, b]
+        pair = (pair + ROOM_PRIOR * pair.sum(axis=2, keepdims=True) * form) / (1 + ROOM_PRIOR)
+        width = np.diff([*SPAN_STARTS, shape.shape[3]])
+        shape /= np.maximum(np.repeat(spans, width, axis=3), MIN_ENERGY)
+        return np.log(np.maximum(pair, MIN_ENERGY)), shape
+
+
+@jax.jit
+def _sums(
+    heard: Float[Array, "m m k"], arrival: Int[Array, "m m"], member: Float[Array, "m r"]
+) -> tuple[Float[Array, "m m s"], Float[Array, "r r k"]]:
+    """Sum the energy between cells over each span, and between rooms over their cells."""
+    after = _shift_to_arrival(heard, arrival)
+    return _spans(after), jnp.einsum("ia,ijk,jb->abk", member, after, member, precision="highest")
+
+
+@jax.jit
+def _sums_of_spans(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m s"]:
+    return _spans(_shift_to_arrival(heard, arrival))
+
+
+def _shift_to_arrival(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m k"]:
+    """Shift decays to the first possible arrival, and add earlier energy to that bin."""
+    heard, first = heard.astype(jnp.float32), arrival[:, :, None]
+    count, bins = heard.shape[2], jnp.arange(heard.shape[2], dtype=jnp.int32)
+    later = jnp.take_along_axis(heard, jnp.minimum(bins + first, count - 1), axis=2)
+    after = jnp.where(bins + first < count, later, 0.0)
+    return after.at[:, :, 0].add(jnp.sum(jnp.where(bins < first, heard, 0.0), axis=2))
+
+
+def _spans(after: Float[Array, "m m k"]) -> Float[Array, "m m s"]:
+    return jnp.stack([after[:, :, a:b].sum(axis=2) for a, b in pairwise([*SPAN_STARTS, after.shape[2]])], axis=2)
+
+
+def smooth_octaves(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
+    """Smooth the pattern over the cells of each pair of rooms across neighbouring octaves.
+
+    The ratio of a cell's energy to its room's mean depends on its position and changes slowly with frequency. Each
+    octave has its own rays, so averaging reduces noise. Means over pairs of rooms are unchanged.
+    """
+    member = np.eye(room.max() + 1)[room]
+    count = member.sum(axis=0)
+    mean = np.einsum("ia,ijsb,jc->acsb", member, pair, member, optimize=True)
+    mean /= np.maximum(count[:, None] * count[None], 1)[..., None, None]
+    mean = np.maximum(mean, MIN_ENERGY**2)[room[:, None], room[None]]
+    bands = pair.shape[-1]
+    near = np.abs(np.subtract.outer(np.arange(bands), np.arange(bands))) <= 1
+    return (pair / mean) @ (near / near.sum(axis=0)) * mean
+
+
+def factor_hidden_pairs(
+    pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"], seen: Bool[np.ndarray, "n n"]
+) -> Float[np.ndarray, "n n s b"]:
+    """Replace energies between rooms without mutual visibility by a product of one factor per cell.
+
+    Such sound passes other rooms and enters through one doorway. The source's cell then only determines the level at
+    that doorway, so a few rays determine many pairs.
+    """
+    out = pair.copy()
+    for a, b in np.argwhere(np.triu(np.ones((room.max() + 1,) * 2), 1)):
+        rows, columns = np.flatnonzero(room == a), np.flatnonzero(room == b)
+        block = np.ix_(rows, columns)
+        if not len(rows) or not len(columns) or seen[block].any() or seen.T[block].any():
+            continue
+        of, to = pair[block].sum(axis=1, keepdims=True), pair[block].sum(axis=0, keepdims=True)
+        out[block] = of * to / np.maximum(of.sum(axis=0, keepdims=True), MIN_ENERGY**2)
+        out[np.ix_(columns, rows)] = np.swapaxes(out[block], 0, 1)
+    return out
+
+
+def _dense_end(decay: Float[np.ndarray, " k"], valid: int) -> int:
+    """Return the start of the first mostly empty block before `valid`, else `valid`; early blocks are exempt."""
+    blocks = decay[: valid // GAP_BLOCK * GAP_BLOCK].reshape(-1, GAP_BLOCK) > 0
+    empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
+    empty = empty[empty > FINE_BINS // GAP_BLOCK]
+    return int(empty[0] * GAP_BLOCK) if empty.size else valid
+
+
+def _decay_rate(decay: Float[np.ndarray, " k"], end: int) -> float:
+    """Estimate the decay rate before `end` [1/bin]; 0 if the energy does not fall.
+
+    The rate is the log ratio of the energies in the last two quarters before `end`.
+    """
+    half = (end - max(end // 2, FINE_BINS)) // 2
+    if half < 1:
+        return 0.0
+    before, after = decay[end - 2 * half : end - half].sum(), decay[end - half : end].sum()
+    return float(np.log(before / after) / half) if before > after > 0 else 0.0
+
+
+def _extrapolate(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
+    """Extend a decay in place beyond the traced time, at its last rate.
+
+    Args:
+        decay: Energy per bin between two rooms.
+        valid: Bin up to which nearly all rays were traced.
+        slowest: Final decay rate of the rooms themselves [1/bin]; a lower bound for all rooms that they excite.
+    """
+    end = _dense_end(decay, valid)
+    first, rate = max(end - (end - FINE_BINS) // 4, FINE_BINS), max(_decay_rate(decay, end), slowest)
+    if decay[FINE_BINS:].sum() <= 0 or rate <= 0 or end <= first:
+        return
+    width = (end - first) / 2
+    mean = np.sinh(rate * width) / (rate * width)  # mean of an exponential over the last quarter re its middle
+    time = np.arange(end, len(decay)) - (first + end - 1) / 2
+    decay[end:] = decay[first:end].mean() / mean * np.exp(-rate * time)
+
+
+def weigh_cells(
+    center: Float[np.ndarray, "n 3"],
+    place: Float[np.ndarray, "p 3"],
+    seen: Bool[np.ndarray, "p n"],
+    reach: float,
+    count: int,
+) -> tuple[Int[np.ndarray, "p e"], Float[np.ndarray, "p e"]]:
+    """Return the visible cells around each place and their weights, (1 − d / reach)² normalised to a sum of 1.
+
+    A place without a visible cell within `reach` takes the nearest visible one, or else the nearest one.
+
+    Args:
+        center: Centres of the cells [m].
+        place: Positions [m].
+        seen: Visibility of each cell's centre from each place.
+        reach: Distance at which a cell's weight becomes zero [m].
+        count: Maximum cells per place.
+    """
+    apart = np.linalg.norm(place[:, None, :2] - center[None, :, :2], axis=2) + 100 * (
+        np.abs(place[:, None, 2] - center[None, :, 2]) > 2
+    )
+    weight = np.where(seen, np.maximum(1 - apart / reach, 0) ** 2, 0)
+    alone = weight.sum(axis=1) <= 0
+    weight[alone, np.argmin(np.where(seen, apart, apart + 1000), axis=1)[alone]] = 1
+    count = min(count, len(center))
+    near = np.argsort(-weight, axis=1, kind="stable")[:, :count]
+    weight = np.take_along_axis(weight, near, 1)
+    return near, weight / weight.sum(axis=1, keepdims=True)

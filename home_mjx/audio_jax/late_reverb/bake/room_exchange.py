@@ -1,0 +1,62 @@
+"""Loss and exchange of energy of coupled rooms, estimated from ray sums."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+
+class RoomExchange(NamedTuple):
+    """Loss and exchange of rooms per octave; from sums of `trace_cells.TraceEnergy` over all sources."""
+
+    loss: Float[np.ndarray, "r bands"]
+    opening: Float[np.ndarray, "r r bands"]
+    wall: Float[np.ndarray, "r r bands"]
+
+
+def estimate_exchange(
+    volume: Float[np.ndarray, " r"],
+    path_length: Float[np.ndarray, "bands r"],
+    absorbed: Float[np.ndarray, "bands r"],
+    exchanged: Float[np.ndarray, "bands r r"],
+    transmitted: Float[np.ndarray, "bands r r"],
+    joined: Int[np.ndarray, "p 2"],
+) -> RoomExchange:
+    """Compute losses and exchange of rooms; exchange areas [m²] are symmetric.
+
+    Args:
+        volume: Volumes of the rooms [m³].
+        path_length: See `TraceEnergy`.
+        absorbed: See `TraceEnergy`.
+        exchanged: See `TraceEnergy`.
+        transmitted: See `TraceEnergy`.
+        joined: Pairs of rooms with a portal. If there are any, exchange across a third room is assigned to the rooms on
+            the way.
+    """
+    rate = volume / np.maximum(path_length, 1e-30)  # (bands, r)
+    exchange = [np.moveaxis(_symmetric(x * rate[:, :, None]), 0, -1) for x in (exchanged, transmitted)]
+    return RoomExchange(
+        (absorbed / np.maximum(path_length, 1e-30)).T, _route_exchange(exchange[0], joined), exchange[1]
+    )
+
+
+def _symmetric(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands r r"]:
+    return 0.5 * (flow + np.swapaxes(flow, 1, 2))
+
+
+def _route_exchange(
+    exchange: Float[np.ndarray, "r r bands"], joined: Int[np.ndarray, "p 2"]
+) -> Float[np.ndarray, "r r bands"]:
+    """Route the exchange of rooms without a common portal through the room that connects both best."""
+    if not len(joined):
+        return exchange
+    near = np.zeros(exchange.shape[:2], bool)
+    near[tuple(joined.T)] = near[tuple(joined.T[::-1])] = True
+    total, out = exchange.sum(axis=-1), np.where(near[..., None], exchange, 0.0)
+    for a, b in np.argwhere(np.triu(~near & (total > 0), 1)):
+        over = np.where(near[a] & near[b], np.minimum(total[a], total[b]), 0.0)
+        if over.max() > 0:
+            c = int(np.argmax(over))
+            for one, other in ((a, c), (c, a), (b, c), (c, b)):
+                out[one, other] += exchange[a, b]
+    return out

@@ -1,0 +1,267 @@
+"""One file of arrays and notes: written atomically, verified on reading, without pickle.
+
+A zip file with two members: `notes.json`, and `data`, the concatenated bytes of all arrays. An npz file has one member
+and one header per array. It takes ten times as long to read, since a house has about eighty small arrays.
+
+An entry stores its own name, so that a file renamed to another entry's name is rejected. Its members have checksums.
+They are stored uncompressed, so reading never takes more memory than the size of the file.
+"""
+
+import dataclasses
+import errno
+import functools
+import json
+import math
+import os
+import struct
+import typing
+import zipfile
+import zlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from home_mjx.core.files import open_regular, write_atomically
+
+# Exceptions that a corrupted or crafted file can raise here, in zipfile, JSON and NumPy.
+READ_ERRORS = (
+    *(OSError, EOFError, ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RuntimeError),
+    *(MemoryError, SyntaxError, zipfile.BadZipFile, zlib.error, struct.error),
+)
+ENTRY_SUFFIX = ".zip"
+NOTES_MEMBER, DATA_MEMBER = "notes.json", "data"
+ALIGNMENT = 64  # [bytes], alignment of arrays
+MAX_MEMBER_BYTES = (1 << 31) - 1  # [bytes], maximum size of a member; a larger one would need the ZIP64 format
+_MEMBER = struct.Struct("<4s6xH4x3L3H8xL")  # central directory header, before the name: APPNOTE.TXT, 4.3.12
+_END = struct.Struct("<4s18x")  # end of central directory record: 4.3.16
+_LOCAL = 30  # [bytes], local file header of a member, before its name: 4.3.7
+DTYPE_KINDS = "biuf"  # allowed kinds of array dtypes
+T = TypeVar("T")
+Arrays = dict[str, np.ndarray]
+JsonFields = dict[str, Any]  # JSON-serializable values
+
+
+def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -> tuple[Arrays, JsonFields]:
+    """Flatten a dataclass and nested ones to arrays and JSON values, by dotted name.
+
+    Args:
+        record: A dataclass of arrays, strings, numbers, tuples of arrays or of strings, and such dataclasses.
+        skip: Names of fields to omit.
+        prefix: Prefix of the names.
+    """
+    arrays: Arrays = {}
+    notes: JsonFields = {}
+    for field in dataclasses.fields(record):
+        name, value = prefix + field.name, getattr(record, field.name)
+        if name in skip:
+            continue
+        if dataclasses.is_dataclass(value):
+            inner_arrays, inner_notes = flatten(value, skip, f"{name}.")
+            arrays |= inner_arrays
+            notes |= inner_notes
+        elif isinstance(value, np.ndarray):
+            arrays[name] = value
+        elif isinstance(value, tuple) and value and isinstance(value[0], np.ndarray):
+            arrays |= {f"{name}.{i}": item for i, item in enumerate(value)}
+            notes[name] = len(value)
+        else:
+            notes[name] = dict(value) if isinstance(value, Mapping) else value
+    return arrays, notes
+
+
+def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: JsonFields, prefix: str = "", **given: Any) -> T:
+    """Rebuild a record from the output of `flatten`.
+
+    Args:
+        cls: Class of the record.
+        arrays: Arrays by dotted name.
+        notes: JSON values by dotted name.
+        prefix: Prefix of the names.
+        given: Values of the fields that were skipped.
+
+    Raises:
+        KeyError: A field is missing.
+        ValueError: An array has another type or shape than its field.
+    """
+    hints = _hints(cls)
+    values = dict(given)
+    lengths = _numbered(cls).copy()
+    for field in dataclasses.fields(typing.cast(Any, cls)):
+        name = prefix + field.name
+        if field.name in given:
+            continue
+        if dataclasses.is_dataclass(hints[field.name]):
+            values[field.name] = rebuild(hints[field.name], arrays, notes, f"{name}.")
+        elif name in arrays:
+            values[field.name] = _checked(arrays[name], hints[field.name], name, lengths)
+        else:
+            values[field.name] = _from_note(name, notes[name], hints[field.name], arrays)
+    return cls(**values)
+
+
+@functools.cache
+def _numbered(cls: type) -> dict[str, int]:
+    return _numbers(hint for hint in _hints(cls).values() if hasattr(hint, "dim_str"))
+
+
+def _numbers(hints: Iterable[Any]) -> dict[str, int]:
+    """Return the axis lengths that are numeric in the hints, by axis name."""
+    return {axis: int(axis) for hint in hints for axis in _axes(hint) if axis.isdigit()}
+
+
+@functools.cache
+def _hints(cls: type) -> dict[str, Any]:
+    return typing.get_type_hints(cls)
+
+
+def _from_note(name: str, note: Any, hint: Any, arrays: Mapping[str, np.ndarray]) -> Any:
+    if typing.get_origin(hint) is not tuple:
+        return note
+    if isinstance(note, list):
+        return tuple(note)
+    each = typing.get_args(hint)[0]
+    return tuple(_checked(arrays[f"{name}.{i}"], each, name, _numbers((each,))) for i in range(note))
+
+
+def _checked(array: np.ndarray, hint: Any, name: str, lengths: dict[str, int]) -> np.ndarray:
+    """Return the array if its dtype fits the hint and axes of the same name in a record have equal lengths."""
+    axes, shape = _axes(hint), array.shape
+    fits = len(axes) == len(shape) and _fits(array.dtype, hint)
+    for axis, n in zip(axes, shape, strict=False):
+        fits = fits and lengths.setdefault(axis, n) == n
+    if not fits:
+        raise ValueError(f"`{name}` is {array.dtype} {shape}, expected {axes}")
+    return array
+
+
+@functools.cache
+def _axes(hint: Any) -> tuple[str, ...]:
+    """Return the axis names of a hint, see `_numbers`."""
+    return tuple(hint.dim_str.split())
+
+
+@functools.cache
+def _fits(dtype: np.dtype, hint: Any) -> bool:
+    return dtype.name in hint.dtypes
+
+
+def write_entry(path: Path, arrays: Arrays, notes: JsonFields) -> None:
+    """Write an entry atomically, see `write_atomically`.
+
+    Args:
+        path: The file, whose stem is stored in the entry; its folder is created if necessary.
+        arrays: Arrays by name; any dtype except objects.
+        notes: JSON-serializable values by name.
+
+    Raises:
+        OSError: The folder is not writable, or the arrays have more than 2 GiB.
+    """
+    table, chunks, at = {}, [], 0
+    for name, array in arrays.items():
+        data = array.tobytes()
+        table[name] = (array.dtype.str, array.shape, at)
+        padded = -(-len(data) // ALIGNMENT) * ALIGNMENT
+        chunks.append(data.ljust(padded, b"\0"))
+        at += padded
+    if at > MAX_MEMBER_BYTES:
+        raise OSError(errno.EFBIG, f"arrays have {at} bytes, an entry holds at most {MAX_MEMBER_BYTES}", str(path))
+    head = json.dumps({"name": path.stem, "arrays": table, "notes": notes}).encode()
+    head += b" " * (
+        -(2 * _LOCAL + len(NOTES_MEMBER) + len(head) + len(DATA_MEMBER)) % ALIGNMENT
+    )  # aligns the data member
+    members = {NOTES_MEMBER: head, DATA_MEMBER: b"".join(chunks)}
+    with write_atomically(path) as file, zipfile.ZipFile(file, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(zipfile.ZipInfo(name), data)  # no timestamp: equal content, equal bytes
+
+
+def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
+    """Return the arrays and the notes of an entry.
+
+    Raises:
+        FileNotFoundError: There is no such entry.
+        Exception: The file is corrupted or another entry; one of `READ_ERRORS`.
+    """
+    content = _content(path)
+    notes, data = _members(content)
+    head, numbers = _head(_sound(content, notes), path), _sound(content, data)
+    if data.begin % ALIGNMENT:  # entries of older versions are not aligned
+        numbers = numbers.copy()
+    arrays = {name: _view(numbers, *place) for name, place in head["arrays"].items()}
+    return arrays, head["notes"]
+
+
+def read_notes(path: Path) -> JsonFields:
+    """Return only the notes of an entry; raises the same errors as `read_entry`."""
+    content = _content(path)
+    return _head(_sound(content, _members(content)[0]), path)["notes"]
+
+
+def _content(path: Path) -> np.ndarray:
+    """Read the whole file at once; entries are small, and seeking takes longer than reading them."""
+    with open_regular(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > 2 * MAX_MEMBER_BYTES:
+            raise ValueError(f"entry has {size} bytes")
+        content = np.empty(size, np.uint8)
+        if file.readinto(content.data) != size:
+            raise ValueError("entry was overwritten while it was read")
+    return content
+
+
+class _Member(NamedTuple):
+    """Byte range and checksum of a member in the file."""
+
+    begin: int
+    end: int
+    crc: int
+
+
+def _members(content: np.ndarray) -> list[_Member]:
+    """Locate both members at the offsets used by `write_entry`.
+
+    Only the central directory at the end of the file is parsed. `zipfile`, which reads any archive, takes twice as long
+    as everything else.
+    """
+    found, begin = [], 0
+    at = listed = len(content) - _END.size - sum(_MEMBER.size + len(name) for name in (NOTES_MEMBER, DATA_MEMBER))
+    if at < 0 or _END.unpack_from(content.data, len(content) - _END.size)[0] != b"PK\5\6":
+        raise ValueError("entry is truncated, or not written by home_mjx")
+    for name in (NOTES_MEMBER, DATA_MEMBER):
+        mark, method, crc, stored, size, letters, *extra, place = _MEMBER.unpack_from(content.data, at)
+        if method != zipfile.ZIP_STORED:
+            raise ValueError("entry is packed (compressed), expected stored members")
+        last = at + _MEMBER.size + len(name)
+        known = mark == b"PK\1\2" and letters == len(name) and content[last - letters : last].tobytes() == name.encode()
+        if not known or any(extra) or (stored, place) != (size, begin):
+            raise ValueError("entry has unexpected members")
+        first = begin + _LOCAL + len(name)
+        found.append(_Member(first, first + size, crc))
+        at, begin = last, first + size
+    if begin != listed:
+        raise ValueError("entry has bytes outside its members, or overlapping members")
+    return found
+
+
+def _sound(content: np.ndarray, member: _Member) -> np.ndarray:
+    found = content[member.begin : member.end]
+    if zlib.crc32(found.data) != member.crc:
+        raise ValueError("entry has a wrong checksum")
+    return found
+
+
+def _head(text: np.ndarray, path: Path) -> dict[str, Any]:
+    head = json.loads(text.tobytes())
+    if head["name"] != path.stem:
+        raise ValueError(f"entry belongs to {head['name']!s:.80}")
+    return head
+
+
+def _view(data: np.ndarray, dtype: str, shape: list[int], at: int) -> np.ndarray:
+    kind = np.dtype(dtype)
+    if kind.kind not in DTYPE_KINDS or min(at, *shape, 0) < 0:
+        raise ValueError(f"entry has an array of type {dtype!s:.20} and shape {shape!s:.80}")
+    size = kind.itemsize * math.prod(shape)
+    return data[at : at + size].view(kind).reshape(shape)

@@ -1,0 +1,120 @@
+"""Reader of the `f` and `vn` lines of an OBJ: corners, their indices, triangle fans and vertex normals."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.datasets.suncg.formats.json_value import Location
+
+Rows = list[tuple[int, str]]  # line number and the text after the keyword
+MAX_CORNERS = 1 << 22  # maximum corners of one mesh
+_KINDS = ("v", "vt", "vn")
+MIN_NORMAL_DEVIATION = 1e-3  # minimum deviation from face normals of useful vertex normals
+
+
+def line_numbers(rows: Rows) -> Int[np.ndarray, " n"]:
+    """Return the line numbers of the rows, ascending."""
+    return np.array([number for number, _ in rows], np.int64)
+
+
+def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, " f"]]:
+    """Return one-based v, vt and vn indices of every corner (0 none), and the number of corners of each face."""
+    count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
+    if count > MAX_CORNERS:
+        message = f"faces have about {count} corners, at most {MAX_CORNERS} are read"
+        raise Location(path).error(message, "Simplify the model: SUNCG's largest has 33,000 faces.")
+    faces = [rest.partition("#")[0].split() for _, rest in rows["f"]]
+    sides = np.array([len(words) for words in faces])
+    raw = _indices(faces)
+    if raw is None or sides.min() < 3:
+        number, rest = next(row for row, words in zip(rows["f"], faces, strict=True) if _malformed(words))
+        raise Location(path, f"line {number}").error(
+            f"expected a face such as `f 1/1/1 2/2/2 3/3/3`, got `{rest.strip()[:60]}`"
+        )
+    face = np.repeat(np.arange(len(faces)), sides)
+    return _absolute(raw, line_numbers(rows["f"])[face], rows, path), sides
+
+
+def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
+    corners = [corner for words in faces for corner in words]
+    slashes = np.array([corner.count("/") for corner in corners])
+    words = " ".join(corners).replace("//", "/0/").replace("/", " ").split()
+    try:
+        numbers = np.array([int(word) for word in words], np.int64)
+    except (ValueError, OverflowError):
+        return None
+    end = np.cumsum(slashes + 1)
+    if not len(corners) or slashes.max() > 2 or len(numbers) != end[-1]:
+        return None
+    index = np.zeros((len(corners), 3), np.int64)
+    for column in range(3):
+        has = slashes >= column
+        index[has, column] = numbers[(end - slashes - 1)[has] + column]
+    return index
+
+
+def _malformed(words: list[str]) -> bool:
+    return len(words) < 3 or _indices([words]) is None
+
+
+def _absolute(
+    raw: Int[np.ndarray, "c 3"], line: Int[np.ndarray, " c"], rows: dict[str, Rows], path: Path
+) -> Int[np.ndarray, "c 3"]:
+    """Convert negative indices relative to their face's line to absolute ones, and validate all."""
+    index = raw.copy()
+    for column, kind in enumerate(_KINDS):
+        above = np.searchsorted(line_numbers(rows[kind]), line)
+        index[:, column] += np.where(raw[:, column] < 0, above + 1, 0)
+        absent = (raw[:, column] == 0) & (kind != "v")
+        bad = ~absent & ((index[:, column] < 1) | (index[:, column] > len(rows[kind])))
+        if bad.any():
+            first = int(bad.argmax())
+            raise Location(path, f"line {line[first]}").error(
+                f"face refers to `{kind}` {raw[first, column]}, but the file has {len(rows[kind])}",
+                "The file may be truncated: fetch or export it again.",
+            )
+    return index
+
+
+def triangulate_fans(sides: Int[np.ndarray, " f"]) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
+    """Split polygons into triangles (0, k, k + 1); return corner indices and the polygon of each triangle."""
+    count = sides - 2
+    face = np.repeat(np.arange(len(sides)), count)
+    start = (np.cumsum(sides) - sides)[face]
+    step = np.arange(len(face)) - (np.cumsum(count) - count)[face] + 1
+    return np.stack([start, start + step, start + step + 1], axis=1), face
+
+
+def smooth_normals(
+    rows: Rows, index: Int[np.ndarray, "f 3"], triangles: Float[np.ndarray, "f 3 3"]
+) -> Float[np.ndarray, "f 3 3"] | None:
+    """Return unit normals per corner; None if one is missing or not finite, or if all equal their face normals.
+
+    Broken normals do not invalidate a model: exporters write them for faces without area.
+
+    Args:
+        rows: Lines of `vn`.
+        index: One-based normal index of each corner; 0 none.
+        triangles: Corners of the faces [m].
+    """
+    table = _numbers(rows)
+    if table is None or (index == 0).any():
+        return None
+    normals = _unit(table)[index - 1]
+    faces = _unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
+    sized = np.linalg.norm(faces, axis=1) > 0
+    return normals if (abs(normals - faces[:, None])[sized] > MIN_NORMAL_DEVIATION).any() else None
+
+
+def _numbers(rows: Rows) -> Float[np.ndarray, "n 3"] | None:
+    try:
+        table = np.array([[float(word) for word in rest.split()[:3]] for _, rest in rows]).reshape(len(rows), 3)
+    except ValueError:
+        return None
+    return table if np.isfinite(table).all() else None
+
+
+def _unit(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 1e-12)

@@ -1,1 +1,0 @@
-"""MJCF fragments that exported houses and the physics template share: agents, boxes, contacts."""

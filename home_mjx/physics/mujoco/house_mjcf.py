@@ -1,0 +1,104 @@
+"""MJCF of one house from its rows of a bank: collision geometry only, no visuals."""
+
+import xml.etree.ElementTree as ET
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.geometry.boxes import box_inertia
+from home_mjx.mjcf import (
+    COLLIDES_WITH_LEAVES,
+    FRICTIONLESS_CONTACT,
+    SOLREF,
+    add_agent,
+    add_leaf,
+    body_contact_attributes,
+    numbers,
+    solimp,
+)
+from home_mjx.physics.base.config import PhysicsSetup
+from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
+from home_mjx.schema.compiled import Doors
+from home_mjx.schema.contact_materials import damping_ratio
+
+ITERATIONS, LS_ITERATIONS, TOLERANCE = 100, 50, 1e-12  # Newton's method converges before these limits
+# As in the template, the floor touches agents and the corner spheres of bodies, not their boxes.
+FLOOR = {"contype": "12", "conaffinity": "0"}
+CORNER = {"contype": "0", "conaffinity": "4"}
+AGENT = {"contype": "3", "conaffinity": "11"}
+
+
+class HouseRows(NamedTuple):
+    """One house's rows of `bank.pack_instances.Physics`, under the same names."""
+
+    floor: Float[np.ndarray, ""]
+    collider_pos: Float[np.ndarray, "c 3"]
+    collider_quat: Float[np.ndarray, "c 4"]
+    collider_size: Float[np.ndarray, "c 3"]  # negative: omitted
+    body_valid: Bool[np.ndarray, " k"]
+    body_size: Float[np.ndarray, "k 3"]
+    body_mass: Float[np.ndarray, " k"]
+    body_friction: Float[np.ndarray, " k"]
+    body_damping_ratio: Float[np.ndarray, " k"]
+    door_valid: Bool[np.ndarray, " h"]
+    door_pivot: Float[np.ndarray, "h 2"]
+    door_pos: Float[np.ndarray, "h 3"]
+    door_quat: Float[np.ndarray, "h 4"]
+    door_size: Float[np.ndarray, "h 3"]
+    door_mass: Float[np.ndarray, " h"]
+    door_low: Float[np.ndarray, " h"]
+    door_high: Float[np.ndarray, " h"]
+    door_slide: Float[np.ndarray, "h 2"]
+
+
+def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
+    """Return the MJCF of a house with its agents.
+
+    Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank. Unused
+    rows are omitted. Shapes, masses and contact parameters are those of the template (`template_mjcf`), but every
+    static box can touch every body.
+    """
+    root = ET.Element("mujoco", model="house")
+    _add_options(root, config)
+    default = ET.SubElement(root, "default")
+    ET.SubElement(default, "geom", condim="3", solref=SOLREF, solimp=solimp())
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "geom", FLOOR, name="floor", type="plane", size="0 0 1", pos=f"0 0 {rows.floor:.9g}")
+    for c in np.flatnonzero((rows.collider_size > 0).all(axis=-1)).tolist():
+        place = {"pos": numbers(rows.collider_pos[c]), "quat": numbers(rows.collider_quat[c])}
+        ET.SubElement(world, "geom", place, name=f"static{c}", type="box", size=numbers(rows.collider_size[c]))
+    for a, shape in enumerate(config.agents):
+        add_agent(world, shape, f"agent{a}", **FRICTIONLESS_CONTACT, **AGENT)
+    for k in np.flatnonzero(rows.body_valid).tolist():
+        _add_body(config, world, rows, k)
+    for h in np.flatnonzero(rows.door_valid).tolist():
+        add_leaf(world, _doors(rows), h, f"door{h}")
+    return ET.tostring(root, encoding="unicode")
+
+
+def _add_options(root: ET.Element, config: PhysicsSetup) -> None:
+    solver = {"iterations": str(ITERATIONS), "ls_iterations": str(LS_ITERATIONS), "tolerance": str(TOLERANCE)}
+    # MuJoCo 4.0.0 uses a sparse Jacobian from 60 DoFs on, with which Newton's method stalls in some heaps of bodies.
+    option = ET.SubElement(root, "option", solver, timestep=str(config.timing.sim_dt), jacobian="dense")
+    # `eulerdamp` as in the template. Without `autoreset`, an unstable state is not silently reset.
+    ET.SubElement(option, "flag", eulerdamp="disable", autoreset="disable")
+
+
+def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) -> None:
+    body = ET.SubElement(world, "body", name=f"body{k}")
+    ET.SubElement(body, "freejoint")
+    inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))
+    ET.SubElement(body, "inertial", pos="0 0 0", mass=f"{rows.body_mass[k]:.9g}", diaginertia=inertia)
+    friction = rows.body_friction[k] if config.friction is None else config.friction
+    ratio = damping_ratio(config.restitution) if config.restitution is not None else rows.body_damping_ratio[k]
+    touch = body_contact_attributes(float(friction), float(ratio), config.timing.sim_dt)
+    ET.SubElement(body, "geom", COLLIDES_WITH_LEAVES | touch, type="box", size=numbers(rows.body_size[k]))
+    for corner in CORNERS * (rows.body_size[k] - CORNER_RADIUS):
+        ET.SubElement(body, "geom", CORNER | touch, type="sphere", size=str(CORNER_RADIUS), pos=numbers(corner))
+
+
+def _doors(rows: HouseRows) -> Doors:
+    names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
+    place = {name: getattr(rows, f"door_{name}") for name in names}
+    return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, fully_open=rows.door_high, **place)

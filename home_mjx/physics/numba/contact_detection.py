@@ -1,0 +1,282 @@
+"""Contact detection: dynamic bodies against the floor, nearby static boxes and one another."""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from math import sqrt
+from typing import no_type_check
+
+from numba import njit
+
+from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.base.state import FLOOR, STATIC
+from home_mjx.physics.numba.box_box import box_box
+from home_mjx.physics.numba.capsule import capsule_box, capsule_capsule
+from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, JOINT_LIMIT, MAX_NEAR_BOXES, SLEEPING_BODY
+from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
+
+NEAR_DISTANCE = 0.1  # [m], maximum distance of listed static boxes, and displacement after which the list is rebuilt
+
+DOOR_LOW_COLUMN = 11  # column of a door's minimum coordinate; the maximum follows
+
+compiled = njit(error_model="numpy")
+
+
+@compiled
+@no_type_check
+def find_contacts(work, numbers, floor):
+    """Write all contacts of an environment."""
+    work.counts[NUM_CONTACTS] = 0
+    for m in range(work.num_dynamic):
+        if work.used[m]:
+            if m < work.num_free:
+                _add_house_contacts(work, numbers, m, floor)
+            else:
+                _add_limit_contacts(work, m)
+            for other in range(work.num_free if m >= work.num_free else work.num_dynamic):
+                if work.used[other] and other < m:
+                    _add_body_contacts(work, other, m)
+                elif work.there[other] and not work.used[other]:
+                    _add_sleeping_contacts(work, m, other)
+
+
+@compiled
+@no_type_check
+def _add_house_contacts(work, numbers, m, floor):
+    _update_near_boxes(work, m)
+    if m < work.num_agents:
+        _add_agent_floor_contact(work, m, floor)
+    else:
+        _add_body_floor_contacts(work, numbers, m, floor)
+    for i in range(work.num_near[m]):
+        _add_static_contacts(work, m, work.near[MAX_NEAR_BOXES * m + i])
+
+
+@compiled
+@no_type_check
+def _add_limit_contacts(work, m):
+    """Add contacts at the joint limits of a door; the first element of the normal is the sign of the push."""
+    door, angle = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free)), work.quat[4 * m]
+    points, normals = work.points, work.normals
+    for k in range(3):
+        points[k] = work.pos[3 * m + k]
+    for end in range(2):
+        sense = 1.0 if end == 0 else -1.0
+        points[3] = sense * (angle - door[DOOR_LOW_COLUMN + end])
+        if points[3] < 0:
+            normals[0], normals[1], normals[2] = sense, 0.0, 0.0
+            _add_contact(work, m, JOINT_LIMIT, points, normals)
+
+
+@compiled
+@no_type_check
+def invalidate_near_boxes(work):
+    """Invalidate the lists of nearby static boxes, so that the next physics step rebuilds them."""
+    for m in range(work.num_dynamic):
+        work.num_near[m] = -1
+
+
+@compiled
+@no_type_check
+def _update_near_boxes(work, m):
+    """Update the list of static boxes near a body if it has moved by `NEAR_DISTANCE` since the last update."""
+    if work.num_near[m] >= 0 and _max_displacement(work, m) < NEAR_DISTANCE:
+        return
+    count = 0
+    reach = work.radius[m] + NEAR_DISTANCE
+    for c in range(work.num_static):
+        if work.static_half[3 * c] < 0:
+            continue
+        square = 0.0
+        for k in range(3):
+            along = 0.0
+            for j in range(3):
+                along += work.static_rot[9 * c + 3 * j + k] * (work.pos[3 * m + j] - work.static_pos[3 * c + j])
+            beyond = max(abs(along) - work.static_half[3 * c + k], 0.0)
+            square += beyond * beyond
+        pos, rot = offset_pointer(work.static_pos, 3 * c), offset_pointer(work.static_rot, 9 * c)
+        if square < reach * reach and not are_boxes_apart(
+            work, m, pos, rot, offset_pointer(work.static_half, 3 * c), NEAR_DISTANCE
+        ):
+            if count == MAX_NEAR_BOXES:
+                work.counts[STATIC_OVERFLOW] = 1
+                break
+            work.near[MAX_NEAR_BOXES * m + count] = c
+            count += 1
+    work.num_near[m] = count
+    for k in range(3):
+        work.near_from[12 * m + k] = work.pos[3 * m + k]
+        for j in range(3):
+            work.near_from[12 * m + 3 + 3 * k + j] = work.rot[9 * m + 3 * k + j]
+
+
+@compiled
+@no_type_check
+def _max_displacement(work, m):
+    """Return an upper bound of the displacement of a body's points since its nearby boxes were listed [m]."""
+    square, turn = 0.0, 0.0
+    for k in range(3):
+        step = work.pos[3 * m + k] - work.near_from[12 * m + k]
+        square += step * step
+        for j in range(3):
+            step = work.rot[9 * m + 3 * k + j] - work.near_from[12 * m + 3 + 3 * k + j]
+            turn += step * step
+    return sqrt(square) + work.radius[m] * sqrt(turn)
+
+
+@compiled
+@no_type_check
+def are_boxes_apart(work, m, pos, rot, half, reach):
+    """Return whether one of the six face axes separates a body's box from another box by more than `reach`."""
+    for k in range(3):
+        own, other, along, across = 0.0, 0.0, 0.0, 0.0
+        for j in range(3):
+            cosine, sine = 0.0, 0.0
+            for i in range(3):
+                cosine += work.rot[9 * m + 3 * i + k] * rot[3 * i + j]
+                sine += work.rot[9 * m + 3 * i + j] * rot[3 * i + k]
+            own += abs(cosine) * half[j]
+            other += abs(sine) * work.half[3 * m + j]
+            along += work.rot[9 * m + 3 * j + k] * (work.pos[3 * m + j] - pos[j])
+            across += rot[3 * j + k] * (work.pos[3 * m + j] - pos[j])
+        if abs(along) - work.half[3 * m + k] - own > reach or abs(across) - half[k] - other > reach:
+            return True
+    return False
+
+
+@compiled
+@no_type_check
+def _add_agent_floor_contact(work, m, floor):
+    """Add the floor contact of an agent's foot sphere."""
+    bottom = work.pos[3 * m + 2] - work.agent[AGENT_COLUMNS * m + 1] - work.agent[AGENT_COLUMNS * m]
+    if bottom < floor:
+        points, normals = work.points, work.normals
+        points[0], points[1] = work.pos[3 * m], work.pos[3 * m + 1]
+        points[2], points[3] = (bottom + floor) / 2, bottom - floor
+        normals[0], normals[1], normals[2] = 0.0, 0.0, -1.0
+        _add_contact(work, m, FLOOR, points, normals)
+
+
+@compiled
+@no_type_check
+def _add_body_floor_contacts(work, numbers, m, floor):
+    """Add the floor contacts of the small spheres at a body's corners."""
+    if work.pos[3 * m + 2] - work.radius[m] > floor:
+        return
+    r = numbers.corner_radius
+    points, normals = work.points, work.normals
+    normals[0], normals[1], normals[2] = 0.0, 0.0, -1.0
+    for corner in range(8):
+        for k in range(3):
+            points[k] = work.pos[3 * m + k]
+        for j in range(3):
+            shift = (1.0 if corner & (4 >> j) else -1.0) * (work.half[3 * m + j] - r)
+            for k in range(3):
+                points[k] += shift * work.rot[9 * m + 3 * k + j]
+        distance = points[2] - r - floor
+        if distance < 0:
+            points[2], points[3] = floor + distance / 2, distance
+            _add_contact(work, m, FLOOR, points, normals)
+
+
+@compiled
+@no_type_check
+def do_spheres_overlap(work, a, b, reach):
+    """Return whether the bounding spheres of two dynamic bodies are at most `reach` apart."""
+    square = 0.0
+    for k in range(3):
+        step = work.pos[3 * b + k] - work.pos[3 * a + k]
+        square += step * step
+    far = work.radius[a] + work.radius[b] + reach
+    return square <= far * far
+
+
+@compiled
+@no_type_check
+def _add_static_contacts(work, m, c):
+    """Add contacts of a body and a static box."""
+    pos, rot, half = (
+        offset_pointer(work.static_pos, 3 * c),
+        offset_pointer(work.static_rot, 9 * c),
+        offset_pointer(work.static_half, 3 * c),
+    )
+    if m < work.num_agents and are_boxes_apart(work, m, pos, rot, half, 0.0):
+        return
+    _add_box_contacts(work, m, STATIC - c, pos, rot, half)
+
+
+@compiled
+@no_type_check
+def _add_body_contacts(work, a, b):
+    """Add contacts of two dynamic bodies, of which `a` has the lower index."""
+    if not do_spheres_overlap(work, a, b, 0.0):
+        return
+    pos = offset_pointer(work.pos, 3 * b)
+    if b >= work.num_agents:
+        _add_box_contacts(work, a, b, pos, offset_pointer(work.rot, 9 * b), offset_pointer(work.half, 3 * b))
+        return
+    one, two = offset_pointer(work.agent, AGENT_COLUMNS * a), offset_pointer(work.agent, AGENT_COLUMNS * b)
+    own = offset_pointer(work.pos, 3 * a)
+    count = capsule_capsule(own, one[0], one[1], pos, two[0], two[1], work.points, work.normals)
+    _add_agent_contacts(work, a, b, count)
+
+
+@compiled
+@no_type_check
+def _add_sleeping_contacts(work, m, other):
+    """Add contacts with a sleeping body, which is fixed in this physics step and wakes for the next."""
+    if do_spheres_overlap(work, m, other, 0.0):
+        before = work.counts[NUM_CONTACTS]
+        pos, rot, half = (
+            offset_pointer(work.pos, 3 * other),
+            offset_pointer(work.rot, 9 * other),
+            offset_pointer(work.half, 3 * other),
+        )
+        _add_box_contacts(work, m, SLEEPING_BODY - other, pos, rot, half)
+        if work.counts[NUM_CONTACTS] > before:
+            work.wakes[other] = 1
+
+
+@compiled
+@no_type_check
+def _add_box_contacts(work, m, other, pos, rot, half):
+    """Add contacts of a body and a box; `other` is the code of the box's owner."""
+    points, normals, own = work.points, work.normals, offset_pointer(work.pos, 3 * m)
+    if m < work.num_agents:
+        size = offset_pointer(work.agent, AGENT_COLUMNS * m)
+        _add_agent_contacts(work, m, other, capsule_box(own, size[0], size[1], pos, rot, half, points, normals))
+    else:
+        axes, size = offset_pointer(work.rot, 9 * m), offset_pointer(work.half, 3 * m)
+        for i in range(box_box(own, axes, size, pos, rot, half, points, normals)):
+            _add_contact(work, m, other, offset_pointer(points, 4 * i), normals)
+
+
+@compiled
+@no_type_check
+def _add_agent_contacts(work, a, b, count):
+    """Add contact points of an agent, each with its own normal."""
+    for i in range(count):
+        _add_contact(work, a, b, offset_pointer(work.points, 4 * i), offset_pointer(work.normals, 3 * i))
+
+
+@compiled
+@no_type_check
+def _add_contact(work, a, b, place, normal):
+    """Add a contact with MuJoCo's frame: the first tangent is close to y, or to z if the normal is."""
+    n = work.counts[NUM_CONTACTS]
+    if n == work.most_points:
+        work.counts[POINT_OVERFLOW] = 1
+        return
+    work.counts[NUM_CONTACTS] = n + 1
+    work.first[n], work.second[n] = a, b
+    frame = offset_pointer(work.frame, 9 * n)
+    for k in range(4):
+        work.place[4 * n + k] = place[k]
+    for k in range(3):
+        frame[k] = normal[k]
+        frame[3 + k] = 0.0
+    axis = 1 if abs(normal[1]) < 0.5 else 2
+    length = sqrt(1.0 - normal[axis] * normal[axis])
+    for k in range(3):
+        frame[3 + k] = ((1.0 if k == axis else 0.0) - normal[axis] * normal[k]) / length
+    for k in range(3):
+        p, q = (k + 1) % 3, (k + 2) % 3
+        frame[6 + k] = frame[p] * frame[3 + q] - frame[q] * frame[3 + p]

@@ -1,1 +1,0 @@
-"""Sizes, parameters and memory of the fused step."""

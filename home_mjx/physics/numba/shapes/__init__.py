@@ -1,1 +1,0 @@
-"""Contact points of pairs of shapes."""

@@ -1,0 +1,183 @@
+"""Placement of movable objects on their supports, with boxes shrunk to clear all obstacles."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, make_boxes, penetration_depth
+from home_mjx.geometry.meshes import bounds
+from home_mjx.geometry.rotations import yaw_matrix
+from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions
+from home_mjx.scene_compile.objects.placed_objects import PlacedObject
+
+MIN_LOAD_RISE = 0.03  # [m], an object with a lower underside above that of another object is beside it, not on it
+MAX_LEVEL_DIFFERENCE = 0.002  # [m], maximum height difference of upper sides that support an object together
+SUPPORT_REGION = 0.3  # fraction of a box's half extents; the support must cover this central region
+MIN_VERTICAL_OVERLAP = 2e-4  # [m], boxes with a smaller vertical overlap only touch
+
+
+def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[int]]:
+    """Return the ids of the objects on or in each object, by its id, from their bounding boxes.
+
+    Args:
+        objects: All objects of a house.
+        reach: Maximum gap between an object and the top of the object that supports it [m].
+    """
+    boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
+    loads: dict[int, list[int]] = {}
+    for item, (low, high) in zip(objects, boxes, strict=True):
+        middle = (low + high)[:2] / 2
+        over = ((boxes[:, 0, :2] < middle) & (boxes[:, 1, :2] > middle)).all(axis=1)
+        on = over & (low[2] > boxes[:, 0, 2] + MIN_LOAD_RISE) & (low[2] < boxes[:, 1, 2] + reach)
+        for row in np.flatnonzero(on).tolist():
+            loads.setdefault(objects[row].object_id, []).append(item.object_id)
+    return loads
+
+
+def sort_carriers_first(
+    candidates: Sequence[MovableCandidate], loads: Mapping[int, Sequence[int]]
+) -> list[MovableCandidate]:
+    """Sort the candidates so that each follows those that support it; the order is otherwise kept."""
+    carriers = {load: {i for i, on in loads.items() if load in on} for load in {j for on in loads.values() for j in on}}
+    depth: dict[int, int] = {}
+
+    def depth_of(object_id: int) -> int:
+        if object_id not in depth:
+            depth[object_id] = 0  # ends the recursion for two objects inside each other
+            depth[object_id] = 1 + max((depth_of(i) for i in carriers.get(object_id, ())), default=-1)
+        return depth[object_id]
+
+    return sorted(candidates, key=lambda c: depth_of(c.item.object_id))
+
+
+def place_on_supports(
+    candidates: Sequence[MovableCandidate],
+    loads: Mapping[int, Sequence[int]],
+    static: Mapping[int, BoxSet],
+    fixed: BoxSet,
+    options: MovableOptions,
+) -> list[MovableCandidate]:
+    """Return the candidates that rest without touching anything else, with adjusted boxes; the others stay fixed.
+
+    Args:
+        candidates: Objects that may become bodies, by precedence: later boxes shrink to clear earlier ones.
+        loads: Ids of the objects on or in each object.
+        static: Boxes of each object while it is fixed, by object id.
+        fixed: Boxes that never move.
+        options: Limits.
+    """
+    height = {c.item.object_id: float(c.item.box.bottom[0]) for c in candidates}
+    moving = sort_carriers_first(
+        [c for c in candidates if _has_loads_on_top(c, loads, height, options.max_support_gap)], loads
+    )
+    while True:
+        ids = {c.item.object_id for c in moving}
+        around = concat_boxes([fixed, *(boxes for i, boxes in static.items() if i not in ids)])
+        standing, failed = _stand(moving, loads, around, options)
+        if not failed:
+            return standing
+        # Those that failed are obstacles now, so the others are tested again.
+        moving = [c for c in moving if c.item.object_id not in failed]
+
+
+def _has_loads_on_top(
+    carrier: MovableCandidate, loads: Mapping[int, Sequence[int]], height: Mapping[int, float], reach: float
+) -> bool:
+    """Return whether all loads of an object are movable and on its top; a single box has no shelves."""
+    top = float(carrier.item.box.top[0])
+    return all(abs(height.get(i, np.inf) - top) <= reach for i in loads.get(carrier.item.object_id, ()))
+
+
+def _stand(
+    moving: Sequence[MovableCandidate], loads: Mapping[int, Sequence[int]], around: BoxSet, options: MovableOptions
+) -> tuple[list[MovableCandidate], set[int]]:
+    """Return the candidates that rest, and ids of those that fail; loads of failed ones are in neither."""
+    ids = {c.item.object_id for c in moving}
+    standing: list[MovableCandidate] = []
+    failed: set[int] = set()
+    for c in moving:
+        if any(c.item.object_id in loads.get(i, ()) for i in failed):
+            continue
+        obstacles = concat_boxes([around, *(s.box for s in standing)])
+        base = c.floor if c.floor is not None else find_support(c.item.box, obstacles, options.max_support_gap)
+        box = None if base is None else _shrink(_put(c.item.box, base, c.floor is not None), obstacles, options)
+        if box is None or not ids.issuperset(loads.get(c.item.object_id, ())):
+            failed.add(c.item.object_id)
+        else:
+            standing.append(MovableCandidate(c.item, box, c.mass, c.floor))
+    return standing, failed
+
+
+def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
+    """Return the box with its underside at a height: moved or, to keep its top in place, stretched."""
+    top = float(box.top[0]) if stretch else base + 2 * float(box.half[0, 2])
+    return make_boxes([*box.center[0, :2], (base + top) / 2], [*box.half[0, :2], (top - base) / 2], box.yaw)
+
+
+def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
+    """Return the height of the upper sides that support a box [m]; None if they do not cover its central region."""
+    points = box.center[0, :2] + (
+        SUPPORT_REGION * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, 0]]) * box.half[0, :2]
+    ) @ (yaw_matrix(box.yaw[0])[:2, :2].T)
+    near = obstacles[abs(obstacles.top - box.bottom[0]) <= reach]
+    below = _over(near, points)
+    if not below.any():
+        return None
+    height = float(near.top[below.any(axis=1)].max())
+    return height if below[near.top > height - MAX_LEVEL_DIFFERENCE].any(axis=0).all() else None
+
+
+def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "n p"]:
+    """Return whether each point is in the footprint of each box."""
+    away = points - boxes.center[:, None, :2]
+    c, s = np.cos(boxes.yaw)[:, None], np.sin(boxes.yaw)[:, None]
+    along, across = c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]
+    return (abs(along) <= boxes.half[:, :1]) & (abs(across) <= boxes.half[:, 1:2])
+
+
+def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
+    """Reduce the box until it is `gap` away from every obstacle; return None if the limits do not allow it."""
+    low, high = -box.half[0].copy(), box.half[0].copy()
+    for i in _near(box, obstacles):
+        now = _cut(box, low, high)
+        if penetration_depth(now, obstacles[i : i + 1])[0] <= -gap or obstacles.bottom[i] >= now.top[0]:
+            continue
+        below = obstacles.bottom[i] - gap - box.center[0, 2]
+        if below - low[2] >= options.min_lowered_height:
+            high[2] = below
+        else:
+            _shrink_side(box, obstacles, i, low, high, gap)
+    drawn = np.maximum(box.half[0] - high, low + box.half[0])[:2]
+    if (drawn > options.max_shrink).any() or (high - low < 0.5 * 2 * box.half[0])[:2].any():
+        return None
+    return _cut(box, low, high)
+
+
+def _shrink_side(
+    box: BoxSet, obstacles: BoxSet, index: int, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], gap: float
+) -> None:
+    """Move the side with the shortest distance to clear an obstacle; updates `low` or `high` in place."""
+    corners = (footprint(obstacles, index) - box.center[0, :2]) @ yaw_matrix(box.yaw[0])[:2, :2]
+    ways = np.array([high[:2] - corners.min(axis=0), corners.max(axis=0) - low[:2]])
+    side, axis = divmod(int(ways.argmin()), 2)
+    if side == 0:
+        high[axis] -= ways[0, axis] + gap
+    else:
+        low[axis] += ways[1, axis] + gap
+
+
+def _cut(box: BoxSet, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> BoxSet:
+    """Return the part of a box between two corners in its own frame."""
+    center = box.center[0] + yaw_matrix(box.yaw[0]) @ ((low + high) / 2)
+    return make_boxes(center, (high - low) / 2, box.yaw[0])
+
+
+def _near(box: BoxSet, obstacles: BoxSet) -> list[int]:
+    """Return the rows of the obstacles whose bounding circles and heights overlap those of a box."""
+    apart = np.linalg.norm(obstacles.center[:, :2] - box.center[0, :2], axis=1)
+    reach = np.linalg.norm(obstacles.half[:, :2], axis=1) + np.linalg.norm(box.half[0, :2])
+    level = (obstacles.bottom < box.top[0] - MIN_VERTICAL_OVERLAP) & (
+        obstacles.top > box.bottom[0] + MIN_VERTICAL_OVERLAP
+    )
+    return np.flatnonzero((apart < reach) & level).tolist()

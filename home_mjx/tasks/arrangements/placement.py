@@ -1,0 +1,89 @@
+"""Sequential choice of a free candidate pose for each object."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, footprint_distance, make_boxes, penetration_depth
+from home_mjx.tasks.arrangements.candidates import PlacementCandidates
+from home_mjx.tasks.arrangements.house_layout import HouseLayout
+
+MIN_HORIZONTAL_CLEARANCE = 0.01  # [m], minimum horizontal clearance between objects
+TOUCH_TOLERANCE = 1e-3  # [m], vertical overlap up to which boxes only touch
+MIN_PORTAL_DISTANCE = 0.5  # [m], minimum distance from an object on the floor to the centre of a portal
+
+
+def choose_candidates(
+    house: HouseLayout, places: PlacementCandidates, order: Int[np.ndarray, " t"]
+) -> tuple[BoxSet, Bool[np.ndarray, " k"]]:
+    """Choose the first free candidate of each object; return the boxes of all bodies and which of them have moved.
+
+    New poses do not overlap the initial pose of any other body, so bodies can always be restored.
+
+    Args:
+        house: The house.
+        places: Candidate poses.
+        order: Indices of the bodies to move, in order.
+    """
+    now, moved, home = house.bodies, np.zeros(len(house.bodies), bool), house.home_region
+    for body in order.tolist():
+        others = np.arange(len(now)) != body
+        around = concat_boxes([house.static, house.bodies[others], now[others]])
+        for n in np.flatnonzero(places.usable[body]):
+            box = make_boxes(places.center[body, n], house.bodies.half[body], places.yaw[body, n])
+            if not _is_free(house, box, around):
+                continue
+            left = home if house.on_furniture[body] else _home_after_placement(house, box, int(house.room[body]), home)
+            if left is not None:
+                rows = np.arange(len(now)) == body
+                now = _move_box(now, rows, box)
+                moved, home = moved | rows, left
+                break
+    return now, moved
+
+
+def _move_box(boxes: BoxSet, rows: Bool[np.ndarray, " k"], box: BoxSet) -> BoxSet:
+    center, half = np.where(rows[:, None], box.center, boxes.center), boxes.half
+    return BoxSet(center, half, np.where(rows, box.yaw, boxes.yaw))
+
+
+def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
+    """Return whether a box is clear of other boxes and of the sweep of door leaves."""
+    meets = (around.bottom < box.top[0] - TOUCH_TOLERANCE) & (around.top > box.bottom[0] + TOUCH_TOLERANCE)
+    if (penetration_depth(box, around[meets]) > -MIN_HORIZONTAL_CLEARANCE).any():
+        return False
+    return bool(
+        (
+            footprint_distance(box, 0, house.door_sweeps[:, :2]) > house.door_sweeps[:, 2] + MIN_HORIZONTAL_CLEARANCE
+        ).all()
+    )
+
+
+def _home_after_placement(
+    house: HouseLayout, box: BoxSet, room: int, home: Bool[np.ndarray, "l ny nx"]
+) -> Bool[np.ndarray, "l ny nx"] | None:
+    """Return the home region without a box on the floor; None if the box blocks a portal or goal or disconnects it."""
+    level = house.level_of(room)
+    if (house.room_at(footprint(box, 0), level) != room).any():
+        return None
+    if (_distance_to_points(box, house.portals) < MIN_PORTAL_DISTANCE).any() or (
+        _distance_to_points(box, house.goals) < house.agent_clearance
+    ).any():
+        return None
+    centres = (np.stack(np.meshgrid(*map(np.arange, home.shape[:0:-1])), axis=-1) + 0.5) * house.cell + house.origin
+    left = home[level] & (footprint_distance(box, 0, centres) >= house.agent_clearance)
+    if _num_components(left) > _num_components(home[level]):
+        return None
+    return np.where(np.arange(len(home))[:, None, None] == level, left, home)
+
+
+def _num_components(cells: Bool[np.ndarray, "ny nx"]) -> int:
+    labels = np.zeros(cells.shape, np.int32)
+    ndimage.label(cells, output=labels)
+    return int(labels.max())
+
+
+def _distance_to_points(box: BoxSet, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
+    """Compute horizontal distances from a box to points on its level [m]; inf for points on other levels."""
+    near = abs(points[:, 2] - box.bottom[0]) < 1.0
+    return np.where(near, footprint_distance(box, 0, points[:, :2]), np.inf)

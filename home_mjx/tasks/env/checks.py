@@ -1,0 +1,277 @@
+"""Validation of actions, observations, banks, sounds and variation ranges."""
+
+import logging
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_number
+from home_mjx.errors import ConfigError
+from home_mjx.houses.bakes import Bake
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rules.declaration import extract
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.sounds.sound_events import VOICE_CLIP, SoundEvents, clip_name
+from home_mjx.tasks.variation.ranges import Variation
+
+MAX_FOVY = 179.0  # [degrees], maximum field of view
+# Ranges of lights, and the field of `AppearanceOverrides` that each sets.
+LIGHT_RANGES = {
+    "lamps": "lamps",
+    "lamp_gain": "lamps",
+    "daylight": "daylight",
+    "sun_azimuth": "sun_azimuth",
+    "sun_elevation": "sun_elevation",
+}
+
+log = logging.getLogger(__name__)
+
+
+def clip_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
+    """Return continuous actions of all agents clipped to [-1, 1], NaN as 0; and whether any was changed.
+
+    Raises:
+        ConfigError: Not real numbers, or a wrong shape.
+    """
+    action = _as_array(action)
+    if not jnp.issubdtype(action.dtype, jnp.floating) and not jnp.issubdtype(action.dtype, jnp.integer):
+        raise ConfigError(f"expected real numbers as action, got {action.dtype}")
+    action = _add_agent_axis(action, num_agents, (size,)).astype(jnp.float32)
+    usable = jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
+    return usable, jnp.any(usable != action)
+
+
+def validate_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, " a"], Bool[Array, ""]]:
+    """Return discrete actions of all agents, with `count` for invalid ones; and whether there are any.
+
+    Valid actions are 0 to `count` - 1.
+
+    Raises:
+        ConfigError: Not integers, or not one per agent.
+    """
+    action = _as_array(action)
+    if not jnp.issubdtype(action.dtype, jnp.integer):
+        hint = "Discrete actions are numbered; `action_spec.text` has their names."
+        raise ConfigError(f"expected an integer as action, got {action.dtype}", hint=hint)
+    action = _add_agent_axis(action, num_agents, ())
+    known = (action >= 0) & (action < count)
+    return jnp.where(known, action, count).astype(jnp.int32), jnp.any(~known)
+
+
+def _as_array(action: Any) -> Array:
+    if isinstance(action, dict):
+        raise ConfigError(f"expected an array of actions, got a dictionary of {', '.join(map(str, action))}")
+    return jnp.asarray(action)
+
+
+def _add_agent_axis(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
+    """Return the action with the agent axis, which is optional for a single agent."""
+    everybody = num_agents, *shape
+    if action.shape not in ((everybody, shape) if num_agents == 1 else (everybody,)):
+        expected = everybody if num_agents > 1 else shape
+        hint = "One environment takes one action; for many, use `jax.vmap`."
+        raise ConfigError(f"expected an action of shape {expected}, got {action.shape}", hint=hint)
+    return action.reshape(everybody)
+
+
+def check_task_options(config: EnvConfig, task: Task) -> None:
+    """Raise if a task needs actions or agents that the environment does not have.
+
+    Raises:
+        ConfigError: The task needs `stop` or words but actions are continuous, or hands that are disabled. Or the
+            number of agents does not fit.
+    """
+    name, discrete = type(task).__name__, config.discrete is not None
+    if task.requires_hands and not config.hands:
+        raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
+    if task.requires_stop and not discrete:
+        message = f"{name} needs `stop`, which continuous actions do not have"
+        raise ConfigError(message, hint='Give actions="discrete".')
+    if (task.speech or config.speech) and not discrete:
+        message = f"agents of {name} speak, which continuous actions do not let them"
+        raise ConfigError(message, hint='Give actions="discrete".')
+    if config.num_agents < task.min_agents:
+        message = f"{name} is for {task.min_agents} agents or more, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.min_agents}.")
+    if task.max_agents is not None and config.num_agents > task.max_agents:
+        message = f"{name} is for {task.max_agents} agents, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.max_agents}.")
+    if task.num_acting is not None:
+        check_number(f"num_acting of {name}", task.num_acting, 1, config.num_agents, integer=True)
+
+
+def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -> None:
+    """Raise if houses were compiled for another body, or lack the requested arrangements or bakes.
+
+    Raises:
+        ConfigError: The body differs, so that agents would start inside walls or look too small; or there are no
+            arrangements, or a bake is missing that a sensor or a shader needs.
+    """
+    if config.arrangement == "random":
+        check_arrangements(bank)
+    for bake in bakes:
+        if bake.name not in bank.bakes:
+            hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank."
+            raise ConfigError(
+                f"a sensor or shader needs the bake `{bake.name}`, which the bank does not have", hint=hint
+            )
+        if config.arrangement == "random":
+            log.warning("the bake `%s` has furniture as in the files, not as arranged", bake.name)
+    compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
+    wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
+    if wrong:
+        ours = ", ".join(f"body.{name} {getattr(config.body, name)} m" for name in wrong)
+        theirs = ", ".join(f"{name} {x} m" for name, x in wrong.items())
+        raise ConfigError(
+            f"the environment has {ours}, but the houses were compiled for {theirs}",
+            hint="Give `make` a dataset instead of a bank: it compiles for the body. "
+            "Or compile the bank with NavigationOptions(agent_radius=..., agent_height=...).",
+        )
+
+
+def check_sounds(config: EnvConfig, tasks: Any) -> None:
+    """Raise if an environment cannot play the sounds of its tasks.
+
+    Raises:
+        ConfigError: A row has more sounds, or plays another clip, than the environment can play.
+    """
+    if not isinstance(tasks, TaskBank) or isinstance(tasks.field, jax.core.Tracer):  # pyright: ignore
+        return
+    emission = extract(SoundEvents, tasks.rows.columns)
+    used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
+    count = used.sum(axis=1)
+    most = int(count.max(initial=0))
+    if most > config.num_sources:
+        raise ConfigError(
+            f"tasks have up to {most} sounds at once, the environment plays {config.num_sources}",
+            element=f"task {np.argmax(count)}, sounds",
+            hint=f"Give num_sources={most}.",
+        )
+    lost = {i: clip_name(i) for i in np.unique(clips[used]).tolist()}
+    lost = {i: name for i, name in lost.items() if name not in (config.clip, *config.clips, VOICE_CLIP)}
+    if lost:
+        names, first = ", ".join(sorted(lost.values())), np.argmax((np.isin(clips, list(lost)) & used).any(axis=1))
+        message, hint = f"tasks play {names}, which the environment lacks", f"Add to clips=(...): {names}."
+        raise ConfigError(message, element=f"task {first}, sounds", hint=hint)
+
+
+def check_variation(config: EnvConfig, variation: Variation | None) -> None:
+    """Raise if a variation has no effect, or leads to impossible cameras.
+
+    Raises:
+        ConfigError: Names the range and the remedy.
+    """
+    if variation is None or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(variation)):  # pyright: ignore
+        return
+    impl, shown = config.physics.impl, {field for shader in config.shaders for field in shader.overrides}
+    useless = {
+        **{name: None if field in shown else _shaders_hint(config) for name, field in LIGHT_RANGES.items()},
+        "move_noise": None if config.discrete else 'It applies to discrete moves: give actions="discrete".',
+        **dict.fromkeys(("contact_sound_volume", "footstep_distance"), _contact_sounds_hint(config)),
+        "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
+        "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
+    }
+    for name, reason in useless.items():
+        if reason is not None and getattr(variation, name) is not None:
+            raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
+    _check_fovy(config, variation)
+    _check_clips(config, variation)
+
+
+def _shaders_hint(config: EnvConfig) -> str:
+    names = ", ".join(dict.fromkeys(f"`{shader.name}`" for shader in config.shaders))
+    without = f"The shader {names} does not use it" if names else "No camera has the kind `rgb`"
+    return f'{without}: give shader="lit", or the same to a camera with "rgb".'
+
+
+def _contact_sounds_hint(config: EnvConfig) -> str | None:
+    return None if config.contact_sounds else "Bodies make no sounds: give contact_sounds=ContactSoundConfig()."
+
+
+def _check_fovy(config: EnvConfig, variation: Variation) -> None:
+    if variation.camera_fovy is None:
+        return
+    low, high = np.asarray(variation.camera_fovy).tolist()
+    for view in config.all_cameras:
+        if view.lens.model == "pinhole" and not 0 < view.fovy + low <= view.fovy + high < MAX_FOVY:
+            text = f"{view.fovy + low:g} to {view.fovy + high:g} degrees"
+            message = f"the field of view of camera `{view.name}` would be {text}"
+            hint = f"It must stay between 0 and {MAX_FOVY:g}."
+            raise ConfigError(message, element="Variation.camera_fovy", hint=hint)
+
+
+def _check_clips(config: EnvConfig, variation: Variation) -> None:
+    if variation.clips is None:
+        return
+    lost = {clip_name(int(i)) for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
+    if lost:
+        names = ", ".join(f'"{name}"' for name in sorted(lost))
+        message = f"the environment lacks the sounds {names}"
+        raise ConfigError(message, element="Variation.clips", hint=f"Add them to clips=(...): {names}.")
+
+
+def check_arrangements(bank: HouseBank) -> None:
+    """Raise `ConfigError` if a bank has no arrangements to sample from."""
+    if not bank.physics.arrangement_pose.shape[1]:
+        raise ConfigError(
+            "random arrangements are requested, but the bank has none",
+            element="EnvConfig.arrangement",
+            hint="Make them: from home_mjx.tasks.arrangements import settled_poses; "
+            "bank, _ = settled_poses(bank, 8, jax.random.key(0)). A HouseStream has none.",
+        )
+
+
+def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_agents: int) -> None:
+    """Compare observations of a sensor or task with their spec; at trace time only, at no cost later.
+
+    Raises:
+        ConfigError: Names, shapes or types differ.
+    """
+    who = f"{type(owner).__name__}.observe"
+    if set(values) != set(spec):
+        raise ConfigError(f"{who} returns {sorted(values)}, but its spec declares {sorted(spec)}")
+    for name, value in values.items():
+        expected = (num_agents, *spec[name].shape)
+        if jnp.shape(value) != expected or jnp.result_type(value) != jnp.dtype(spec[name].dtype):
+            raise ConfigError(
+                f"{who} returns `{name}` as {jnp.result_type(value)} {jnp.shape(value)}, "
+                f"but its spec declares {spec[name].dtype} {expected}",
+                hint="The first axis is that of agents, also for one agent.",
+            )
+
+
+def check_task(task: object, before: Any, after: Any, reward: Any, terminated: Any, num_agents: int) -> None:
+    """Compare the results of a task after a step with the interface `Task`.
+
+    Raises:
+        ConfigError: A shape, or the structure of its state, differs.
+    """
+    _check_shape(task, "reward", reward, (num_agents,))
+    _check_shape(task, "terminated", terminated, ())
+    shapes = [jax.tree.map(lambda x: (jnp.shape(x), jnp.result_type(x)), tree) for tree in (before, after)]
+    if jax.tree.structure(before) != jax.tree.structure(after) or shapes[0] != shapes[1]:
+        name = type(task).__name__
+        raise ConfigError(f"{name}.update changes the structure of the task's state", hint="Keep that of `init`.")
+
+
+def check_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
+    """Return a task's metrics if they are scalars.
+
+    Raises:
+        ConfigError: A metric is not a scalar.
+    """
+    for name, value in metrics.items():
+        _check_shape(task, f"metrics, `{name}`", value, ())
+    return metrics
+
+
+def _check_shape(task: object, what: str, value: Any, shape: tuple[int, ...]) -> None:
+    if jnp.shape(value) != shape:
+        raise ConfigError(f"{type(task).__name__}.{what}: expected the shape {shape}, got {jnp.shape(value)}")

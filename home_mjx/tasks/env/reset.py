@@ -1,0 +1,182 @@
+"""Start of an episode, and the snapshot of an environment at one instant."""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx import physics
+from home_mjx.audio_jax.contact_sounds.sound_slots import empty_contact_sounds
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records import BankSpec
+from home_mjx.core.transforms import yaw_quat
+from home_mjx.errors import ConfigError
+from home_mjx.navigation.doors import door_angles
+from home_mjx.navigation.spawn import random_arrangement, random_yaw, sample_starts
+from home_mjx.physics import PhysicsState
+from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.snapshot import AgentPose, BodyContacts, Snapshot
+from home_mjx.tasks.base.state import (
+    ARRANGEMENT_TAG,
+    DOORS_TAG,
+    VARIATION_TAG,
+    EnvParams,
+    Episodes,
+    World,
+    fold_key,
+    split_key,
+    to_raw_key,
+)
+from home_mjx.tasks.base.status import status_flags
+from home_mjx.tasks.env.actions import NO_TOKEN, action_names
+from home_mjx.tasks.env.checks import check_arrangements
+from home_mjx.tasks.rules.task_bank import TaskBank
+from home_mjx.tasks.sounds.sources import house_source
+from home_mjx.tasks.variation.sample import sample_variation
+
+Index = Int[Array, ""] | int | None
+
+
+def init_physics_and_world(
+    config: EnvConfig, memory: dict[str, Any], params: EnvParams, key: Array, house: Index, episode: Index
+) -> tuple[PhysicsState, World, Episodes | None, Array]:
+    """Return physics state and world at the start of an episode.
+
+    Args:
+        config: Options.
+        memory: Sensor states before their first update, by sensor name.
+        params: Houses, episodes and variation ranges.
+        key: Typed or raw key.
+        house: See `HouseholdEnv.reset`.
+        episode: See `HouseholdEnv.reset`.
+
+    Returns:
+        The physics state; the world, with the house's own sounds; the episode's row, if it comes from `params.tasks`;
+        the task's key.
+    """
+    bank, agents = params.bank, config.num_agents
+    keep, chance, start_key, yaw_key, goal_key, source_key = split_key(to_raw_key(key), 6)
+    number, row = _pick_row(params.tasks, episode, chance)
+    if row is not None:
+        house = row.house
+    elif house is None:
+        house = bank.reset_houses[jax.random.randint(chance, (), 0, bank.num_houses)]
+    house = bank.clip_house_index(jnp.asarray(house, jnp.int32))
+    drawn = sample_variation(params.variation, fold_key(to_raw_key(key), VARIATION_TAG), bank.lights.ambient.shape[1])
+    _, pos = sample_starts(bank, house, agents, 4 * config.body.radius, start_key)
+    yaw = random_yaw(yaw_key, (agents,))
+    if row is not None:
+        pos, yaw = pos.at[0].set(row.start), yaw.at[0].set(row.yaw)
+    world = World(
+        key=to_raw_key(keep),
+        house=house,
+        episode=number,
+        step=jnp.zeros((), jnp.int32),
+        pitch=jnp.zeros(agents, jnp.float32),
+        stopped=jnp.zeros(agents, bool),
+        spoken_token=jnp.full(agents, NO_TOKEN, jnp.int32),
+        sounds=house_source(config, bank, house, source_key, None if drawn is None else drawn.clip),
+        action=jnp.zeros((agents, len(action_names(config))), jnp.float32),
+        reward=jnp.zeros(agents, jnp.float32),
+        sensor_states=memory,
+        num_faults=jnp.zeros((), jnp.int32),
+        variation=drawn,
+        contact_sounds=None
+        if config.contact_sounds is None
+        else empty_contact_sounds(config.contact_sounds, config.audio, agents),
+    )
+    angle = door_angles(bank, house, config.doors, fold_key(to_raw_key(key), DOORS_TAG))
+    arrangement = _pick_arrangement(config, bank, house, pos, world.source, fold_key(to_raw_key(key), ARRANGEMENT_TAG))
+    scale = None if drawn is None else drawn.body_scale
+    data = physics.reset(physics_template(config, bank.spec), bank, house, pos, yaw, angle, arrangement, scale)
+    return data, world, row, goal_key
+
+
+def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, world: World) -> Snapshot:
+    """Build the snapshot that tasks and sensors read."""
+    template, drawn = physics_template(config, params.bank.spec), world.variation
+    pos, yaw = physics.agent_pose(template, data)
+    bodies, turned = physics.body_pose(template, data), jax.vmap(yaw_quat)(yaw)
+    sizes, angle = agent_sizes(config.agents), physics.door_angle(template, data)
+    look = None if drawn is None else drawn.appearance
+    return Snapshot(
+        step=world.step,
+        key=world.key,
+        pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
+        velocity=physics.agent_velocity(template, data),
+        stopped=world.stopped,
+        spoken_token=world.spoken_token,
+        in_contact=physics.agent_contact(template, data),
+        held=data.held,
+        door_angle=angle,
+        body_contacts=BodyContacts(
+            contact_impulse=data.contact_impulse,
+            contact_pos=data.contact_pos,
+            contact_partner=data.contact_partner,
+        ),
+        sounds=world.sounds,
+        action=world.action,
+        reward=world.reward,
+        tasks=params.tasks,
+        config=config,
+        scene=make_scene(params.bank, world.house, *bodies, pos, turned, config.backend, angle, sizes, look),
+        variation=drawn,
+        contact_sounds=world.contact_sounds,
+        head=params.head,
+    )
+
+
+def physics_template(config: EnvConfig, spec: BankSpec) -> physics.Template:
+    """Return the physics template for banks of a capacity."""
+    return _cached_template(config.physics_setup, spec)
+
+
+@functools.lru_cache(maxsize=32)
+def _cached_template(config: physics.PhysicsSetup, spec: BankSpec) -> physics.Template:
+    # Built once per capacity; inside a trace it must hold no tracers.
+    with jax.ensure_compile_time_eval():
+        return physics.Template(config, spec)
+
+
+def weights_flag(tasks: Episodes | TaskBank | None, episode: Index) -> Int[Array, ""]:
+    """Return the flag `WEIGHTS` if a row was sampled by weights, none of which is usable."""
+    if isinstance(tasks, TaskBank) and tasks.weights is not None and episode is None:
+        return status_flags(WEIGHTS=~tasks.has_weight())
+    return jnp.zeros((), jnp.int32)
+
+
+def is_sequential(tasks: Episodes | TaskBank | None) -> bool:
+    """Return whether batches use rows in order instead of sampling them."""
+    return tasks is not None and not (isinstance(tasks, TaskBank) and tasks.weights is not None)
+
+
+def _pick_row(tasks: Episodes | TaskBank | None, episode: Index, key: Array) -> tuple[Int[Array, ""], Episodes | None]:
+    """Return index and content of the episode's row; -1 and None if the episode is sampled."""
+    if tasks is None:
+        if episode is not None:
+            hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."
+            raise ConfigError("an episode was asked for, but the environment has none", hint=hint)
+        return jnp.full((), -1, jnp.int32), None
+    if episode is None:
+        episode = tasks.draw(key) if isinstance(tasks, TaskBank) else jax.random.randint(key, (), 0, len(tasks))
+    number, rows = jnp.asarray(episode, jnp.int32), tasks.rows if isinstance(tasks, TaskBank) else tasks
+    return number, jax.tree.map(lambda row: row[number % len(tasks)], rows)
+
+
+def _pick_arrangement(
+    config: EnvConfig,
+    bank: HouseBank,
+    house: Int[Array, ""],
+    pos: Float[Array, "a 3"],
+    source: Float[Array, "3"],
+    key: Array,
+) -> Int[Array, ""] | None:
+    """Sample an arrangement whose bodies overlap neither agents nor the source; None: as in the file."""
+    if config.arrangement == "initial":
+        return None
+    check_arrangements(bank)
+    below = source.at[2].add(-jnp.float32(config.source_height))
+    return random_arrangement(bank, house, jnp.concatenate([pos, below[None]]), key)

@@ -1,0 +1,133 @@
+"""States on disk, to inspect faults and to resume."""
+
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.typing import ArrayLike
+
+from home_mjx.core.files import as_path, read_arrays, write_durably
+from home_mjx.errors import DatasetError
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.status import Status
+from home_mjx.tasks.env.env import Env
+
+ACTION_ARRAY = "action"  # array name of the actions in a dump; names of state leaves begin with a dot
+
+
+def save_states(path: str | Path, states: State) -> int:
+    """Write states to an `.npz` file, one array per leaf.
+
+    Args:
+        path: The file.
+        states: Of one environment or a batch; their keys are raw, so no typed key must be converted.
+
+    Returns:
+        Number of environments written.
+
+    Raises:
+        ConfigError: The file cannot be written.
+
+    Example:
+        >>> save_states("states.npz", states)  # doctest: +SKIP
+        64
+    """
+    host = _to_host_batch(states)
+    _write(path, _leaves_by_path(host))
+    return len(host.status)
+
+
+def dump_flagged(
+    path: str | Path, before: State, action: ArrayLike, after: State, flags: int = Status.NOT_A_NUMBER
+) -> int:
+    """Write the environments of a batch whose last step raised a flag, so that the step can be repeated.
+
+    The state after the step is not enough: a broken step is undone, and `AutoReset` has begun the next episode there.
+
+    Args:
+        path: The file, see `load_flagged`. It is not written if no environment is flagged.
+        before: The states before the step; a caller who wants to dump them must not donate them to the step.
+        action: Actions of all environments.
+        after: The states after the step.
+        flags: Flags of `Status`; any of them counts.
+
+    Returns:
+        Number of environments written.
+
+    Raises:
+        ConfigError: The file cannot be written.
+
+    Example:
+        >>> after = step(states, actions)  # doctest: +SKIP
+        >>> dump_flagged("broken.npz", states, actions, after)  # doctest: +SKIP
+        1
+    """
+    rows = np.flatnonzero(np.asarray(after.status) & int(flags))
+    if len(rows):
+        arrays = _leaves_by_path(_to_host_batch(before)) | {ACTION_ARRAY: np.asarray(action)}
+        _write(path, {name: values[rows] for name, values in arrays.items()})
+    return len(rows)
+
+
+def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
+    """Load the states and actions that `dump_flagged` has written.
+
+    Args:
+        path: The file.
+        env: An environment of the same options, houses and capacities.
+
+    Raises:
+        MissingFileError: The file does not exist.
+        DatasetError: The file is malformed, has no actions, or its states are of another environment.
+
+    Example:
+        >>> states, actions = load_flagged("broken.npz", env)  # doctest: +SKIP
+        >>> jax.vmap(env.step)(states, actions).status  # doctest: +SKIP
+    """
+    return load_states(path, env), _read(path, [ACTION_ARRAY])[0]
+
+
+def load_states(path: str | Path, env: Env) -> State:
+    """Load states that `save_states` has written.
+
+    Args:
+        path: The file.
+        env: An environment of the same options and capacities.
+
+    Raises:
+        MissingFileError: The file does not exist.
+        DatasetError: The file is malformed, or its states are of another environment.
+    """
+    key = jax.ShapeDtypeStruct((2,), np.uint32)
+    like: Any = jax.eval_shape(env.core.reset, env.params, key)
+    leaves, structure = jax.tree_util.tree_flatten_with_path(like.replace(info={}))
+    arrays = _read(path, [jax.tree_util.keystr(place) for place, _ in leaves])
+    for (place, leaf), array in zip(leaves, arrays, strict=True):
+        if array.shape[1:] != leaf.shape or array.dtype != leaf.dtype:
+            message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape[1:]}"
+            hint = "Make the environment with the options that the states were saved with."
+            raise DatasetError(message, file=path, element=jax.tree_util.keystr(place), hint=hint)
+    return jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
+
+
+def _to_host_batch(states: State) -> State:
+    """Return the states on the host, with a leading axis of environments and without `info`."""
+    host = jax.tree.map(np.asarray, states.replace(info={}))
+    return host if host.status.ndim == 1 else jax.tree.map(lambda x: x[None], host)
+
+
+def _leaves_by_path(states: State) -> dict[str, np.ndarray]:
+    return {jax.tree_util.keystr(place): leaf for place, leaf in jax.tree_util.tree_leaves_with_path(states)}
+
+
+def _write(path: str | Path, arrays: dict[str, np.ndarray]) -> None:
+    with write_durably(as_path(path, "states"), "states") as file:
+        np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
+
+
+def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
+    return read_arrays(
+        as_path(path, "states"), names, "file of states", "Name one that `save_states` or `dump_flagged` has written."
+    )

@@ -1,0 +1,196 @@
+"""Conflicts of agents with door leaves, which they would push shut, and with one another."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.core.transforms import wrap_angle
+from home_mjx.physics.base.doors import DoorLeaves
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.experts.carry_clearance import carried_discs, has_hands, would_collide
+from home_mjx.tasks.rules.cell_graph import (
+    BRUSH_COST_FACTOR,
+    MAX_HEIGHT_ON_STOREY,
+    MIN_LEAF_CLEARANCE,
+    PUSH_COST_FACTOR,
+)
+
+CARRY_COST_FACTOR = 1.5  # cost factor where a carried object collides; small, because fields of rows ignore it
+OPEN_DISTANCE = 0.4  # [m], distance of a shut leaf at which an agent with hands opens it
+CARRY_OPEN_DISTANCE = 0.95  # [m], the same for an agent that carries something, so that the leaf swings clear
+SWING_CLEARANCE_ANGLE = (
+    0.35  # [rad], angle from the leaf's current direction at which an agent is clear of it and can reach it
+)
+
+
+def leaf_distances(
+    snapshot: Snapshot, place: Float[Array, "n 3"], selected: Bool[Array, " h"] | None = None
+) -> Float[Array, " n"]:
+    """Return distances of agent centres at some positions to the nearest leaf of their level at its current angle [m].
+
+    Args:
+        snapshot: The environment.
+        place: The positions [m].
+        selected: Mask of leaves; None: all.
+    """
+    away, _ = _leaf_offsets(snapshot, place, selected)
+    return jnp.min(away, axis=1, initial=jnp.inf)
+
+
+def _leaf_offsets(
+    snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None
+) -> tuple[Float[Array, "n h"], Float[Array, "n h 2"]]:
+    """Return distances of positions to leaves of their level [m] (inf if not selected), and the offsets."""
+    leaves = _house_leaves(snapshot)
+    pos, quat = leaves.pose_at(snapshot.door_angle)
+    yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
+    away = place[:, None] - pos[None]
+    cos, sin = jnp.cos(yaw)[None], jnp.sin(yaw)[None]
+    along, across = away[..., 0] * cos + away[..., 1] * sin, away[..., 1] * cos - away[..., 0] * sin
+    half = leaves.size[None]
+    u, v = along - jnp.clip(along, -half[..., 0], half[..., 0]), across - jnp.clip(across, -half[..., 1], half[..., 1])
+    counts = (leaves.valid if which is None else leaves.valid & which)[None] & (
+        jnp.abs(away[..., 2]) < jnp.float32(MAX_HEIGHT_ON_STOREY)
+    )
+    way = -jnp.stack([u * cos - v * sin, u * sin + v * cos], axis=-1)
+    return jnp.where(counts, jnp.hypot(u, v), jnp.inf), way
+
+
+def is_near_leaf(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
+    """Return whether agents at these positions [m] would be within `MIN_LEAF_CLEARANCE` of a leaf."""
+    return leaf_distances(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MIN_LEAF_CLEARANCE)
+
+
+def cost_factors(
+    snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, ""] | None = None
+) -> Float[Array, " n"]:
+    """Return cost factors of path length at some positions, from leaves, agents and furniture at their current poses.
+
+    Args:
+        snapshot: The environment.
+        place: The positions [m].
+        agent: Index of the agent that goes there: other agents count, and collisions of its carried object. None:
+            neither.
+    """
+    radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MIN_LEAF_CLEARANCE)
+    gap = leaf_distances(snapshot, place)
+    if agent is not None and snapshot.config.num_agents > 1:
+        others = snapshot.pose.pos
+        away = place[:, None] - others[None]
+        here = (jnp.abs(away[..., 2]) < jnp.float32(MAX_HEIGHT_ON_STOREY)) & (jnp.arange(len(others)) != agent)[None]
+        between = jnp.hypot(away[..., 0], away[..., 1]) - radius
+        gap = jnp.minimum(gap, jnp.min(jnp.where(here, between, jnp.inf), axis=1))
+    slow = jnp.where(gap < radius, PUSH_COST_FACTOR, jnp.where(gap < radius + margin, BRUSH_COST_FACTOR, 1.0))
+    if agent is None or not has_hands(snapshot):
+        return slow
+    return jnp.maximum(slow, jnp.where(would_collide(snapshot, agent, place), CARRY_COST_FACTOR, 1.0))
+
+
+def is_shut(snapshot: Snapshot) -> Bool[Array, " h"]:
+    """Return which leaves of the house are less than half open."""
+    physics, house = snapshot.bank.physics, snapshot.house
+    wide, closed = physics.door_fully_open[house], physics.door_closed[house]
+    return physics.door_valid[house] & (jnp.abs(snapshot.door_angle - wide) > jnp.abs(closed - wide) / 2)
+
+
+def is_facing_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, " a"]:
+    """Return whether a leaf that is less than half open is directly ahead of each agent.
+
+    Args:
+        snapshot: The environment.
+        way: Heading of the path [rad].
+    """
+    ahead = jnp.stack([jnp.cos(way), jnp.sin(way), jnp.zeros_like(way)], axis=-1) * jnp.float32(OPEN_DISTANCE)
+    return leaf_distances(snapshot, snapshot.pose.pos + ahead, is_shut(snapshot)) < jnp.float32(OPEN_DISTANCE / 2)
+
+
+def is_swept(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array, " n"]) -> Bool[Array, "n h"]:
+    """Return which hinged leaves that are less than half open would sweep over discs when opened wide.
+
+    Args:
+        snapshot: The environment.
+        place: Centres of the discs [m].
+        radius: Radii of the discs [m].
+    """
+    away, turn, arc = _hinge_coordinates(snapshot, place)
+    wide = jnp.arcsin(jnp.clip(radius[:, None] / away, 0.0, 1.0))  # half of the angle that the disc subtends
+    leaves = _house_leaves(snapshot)
+    swept = (turn > -wide) & (turn < arc + wide) & (away < 2 * jnp.sqrt(leaves.hinge_distance_sq) + radius[:, None])
+    swept |= away < radius[:, None]  # the disc covers the hinge
+    here = jnp.abs(place[:, None, 2] - leaves.height) < MAX_HEIGHT_ON_STOREY
+    return swept & here & is_shut(snapshot) & (leaves.hinge_mask > 0)
+
+
+def plan_opening(snapshot: Snapshot) -> tuple[Bool[Array, " a"], Bool[Array, " a"], Float[Array, " a"]]:
+    """Return how agents that carry something open a leaf that swings towards them and would hit the object.
+
+    They go beyond its free edge, within reach but clear of its swing, turn to it and open it.
+
+    Args:
+        snapshot: The environment; agents have hands.
+
+    Returns:
+        Whether each agent is busy with that; whether it is in place to open it; heading to turn to [rad].
+    """
+    pos, holds = snapshot.pose.pos, snapshot.held >= 0
+    if not snapshot.door_angle.shape[0]:
+        return jnp.zeros_like(holds), jnp.zeros_like(holds), snapshot.pose.yaw
+    away, way = _leaf_offsets(snapshot, pos, is_shut(snapshot))
+    leaf, agents = jnp.argmin(away, axis=1), jnp.arange(pos.shape[0])
+    _, turn, arc = _hinge_coordinates(snapshot, pos)
+    before = ((turn > 0) & (turn < arc + SWING_CLEARANCE_ANGLE))[agents, leaf]  # not behind it, nor behind a wall
+    near, towards = (away[agents, leaf] < jnp.float32(CARRY_OPEN_DISTANCE)) & before, way[agents, leaf]
+    face = jnp.arctan2(towards[:, 1], towards[:, 0])
+    place, radius = carried_discs(snapshot, face)
+    own = jnp.full_like(radius, snapshot.bank.spec.agent_radius)
+    discs = (pos, own), (jnp.concatenate([place, pos[:, 2:]], axis=1), radius)
+    swept = jnp.any(jnp.stack([is_swept(snapshot, *disc)[agents, leaf] for disc in discs]), axis=0)
+    reach = jnp.linalg.norm(place - pos[:, :2], axis=-1) + radius
+    beyond = _edge_positions(snapshot, leaf, reach) - pos[:, :2]
+    face = jnp.where(swept, jnp.arctan2(beyond[:, 1], beyond[:, 0]), face)
+    return holds & (swept | near), holds & near & ~swept, face
+
+
+def _house_leaves(snapshot: Snapshot) -> DoorLeaves:
+    return jax.tree.map(lambda x: x[snapshot.house], DoorLeaves.from_physics(snapshot.bank.physics))
+
+
+def _swing_angles(snapshot: Snapshot, leaves: DoorLeaves) -> tuple[Float[Array, " h"], Float[Array, " h"]]:
+    """Return current directions of leaves, and their angles until they are wide open [rad]."""
+    now = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle
+    return now, snapshot.bank.physics.door_fully_open[snapshot.house] - snapshot.door_angle
+
+
+def _hinge_coordinates(
+    snapshot: Snapshot, place: Float[Array, "n 3"]
+) -> tuple[Float[Array, "n h"], Float[Array, "n h"], Float[Array, " h"]]:
+    """Return distances of positions to hinges [m], and angles by which leaves open [rad].
+
+    The first angles end where the leaf points at the position, the second ones where it is wide open.
+    """
+    leaves = _house_leaves(snapshot)
+    offset = place[:, None, :2] - leaves.pivot[None]
+    now, opens = _swing_angles(snapshot, leaves)
+    turn = wrap_angle(jnp.arctan2(offset[..., 1], offset[..., 0]) - now) * jnp.sign(opens)
+    return jnp.maximum(jnp.linalg.norm(offset, axis=-1), 1e-3), turn, jnp.abs(opens)
+
+
+def _edge_positions(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Array, " a"]) -> Float[Array, "a 2"]:
+    """Return positions at a distance beyond the free edges of leaves, a little to their opening side [m]."""
+    leaves = _house_leaves(snapshot)
+    now, opens = _swing_angles(snapshot, leaves)
+    angle = now + jnp.sign(opens) * SWING_CLEARANCE_ANGLE
+    far = 2 * jnp.sqrt(leaves.hinge_distance_sq)[leaf] + spare
+    way = jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)[leaf]
+    return leaves.pivot[leaf] + way * far[:, None]
+
+
+def cell_cost_factors(snapshot: Snapshot) -> Float[Array, "levels rows columns"]:
+    """Return the `cost_factors` of all cells of the house's grids, for no particular agent."""
+    bank, house = snapshot.bank, snapshot.house
+    levels, rows, columns = bank.navigation.room.shape[1:]
+    y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) for n in (rows, columns))
+    origin, floor = bank.navigation.origin[house], bank.navigation.floor[house]
+    z, y, x = jnp.meshgrid(floor[:levels], y + origin[1], x + origin[0], indexing="ij")
+    place = jnp.stack([x, y, z], axis=-1).reshape(-1, 3)
+    return cost_factors(snapshot, place).reshape(levels, rows, columns)

@@ -1,0 +1,211 @@
+"""Grasp aiming of experts: at an object, to pick it up, or at a free spot, to put an object there."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import wrap_angle
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.env.actions import PITCH_TOLERANCE, action_names
+from home_mjx.tasks.env.hand_actions import cast_past_hand, held_object_ids, is_in_reach
+from home_mjx.tasks.rules.enums import FAILURE, Feature
+from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.sensors.cameras import eye_position
+from home_mjx.tasks.sensors.reachability import MIN_VISIBLE_POINTS, RAY_TOLERANCE, free_spots, pick_points, plan_radius
+
+MAX_AIM_ERROR = 0.04  # [rad], maximum angle from the view centre at which hands reach their target
+STEPS_PER_AIM = 24  # [steps] with one choice of aim point
+RETREAT_PERIOD = (
+    96  # [steps], period; in its last `STEPS_PER_AIM` steps an agent moves away, because its attempts have failed
+)
+AIM_VARIATION = 0.3  # [rad], amplitude of the variation of aim points between attempts
+GOLDEN_ANGLE = 2.4  # [rad], angle between successive directions of moving away
+
+
+class GraspPlan(Pytree):
+    """Command and aim of each agent's hand."""
+
+    pick: Bool[Array, " a"]  # pick up the object that the guide selects
+    place: Bool[Array, " a"]  # put the held object on the one that the guide selects
+    drop: Bool[Array, " a"]  # drop an object that the guide does not select
+    can_aim: Bool[Array, " a"]  # the target can be aimed at from here
+    turn: Float[Array, " a"]  # [rad], to the left, until the target is at the view centre
+    tilt: Float[Array, " a"]  # [rad], up
+
+
+def plan_grasp(
+    snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Float[Array, "a 2 3"]
+) -> GraspPlan:
+    """Return hand commands for the current stage, and the aim for them.
+
+    Args:
+        snapshot: The environment.
+        state: State of its row task.
+        values: See `features.FeatureValues`.
+        box: Bounds of the nearest object that the guide selects [m].
+    """
+    guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
+    take, put = _pending_commands(state, values, guide)
+    holds = snapshot.held >= 0
+    helped = MAX_AIM_ERROR + 0.5 * math.radians(snapshot.config.max_aim_angle)
+    tried = (snapshot.step - state.stage_start) // STEPS_PER_AIM
+    turn, tilt, ready = _best_aim(snapshot, *_pick_candidates(snapshot, state, guide, box), tried, helped)
+    for_put = _best_aim(snapshot, *_place_candidates(snapshot, state, guide, box), tried, helped)
+    puts = put & holds
+    turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
+    return GraspPlan(pick=take & ~holds, place=puts, drop=take & holds, can_aim=ready, turn=turn, tilt=tilt)
+
+
+def plan_retreat(
+    snapshot: Snapshot, state: RowState, dropped: Bool[Array, " a"]
+) -> tuple[Bool[Array, " a"], Int[Array, " a"], Float[Array, " a"]]:
+    """Return whether agents should move away, because the current stage has made no progress for long.
+
+    Stages of a dropped object restart again and again: for these the time of the whole episode counts.
+
+    Args:
+        snapshot: The environment.
+        state: State of its row task.
+        dropped: True if the object that an agent targets has been held before.
+
+    Returns:
+        Whether to move away; number of times before; direction to move in [rad].
+    """
+    time = jnp.where(dropped, snapshot.step, snapshot.step - state.stage_start)
+    before = time // RETREAT_PERIOD
+    return (
+        time % RETREAT_PERIOD >= RETREAT_PERIOD - STEPS_PER_AIM,
+        before,
+        (before + 1).astype(jnp.float32) * jnp.float32(GOLDEN_ANGLE),
+    )
+
+
+def add_hand_commands(config: EnvConfig, actions: Array, grip: GraspPlan, aims: Bool[Array, " a"]) -> Array:
+    """Add hand commands to actions.
+
+    Args:
+        config: Options.
+        actions: Moves and looks.
+        grip: Hand commands.
+        aims: True for agents in place for the command, with its target at the view centre.
+    """
+    names, picks = action_names(config), (grip.pick | grip.place) & aims
+    if config.discrete is not None:
+        actions = jnp.where(picks, names.index("pick"), actions)
+        return jnp.where(grip.drop, names.index("drop"), actions).astype(jnp.int32)
+    pick = jnp.where(grip.drop, -1.0, jnp.where(picks, 1.0, 0.0))
+    return actions.at[:, names.index("pick")].set(pick)
+
+
+def add_door_commands(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> Array:
+    """Add commands to open the door in view to the actions of some agents."""
+    names = action_names(config)
+    if config.discrete is not None:
+        return jnp.where(opens, names.index("open"), actions).astype(jnp.int32)
+    return actions.at[:, names.index("turn_door")].set(jnp.where(opens, 1.0, 0.0))
+
+
+def is_aimed(config: EnvConfig, grip: GraspPlan) -> Bool[Array, " a"]:
+    """Return whether no turn and no look would move the view centre closer to the hand's target."""
+    if config.discrete is None:
+        return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(MAX_AIM_ERROR / 2)
+    half, step = (math.radians(x) / 2 + 2e-3 for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
+    return (jnp.abs(grip.turn) < half) & (jnp.abs(grip.tilt) < step)
+
+
+def _pending_commands(
+    state: RowState, values: Float[Array, "feature a d d"], guide: Int[Array, ""]
+) -> tuple[Bool[Array, " a"], Bool[Array, " a"]]:
+    """Return whether the current stage needs the guide's object picked up, or the held object put down."""
+    program, stage = state.program, state.stage
+
+    def leads_on(values: Array) -> Bool[Array, ""]:
+        after, _, taken = take_transition(program, stage, evaluate_conditions(program, values))
+        return taken & (after != FAILURE)
+
+    held = values[Feature.HELD, :, guide, 0] > 0
+    done = values.at[Feature.STOPPED].set(1.0)
+    down = done.at[Feature.ON].set(1.0).at[Feature.HELD].set(0.0)
+    agents = values.shape[1:2]
+    idle = ~leads_on(values)
+    take = idle & leads_on(values.at[Feature.HELD, :, guide].set(1.0)) & ~held
+    put = idle & ~leads_on(done) & leads_on(down)
+    return jnp.broadcast_to(take, agents), jnp.broadcast_to(put & ~take, agents)
+
+
+def _pick_candidates(
+    snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
+) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
+    """Return points of the nearest object [m], and which of them are visible and within reach."""
+    config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
+    points = jax.vmap(pick_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
+    way = points - eyes[:, None]
+    way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
+    hit = cast_past_hand(config, snapshot, eyes, way)
+    meant = state.targets.instance[guide]
+    own = (hit.instance >= 0) & (hit.instance < meant.shape[0])
+    own = own & meant[jnp.clip(hit.instance, 0, meant.shape[0] - 1)]
+    seen = jnp.where(own[..., None], eyes[:, None] + way * jnp.where(own, hit.t, 0.0)[..., None], points)
+    fits = own & is_in_reach(config, snapshot, seen)
+    return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= MIN_VISIBLE_POINTS)
+
+
+def _place_candidates(
+    snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
+) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
+    """Return spots on the nearest object [m], and which of them are free, visible and within reach."""
+    config, bank, house = snapshot.config, snapshot.bank, snapshot.house
+    eyes, carried = eye_position(config, snapshot.pose), held_object_ids(snapshot)
+    body, physics = jnp.maximum(snapshot.held, 0), bank.physics
+    radius = jax.vmap(plan_radius)(physics.body_size[house, body], physics.body_quat[house, body])
+
+    def one(box: Array, radius: Array, carried: Array) -> tuple[Array, Array]:
+        return free_spots(snapshot.scene, box, state.targets.instance[guide], radius, carried)
+
+    points, free = jax.vmap(one)(jnp.where(jnp.isfinite(box), box, 0.0), radius, carried)
+    way = points - eyes[:, None]
+    length = jnp.linalg.norm(way, axis=-1)
+    hit = cast_past_hand(config, snapshot, eyes, way / length[..., None])
+    return points, free & (hit.t >= length - RAY_TOLERANCE) & is_in_reach(config, snapshot, points)
+
+
+def _best_aim(
+    snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], tried: Int[Array, ""], most: float
+) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
+    """Return turn and tilt to the best aim point [rad], and whether their error is at most `most`.
+
+    Discrete actions turn and tilt by whole steps: the usable point with the smallest remaining error is preferred.
+    """
+    config, pose = snapshot.config, snapshot.pose
+    offset = points - eye_position(config, pose)[:, None]
+    away = jnp.linalg.norm(offset[..., :2], axis=-1)
+    turn = jnp.arctan2(offset[..., 1], offset[..., 0]) - pose.yaw[:, None]
+    turn = wrap_angle(turn)
+    tilt = jnp.arctan2(offset[..., 2], jnp.maximum(away, 1e-3)) - pose.pitch[:, None]
+    done = _round_to_steps(config, turn, tilt, pose.pitch)
+    miss = jnp.hypot(turn - done[0], tilt - done[1])
+    number = jnp.arange(points.shape[1], dtype=jnp.float32)
+    varied = jnp.sin(number * tried.astype(jnp.float32))
+    cost = miss + jnp.float32(AIM_VARIATION) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
+    near_enough = miss <= jnp.float32(most)
+    rank = jnp.where(fits & near_enough, 0.0, jnp.where(fits, 10.0, 20.0))
+    best = jnp.argmin(cost + rank, axis=-1)
+    agents = jnp.arange(points.shape[0])
+    return done[0][agents, best], done[1][agents, best], jnp.any(fits & near_enough, axis=-1)
+
+
+def _round_to_steps(
+    config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"], pitch: Float[Array, " a"]
+) -> tuple[Float[Array, "a p"], Float[Array, "a p"]]:
+    """Round turns and tilts to the nearest ones that actions can produce [rad]."""
+    most, pitch = jnp.float32(config.max_pitch + PITCH_TOLERANCE), pitch[:, None]
+    if config.discrete is None:
+        return turn, jnp.clip(pitch + tilt, -most, most) - pitch
+    step, rise = (jnp.float32(math.radians(x)) for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
+    up, down = jnp.floor((most - pitch) / rise), -jnp.floor((most + pitch) / rise)
+    return jnp.round(turn / step) * step, jnp.clip(jnp.round(tilt / rise), down, up) * rise

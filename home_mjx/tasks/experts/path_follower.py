@@ -1,0 +1,293 @@
+"""Expert policy: follow the shortest path, turn to the target, stop as the task requires."""
+
+import math
+from typing import Protocol, runtime_checkable
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.core.transforms import wrap_angle
+from home_mjx.navigation.grid import stored_distance
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.env.actions import action_names
+from home_mjx.tasks.experts.carry_clearance import (
+    MAX_FIELD_DISPLACEMENT,
+    MIN_DROPPED_DISPLACEMENT,
+    choose_clear_turns,
+    displacements,
+    has_hands,
+    pick_distance,
+)
+from home_mjx.tasks.experts.door_avoidance import is_facing_shut_leaf, plan_opening
+from home_mjx.tasks.experts.field_descent import circle_distance, descend_field
+from home_mjx.tasks.experts.grasp_aiming import add_door_commands, add_hand_commands, is_aimed, plan_grasp, plan_retreat
+from home_mjx.tasks.experts.speech import insert_words
+from home_mjx.tasks.rules.enums import FAILURE, Attribute, Feature, TargetKind
+from home_mjx.tasks.rules.features import FeatureValues, compute_features, is_in_target_room
+from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+from home_mjx.tasks.sensors.visibility import EYE_OFFSETS, is_unobstructed
+
+MAX_TARGET_LAG = 0.2  # [m], maximum distance that a moving target gains until `stop` takes effect
+DISTANCE_MARGIN = 0.1  # [m], by which agents with hands go closer than required, because carried objects push
+CONTACT_DISTANCE_MARGIN = 0.05  # [m], the same in contact, where a carried object may keep the agent away
+MAX_RETREATS = 2  # rounds of `plan_retreat` after which objects are picked up from any position
+OPEN_PERIOD = 6  # [steps] between attempts to open a door; in between the agent moves clear or through
+IDLE_TURN = 1.0  # [rad], turn of a waiting agent, because no action is idle
+MAX_DOOR_HEADING_ERROR = 0.1  # [rad], maximum heading error of an agent that opens a door
+MAX_WALK_HEADING_ERROR = 0.8  # [rad], heading error above which an agent turns before it walks
+
+
+@runtime_checkable
+class HasExpert(Protocol):
+    """State of a task with its own expert."""
+
+    def expert(self, snapshot: Snapshot) -> Array:
+        """Return the current actions of every acting agent."""
+        ...
+
+
+def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
+    """Return the expert's current action for every agent.
+
+    Args:
+        snapshot: The environment.
+        state: State of its task: a `RowState`, or one with its own expert.
+
+    Returns:
+        Actions in the environment's format, with an axis of all agents, or of the acting ones if the task has its own
+        expert.
+
+    Example:
+        >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP
+    """
+    if isinstance(state, HasExpert):
+        return state.expert(snapshot)
+    config, program, looked = snapshot.config, state.program, current_features(snapshot, state)
+    values, box = looked.values, looked.nearest_box
+    guide = jnp.maximum(program.guide[jnp.maximum(state.stage, 0)], 0)
+    later = pessimistic_features(snapshot, state, looked)
+    stop, (way, there) = should_stop(state, later), heading_to_target(snapshot, state, guide, box[:, guide])
+    if not has_hands(snapshot):
+        error, tilt, near = plan_view(snapshot, state, looked, way, there)
+        waits = should_wait(state, values)
+        actions = to_actions(config, jnp.where(waits, IDLE_TURN, error), tilt, near | waits, stop)
+        return insert_words(snapshot, state, values, actions)
+    farther = values.at[Feature.DISTANCE].add(DISTANCE_MARGIN)  # carried objects push
+    spare = jnp.where(snapshot.in_contact, CONTACT_DISTANCE_MARGIN, DISTANCE_MARGIN)[:, None, None]
+    stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(spare)))
+    grip = plan_grasp(snapshot, state, values, box[:, guide])
+    works = (grip.pick | grip.place) & ~stop
+    meant = state.targets.instance[guide]
+    dropped = displacements(snapshot, meant, box[:, guide].mean(axis=1)) > MIN_DROPPED_DISPLACEMENT
+    goes, before, where = plan_retreat(snapshot, state, dropped)
+    busy, right, face = plan_opening(snapshot)
+    busy = busy & ~goes & (before % 2 == 0)  # skipped in every second round, because it may not help
+    stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.in_contact | (before > 0))  # by its carried object
+    way = jnp.where(stuck, where, way)
+    # Rows lead to positions from which objects can be carried away: pick up there, even if reachable before.
+    settles = grip.place | dropped | snapshot.in_contact | (before >= MAX_RETREATS)
+    stands = works & (there | (grip.can_aim & settles)) & ~goes
+    error, tilt, near = plan_view(snapshot, state, looked.replace(values=farther), way, there & ~works)
+    heading = jnp.where(goes & (there | snapshot.in_contact), where, way)
+    walks = wrap_angle(heading - snapshot.pose.yaw)
+    error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
+    tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
+    busy &= ~stands & ~stop
+    error, near = jnp.where(busy, wrap_angle(face - snapshot.pose.yaw), error), jnp.where(busy, right, near)
+    waits = should_wait(state, values)
+    error, near = jnp.where(waits, IDLE_TURN, error), near | waits
+    actions = to_actions(config, choose_clear_turns(snapshot, error), tilt, near, stop)
+    actions = add_hand_commands(config, actions, grip, stands & is_aimed(config, grip))
+    faces = jnp.where(
+        busy, right & (jnp.abs(error) < MAX_DOOR_HEADING_ERROR), is_facing_shut_leaf(snapshot, snapshot.pose.yaw)
+    )
+    actions = add_door_commands(config, actions, faces & ~stands & ~stop & (snapshot.step % OPEN_PERIOD == 0))
+    return insert_words(snapshot, state, values, actions)
+
+
+def current_features(snapshot: Snapshot, state: RowState) -> FeatureValues:
+    """Return the current feature values: from the task's state if it keeps them, else computed anew."""
+    time = snapshot.step - state.stage_start
+    if state.features is None:
+        return compute_features(snapshot, state.program, state.targets, snapshot.tasks.field, time)
+    return state.features.replace(values=state.features.values.at[Feature.TIME].set(time.astype(jnp.float32)))
+
+
+def plan_view(
+    snapshot: Snapshot,
+    state: RowState,
+    looked: FeatureValues,
+    path_heading: Float[Array, " a"],
+    at_end: Bool[Array, " a"],
+) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
+    """Return turn to the left and tilt up [rad]: along the path, or to the guide's target if only a look is missing.
+
+    Args:
+        snapshot: The environment.
+        state: State of its row task.
+        looked: See `current_features`.
+        path_heading: Heading of the path [rad].
+        at_end: True if the path ends here.
+
+    Returns:
+        Turn, tilt, and which agents stop to look.
+    """
+    guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
+    points, free = looked.sight_points[:, guide], looked.is_sight_free[:, guide]
+    agents = jnp.arange(points.shape[0])
+    offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
+    is_thing = state.program.descriptor[guide, Attribute.KIND] == TargetKind.OBJECT
+    # An agent that does not see the target from its viewpoint walks on to the centre of the cell.
+    near = is_thing & jnp.any(free, axis=-1) & (at_end | should_look(state, looked.values))
+    faces = jnp.arctan2(offset[:, 1], offset[:, 0])
+    heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, path_heading)
+    level = jnp.linalg.norm(offset[:, :2], axis=-1)
+    rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
+    return wrap_angle(heading - snapshot.pose.yaw), rise - snapshot.pose.pitch, near
+
+
+def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+    """Return whether a transition of the current stage needs only a look or a `stop` of each agent."""
+    turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
+    after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, turned))
+    return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
+
+
+def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureValues) -> Float[Array, "feature a d d"]:
+    """Return feature values with margins for the step in which `stop` takes effect, one step later.
+
+    A collision must not push an agent out of its room by then, and a moving target must stay visible and close.
+    """
+    values, walks, shifts = (
+        looked.values,
+        jnp.any(state.sound_events.speed > 0),
+        jnp.asarray(EYE_OFFSETS[1:], jnp.float32),
+    )
+
+    def shifted(shift: Float[Array, "3"]) -> Bool[Array, "a d"]:
+        pose = snapshot.pose.replace(pos=snapshot.pose.pos + shift)
+        return is_in_target_room(snapshot.replace(pose=pose), state.targets)
+
+    deep = jnp.all(jax.vmap(shifted)(shifts), axis=0) | snapshot.in_contact[:, None]
+    values = values.at[Feature.INSIDE].multiply(deep.astype(jnp.float32)[:, :, None])
+    target = jnp.maximum(state.sound_events.emitter[0], 0).astype(jnp.int32)
+    eyes, own = eye_position(snapshot.config, snapshot.pose), agent_ids(snapshot.bank, values.shape[1])
+    box = looked.nearest_box[:, target]
+    free = jax.vmap(is_unobstructed, (None, 0, 0, 0, 0))(
+        snapshot.scene, eyes, box, box.mean(axis=1)[:, None] + shifts, own
+    )
+    shows = jnp.all(free, axis=-1)[:, None, None] | ~walks
+    values = values.at[Feature.CLEAR].multiply(shows.astype(jnp.float32))
+    return values.at[Feature.STRAIGHT].add(jnp.where(walks, MAX_TARGET_LAG, 0.0))
+
+
+def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+    """Return whether a transition of the current stage needs only time."""
+    later = values.at[Feature.TIME].set(jnp.inf)
+    after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, later))
+    quiet = take_transition(state.program, state.stage, evaluate_conditions(state.program, values))[2]
+    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE), values.shape[1:2])
+
+
+def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+    """Return whether a transition of the current stage needs only the `stop` of each agent."""
+    program = state.program
+    said = values.at[Feature.STOPPED].set(1.0)
+    after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
+    quiet = take_transition(program, state.stage, evaluate_conditions(program, values))[2]
+    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE), values.shape[1:2])
+
+
+def heading_to_target(
+    snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
+) -> tuple[Float[Array, " a"], Bool[Array, " a"]]:
+    """Return the heading of the shortest path to a descriptor's target [rad], and whether the path ends here.
+
+    Each agent can walk straight along it, see `descend_field`; inside a target room it walks on. The field of a dropped
+    object is
+    outdated: agents head for its current position.
+
+    Args:
+        snapshot: The environment.
+        state: State of its row task.
+        guide: Index of the descriptor.
+        box: Bounds of the nearest object that it selects [m].
+    """
+    moves, column = snapshot.config.discrete, jnp.maximum(state.program.field[guide], 0).astype(jnp.int32)
+    least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # a further step would overshoot
+    is_room = (
+        state.program.descriptor[guide, Attribute.KIND] == TargetKind.ROOM
+    )  # any position beyond its threshold counts
+    within = jnp.where(is_room, jnp.inf, 0.0)
+    middle = box.mean(axis=1)
+    away, apart = displacements(snapshot, state.targets.instance[guide], middle), pick_distance(snapshot, middle)
+
+    def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
+        def far(places: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
+            known = stored_distance(snapshot.tasks.field, cell, column)
+            if not has_hands(snapshot):
+                return known
+            now = circle_distance(snapshot, places, middle[agent], apart[agent])
+            return jnp.where(away[agent] > MAX_FIELD_DISPLACEMENT, now, known)
+
+        return descend_field(snapshot, agent, far, least, within)
+
+    aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
+    aim = aim - snapshot.pose.pos[:, :2]
+    inwards = there & is_room  # straight on, away from the threshold
+    return jnp.where(inwards, snapshot.pose.yaw, jnp.arctan2(aim[:, 1], aim[:, 0])), there & ~is_room
+
+
+def turn_towards(
+    snapshot: Snapshot, aim: Float[Array, "a 2"], agents: Int[Array, " a"] | None = None
+) -> Float[Array, " a"]:
+    """Return the turns to the left after which agents face positions [rad].
+
+    Args:
+        snapshot: The environment.
+        aim: Position for each agent [m].
+        agents: Indices of the agents; None: all.
+    """
+    pose = snapshot.pose
+    pos, yaw = (pose.pos, pose.yaw) if agents is None else (pose.pos[agents], pose.yaw[agents])
+    way = aim - pos[:, :2]
+    return wrap_angle(jnp.arctan2(way[:, 1], way[:, 0]) - yaw)
+
+
+def to_actions(
+    config: EnvConfig,
+    error: Float[Array, " a"],
+    tilt: Float[Array, " a"],
+    hold: Bool[Array, " a"],
+    stop: Bool[Array, " a"],
+) -> Array:
+    """Return actions that turn by `error` to the left and tilt by `tilt` up [rad] and, unless `hold`, walk forward."""
+    if config.discrete is None:
+        return _continuous(config, error, tilt, hold, stop)
+    return _discrete(config, error, tilt, hold, stop)
+
+
+def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Float[Array, "a n"]:
+    dt = config.timing.ctrl_dt
+    rates = jnp.array([body.turn_rate for body in config.agents], jnp.float32)
+    forward = jnp.where(jnp.abs(error) < MAX_WALK_HEADING_ERROR, jnp.cos(error), 0.0)
+    forward = jnp.where(near | stop, 0.0, forward)
+    turn, look = jnp.clip(error / (rates * dt), -1, 1), jnp.clip(tilt / (config.max_pitch_rate * dt), -1, 1)
+    actions = jnp.zeros((error.shape[0], len(action_names(config))), jnp.float32)
+    return actions.at[:, 0].set(forward).at[:, 2].set(turn).at[:, 3].set(look)
+
+
+def _discrete(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Int[Array, " a"]:
+    moves, names = config.discrete, action_names(config)
+    assert moves is not None
+    half, step = math.radians(moves.turn_angle) / 2, math.radians(moves.tilt_angle) / 2
+    turn = jnp.where(error > 0, names.index("turn_left"), names.index("turn_right"))
+    look = jnp.where(tilt > 0, names.index("look_up"), names.index("look_down"))
+    there = jnp.where(jnp.abs(tilt) > step, look, names.index("move_forward"))
+    ahead = jnp.where(near, there, names.index("move_forward"))
+    chosen = jnp.where(jnp.abs(error) > half + 1e-3, turn, ahead)
+    return jnp.where(stop, names.index("stop"), chosen).astype(jnp.int32)

@@ -1,0 +1,96 @@
+"""Resolution of a row's descriptors to instances and rooms of a house; on the device and, batched, from the host."""
+
+import functools
+import operator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.pytree import Pytree
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rules.enums import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
+
+# Columns of the semantic table by word; an object matches if any of them has the word's value.
+SEMANTIC_COLUMNS = {
+    Attribute.FINE: (Semantic.FINE,),
+    Attribute.COARSE: (Semantic.COARSE,),
+    Attribute.COLOR: (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3),
+    Attribute.MATERIAL: (Semantic.MATERIAL,),
+    Attribute.SIZE: (Semantic.SIZE,),
+    Attribute.ROOM_TYPE: (Semantic.ROOM_TYPE,),
+    Attribute.OBJECT_ID: (Semantic.OBJECT,),
+    Attribute.ROOM: (Semantic.ROOM,),
+}
+SUPPORT_COLUMNS = {Attribute.ON: Semantic.SUPPORTER, Attribute.IN: Semantic.CONTAINER}
+
+
+class ResolvedTargets(Pytree):
+    """Resolved targets of d descriptors in a house."""
+
+    instance: Bool[Array, "d i"]  # target instances of objects
+    room: Bool[Array, "d r"]  # target rooms
+
+
+def resolve_targets(bank: HouseBank, house: Int[Array, ""], descriptor: Int[Array, "d words"]) -> ResolvedTargets:
+    """Resolve a row's descriptors to instances and rooms, by the house's compiled semantics.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        descriptor: Descriptors, with the columns of `Attribute`.
+    """
+    geometry, types = bank.geometry, bank.navigation.room_type[house]
+    known = geometry.instance_object[house] >= 0
+    rows = jnp.where(known[:, None], bank.semantics[geometry.instance_semantic[house]], ANY)
+    return ResolvedTargets(instance=_match_instances(rows, known, descriptor), room=_match_rooms(types, descriptor))
+
+
+def _match_instances(
+    rows: Int[Array, "i columns"], known: Bool[Array, " i"], descriptor: Int[Array, "d words"]
+) -> Bool[Array, "d i"]:
+    fits = known[None] & (descriptor[:, Attribute.KIND, None] == TargetKind.OBJECT)
+    for word, columns in SEMANTIC_COLUMNS.items():
+        value = descriptor[:, word, None]
+        same = functools.reduce(operator.or_, [rows[None, :, column] == value for column in columns])
+        fits = fits & ((value == ANY) | same)
+    return _filter_supported(rows, fits, descriptor)
+
+
+def _filter_supported(
+    rows: Int[Array, "i columns"], fits: Bool[Array, "d i"], descriptor: Int[Array, "d words"]
+) -> Bool[Array, "d i"]:
+    """Keep the instances that are on or in a target of another descriptor.
+
+    That descriptor's own words `ON` and `IN` are ignored: relations are not nested.
+    """
+    found = fits
+    for word, column in SUPPORT_COLUMNS.items():
+        other = descriptor[:, word]
+        carries = (rows[:, None, Semantic.OBJECT] == rows[None, :, column]) & (rows[None, :, column] != ANY)
+        chosen = jnp.take(fits, jnp.clip(other, 0, NUM_DESCRIPTORS - 1), axis=0)  # targets of that descriptor
+        carried = jnp.any(chosen[:, :, None] & carries[None], axis=1)
+        found = found & ((other[:, None] == ANY) | carried)
+    return found
+
+
+def _match_rooms(types: Int[Array, " r"], descriptor: Int[Array, "d words"]) -> Bool[Array, "d r"]:
+    kind, number = descriptor[:, Attribute.ROOM_TYPE, None], descriptor[:, Attribute.ROOM, None]
+    fits = (descriptor[:, Attribute.KIND, None] == TargetKind.ROOM) & (types[None] != ANY)
+    fits = fits & ((kind == ANY) | (types[None] == kind))
+    return fits & ((number == ANY) | (jnp.arange(types.shape[0])[None] == number))
+
+
+def resolve_targets_on_host(bank: HouseBank, house: int, descriptors: np.ndarray) -> ResolvedTargets:
+    """Resolve the descriptors of many rows at once; NumPy arrays with a leading axis of rows."""
+    room = 1 << (len(descriptors) - 1).bit_length()  # a power of two, as every size is compiled separately
+    whole = np.full((room, *descriptors.shape[1:]), ANY, np.int32)
+    whole[: len(descriptors)] = descriptors
+    return jax.tree.map(lambda x: np.asarray(x)[: len(descriptors)], _resolve_many(bank, jnp.int32(house), whole))
+
+
+_resolve_many = jax.jit(
+    jax.vmap(resolve_targets, (None, None, 0))
+)  # at module level, so that it is compiled once for all houses
